@@ -1,0 +1,101 @@
+# Two commands matter: `make demo` and `make test`. Each does all of its own set-up, once, in .venv.
+# Needs Linux on x86_64, python3.11 or python3.12 and its venv module; or a sourced ROS 2 Jazzy.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+MAKEFLAGS += --no-builtin-rules
+
+VENV := .venv
+PYTHON := $(VENV)/bin/python
+STAMPS := $(VENV)/.stamps
+
+# A sourced ROS is used as it is: its Python, its rclpy. Without one, the wheels of requirements.txt stand in.
+# env -u: the variables of another wheel environment must not leak into the one made here.
+CLEAN := env -u _ROS_WHEELS_BOOTSTRAP_COMPLETE
+ROS := $(if $(AMENT_PREFIX_PATH),$(shell python3 -c 'import rclpy; print("sourced")' 2>/dev/null))
+ifeq ($(ROS),sourced)
+  CANDIDATES := python3
+  VENV_FLAGS := --system-site-packages
+  # Its numpy (1.26 on Ubuntu 24.04) stays, and so does everything ROS.
+  NOT_PINNED := -e '^numpy==' -e '^setuptools==' -e '^ros-'
+  INSTEAD_OF_ROS := 'numpy<2'
+  KIND := sourced-ros
+else
+  CANDIDATES := python3.12 python3.11 python3
+  VENV_FLAGS :=
+  NOT_PINNED := -e '^$$'
+  INSTEAD_OF_ROS := setuptools -r requirements.txt
+  KIND := wheels
+endif
+PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
+
+.PHONY: help setup setup-test demo test test-long check clean
+
+help:
+	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
+	@echo 'make test       the test suite'
+	@echo 'make test-long  soaks and large random samples'
+	@echo 'make check      lint, types, layers'
+	@echo 'make setup      the virtual environment in $(VENV) (the others call it)'
+	@echo 'make clean      removes what is generated, except $(VENV) and out/'
+
+$(STAMPS)/venv-$(KIND):
+	@found=''; wanted=''; \
+	for python in $(CANDIDATES); do \
+	  $$python -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))' 2>/dev/null || continue; \
+	  wanted="$${wanted:-$$python}"; \
+	  $$python -c 'import venv, ensurepip' 2>/dev/null || continue; \
+	  found=$$python; break; \
+	done; \
+	if [ -z "$$wanted" ]; then \
+	  echo 'error: Python 3.11 or 3.12 is needed; found neither python3.12, python3.11 nor a python3 of that age' >&2; exit 2; \
+	elif [ -z "$$found" ]; then \
+	  echo "error: $$wanted has no venv module; on Debian and Ubuntu: sudo apt install $$($$wanted -c 'import sys; print("python%d.%d-venv" % sys.version_info[:2])')" >&2; exit 2; \
+	fi; \
+	if [ $(KIND) = wheels ] && [ "$$(uname -s)/$$(uname -m)" != Linux/x86_64 ]; then \
+	  echo "error: the ROS wheels are made for Linux on x86_64, this is $$(uname -s) on $$(uname -m); source a ROS 2 Jazzy and try again" >&2; exit 2; \
+	fi; \
+	if [ -e $(PYTHON) ] && [ -e $(STAMPS) ] && [ ! -e $@ ]; then \
+	  echo 'error: $(VENV) was made $(if $(filter wheels,$(KIND)),with a sourced ROS,without ROS) and does not fit now; remove it: rm -rf $(VENV)' >&2; exit 2; \
+	fi; \
+	[ -e $(PYTHON) ] || { echo "making $(VENV) with $$($$found --version)"; $(CLEAN) $$found -m venv $(VENV_FLAGS) $(VENV); }
+	@mkdir -p $(STAMPS) && touch $(VENV)/COLCON_IGNORE $@
+
+$(STAMPS)/run-$(KIND): $(STAMPS)/venv-$(KIND) requirements.txt constraints.txt setup.py setup.cfg
+	@echo 'installing what the twin needs (0.9 GB, a minute or two)'
+	@grep -v $(NOT_PINNED) constraints.txt > $(STAMPS)/constraints.txt
+	@$(PIP) $(INSTEAD_OF_ROS)
+	@$(PIP) --no-build-isolation --editable .
+	@echo "compiling the physics of the paper's scene (half a minute)"
+	@$(PYTHON) -c "from drill_twin.scene import load_scene; from drill_twin.session import Session; Session(load_scene('pa6_bench'))"
+	@touch $@
+
+$(STAMPS)/test-$(KIND): $(STAMPS)/run-$(KIND)
+	@echo 'installing what the tests need'
+	@$(PIP) --no-build-isolation --editable '.[test]'
+	@touch $@
+
+setup: $(STAMPS)/run-$(KIND)
+
+setup-test: $(STAMPS)/test-$(KIND)
+
+demo: setup
+	@$(PYTHON) -m drill_twin.nodes demo --out out/demo --replace
+
+# Field checks: a message refuses an int where a float belongs, which the wheels would send as rubbish.
+test: setup-test
+	@ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
+
+test-long: setup-test
+	@ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest -m long
+
+check: setup-test
+	@$(PYTHON) -m ruff check .
+	@$(PYTHON) -m ruff format --check .
+	@$(PYTHON) -m mypy
+	@$(VENV)/bin/lint-imports
+
+clean:
+	@rm -rf build install log *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	@find drill_twin test config -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`ros2 launch drill_twin replay.launch.py bag:=PATH`: a bag again, with a fresh analysis of it when asked."""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
+from launch.conditions import IfCondition
+from launch.event_handlers import OnProcessExit
+from launch.events import Shutdown
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+PACKAGE = "drill_twin"
+
+ARGUMENTS = (
+    DeclareLaunchArgument("bag", description="Bag to replay: a folder, or a .mcap or .db3 file."),
+    DeclareLaunchArgument(
+        "rate", default_value="1.0", description="Times as fast as recorded; 0.0: as fast as it goes."
+    ),
+    DeclareLaunchArgument(
+        "loop", default_value="false", choices=["true", "false"], description="Begin again at the end."
+    ),
+    DeclareLaunchArgument(
+        "analyze",
+        default_value="true",
+        choices=["true", "false"],
+        description="Analyse afresh; the recorded findings are then left out.",
+    ),
+    DeclareLaunchArgument("namespace", default_value="", description="Namespace of all nodes and topics."),
+)
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Replayer, and an analyzer beside it when wanted."""
+    analyze = LaunchConfiguration("analyze")
+    left_out = PythonExpression(["'/whirl/state /whirl/motion /whirl/onset' if '", analyze, "' == 'true' else ''"])
+    replayer = _node(
+        "replayer",
+        {
+            "bag": ParameterValue(LaunchConfiguration("bag"), value_type=str),
+            "rate": ParameterValue(LaunchConfiguration("rate"), value_type=float),
+            "loop": ParameterValue(LaunchConfiguration("loop"), value_type=bool),
+            "leave_out": ParameterValue(left_out, value_type=str),
+        },
+    )
+    return LaunchDescription(
+        [
+            *ARGUMENTS,
+            _node("analyzer", {}, condition=IfCondition(analyze)),
+            replayer,
+            RegisterEventHandler(
+                OnProcessExit(target_action=replayer, on_exit=[EmitEvent(event=Shutdown(reason="the bag is over"))])
+            ),
+        ]
+    )
+
+
+def _node(executable: str, parameters: dict[str, object], **more: object) -> Node:
+    defaults = PathJoinSubstitution([FindPackageShare(PACKAGE), "nodes", f"{executable}.yaml"])
+    return Node(
+        package=PACKAGE,
+        executable=executable,
+        name=executable,
+        namespace=LaunchConfiguration("namespace"),
+        parameters=[defaults, parameters],
+        output="screen",
+        sigterm_timeout="10",
+        **more,
+    )

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`ros2 launch drill_twin twin.launch.py`: simulator, rig driver and analyzer, and a recorder when asked."""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
+from launch.conditions import IfCondition
+from launch.event_handlers import OnProcessExit
+from launch.events import Shutdown
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+from launch_ros.substitutions import FindPackageShare
+
+PACKAGE = "drill_twin"
+
+ARGUMENTS = (
+    DeclareLaunchArgument(
+        "scene", default_value="pa6_bench", description="Scene: an installed one by name, or a scene file by path."
+    ),
+    DeclareLaunchArgument(
+        "pace",
+        default_value="realtime",
+        choices=["realtime", "fast", "lockstep"],
+        description="Real time, as fast as possible, or each frame waits for its command.",
+    ),
+    DeclareLaunchArgument("duration", default_value="0.0", description="Simulated seconds; 0.0 runs until stopped."),
+    DeclareLaunchArgument(
+        "wob", default_value="", description='Weight on bit with its unit, as "40 N"; scene\'s if empty.'
+    ),
+    DeclareLaunchArgument("rps", default_value="", description='Speed with its unit, as "2 rev/s"; scene\'s if empty.'),
+    DeclareLaunchArgument("table", default_value="", description="CSV or MAT table of measured set-points to play."),
+    DeclareLaunchArgument("record", default_value="false", choices=["true", "false"], description="Record a bag."),
+    DeclareLaunchArgument("bag", default_value="", description="New folder of the bag; named by date if empty."),
+    DeclareLaunchArgument("namespace", default_value="", description="Namespace of all nodes and topics."),
+)
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Nodes with their parameter files, and what is given on the command line over them."""
+    scene, record = _text("scene"), LaunchConfiguration("record")
+    waited = PythonExpression(["'simulator analyzer recorder' if '", record, "' == 'true' else 'simulator analyzer'"])
+    duration = ParameterValue(LaunchConfiguration("duration"), value_type=float)
+    simulator = _node("simulator", {"scene": scene, "pace": _text("pace"), "duration": duration})
+    driver = {
+        "scene": scene,
+        "weight_on_bit": _text("wob"),
+        "rotation": _text("rps"),
+        "table": _text("table"),
+        "wait_for": ParameterValue(waited, value_type=str),
+    }
+    return LaunchDescription(
+        [
+            *ARGUMENTS,
+            _node("recorder", {"bag": _text("bag")}, condition=IfCondition(record)),
+            _node("analyzer", {}),
+            simulator,
+            _node("rig_driver", driver),
+            RegisterEventHandler(
+                OnProcessExit(target_action=simulator, on_exit=[EmitEvent(event=Shutdown(reason="simulator ended"))])
+            ),
+        ]
+    )
+
+
+def _text(argument: str) -> ParameterValue:
+    """A launch argument as a text parameter, whatever it looks like."""
+    return ParameterValue(LaunchConfiguration(argument), value_type=str)
+
+
+def _node(executable: str, parameters: dict[str, object], **more: object) -> Node:
+    defaults = PathJoinSubstitution([FindPackageShare(PACKAGE), "nodes", f"{executable}.yaml"])
+    return Node(
+        package=PACKAGE,
+        executable=executable,
+        name=executable,
+        namespace=LaunchConfiguration("namespace"),
+        parameters=[defaults, parameters],
+        output="screen",
+        sigterm_timeout="10",
+        **more,
+    )

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line `drill-twin`: everything that needs no ROS, one sub-command a file.
+
+Results go to stdout, all else to stderr. Exit codes: 0 done, 2 an error that is the user's to mend (one line on
+stderr), 130 stopped with Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and end the process with its exit code."""
+    try:
+        code = run_command(list(sys.argv[1:] if arguments is None else arguments))
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader of our output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 1
+    sys.exit(code)
+
+
+def run_command(arguments: Sequence[str]) -> int:
+    """Run one command; returns the exit code."""
+    from typer.main import get_command
+
+    from drill_twin.cli.app import app
+    from drill_twin.errors import DrillTwinError
+
+    try:
+        code = get_command(app).main(list(arguments) or ["--help"], prog_name="drill-twin", standalone_mode=False)
+    except DrillTwinError as error:
+        return _fail(str(error))
+    except KeyboardInterrupt:
+        print("drill-twin: stopped", file=sys.stderr)
+        return INTERRUPTED
+    except Exception as error:
+        if not hasattr(error, "format_message"):  # every error of usage has one, whichever typer and click these are
+            raise
+        context = getattr(error, "ctx", None)
+        command = context.command_path if context else "drill-twin"
+        return _fail(f"{error.format_message().rstrip('.')}; see `{command} --help`")
+    return int(code or 0)
+
+
+def _fail(message: str) -> int:
+    print(f"drill-twin: error: {' '.join(message.split())}", file=sys.stderr)
+    return 2

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The commands, put together; what a command does is imported when it is called, so that --help is quick."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from drill_twin import __version__
+from drill_twin.cli.bags import analyze, report
+from drill_twin.cli.ros import demo, topics
+from drill_twin.cli.run import run
+from drill_twin.cli.scenes import check, scenes, schema
+
+app = typer.Typer(
+    help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. None of it needs ROS, "
+    "but for [bold]demo[/].",
+    epilog='For example: [bold]drill-twin run pa6_bench --wob "40 N" --rps 2 --duration 30 --out out/first --report[/]',
+    rich_markup_mode="rich",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        print(f"drill-twin {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version and exit.", callback=_show_version, is_eager=True)
+    ] = False,
+) -> None:
+    del version
+
+
+_RUN, _LOOK, _ROS = "Simulate and analyse", "Scenes", "ROS"
+app.command(rich_help_panel=_RUN)(run)
+app.command(rich_help_panel=_RUN)(analyze)
+app.command(rich_help_panel=_RUN)(report)
+app.command(rich_help_panel=_LOOK)(scenes)
+app.command(rich_help_panel=_LOOK)(check)
+app.command(rich_help_panel=_LOOK)(schema)
+app.command(
+    rich_help_panel=_ROS,
+    add_help_option=False,
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []},
+)(demo)
+app.command(rich_help_panel=_ROS)(topics)

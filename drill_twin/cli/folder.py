@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where results go: new folders, or ones whose older result is moved aside; files that are not overwritten unasked."""
+
+from __future__ import annotations
+
+import re
+from itertools import count
+from pathlib import Path
+
+from drill_twin.errors import BagError
+
+_OURS = ("bag_0", "summary.json", "report.html")
+
+
+def new_folder(folder: Path, *, replace: bool) -> Path | None:
+    """Make an empty folder; with `replace` a result that is there is moved to `<folder>.old`.
+
+    Returns:
+        Where the older result was moved to, if there was one.
+
+    Raises:
+        BagError: The folder is not empty, or cannot be made.
+    """
+    moved = None
+    try:
+        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+            if not replace:
+                raise BagError(
+                    f"{folder}: expected a new or empty folder, found one with {_inside(folder)} in it; choose another "
+                    "with --out, or --replace to move that aside"
+                )
+            moved = _move_aside(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BagError(
+            f"{folder}: expected a place to write the result, found {error.strerror or error}; "
+            "choose another with --out"
+        ) from error
+    return moved
+
+
+def check_new(file: Path, *, replace: bool) -> None:
+    """See that a file may be written.
+
+    Raises:
+        BagError: It exists, and is not to be replaced or is none.
+    """
+    if file.exists() and not (replace and file.is_file()):
+        raise BagError(f"{file}: expected a new file, found one that exists; choose another, or --replace")
+
+
+def write_file(file: Path, text: str) -> None:
+    """Write a text file; folders are made as needed.
+
+    Raises:
+        BagError: It cannot be written.
+    """
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, "utf-8")
+    except OSError as error:
+        raise BagError(f"{file}: cannot be written: {error.strerror or error}; choose another place") from error
+
+
+def folder_name(text: str) -> str:
+    """A name for a folder from any text."""
+    return re.sub(r"[^\w.-]+", "_", text).strip("._") or "run"
+
+
+def _move_aside(folder: Path) -> Path:
+    if folder.is_symlink() or not folder.is_dir() or not any((folder / name).exists() for name in _OURS):
+        raise BagError(
+            f"{folder}: expected the result of an earlier run to replace, found {_inside(folder)}; choose another with "
+            "--out"
+        )
+    names = (f"{folder.name}.old{'' if number == 1 else number}" for number in count(1))
+    target = next(place for name in names if not (place := folder.with_name(name)).exists())
+    return folder.rename(target)
+
+
+def _inside(folder: Path) -> str:
+    if not folder.is_dir():
+        return "a file"
+    names = sorted(entry.name for entry in folder.iterdir())
+    return ", ".join(names[:3]) + (" and more" if len(names) > 3 else "")

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin run`: simulate a scene, analyse it while it runs, record everything."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
+
+if TYPE_CHECKING:
+    from drill_twin.session import Outcome, Session
+
+INTERRUPTED = 130
+
+
+def run(
+    scene: SceneArgument,
+    wob: Annotated[
+        str, typer.Option("--wob", metavar="FORCE", help='Weight on bit, as "40 N"; a bare number is in N.')
+    ] = "",
+    rps: Annotated[
+        str, typer.Option("--rps", metavar="SPEED", help='Top-drive speed, as "50 rpm"; a bare number is in rev/s.')
+    ] = "",
+    duration: Annotated[
+        str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
+    ] = "",
+    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="New folder of the result.", show_default="out/SCENE")
+    ] = None,
+    replace: ReplaceOption = False,
+    with_report: Annotated[bool, typer.Option("--report", help="Draw the report too.")] = False,
+    json: JsonOption = False,
+) -> None:
+    """Simulate a scene and analyse it: bag and summary.json in a new folder.
+
+    The physics, the analysis and the bag are those of the ROS nodes. Ctrl-C ends the run early and keeps the bag.
+    """
+    from drill_twin.cli.folder import folder_name, new_folder, write_file
+    from drill_twin.cli.show import err, print_findings, print_json
+    from drill_twin.scene import load_scene
+    from drill_twin.schedule import Schedule
+
+    console = err()
+    described = load_scene(scene, overrides=overrides(change, wob=wob, rps=rps, duration=duration))
+    schedule = Schedule.from_scene(described)
+    folder = out or Path("out") / folder_name(described.name)
+    moved = new_folder(folder, replace=replace)
+    if moved:
+        console.print(f"the older result is now {moved}", markup=False, soft_wrap=True)
+    with console.status("compiling the effects of the scene (the first time: about 20 s)"):
+        from drill_twin.session import Session
+
+        session = Session(described, schedule)
+    if schedule.record is not None:
+        console.print(schedule.record.report, markup=False, soft_wrap=True)
+    outcome = _drill(session, folder / "bag_0")
+    if not outcome.finished:
+        console.print(
+            f"stopped at {outcome.simulated:.2f} s; the bag is whole up to there: {outcome.bag} "
+            f"(drill-twin analyze {outcome.bag})",
+            markup=False,
+            soft_wrap=True,
+        )
+        raise typer.Exit(INTERRUPTED)
+    with console.status("analysing the bag"):
+        from drill_twin.report.recording import read_recording
+        from drill_twin.report.summary import summarise, to_json
+
+        recording = read_recording(outcome.bag)
+        summary = summarise(recording)
+        write_file(folder / "summary.json", to_json(summary))
+    if with_report:
+        from drill_twin.cli.bags import draw
+
+        draw(recording, folder)
+    if json:
+        print_json(summary)
+    else:
+        print_findings(summary)
+    console.print(
+        f"{folder}: bag_0, summary.json{', report.html and figures' if with_report else ''}",
+        markup=False,
+        soft_wrap=True,
+    )
+
+
+def _drill(session: Session, bag: Path) -> Outcome:
+    """Run with a progress bar; SIGINT and SIGTERM end it after the frame it is at."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from drill_twin.cli.show import err
+    from drill_twin.session import Progress as State
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:5.1f} of {task.total:g} s"),
+        TimeRemainingColumn(),
+    )
+    announced = False
+    with _stop_request() as asked, Progress(*columns, console=err(), transient=True) as progress:
+        task = progress.add_task("drilling", total=session.schedule.duration)
+
+        def show(state: State) -> None:
+            nonlocal announced
+            findings = state.findings
+            motion = findings.motion.value if findings else "drilling"
+            progress.update(
+                task, completed=state.simulated, description=f"{motion}, {state.realtime_factor:.1f} x real time"
+            )
+            if findings and findings.onset and not announced:
+                announced = True
+                progress.console.print(
+                    f"whirl began at {findings.onset.time_s:.2f} s at {findings.onset.mark}",
+                    markup=False,
+                    soft_wrap=True,
+                )
+
+        return session.run(bag, progress=show, stop=lambda: bool(asked))
+
+
+@contextmanager
+def _stop_request() -> Iterator[list[int]]:
+    """A list that is empty until SIGINT or SIGTERM comes; a second one acts at once, as it would have without this."""
+    asked: list[int] = []
+
+    def ask(number: int, frame: object) -> None:
+        del frame
+        asked.append(number)
+        for name, handler in before.items():
+            signal.signal(name, handler)
+
+    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield asked
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin scenes`, `check` and `schema`: what can be simulated, and whether a scene file is right."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
+
+if TYPE_CHECKING:
+    from drill_twin.scene import Scene
+
+
+def scenes(json: JsonOption = False) -> None:
+    """List the installed scenes."""
+    from drill_twin.cli.show import grid, out, print_json
+    from drill_twin.scene import load_scene, presets
+
+    loaded = {name: (path, load_scene(path)) for name, path in presets().items()}
+    if json:
+        print_json([{"file": str(path), **_facts(scene)} for path, scene in loaded.values()])
+        return
+    rows = (
+        (
+            name,
+            f"{scene.length:g} m",
+            *_set_points(scene),
+            f"{scene.rig.duration:g} s",
+            _first_sentence(scene.description),
+        )
+        for name, (_, scene) in loaded.items()
+    )
+    headings = ("scene", "string", "weight on bit", "rotation", "time", "what it is")
+    out().print(grid(headings, rows, right=(1, 2, 3, 4)))
+
+
+def check(
+    scene: SceneArgument,
+    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    yaml: Annotated[bool, typer.Option("--yaml", help="Print the whole scene, with units and defaults.")] = False,
+    json: JsonOption = False,
+) -> None:
+    """Check a scene file; says what is wrong, where, and what was expected."""
+    from drill_twin.cli.show import out, pairs, print_json
+    from drill_twin.scene import load_scene, scene_path
+    from drill_twin.schedule import Schedule
+
+    described = load_scene(scene, overrides=overrides(change))
+    schedule = Schedule.from_scene(described)
+    if json:
+        print_json({"file": str(scene_path(scene)), **_facts(described)})
+    elif yaml:
+        print(described.to_yaml(), end="")
+    else:
+        out().print(pairs([("scene", f"{scene_path(scene)} is right"), *_lines(described)]))
+        if schedule.record is not None:
+            print(schedule.record.report)
+
+
+def schema(
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write to this file.")] = None,
+    replace: ReplaceOption = False,
+) -> None:
+    """Print the JSON Schema of scene files, from which editors complete and check them."""
+    from drill_twin.cli.folder import check_new, write_file
+    from drill_twin.scene.json_schema import schema_text
+
+    if out is None:
+        print(schema_text(), end="")
+        return
+    check_new(out, replace=replace)
+    write_file(out, schema_text())
+
+
+def _first_sentence(text: str) -> str:
+    words = " ".join(text.split())
+    return re.split(r"(?<=[.:]) ", words, maxsplit=1)[0].rstrip(":")
+
+
+def _set_points(scene: Scene) -> tuple[str, str]:
+    force, turn = scene.rig.weight_on_bit, scene.rig.rotation
+    largest = f"{force.value / 1e3:g} kN" if abs(force.value) >= 1e3 else f"{force.value:g} N"
+    speed = f"{turn.value / math.tau:.3g} rev/s"
+    return ("from a record" if force.shape == "table" else largest, "from a record" if turn.shape == "table" else speed)
+
+
+def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
+    force, turn = _set_points(scene)
+    string = scene.string
+    yield "string", f"{scene.length:g} m, {len(string.sections)} sections, bit end {string.bit_end}"
+    yield "marks", ", ".join(f"{mark.name} ({mark.distance_from_bit:g} m)" for mark in string.marks)
+    yield "hole", f"radius {scene.hole.radius * 1e3:g} mm, inclination {math.degrees(scene.hole.inclination):g} degrees"
+    yield "weight on bit", force
+    yield "rotation", turn
+    yield "duration", f"{scene.rig.duration:g} s"
+    yield "effects", ", ".join(scene.effect_names)
+    yield "elements, step", f"{scene.numerics.elements}, {scene.numerics.step}"
+
+
+def _facts(scene: Scene) -> dict[str, Any]:
+    return {
+        "scene": scene.name,
+        "description": scene.description,
+        "provenance": scene.provenance,
+        "length_m": scene.length,
+        "hole_radius_m": scene.hole.radius,
+        "marks": [mark.name for mark in scene.string.marks],
+        "weight_on_bit_n": scene.rig.weight_on_bit.value,
+        "rotation_rev_s": scene.rig.rotation.value / math.tau,
+        "duration_s": scene.rig.duration,
+        "effects": scene.effect_names,
+    }

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How results look in a terminal: tables on stdout, progress on stderr."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+
+def out() -> Console:
+    """The terminal for results."""
+    return Console(highlight=False)
+
+
+def err() -> Console:
+    """The terminal for progress and remarks."""
+    return Console(stderr=True, highlight=False)
+
+
+def print_json(value: Any) -> None:
+    """JSON on stdout."""
+    print(json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False))
+
+
+def pairs(rows: Iterable[tuple[str, str]]) -> Table:
+    """Names and values, without lines."""
+    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    table.add_column(style="bold", no_wrap=True)
+    for name, value in rows:
+        table.add_row(Text(name), Text(value))
+    return table
+
+
+def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "", right: Sequence[int] = ()) -> Table:
+    """A table with headings; columns whose numbers are in `right` are aligned to the right."""
+    table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", padding=(0, 1), pad_edge=False)
+    for number, column in enumerate(columns):
+        table.add_column(column, justify="right" if number in right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in row))
+    return table
+
+
+def print_findings(summary: Mapping[str, Any]) -> None:
+    """A summary as tables: findings, marks, timeline, and what limits them."""
+    from drill_twin.report.words import findings, provenance, troubles
+
+    console = out()
+    console.print(pairs([*_without_radii(findings(summary)), *provenance(summary)]))
+    console.print(
+        grid(
+            ("mark", "largest radius (of the clearance)", "over the threshold", "motion at the end"),
+            _marks(summary),
+            right=(2,),
+        )
+    )
+    console.print(
+        grid(
+            ("from", "to", "motion of the string", "what decided it"),
+            (
+                (f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"])
+                for period in summary["motion"]
+            ),
+            right=(0, 1),
+        )
+    )
+    for trouble in troubles(summary):
+        err().print(Text(f"note: {trouble}", style="yellow"), soft_wrap=True)
+
+
+def _without_radii(rows: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    return [row for row in rows if not row[0].startswith("largest radius")]
+
+
+def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
+    from drill_twin.report.words import millimetres
+
+    for mark, value in summary["max_radius_m"].items():
+        onset, motion = summary["mark_onset_s"].get(mark), summary["mark_motion"].get(mark)
+        yield (
+            mark,
+            "not seen" if value is None else f"{millimetres(value)} ({value / summary['clearance_m'][mark]:.0%})",
+            "never" if onset is None else f"from {onset:.2f} s",
+            motion[-1]["state"] if motion else "unknown",
+        )

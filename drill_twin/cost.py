@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What simulating costs, for the diagnostics of a node and of a run without ROS."""
+
+from __future__ import annotations
+
+from drill_twin.frame import Frame
+
+
+class Cost:
+    """What simulating costs: over the last second and over all."""
+
+    def __init__(self) -> None:
+        self._all = [0.0, 0.0, 0.0]
+        self._window = [0.0, 0.0, 0.0]
+        self._steps = self._iterations = self._cut = 0
+        self._slowest = 0.0
+
+    def add(self, simulated: float, computing: float, publishing: float, frame: Frame) -> None:
+        """Count one frame; all in seconds."""
+        for total in (self._all, self._window):
+            total[0] += simulated
+            total[1] += computing
+            total[2] += publishing
+        self._steps += frame.stats.steps
+        self._iterations += frame.stats.iterations
+        self._cut += frame.stats.cut_steps
+        self._slowest = max(self._slowest, computing)
+
+    def next_window(self) -> None:
+        """Begin a new second."""
+        self._window = [0.0, 0.0, 0.0]
+
+    @staticmethod
+    def _factor(total: list[float]) -> float:
+        return total[0] / total[1] if total[1] else 0.0
+
+    @property
+    def factor(self) -> float:
+        """Simulated time over the time spent on the physics; 0 before the first frame."""
+        return self._factor(self._all)
+
+    def values(self) -> dict[str, str]:
+        """For the diagnostics. The real-time factor is simulated time over the time spent on the physics."""
+        simulated, _, publishing = self._all
+        return {
+            "realtime_factor": f"{self._factor(self._all):.3f}",
+            "realtime_factor_last_second": f"{self._factor(self._window):.3f}",
+            "slowest_frame_ms": f"{self._slowest * 1e3:.3f}",
+            "publishing_share": f"{publishing / simulated if simulated else 0.0:.4f}",
+            "steps": str(self._steps),
+            "iterations": str(self._iterations),
+            "cut_steps": str(self._cut),
+        }
+
+    def sentence(self) -> str:
+        """The cost in words."""
+        factor = self._factor(self._all)
+        return f"physics runs {factor:.1f} times as fast as real time" if factor else "nothing simulated yet"

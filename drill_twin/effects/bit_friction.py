@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Friction of the spinning bit on the rock: sliding sideways, it is braked as if by a viscous damper."""
+
+from typing import Annotated, Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from drill_twin.effects.block import Block
+from drill_twin.rod.jit import kernel
+from drill_twin.rod.mesh import Rod
+from drill_twin.rod.site import Site
+from drill_twin.rod.types import Array
+from drill_twin.units import Dimensionless, Length, Within
+
+
+class BitFriction(Block):
+    """Lateral spin-slide Coulomb friction of the bit under its weight; about mu P / (Omega radius) at low slip."""
+
+    bit_ends: ClassVar[tuple[str, ...]] = ("sliding", "free")
+    """Ends of the string at which the bit can slide sideways."""
+
+    coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
+    """Friction coefficient of bit on rock [-]."""
+    radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
+    """Effective radius at which the bit rubs [m]; not above the hole's."""
+
+
+class Parameters(NamedTuple):
+    """Coefficient and effective radius of the bit's face [m]."""
+
+    coefficient: float
+    radius: float
+
+
+def parameters(block: BitFriction, site: Site) -> Parameters:
+    """Nothing to prepare."""
+    return Parameters(block.coefficient, block.radius)
+
+
+@kernel
+def end(parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, diagonal: Array) -> None:
+    """Coulomb friction of a face that spins while it slides: mu P v / sqrt(v^2 + (Omega r)^2).
+
+    Spinning turns dry friction into viscous drag mu P / (Omega r) for small v. The couple on the spin goes with it.
+    """
+    law = parameters.bit_friction
+    weight = max(command[0], 0.0)
+    vx, vy, spin = v[0, 0], v[0, 1], v[0, 6]
+    rim = law.radius * spin
+    c = law.coefficient * weight / np.sqrt(vx * vx + vy * vy + rim * rim + 1e-12)
+    d = diagonal[0]
+    d[0, 0] += c
+    d[1, 1] += c
+    d[6, 6] += c * law.radius * law.radius
+    d[0, 7] += c * vx
+    d[1, 7] += c * vy
+    d[6, 7] += c * law.radius * rim
+
+
+def bit_torque(law: Parameters, command: Array, v: Array) -> float:
+    """Torque of the rock on the bit [N m], as `end` applies it."""
+    rim = law.radius * v[0, 6]
+    slide = np.sqrt(v[0, 0] ** 2 + v[0, 1] ** 2 + rim**2 + 1e-12)
+    return float(-law.coefficient * max(command[0], 0.0) * law.radius * rim / slide)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Drag of the fluid around the string, in the fixed frame."""
+
+from typing import Annotated, Any, NamedTuple
+
+from drill_twin.effects.block import Block
+from drill_twin.rod.jit import kernel
+from drill_twin.rod.mesh import Rod
+from drill_twin.rod.point import Point
+from drill_twin.rod.site import Site
+from drill_twin.rod.types import Array
+from drill_twin.units import LinearDrag, RotaryDrag, Within
+
+
+class Drag(Block):
+    """Viscous drag per length of string, against lateral and axial motion and against spin."""
+
+    linear: Annotated[LinearDrag, Within(at_least="0 N s/m^2", at_most="1e6 N s/m^2")]
+    """Force per length and velocity [N s/m^2]."""
+    rotary: Annotated[RotaryDrag, Within(at_least="0 N m s/rad/m", at_most="1e6 N m s/rad/m")] = 0.0
+    """Torque per length and spin rate [N m s/rad/m]."""
+
+
+class Parameters(NamedTuple):
+    """Drag per length: of translation [N s/m2], of rotation [N s]."""
+
+    linear: float
+    rotary: float
+
+
+def parameters(block: Drag, site: Site) -> Parameters:
+    """Uniform along the string."""
+    return Parameters(block.linear, block.rotary)
+
+
+@kernel
+def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+    """Force -c v on the centre line, couple -c_r omega on the spin (paper Eq. 9: opposed and proportional to speed)."""
+    c = parameters.drag.linear
+    load[0] -= c * here.vx
+    load[1] -= c * here.vy
+    load[2] -= c * here.vz
+    load[3] -= parameters.drag.rotary * here.spin_rate
+    stiff[0, 0] += c
+    stiff[1, 1] += c
+    stiff[2, 2] += c
+    stiff[3, 3] += parameters.drag.rotary

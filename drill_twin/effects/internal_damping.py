@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Internal (material) damping in the rotating frame: it brakes deformation, not motion, and can drive forward whirl."""
+
+from typing import Annotated, Any, NamedTuple
+
+from drill_twin.effects.block import Block
+from drill_twin.rod.jit import kernel
+from drill_twin.rod.mesh import Rod
+from drill_twin.rod.section import BEND_DAMP, COUPLE, MX, MY, MZ, TORQUE, TORQUE_RATE, Strain
+from drill_twin.rod.site import Site
+from drill_twin.rod.types import Array
+from drill_twin.units import Time, Within
+
+
+class InternalDamping(Block):
+    """Kelvin-Voigt damping: stress = E (strain + retardation time x strain rate), strain rate seen by the material."""
+
+    bending_time: Annotated[Time, Within(at_least="0 s", at_most="10 s")]
+    """Retardation time of bending [s]."""
+    stretch_time: Annotated[Time, Within(at_least="0 s", at_most="10 s")] = 0.0
+    """Retardation time of stretch [s]."""
+    torsion_time: Annotated[Time, Within(at_least="0 s", at_most="10 s")] = 0.0
+    """Retardation time of twist [s]."""
+
+
+class Parameters(NamedTuple):
+    """Retardation times [s] of bending, stretch and torsion."""
+
+    bending: float
+    stretch: float
+    torsion: float
+
+
+def parameters(block: InternalDamping, site: Site) -> Parameters:
+    """The same material everywhere."""
+    return Parameters(block.bending_time, block.stretch_time, block.torsion_time)
+
+
+@kernel
+def section(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Array) -> None:
+    """Kelvin-Voigt moments EI eta times the rate that the turning material sees.
+
+    Acting in the rotating frame it resists only what bends the material to and fro; for a shape that whirls slower
+    than the string turns it pushes forward (Genta 2005; Muszynska 2005). In a fixed frame it would be mere drag.
+    """
+    damp = parameters.internal_damping.bending * rod.bending[strain.element]
+    mx, my, mz = damp * strain.ring_x, damp * strain.ring_y, damp * strain.ring_z
+    resultants[MX] += mx
+    resultants[MY] += my
+    resultants[MZ] += mz
+    resultants[COUPLE] += mx * strain.px + my * strain.py + mz * strain.pz
+    resultants[BEND_DAMP] += damp
+    twist = parameters.internal_damping.torsion * rod.torsion[strain.element]
+    resultants[TORQUE] += twist * strain.tau_rate
+    resultants[TORQUE_RATE] += twist
+
+
+@kernel
+def stretch(parameters: Any, element: int, axial: float, rate: float) -> tuple[float, float]:
+    """Viscous axial force EA eta times the strain rate, and its slope."""
+    slope = parameters.internal_damping.stretch * axial
+    return slope * rate, slope

@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Axial dynamics: the string stretches and axial waves run along it."""
+
+from drill_twin.effects.block import Block
+
+
+class Stretch(Block):
+    """Axial motion as unknowns of the twin, with stiffness E A."""

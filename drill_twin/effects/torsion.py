@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Torsional dynamics: the string twists and torsional waves run along it."""
+
+from drill_twin.effects.block import Block
+
+
+class Torsion(Block):
+    """Spin of each node as unknowns of the twin, with stiffness G J."""

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What one published step of the twin looks like: arrays of the whole string, its marks and the rig.
+
+Nodes count from the bit (0) to the top clamp (n). Vectors are in the frame `hole`: z up along the hole's
+axis, origin at the top clamp. All values are SI, float64, and fresh copies that the receiver may keep.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class MarkStates:
+    """State of the marks, in the order of the scene; m marks."""
+
+    position: Array
+    """Positions of the marked points [m], shape (m, 3); on the wall they turn with the spin."""
+    velocity: Array
+    """Velocities of the marked points [m/s], shape (m, 3)."""
+    spin: Array
+    """Spin of the section at the mark [rad], shape (m,), not wrapped."""
+    spin_rate: Array
+    """Spin rate [rad/s], shape (m,)."""
+    wall_force: Array
+    """Normal force of the wall on the string at the mark [N], shape (m,), not negative."""
+    centre: Array
+    """Positions of the centre line at the marks [m], shape (m, 3)."""
+
+
+@dataclass(frozen=True)
+class RigState:
+    """State of the rig and of the bit, as applied."""
+
+    top_drive_angle: float
+    """Angle of the top drive [rad], not wrapped."""
+    top_drive_speed: float
+    """Speed of the top drive [rad/s]."""
+    top_drive_torque: float
+    """Torque of the top drive on the string [N m]."""
+    bit_angle: float
+    """Spin of the bit [rad], not wrapped."""
+    bit_speed: float
+    """Spin rate of the bit [rad/s]."""
+    bit_torque: float
+    """Torque of the rock on the bit [N m]."""
+    bit_force: float
+    """Weight on bit as applied [N], positive = compression."""
+    block_position: float
+    """Height of the travelling block over its start [m]."""
+    block_velocity: float
+    """Velocity of the travelling block [m/s], positive up."""
+    hookload: float
+    """Force that holds the string at the top [N]."""
+
+
+@dataclass(frozen=True)
+class StepStats:
+    """What one published step cost."""
+
+    steps: int
+    """Time steps taken."""
+    iterations: int
+    """Newton iterations of all of them."""
+    cut_steps: int
+    """Steps that had to be halved."""
+    wall_seconds: float
+    """Wall-clock time of the computation [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """The string at one instant; n elements, n + 1 nodes."""
+
+    time: float
+    """Simulated time [s]."""
+    positions: Array
+    """Node positions [m], shape (n + 1, 3)."""
+    velocities: Array
+    """Node velocities [m/s], shape (n + 1, 3)."""
+    tangents: Array
+    """Unit tangents, pointing from the bit to the top, shape (n + 1, 3)."""
+    spin: Array
+    """Spin of the sections about the tangent [rad], shape (n + 1,), not wrapped."""
+    spin_rate: Array
+    """Spin rate [rad/s], shape (n + 1,)."""
+    wall_force: Array
+    """Normal wall force at the nodes [N], shape (n + 1,), not negative."""
+    marks: MarkStates
+    """The marks."""
+    rig: RigState
+    """The rig."""
+    stats: StepStats
+    """The cost."""

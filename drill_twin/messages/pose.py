@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Orientation of a section as a quaternion: the spin about z, then the shortest turn of z to the tangent."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_ANTIPARALLEL = 1e-12
+
+
+def orientation(tangents: Array, spin: Array, out: Array) -> Array:
+    """Unit quaternions x y z w of sections with these tangents and spins [rad].
+
+    With a = (-t_y, t_x, 0, 1 + t_z)/sqrt(2 + 2 t_z), the shortest turn of z onto t, the result is a
+    times the turn by the spin about z. A tangent straight down (t_z = -1) has no shortest turn; that about y
+    is taken.
+
+    Args:
+        tangents: Unit tangents, shape (n, 3).
+        spin: Spins [rad], shape (n,).
+        out: Written and returned, shape (n, 4).
+    """
+    half = 0.5 * spin
+    cosine, sine = np.cos(half), np.sin(half)
+    up = np.maximum(0.5 + 0.5 * tangents[:, 2], _ANTIPARALLEL)
+    scalar = np.sqrt(up)
+    x = -0.5 * tangents[:, 1] / scalar
+    y = 0.5 * tangents[:, 0] / scalar
+    down = up <= _ANTIPARALLEL
+    if down.any():
+        x[down], y[down], scalar[down] = 0.0, 1.0, 0.0
+    out[:, 0] = x * cosine + y * sine
+    out[:, 1] = y * cosine - x * sine
+    out[:, 2] = scalar * sine
+    out[:, 3] = scalar * cosine
+    return out
+
+
+def spin_of(quaternions: Array) -> Array:
+    """Spins [rad], in (-2 pi, 2 pi], of quaternions x y z w, shape (..., 4): the inverse of `orientation`."""
+    return 2.0 * np.arctan2(quaternions[..., 2], quaternions[..., 3])

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The topic contract: one row a topic. The README's table is printed from here (`topic_table`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+POSE_ARRAY = "geometry_msgs/msg/PoseArray"
+MARKER_ARRAY = "visualization_msgs/msg/MarkerArray"
+DIAGNOSTIC_ARRAY = "diagnostic_msgs/msg/DiagnosticArray"
+FLOAT64 = "std_msgs/msg/Float64"
+STRING = "std_msgs/msg/String"
+CLOCK = "rosgraph_msgs/msg/Clock"
+
+FRAME_ID = "hole"
+"""Frame of every stamped message: origin at the top clamp on the hole axis, z up along the axis."""
+
+RIG_COMMAND = "/rig/command"
+WOB_COMMAND = "/rig/wob_command"
+RPS_COMMAND = "/rig/rps_command"
+RIG_STATE = "/rig/state"
+STRING_POSES = "/string/poses"
+STRING_MARKERS = "/string/markers"
+MARKS_STATE = "/marks/state"
+WHIRL_STATE = "/whirl/state"
+WHIRL_MOTION = "/whirl/motion"
+WHIRL_ONSET = "/whirl/onset"
+TWIN_SCENE = "/twin/scene"
+DIAGNOSTICS = "/diagnostics"
+CLOCK_TOPIC = "/clock"
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One row of the contract."""
+
+    name: str
+    """Topic name, absolute."""
+    type_name: str
+    """ROS type, as `sensor_msgs/msg/JointState`."""
+    publisher: str
+    """Node that publishes it."""
+    rate: str
+    """When it is published, in words."""
+    meaning: str
+    """What it says, with units."""
+    latched: bool = False
+    """TRANSIENT_LOCAL, depth 1: a late subscriber still receives the last message."""
+    depth: int = 10
+    """Depth of the history (KEEP_LAST); all topics are RELIABLE."""
+
+
+_FULL_RATE = "every frame (100-200 Hz)"
+
+_ROWS = (
+    Topic(
+        RIG_COMMAND,
+        JOINT_STATE,
+        "rig_driver",
+        _FULL_RATE,
+        "both set-points in one stamped message: `bit` effort = weight on bit [N], `top_drive` velocity "
+        "[rad/s]; fields without a set-point are NaN",
+    ),
+    Topic(WOB_COMMAND, FLOAT64, "rig software, or a person; rig_driver echoes", "on change", "weight on bit [N]"),
+    Topic(
+        RPS_COMMAND,
+        FLOAT64,
+        "rig software, or a person; rig_driver echoes",
+        "on change",
+        "top-drive speed [rev/s]",
+    ),
+    Topic(
+        RIG_STATE,
+        JOINT_STATE,
+        "simulator",
+        _FULL_RATE,
+        "as applied: `top_drive` angle [rad], speed [rad/s], torque [N m]; `bit` angle [rad], "
+        "speed [rad/s], effort = weight on bit [N]; `block` position [m], velocity [m/s], "
+        "effort = hookload [N]; `bit_torque` angle and speed of the bit, effort = torque on the bit [N m]",
+    ),
+    Topic(
+        STRING_POSES,
+        POSE_ARRAY,
+        "simulator",
+        _FULL_RATE,
+        "pose of every node, 0 = bit: position [m]; orientation turns z into the tangent after the spin",
+    ),
+    Topic(
+        MARKS_STATE,
+        JOINT_STATE,
+        "simulator",
+        _FULL_RATE,
+        "per mark `<mark>/x`, `/y`, `/z` [m], `/spin` [rad]; velocity [m/s, rad/s]; effort = normal force of "
+        "the wall on the string there [N] (x and y; it has no part along z and no torque)",
+    ),
+    Topic(
+        STRING_MARKERS,
+        MARKER_ARRAY,
+        "simulator",
+        "20-30 Hz",
+        "string, hole, marks and contacts for RViz and Foxglove; lateral motion exaggerated, the text says by how much",
+    ),
+    Topic(
+        WHIRL_STATE,
+        JOINT_STATE,
+        "analyzer",
+        _FULL_RATE,
+        "per mark, in position: `<mark>/orbit_radius` [m], `/precession` [rev/s, positive = forward], "
+        "`/ratio` of precession to rotation, `/confidence` (0 to 1)",
+    ),
+    Topic(
+        WHIRL_MOTION,
+        DIAGNOSTIC_ARRAY,
+        "analyzer",
+        "on change and 1 Hz",
+        "motion state of each mark and of the string, with the criterion that decided",
+    ),
+    Topic(
+        WHIRL_ONSET,
+        DIAGNOSTIC_ARRAY,
+        "analyzer",
+        "at the start and at the onset",
+        "onset of whirl: time [s], mark, confidence; before it, that there is none so far",
+        latched=True,
+        depth=1,
+    ),
+    Topic(
+        TWIN_SCENE,
+        STRING,
+        "simulator",
+        "at the start",
+        "resolved scene (YAML) with a `run` block: version, seed, elements, step",
+        latched=True,
+        depth=1,
+    ),
+    Topic(
+        DIAGNOSTICS,
+        DIAGNOSTIC_ARRAY,
+        "all nodes",
+        "1 Hz",
+        "health of each node: real-time factor, step cost, guard events, age of the command, refused input",
+    ),
+    Topic(
+        CLOCK_TOPIC,
+        CLOCK,
+        "simulator",
+        _FULL_RATE,
+        "simulated time, at every pace",
+    ),
+)
+
+TOPICS: dict[str, Topic] = {row.name: row for row in _ROWS}
+"""The contract, by topic name."""
+
+GENERIC = frozenset({DIAGNOSTICS, CLOCK_TOPIC})
+"""Topics that any ROS system may have; they do not make a bag one of ours."""
+
+
+def topic_table() -> str:
+    """The contract as a Markdown table."""
+    lines = ["| topic | type | who | when | meaning |", "| --- | --- | --- | --- | --- |"]
+    for topic in TOPICS.values():
+        when = f"{topic.rate}, latched" if topic.latched else topic.rate
+        type_name = topic.type_name.replace("/msg/", "/")
+        lines.append(f"| `{topic.name}` | {type_name} | {topic.publisher} | {when} | {topic.meaning} |")
+    return "\n".join(lines) + "\n"

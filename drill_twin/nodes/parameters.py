@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Typed parameters: one table a node, from which come descriptors, checks, defaults and the help text.
+
+A node refuses to start on a parameter of the wrong type, out of range or misspelled, with one line.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.node import Node
+from rclpy.parameter import Parameter as RosParameter
+
+from drill_twin.errors import DrillTwinError
+
+Value = bool | int | float | str
+
+_OF_ROS = ("use_sim_time", "start_type_description_service", "qos_overrides.")
+_TYPE_NAMES = {bool: "true or false", int: "a whole number", float: "a number", str: "a text"}
+
+
+class ParameterError(DrillTwinError):
+    """A node parameter with which a node cannot start."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a node; read-only once the node runs."""
+
+    name: str
+    default: Value
+    description: str
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str, ...] = ()
+
+    def expected(self) -> str:
+        """What a value must be, in words."""
+        if self.choices:
+            return f"one of {', '.join(self.choices)}"
+        text = _TYPE_NAMES[type(self.default)]
+        if self.low is not None and self.high is not None:
+            text += f" from {self.low:g} to {self.high:g}"
+        return f"{text} [{self.unit}]" if self.unit else text
+
+    def checked(self, value: object) -> Value:
+        """The value in the type of the default.
+
+        Raises:
+            ParameterError: It is none that this parameter may have.
+        """
+        wanted = type(self.default)
+        if wanted is float and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        if type(value) is not wanted or not self._admits(value):
+            raise ParameterError(f"parameter {self.name}: expected {self.expected()}, found {value!r}")
+        return value
+
+    def _admits(self, value: Value) -> bool:
+        if self.choices and value not in self.choices:
+            return False
+        if isinstance(value, str):
+            return True
+        return math.isfinite(value) and not (
+            (self.low is not None and value < self.low) or (self.high is not None and value > self.high)
+        )
+
+    def descriptor(self) -> ParameterDescriptor:
+        """What `ros2 param describe` shows."""
+        description = f"{self.description} [{self.unit}]" if self.unit else self.description
+        descriptor = ParameterDescriptor(description=description, read_only=True)
+        if self.choices:
+            descriptor.additional_constraints = self.expected()
+        if self.low is not None and self.high is not None:
+            if isinstance(self.default, float):
+                bounds = FloatingPointRange(from_value=float(self.low), to_value=float(self.high))
+                descriptor.floating_point_range = [bounds]
+            else:
+                descriptor.integer_range = [IntegerRange(from_value=int(self.low), to_value=int(self.high))]
+        return descriptor
+
+
+def declare(
+    node: Node,
+    table: Sequence[Parameter],
+    *,
+    values: Mapping[str, Value] | None = None,
+    also_known: Iterable[str] = (),
+) -> SimpleNamespace:
+    """Declare a table on a node; returns its values by name.
+
+    Args:
+        node: A node without declared parameters of its own.
+        table: The parameters.
+        values: Defaults of this instance; what the user gives still wins.
+        also_known: Names that belong to other nodes of the same process.
+
+    Raises:
+        ParameterError: The user gave a parameter that this node cannot start with.
+    """
+    given = node._parameter_overrides  # noqa: SLF001 - rclpy offers no public way to see what was given
+    names = [parameter.name for parameter in table]
+    _refuse_unknown(given, names, {*names, *also_known})
+    result = {}
+    for parameter in table:
+        if parameter.name in given:
+            value = parameter.checked(given[parameter.name].value)
+            given[parameter.name] = RosParameter(parameter.name, value=value)
+        else:
+            value = parameter.checked((values or {}).get(parameter.name, parameter.default))
+        node.declare_parameter(parameter.name, value, parameter.descriptor())
+        result[parameter.name] = value
+    return SimpleNamespace(**result)
+
+
+def _refuse_unknown(given: Mapping[str, RosParameter], names: Sequence[str], known: set[str]) -> None:
+    for name in given:
+        if name in known or name.startswith(_OF_ROS):
+            continue
+        near = difflib.get_close_matches(name, names, n=1)
+        hint = f"did you mean {near[0]}?" if near else f"it has {', '.join(names)}"
+        raise ParameterError(f"parameter {name}: this node has none of that name; {hint}")
+
+
+def help_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
+    """What `NODE --help` prints."""
+    lines = [
+        f"usage: {name} [--ros-args [-p NAME:=VALUE ...] [--params-file FILE] [-r FROM:=TO ...]]",
+        "",
+        purpose,
+        "",
+        "parameters:",
+    ]
+    for parameter in table:
+        default = f'"{parameter.default}"' if isinstance(parameter.default, str) else f"{parameter.default}".lower()
+        lines += [f"  {parameter.name} = {default}", f"      {parameter.description}", f"      {parameter.expected()}"]
+    return "\n".join(lines)

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The recorder: every topic of the contract, byte for byte, into an MCAP bag that survives kill -9."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, ClassVar
+
+from rclpy.context import Context
+
+from drill_twin.bag.writer import BagWriter
+from drill_twin.errors import BagError, RunError
+from drill_twin.messages.diagnostics import Level, Status
+from drill_twin.messages.topics import DIAGNOSTICS, RPS_COMMAND, TOPICS, WOB_COMMAND
+from drill_twin.nodes.base import TwinNode, run_node
+from drill_twin.nodes.parameters import Parameter, ParameterError, Value
+from drill_twin.nodes.start import StopRequest
+
+_DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
+_QUIET = 0.3  # s
+_MANY_PUBLISHERS = {DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND}  # whose sequence numbers cannot be told apart
+
+
+class Recorder(TwinNode):
+    """Writes what it receives, counts what it does not."""
+
+    NAME: ClassVar = "recorder"
+    PURPOSE: ClassVar = "Records every topic of the twin to an MCAP bag."
+    PARAMETERS: ClassVar = (
+        Parameter("bag", "", 'new folder of the bag, best ending in _0; "": bags/<date>_<time>_0 here'),
+        Parameter("topics", "", 'topics to record, separated by spaces; "": all of the contract'),
+    )
+
+    def __init__(
+        self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
+    ) -> None:
+        super().__init__(context, values, also_known)
+        self._bag: BagWriter | None = None
+        self._broken = False
+        self._last: dict[str, int] = {}
+        self._lost: dict[str, int] = {}
+        self._broken = False  # a bag that failed once takes no more, so that the first error is the one told
+
+    def open(self) -> None:
+        """Create the bag and subscribe."""
+        topics = self.settings.topics.split() or list(TOPICS)
+        if unknown := [topic for topic in topics if topic not in TOPICS]:
+            raise ParameterError(
+                f"parameter topics: expected topics of {', '.join(TOPICS)}, found {', '.join(unknown)}"
+            )
+        self._bag = BagWriter(self.settings.bag or time.strftime("bags/%Y%m%d_%H%M%S_0"), topics=topics)
+        self._inputs = [self.listen(topic, self._writer_of(topic), depth=_DEPTH) for topic in topics]
+        self.get_logger().info(f"recording {len(topics)} topics to {self._bag.folder}")
+
+    def _writer_of(self, topic: str) -> Any:
+        bag = self._bag
+
+        def write(raw: bytes, info: Mapping[str, Any]) -> None:
+            if self._broken:
+                return
+            self._count_losses(topic, info["publication_sequence_number"])
+            try:
+                bag.write(topic, info["received_timestamp"], raw)
+            except BagError as error:
+                self._broken = True
+                raise RunError(str(error)) from error
+
+        return write
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """What goes wrong with the file in mid-run ends the run; it is no bad input."""
+        try:
+            yield
+        except BagError as error:
+            self._broken = True
+            raise RunError(str(error)) from error
+
+    def _count_losses(self, topic: str, number: int | None) -> None:
+        if number is None or topic in _MANY_PUBLISHERS:
+            return
+        missed = number - self._last.get(topic, number - 1) - 1
+        if missed > 0:  # a smaller number is a new publisher
+            self._lost[topic] = self._lost.get(topic, 0) + missed
+        self._last[topic] = number
+
+    def work(self) -> None:
+        """Record what comes; an idle bag is flushed too."""
+        self.listen_for(0.05)
+        try:
+            self._bag.flush_if_due()
+        except BagError as error:
+            self._broken = True
+            raise RunError(str(error)) from error
+
+    def close(self) -> None:
+        """Record what is still coming, and finish the bag."""
+        if self._bag is None:
+            return
+        try:
+            if not self._broken:
+                self.settle(_QUIET)
+        finally:
+            self._bag.close()
+        count = sum(self._bag.counts.values())
+        lost = ", ".join(f"{number} of {topic}" for topic, number in self._lost.items())
+        say = self.get_logger().warning if lost else self.get_logger().info
+        say(f"{self._bag.folder}: {count} messages recorded, lost: {lost or 'none'}")
+
+    def not_ready(self) -> str:
+        """Why it would miss something that is published now; empty when it would not."""
+        late = [
+            subscription.topic_name
+            for subscription in self._inputs
+            if subscription.get_publisher_count() < self.count_publishers(subscription.topic_name)
+        ]
+        return f"not yet connected to the publishers of {', '.join(late)}" if late else ""
+
+    def health(self) -> Status:
+        """Messages recorded and lost."""
+        counts = self._bag.counts if self._bag else {}
+        lost = sum(self._lost.values())
+        values = {
+            "bag": str(self._bag.folder) if self._bag else "",
+            "messages": str(sum(counts.values())),
+            "lost": str(lost),
+            **{f"lost {topic}": str(number) for topic, number in self._lost.items()},
+        }
+        if lost:
+            return Status(self.NAME, Level.WARN, f"{lost} messages were lost", values)
+        return Status(self.NAME, Level.OK, f"{values['messages']} messages recorded", values)
+
+
+def run(arguments: Sequence[str], stop: StopRequest) -> None:
+    """Run the recorder."""
+    run_node(Recorder, arguments, stop)

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes as the parameters of a node name them, with what they change about them."""
+
+from __future__ import annotations
+
+import re
+from types import SimpleNamespace
+
+from drill_twin.nodes.parameters import Parameter, ParameterError
+from drill_twin.scene import Scene, load_scene
+
+SCENE = Parameter("scene", "pa6_bench", "scene: an installed one by name, or the path of a scene file")
+OVERRIDES = Parameter(
+    "overrides",
+    "",
+    'changes to the scene as KEY=VALUE, separated by ";", such as "hole.radius=80 mm; effects.bow=off"',
+)
+_PAIR = re.compile(r"\s*(?P<key>[^=\s][^=]*?)\s*=\s*(?P<value>.+?)\s*", re.DOTALL)
+
+
+def scene_of(settings: SimpleNamespace) -> Scene:
+    """The scene that the parameters scene, overrides and, where a node has them, weight_on_bit, rotation, table name.
+
+    Raises:
+        SceneError: It cannot be loaded.
+        ParameterError: The overrides are none.
+    """
+    changes = _pairs(settings.overrides)
+    for parameter, key in (("weight_on_bit", "wob"), ("rotation", "rps")):
+        if value := getattr(settings, parameter, ""):
+            changes[key] = value
+    if table := getattr(settings, "table", ""):
+        changes |= _playing(load_scene(settings.scene, overrides=changes), table)
+    return load_scene(settings.scene, overrides=changes)
+
+
+def _pairs(text: str) -> dict[str, str]:
+    pairs = {}
+    for part in text.split(";"):
+        if not part.strip():
+            continue
+        match = _PAIR.fullmatch(part)
+        if not match:
+            raise ParameterError(f'parameter overrides: expected KEY=VALUE; KEY=VALUE, found "{part.strip()}"')
+        pairs[match["key"]] = match["value"]
+    return pairs
+
+
+def _playing(scene: Scene, table: str) -> dict[str, str]:
+    """Overrides that make a scene play a table: both set-points from it, unless the scene says which."""
+    changes = {"rig.table.file": table}
+    rig = scene.rig
+    if "table" not in {rig.weight_on_bit.shape, rig.rotation.shape}:
+        changes["rig.weight_on_bit"] = f"{{shape: table, at: {rig.weight_on_bit.at}}}"
+        changes["rig.rotation"] = "{shape: table}"
+    return changes

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a bag to the files of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drill_twin.errors import BagError
+from drill_twin.report.recording import Recording, read_recording
+from drill_twin.report.summary import summarise, to_json
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FIGURES = ("set_points", "displacement", "motion", "orbits", "spectrum", "string_shapes")
+
+
+@dataclass(frozen=True)
+class ReportFiles:
+    """Where the parts of a report lie."""
+
+    page: Path
+    """`report.html`, which needs none of the others."""
+    summary: Path
+    """`summary.json`."""
+    figures: dict[str, Path]
+    """PNG files by name."""
+
+
+def _ignore(part: str) -> None:
+    """Nobody watches."""
+
+
+def build_report(
+    bag: Recording | str | Path, out_dir: str | Path, *, progress: Callable[[str], None] = _ignore
+) -> ReportFiles:
+    """Write `report.html`, `summary.json` and the figures; older ones of these names are replaced.
+
+    Args:
+        bag: A recording, or the path of a bag.
+        out_dir: Folder of the report; made as needed.
+        progress: Called with the name of each part before it is made.
+
+    Raises:
+        BagError: The bag cannot be analysed, or the folder cannot be written.
+    """
+    progress("analysis")
+    recording = bag if isinstance(bag, Recording) else read_recording(bag)
+    summary = summarise(recording)
+    folder = Path(out_dir)
+    files = ReportFiles(
+        folder / "report.html", folder / "summary.json", {name: folder / f"{name}.png" for name in FIGURES}
+    )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        files.summary.write_text(to_json(summary), "utf-8")
+        for name, path in files.figures.items():
+            progress(name)
+            _draw(name, recording, path)
+        progress("page")
+        from drill_twin.report.page import build_page
+
+        files.page.write_text(build_page(recording, summary, files.figures), "utf-8")
+    except OSError as error:
+        raise BagError(
+            f"{folder}: expected a place to write the report, found {error.strerror or error}; choose another folder"
+        ) from error
+    return files
+
+
+def _draw(name: str, recording: Recording, path: Path) -> None:
+    import importlib
+
+    from drill_twin.report.figures.style import save, styled
+
+    module = importlib.import_module(f"drill_twin.report.figures.{name}")
+    draw: Callable[[Recording], Figure] = getattr(module, name)
+    with styled():
+        save(draw(recording), path)

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How the figures look: colours that the colour-blind can tell apart (Okabe and Ito 2008), sizes, the shared time axis.
+
+Figures are drawn without pyplot, so that nothing global is touched and no display is needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from drill_twin.report.recording import Recording
+from drill_twin.whirl import MotionState
+
+INK, GREY, LIGHT = "#222222", "#767676", "#d9d9d9"
+BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, YELLOW = (
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#F0E442",
+)  # fmt: skip
+
+MARK_COLOURS = (BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY)
+MARK_LINES = ("-", "--", "-", ":", "-", "--")
+
+STATE_COLOURS = {
+    MotionState.AT_REST: "#eeeeee",
+    MotionState.FIXED_AXIS: "#bdbdbd",
+    MotionState.FORWARD_WHIRL: SKY,
+    MotionState.ROLLING: BLUE,
+    MotionState.SECOND_BENDING: GREEN,
+    MotionState.IRREGULAR: YELLOW,
+    MotionState.REVERSE_WHIRL: VERMILION,
+    MotionState.SPIRAL: PURPLE,
+}
+
+DPI = 130
+WIDTH = 10.0
+"""Width of every figure [inch]."""
+LEFT, RIGHT = 0.098, 0.975
+"""Edges of the time axis, as a share of the width."""
+
+_RC: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 10.5,
+    "axes.titlesize": 11.5,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 10.5,
+    "axes.edgecolor": GREY,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": "#e6e6e6",
+    "grid.linewidth": 0.8,
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "legend.frameon": False,
+    "legend.fontsize": 9.5,
+    "lines.linewidth": 1.2,
+    "figure.dpi": DPI,
+}
+
+
+def styled() -> Any:
+    """A context in which figures are drawn our way."""
+    return mpl.rc_context(_RC)
+
+
+def blank(height: float) -> Figure:
+    """An empty figure of our width and a height [inch]."""
+    figure = Figure(figsize=(WIDTH, height))
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def over_time(
+    recording: Recording, heights: Sequence[float], *, title: str, headed: bool = False
+) -> tuple[Figure, list[Axes]]:
+    """Panels one below the other on the time axis that all figures over time share.
+
+    Args:
+        recording: The run.
+        heights: Heights of the panels [inch].
+        title: Title of the figure.
+        headed: Whether the panels have titles of their own.
+    """
+    top, bottom, gap = 0.66 if headed else 0.62, 0.52, 0.34
+    height = top + bottom + sum(heights) + gap * (len(heights) - 1)
+    figure = blank(height)
+    head(figure, title)
+    panels: list[Axes] = []
+    place = height - top
+    for share in heights:
+        place -= share
+        rectangle = (LEFT, place / height, RIGHT - LEFT, share / height)
+        panels.append(figure.add_axes(rectangle, sharex=panels[0] if panels else None))
+        place -= gap
+    panels[0].set_xlim(0.0, max(recording.duration, 1e-3))
+    for panel in panels[:-1]:
+        panel.tick_params(labelbottom=False)
+    panels[-1].set_xlabel("time [s]")
+    return figure, panels
+
+
+def head(figure: Figure, title: str) -> None:
+    """The title of a figure, at its upper left."""
+    place = 1.0 - 0.08 / figure.get_size_inches()[1]
+    figure.suptitle(title, x=0.012, y=place, ha="left", va="top", fontsize=13, fontweight="bold")
+
+
+def draw_onset(recording: Recording, panels: Sequence[Axes]) -> None:
+    """The onset of whirl as a line through all panels, named above the first."""
+    onset = recording.summary.onset
+    if onset is None:
+        return
+    for panel in panels:
+        panel.axvline(onset.time_s, color=INK, linewidth=1.1, linestyle=(0, (4, 2)), zorder=3)
+    late = onset.time_s > 0.8 * recording.duration
+    inside = bool(panels[0].get_title(loc="left"))
+    note(
+        panels[0],
+        f"onset {onset.time_s:.2f} s",
+        (onset.time_s, 1.0),
+        where=("data", "axes fraction"),
+        shift=(-4 if late else 4, -3 if inside else 3),
+        ha="right" if late else "left",
+        va="top" if inside else "bottom",
+        fontsize=9.5,
+        color=INK,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0} if inside else None,
+    )
+
+
+def note(
+    panel: Axes, text: str, at: tuple[float, float], *, where: Any, shift: tuple[float, float], **looks: Any
+) -> None:
+    """A short text at a place of a panel, in the coordinates `where`, shifted by points."""
+    panel.annotate(text, at, xycoords=where, xytext=shift, textcoords="offset points", annotation_clip=False, **looks)
+
+
+def mark_label(recording: Recording, mark: int) -> str:
+    """A mark's name and place, as `mark_1, 4.4 m from the bit`."""
+    place = recording.scene.mark_table[mark]
+    return f"{place.name}, {place.distance_from_bit:g} m from the bit"
+
+
+def mark_style(mark: int) -> dict[str, Any]:
+    """Colour and line of a mark, the same in all figures."""
+    return {"color": MARK_COLOURS[mark % len(MARK_COLOURS)], "linestyle": MARK_LINES[mark % len(MARK_LINES)]}
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG."""
+    figure.savefig(path, dpi=DPI, facecolor="white", metadata={"Software": None})

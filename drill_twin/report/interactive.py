@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The data of the interactive view: the string's shapes and the marks' paths, as small integers in base64."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from plotly.offline import get_plotlyjs
+
+from drill_twin.report.figures.style import MARK_COLOURS
+from drill_twin.report.recording import Recording
+
+_POINTS = 60
+"""Most points of a shape."""
+_SAMPLES = 30_000
+"""Most samples of a mark's path."""
+_FULL = 16_000
+"""The integer that stands for the hole's radius, or for the string's length."""
+
+
+def view_data(recording: Recording) -> str:
+    """JSON for `view.js`; coordinates are int16 in base64, lateral ones in parts of the hole's radius."""
+    radius, length = recording.scene.hole.radius, recording.scene.length
+    shapes = recording.shapes()
+    shapes = shapes[:, np.unique(np.linspace(0, shapes.shape[1] - 1, _POINTS).round().astype(int))]
+    every = -(-len(recording.marks) // _SAMPLES)
+    centre = recording.centre_lines()[::every]
+    height = recording.marks.values[::every, :, 2]
+    paths = np.stack((centre.real / radius, centre.imag / radius, height / length), axis=-1)
+    onset = recording.summary.onset
+    data: dict[str, Any] = {
+        "full": _FULL,
+        "radius": radius,
+        "length": length,
+        "shapes": {
+            "time": _times(recording.poses.time),
+            "points": shapes.shape[1],
+            "values": _packed(shapes / (radius, radius, length)),
+        },
+        "paths": {"time": _times(recording.marks.time[::every]), "values": _packed(paths)},
+        "marks": [place.name for place in recording.scene.mark_table],
+        "clearance": [place.clearance for place in recording.scene.mark_table],
+        "colours": [MARK_COLOURS[mark % len(MARK_COLOURS)] for mark in range(centre.shape[1])],
+        "onset": onset.time_s if onset else None,
+    }
+    return json.dumps(data, allow_nan=False, separators=(",", ":"))
+
+
+def plotly_packed() -> str:
+    """plotly.js, compressed, in base64: a third of the page it would make otherwise."""
+    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
+
+
+def _times(time: NDArray[np.float64]) -> list[float]:
+    rounded: list[float] = time.round(4).tolist()
+    return rounded
+
+
+def _packed(values: NDArray[np.float64]) -> str:
+    whole = np.clip(np.nan_to_num(values) * _FULL, -32767, 32767).round().astype("<i2")
+    return base64.b64encode(whole.tobytes()).decode()

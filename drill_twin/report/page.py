@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page: one HTML file with everything in it, which opens from the disk of a machine without a network."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Mapping
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from drill_twin import __version__
+from drill_twin.report.interactive import plotly_packed, view_data
+from drill_twin.report.recording import Recording
+from drill_twin.report.words import NOT_VALIDATED, findings, millimetres, provenance, troubles
+
+OVER_TIME = ("set_points", "displacement", "motion")
+"""Figures that share the time axis, in this order one below the other."""
+
+_CAPTIONS = {
+    "orbits": "Thick: the wall. Dotted: as far as the centre line can go. The dot is the last position. Anticlockwise "
+    "is positive; with positive rotation that is forward whirl.",
+    "spectrum": "A pure circular orbit is one line as high as its radius: right of zero when it turns with the string, "
+    "left when it turns against it.",
+    "string_shapes": "z = 0 is the top clamp; the bit is at the lower end. Lateral axes are stretched against z.",
+}
+
+
+def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mapping[str, Path]) -> str:
+    """The HTML text of a report.
+
+    Args:
+        recording: The run.
+        summary: Its summary.
+        figures: PNG files by name.
+    """
+    scene = recording.scene
+    body = [
+        f"<h1>{escape(scene.name)}</h1>",
+        f'<p class="lead">{escape(scene.description)}</p>',
+        _warning(troubles(summary)),
+        _cards(summary),
+        '<div class="columns"><section>',
+        _table(findings(summary)),
+        "</section><section>",
+        _table(provenance(summary)),
+        "</section></div>",
+        _view() if len(recording.poses) else "",
+        "<h2>Over time</h2>",
+        '<section class="stack">',
+        *(_image(figures[name], name) for name in OVER_TIME),
+        "</section>",
+        _timeline(summary),
+        "<h2>Orbits, spectrum and shapes</h2>",
+        *(_figure(name, figures) for name in _CAPTIONS),
+        "<h2>What is not validated</h2><section><ul>",
+        *(f"<li>{escape(text)}</li>" for text in NOT_VALIDATED),
+        "</ul></section>",
+        "<h2>The scene</h2><section>",
+        f"<p>{escape(scene.provenance or 'The scene does not say where its numbers come from.')}</p>",
+        f"<details><summary>all of it, as it was run</summary><pre>{escape(scene.to_yaml())}</pre></details>",
+        "</section>",
+        f"<footer>drawn by drill_twin {escape(__version__)} from {escape(recording.path.name)}</footer>",
+    ]  # fmt: skip
+    scripts = _scripts(recording) if len(recording.poses) else ""
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f'<title>{escape(scene.name)}: drill_twin report</title><link rel="icon" href="data:,">'
+        f"<style>{_asset('page.css')}</style></head>\n"
+        f"<body><main>{''.join(body)}</main>\n{scripts}</body></html>\n"
+    )
+
+
+def _cards(summary: Mapping[str, Any]) -> str:
+    def card(value: float | None, form: str, name: str, none: str = "none") -> str:
+        return f"<div><b>{none if value is None else form.format(value)}</b><span>{escape(name)}</span></div>"
+
+    radii = {mark: radius for mark, radius in summary["max_radius_m"].items() if radius is not None}
+    widest = max(radii, key=lambda mark: radii[mark], default=None)
+    return (
+        '<div class="cards">'
+        + card(summary["onset_s"], "{:.2f} s", "onset of whirl")
+        + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", "whirl, positive = forward")
+        + card(summary["precession_ratio"], "{:+.2f}", "precession / rotation")
+        + f"<div><b>{millimetres(radii[widest]) if widest else 'none'}</b><span>largest radius, {widest}</span></div>"
+        + card(summary["realtime_factor"], "{:.1f} x", "as fast as real time", "unknown")
+        + "</div>"
+    )
+
+
+def _warning(lines: list[str]) -> str:
+    if not lines:
+        return ""
+    return f'<section class="warning"><ul>{"".join(f"<li>{escape(line)}</li>" for line in lines)}</ul></section>'
+
+
+def _table(rows: Iterable[tuple[str, str]]) -> str:
+    lines = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows)
+    return f"<table><tbody>{''.join(lines)}</tbody></table>"
+
+
+def _timeline(summary: Mapping[str, Any]) -> str:
+    rows = "".join(
+        f'<tr><td class="number">{period["start_s"]:.2f} s</td><td class="number">{period["end_s"]:.2f} s</td>'
+        f'<td class="name">{escape(period["state"])}</td><td>{escape(period["criterion"])}</td></tr>'
+        for period in summary["motion"]
+    )
+    return (
+        "<h2>Motion of the string</h2><section><table><thead><tr><th>from</th><th>to</th><th>state</th>"
+        f"<th>what decided it</th></tr></thead><tbody>{rows}</tbody></table></section>"
+    )
+
+
+def _figure(name: str, figures: Mapping[str, Path]) -> str:
+    caption = f"<figcaption>{escape(_CAPTIONS[name])}</figcaption>"
+    return f"<section><figure>{_image(figures[name], name)}{caption}</figure></section>"
+
+
+def _image(path: Path, name: str) -> str:
+    data = base64.b64encode(path.read_bytes()).decode()
+    return f'<img alt="{escape(name.replace("_", " "))}" src="data:image/png;base64,{data}">'
+
+
+def _view() -> str:
+    return (
+        '<h2>The string in motion</h2><section id="view">'
+        '<p class="wait">loading the interactive view ...</p>'
+        '<p class="no">This browser cannot show the interactive view (it needs WebGL); the figures below show the '
+        "same.</p>"
+        '<div class="plots"><div id="view-3d"></div><div id="view-2d"></div></div><div class="controls">'
+        '<button id="view-play" type="button">Play</button>'
+        '<input id="view-time" type="range" min="0" max="1" value="0" aria-label="time">'
+        '<output id="view-label"></output>'
+        '<label>pace <select id="view-pace"><option value="0.1">1/10</option><option value="0.25">1/4</option>'
+        '<option value="1" selected>real time</option><option value="4">4 x</option></select></label>'
+        '<label>paths of <select id="view-trail"><option value="0.5">0.5 s</option>'
+        '<option value="2" selected>2 s</option><option value="1000000">the run</option></select></label>'
+        "</div></section>"
+    )
+
+
+def _scripts(recording: Recording) -> str:
+    return (
+        f'<script type="application/json" id="view-data">{view_data(recording)}</script>\n'
+        f'<script type="text/plain" id="plotly-packed">{plotly_packed()}</script>\n'
+        f"<script>{_asset('view.js')}</script>\n"
+    )
+
+
+def _asset(name: str) -> str:
+    return files("drill_twin.report").joinpath("assets", name).read_text("utf-8")

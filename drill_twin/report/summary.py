@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`summary.json`: what a run was and what the analysis found in it, in plain types."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drill_twin.bag.reader import Bag
+from drill_twin.report.recording import Recording, read_recording
+from drill_twin.whirl import MotionPeriod, MotionState
+
+
+def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
+    """The summary of a bag as plain types: numbers, text, lists, dicts; None for what is not known, never NaN.
+
+    Args:
+        bag: A recording, an open bag, or the path of one.
+
+    Returns:
+        By key; times in simulated seconds:
+
+        * `onset_s`, `onset_mark`, `onset_confidence`: the onset of whirl; None where there was none.
+        * `whirl_frequency_hz`: dominant whirl after the onset [Hz], positive = the sense of rotation, at
+          `frequency_mark`; `precession_ratio`: the same over the rotation, `rotation_rev_s`.
+        * `max_radius_m`: largest distance of the centre line from the hole's axis by mark [m].
+        * `motion`, `mark_motion`: timelines of the motion states, each with start and end, criterion and confidence.
+        * `realtime_factor`: simulated time over the time the physics took.
+        * `scene`, `effects`, `elements`, `step_s`, `seed`, `version`, `pace`, `started`: what was run.
+        * `duration_s`, `samples`, `quality`, `truncated`, `damage`, `notes`: what there was to analyse.
+        * `live`: the findings recorded while the twin ran, and whether these are the same.
+
+    Raises:
+        BagError: Not a bag of this package, or nothing in it that could be analysed.
+    """
+    if isinstance(bag, str | Path):
+        bag = read_recording(bag)
+    elif isinstance(bag, Bag):
+        bag = Recording(bag)
+    found, run = bag.summary, bag.run_info
+    onset = found.onset
+    summary = {
+        "scene": bag.scene.name,
+        "onset_s": found.onset_s,
+        "onset_mark": onset.mark if onset else None,
+        "onset_confidence": onset.confidence if onset else None,
+        "onset_criterion": onset.criterion if onset else None,
+        "mark_onset_s": found.mark_onset_s,
+        "whirl_frequency_hz": found.whirl_frequency_hz,
+        "precession_ratio": found.precession_ratio,
+        "frequency_mark": found.frequency_mark,
+        "rotation_rev_s": found.rotation_rev_s,
+        "max_radius_m": found.max_radius_m,
+        "clearance_m": {mark.name: mark.clearance for mark in bag.scene.mark_table},
+        "motion": timeline(found.motion, bag.duration),
+        "mark_motion": {mark: timeline(periods, bag.duration) for mark, periods in found.mark_motion.items()},
+        "realtime_factor": bag.realtime_factor,
+        "elements": run.get("elements", bag.nodes - 1 if bag.nodes else None),
+        "step_s": run.get("step_s"),
+        "effects": list(run.get("effects", bag.scene.effect_names)),
+        "seed": run.get("seed", bag.scene.numerics.seed),
+        "version": run.get("version"),
+        "pace": run.get("pace"),
+        "started": run.get("started"),
+        "duration_s": bag.duration,
+        "samples": found.quality.accepted,
+        "quality": found.quality._asdict(),
+        "truncated": bag.bag.truncated,
+        "damage": bag.bag.damage,
+        "notes": [*found.notes, *_notes(bag)],
+        "live": {
+            "onset_s": bag.live.onset.time if bag.live.onset else None,
+            "messages": bag.live.messages,
+            "differing": bag.live.differing,
+        },
+    }
+    plain: dict[str, Any] = _plain(summary)
+    return plain
+
+
+def timeline(periods: tuple[MotionPeriod, ...], end: float) -> list[dict[str, Any]]:
+    """Motion states in order, each with start and end [s], state, criterion and confidence; none of no length."""
+    ends = [*(period.start_s for period in periods[1:]), end]
+    lines: list[dict[str, Any]] = []
+    for period, until in zip(periods, ends, strict=False):
+        if lines and lines[-1]["state"] is period.state:
+            lines[-1]["end_s"] = until
+        elif until > period.start_s:
+            lines.append(
+                {
+                    "start_s": period.start_s,
+                    "end_s": until,
+                    "state": period.state,
+                    "criterion": period.criterion,
+                    "confidence": period.confidence,
+                }
+            )
+    return lines
+
+
+def to_json(summary: dict[str, Any]) -> str:
+    """A summary as JSON text."""
+    return json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def _notes(bag: Recording) -> list[str]:
+    notes = []
+    if bag.runs > 1:
+        notes.append(f"the bag holds {bag.runs} runs; this is the last of them")
+    if bag.unusable:
+        last = f"; the last: {bag.trouble}" if bag.trouble else ""
+        notes.append(f"{bag.unusable} messages could not be used, or their partner is missing{last}")
+    if bag.live.differing:
+        notes.append(
+            f"{bag.live.differing} of {bag.live.messages} findings recorded live differ from those of this analysis: "
+            "the live analyzer missed samples, or was another version"
+        )
+    return notes
+
+
+def _plain(value: Any) -> Any:
+    """Plain types throughout; what is not finite becomes None."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, MotionState):
+        return value.value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A summary in words: the rows that the command line and the page show, and what may not be read out of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+Summary = Mapping[str, Any]
+Row = tuple[str, str]
+
+NOT_VALIDATED = """\
+No measurement of a whirling string stands behind this run: onset, whirl frequency and radii are what the model gives \
+for this scene. The scene's provenance says which of its numbers are measured, published or estimated; the estimated \
+ones (damping, drag, wall friction, bow, ramps) decide when whirl begins and how fast it turns.
+The error of this run's element count and step was not measured in this run; compare with a run of more elements and a \
+smaller step before relying on a third digit.
+After the onset the motion can be chaotic: two runs that differ in anything share their statistics (onset, frequency, \
+largest radius), not their paths.
+The marks move with the string and have no mass of their own; sensors, their noise and their delays are not modelled.
+""".splitlines()
+"""What the page says below its figures."""
+
+
+def findings(summary: Summary) -> Iterator[Row]:
+    """What the analysis found, most important first."""
+    yield "onset of whirl", _onset(summary)
+    yield "whirl frequency", _frequency(summary)
+    yield "precession / rotation", _number(summary["precession_ratio"], "{:+.3f}")
+    yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
+    for mark, value in summary["max_radius_m"].items():
+        yield f"largest radius, {mark}", _radius(value, summary["clearance_m"].get(mark))
+    yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
+
+
+def provenance(summary: Summary) -> Iterator[Row]:
+    """What was run, and how."""
+    yield "scene", summary["scene"]
+    yield "simulated time", f"{summary['duration_s']:.2f} s, {summary['samples']} samples"
+    yield "real-time factor", _number(summary["realtime_factor"], "{:.1f}")
+    yield "elements", _text(summary["elements"])
+    yield "time step", _number(summary["step_s"], "{:.3g} s")
+    yield "effects", ", ".join(summary["effects"])
+    yield "seed", _text(summary["seed"])
+    yield "pace", _text(summary["pace"])
+    yield "started", _text(summary["started"])
+    yield "drill_twin", _text(summary["version"])
+    yield "live analysis", _live(summary["live"])
+
+
+def troubles(summary: Summary) -> list[str]:
+    """What limits the findings; empty when nothing does."""
+    lines = list(summary["notes"])
+    if summary["truncated"]:
+        lines.insert(0, f"the bag is not whole: {'; '.join(summary['damage'])}")
+    quality = summary["quality"]
+    counted = (
+        ("duplicate", "samples twice"),
+        ("late", "samples out of order"),
+        ("incomplete", "samples without position or rotation"),
+        ("missing_marks", "marks missing in samples"),
+        ("gaps", "gaps in time"),
+    )
+    parts = [f"{quality[key]} {words}" for key, words in counted if quality.get(key)]
+    if parts:
+        lines.append(f"left out of the analysis: {', '.join(parts)}")
+    return lines
+
+
+def _onset(summary: Summary) -> str:
+    if summary["onset_s"] is None:
+        return "none found"
+    return (
+        f"{summary['onset_s']:.2f} s, first at {summary['onset_mark']} (confidence {summary['onset_confidence']:.2f})"
+    )
+
+
+def _frequency(summary: Summary) -> str:
+    frequency = summary["whirl_frequency_hz"]
+    if frequency is None:
+        return "none"
+    sense = "forward" if frequency > 0.0 else "backward"
+    return f"{frequency:+.3f} Hz ({sense}), at {summary['frequency_mark']}"
+
+
+def _radius(value: float | None, clearance: float | None) -> str:
+    """A mark's largest radius [m] in words, with its share of the clearance [m]."""
+    if value is None:
+        return "not seen"
+    share = f" ({100.0 * value / clearance:.0f} % of the clearance)" if clearance else ""
+    return f"{millimetres(value)}{share}"
+
+
+def millimetres(value: float) -> str:
+    """A length [m] in mm, as short as makes sense."""
+    return f"{1e3 * value:.1f} mm" if abs(value) >= 1e-3 else f"{1e3 * value:.2g} mm"
+
+
+def _live(live: Mapping[str, Any]) -> str:
+    if not live["messages"]:
+        return "none recorded"
+    if live["differing"]:
+        return f"{live['differing']} of {live['messages']} findings differ from this analysis"
+    return f"the same, byte for byte ({live['messages']} findings)"
+
+
+def _number(value: float | None, form: str) -> str:
+    return "unknown" if value is None else form.format(value)
+
+
+def _text(value: object) -> str:
+    return "unknown" if value is None else str(value)

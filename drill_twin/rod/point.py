@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an effect sees of the string at one place."""
+
+from typing import NamedTuple
+
+
+class Point(NamedTuple):
+    """What an effect sees of the string at a Gauss point."""
+
+    element: int
+    place: int  # number of the Gauss point along the string, 2 element + (0 or 1)
+    time: float
+    x: float
+    y: float
+    z: float
+    vx: float
+    vy: float
+    vz: float
+    tx: float
+    ty: float
+    tz: float
+    spin: float
+    spin_rate: float
+    fresh: bool  # first Newton iteration of a step
+    iteration: float  # number of this Newton iteration in the run

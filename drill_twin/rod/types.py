@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Short names for the types that kernels take."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Triple = tuple[float, float, float]
+Pair = tuple[float, float]

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes: what is drilled, which effects matter, how it is driven; read from YAML with units, checked as a whole."""
+
+from drill_twin.scene.json_schema import scene_json_schema
+from drill_twin.scene.load import load_scene, parse_scene
+from drill_twin.scene.paths import config_dir, presets, scene_path
+from drill_twin.scene.schema import MarkPlace, Scene
+
+__all__ = [
+    "MarkPlace",
+    "Scene",
+    "config_dir",
+    "load_scene",
+    "parse_scene",
+    "presets",
+    "scene_json_schema",
+    "scene_path",
+]

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The `effects:` part of a scene: one optional block per file in `drill_twin/effects/`."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import BeforeValidator, Field, create_model
+
+from drill_twin.effects import BLOCKS, Block
+from drill_twin.scene.part import Part
+
+
+class EffectsBase(Part):
+    """The effects a scene calls for; one that is not listed is not computed."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """The block of an effect, or None where it is off."""
+
+    @property
+    def names(self) -> list[str]:
+        """Keys of the effects that are on, in the order of the registry."""
+        return [key for key in BLOCKS if getattr(self, key) is not None]
+
+    @property
+    def blocks(self) -> dict[str, Block]:
+        """The blocks that are on."""
+        return {key: getattr(self, key) for key in self.names}
+
+
+def _on_or_off(value: Any) -> Any:
+    """A key without a value, or `on`, is the effect with its defaults; `off` is no effect."""
+    if value is None or value is True:
+        return {}
+    return None if value is False else value
+
+
+def _field(block: type[Block]) -> tuple[Any, Any]:
+    about = (block.__doc__ or "").strip()
+    return Annotated[block | None, BeforeValidator(_on_or_off)], Field(default=None, description=about)
+
+
+if TYPE_CHECKING:
+
+    class Effects(EffectsBase):
+        """The effects a scene calls for, one optional block per key of the registry."""
+else:
+    Effects = create_model(
+        "Effects", __base__=EffectsBase, __module__=__name__, __doc__=EffectsBase.__doc__,
+        **{key: _field(block) for key, block in BLOCKS.items()},
+    )  # fmt: skip

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The JSON Schema of scene files, so that editors complete and check them while they are written.
+
+`config/schema/scene.schema.json` holds it; the first line of a scene points there for yaml-language-server.
+"""
+
+import inspect
+import json
+from typing import Any, get_args
+
+from pydantic import BaseModel
+
+from drill_twin.scene.describe import descriptions
+from drill_twin.scene.rig import SetPoint
+from drill_twin.scene.schema import Scene
+
+
+def scene_json_schema() -> dict[str, Any]:
+    """The schema (draft 7, which editors know best): units checked, ranges and defaults in the descriptions."""
+    schema = Scene.model_json_schema(ref_template="#/definitions/{model}")
+    for model in _models(Scene):
+        block = schema if model is Scene else schema["$defs"][model.__name__]
+        for key, text in descriptions(model).items():
+            if key in block["properties"]:
+                block["properties"][key]["description"] = text
+    schema = _readable(schema)
+    definitions = schema.pop("$defs")
+    for set_point in SetPoint.__subclasses__():
+        definitions[set_point.__name__].update(_VALUE_UNLESS_TABLE)
+    definitions["Effects"]["properties"] = {
+        key: _on_off_or_block(field) for key, field in definitions["Effects"]["properties"].items()
+    }
+    definitions["Effects"]["required"] = ["stretch", "torsion"]
+    return {
+        "$schema": "http://json-schema.org/draft-07/schema#",
+        "title": "drill_twin scene",
+        **{key: value for key, value in schema.items() if key != "title"},
+        "definitions": definitions,
+    }
+
+
+def schema_text() -> str:
+    """The schema as the exported file holds it."""
+    return json.dumps(scene_json_schema(), indent=2, ensure_ascii=False, sort_keys=True) + "\n"
+
+
+def _models(annotation: Any) -> set[type[BaseModel]]:
+    """Every model in an annotation and in the fields below it."""
+    if not (inspect.isclass(annotation) and issubclass(annotation, BaseModel)):
+        return set().union(*(_models(part) for part in get_args(annotation)))
+    return {annotation}.union(*(_models(field.annotation) for field in annotation.model_fields.values()))
+
+
+_VALUE_UNLESS_TABLE = {
+    "if": {"properties": {"shape": {"const": "table"}}, "required": ["shape"]},
+    "else": {"required": ["value"]},
+}
+
+
+def _on_off_or_block(field: dict[str, Any]) -> dict[str, Any]:
+    """A block, nothing (the effect with its defaults), or `off`."""
+    reference = next(part for part in field["anyOf"] if "$ref" in part)
+    return {"description": field["description"], "anyOf": [reference, {"type": ["null", "boolean"]}]}
+
+
+def _readable(node: Any) -> Any:
+    """Titles off, defaults as they are written in files, ranges said in the description."""
+    if isinstance(node, list):
+        return [_readable(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    result = {key: _readable(value) for key, value in node.items() if not (key == "title" and isinstance(value, str))}
+    if len(result.get("allOf", ())) == 1:  # older releases of pydantic wrap a reference that has a description
+        result.update(result.pop("allOf")[0])
+    if "const" in result:  # and they say a single choice twice
+        result.pop("enum", None)
+    unit, words = result.pop("x-unit", None), result.pop("x-range", "")
+    for branch in result.get("anyOf", ()):
+        if isinstance(branch, dict):
+            unit, words = branch.pop("x-unit", unit), branch.pop("x-range", words)
+    if unit and isinstance(result.get("default"), float):
+        result["default"] = f"{result['default']:.12g} {unit}"
+    if isinstance(result.get("default"), dict):
+        del result["default"]
+    if words and "description" in result:
+        result["description"] += f" Range: {words}."
+    return result

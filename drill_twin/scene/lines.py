@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""YAML text to plain data, with the line of each key and value, so that an error can name it."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+
+from drill_twin.errors import SceneError
+
+Path = tuple[str | int, ...]
+"""Place of a value in the data: keys and list indices."""
+
+LARGEST_TEXT = 1_000_000
+DEEPEST_NESTING = 40
+MOST_VALUES = 100_000
+
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_SCALARS = {
+    f"tag:yaml.org,2002:{kind}": kind for kind in ("str", "int", "float", "bool", "null", "timestamp", "merge", "value")
+}
+_COLLECTIONS = {"tag:yaml.org,2002:map", "tag:yaml.org,2002:seq"}
+
+
+@dataclass
+class Lines:
+    """The data of a YAML text and where each part of it was written."""
+
+    name: str
+    """What messages call the text: its file."""
+    data: dict[str, Any] = field(default_factory=dict)
+    lines: dict[Path, int] = field(default_factory=dict)
+    """Line (from 1) of each key or list item."""
+    overridden: set[Path] = field(default_factory=set)
+    """Places set by an override, not by the text."""
+
+    def order(self, path: Path) -> int:
+        """A number by which places sort as they were written; overrides come first."""
+        place = self._known(path)
+        return -1 if place in self.overridden else self.lines.get(place, 0)
+
+    def where(self, path: Path) -> str:
+        """`file:line`, or `override`, of a place or of the nearest place around it."""
+        place = self._known(path)
+        if place in self.overridden:
+            return f"{self.name}: override"
+        return f"{self.name}:{self.lines[place]}" if place in self.lines else self.name
+
+    def _known(self, path: Path) -> Path:
+        known = (path[:length] for length in range(len(path), -1, -1))
+        return next((place for place in known if place in self.overridden or place in self.lines), ())
+
+
+def read_lines(text: str, name: str) -> Lines:
+    """Plain data of a YAML text with line numbers.
+
+    Raises:
+        SceneError: malformed, too large or too deep, duplicate keys, tags, or not a mapping at the top.
+    """
+    if len(text) > LARGEST_TEXT:
+        raise SceneError(f"{name}: expected a scene of at most {LARGEST_TEXT} characters, found {len(text)}")
+    root = _compose(text, name)
+    if root is None:
+        raise SceneError(f"{name}: expected keys such as `name`, `string`, `hole`, `rig`, found an empty file")
+    result = Lines(name)
+    data = _Reader(result).read(root, ())
+    if not isinstance(data, dict):
+        kind = "a list" if isinstance(data, list) else f'the text "{str(data)[:40]}"'
+        raise SceneError(f"{result.where(())}: expected keys such as `name`, `string`, `hole`, `rig`, found {kind}")
+    result.data = data
+    return result
+
+
+def _compose(text: str, name: str) -> yaml.Node | None:
+    try:
+        depth = 0
+        for event in yaml.parse(text, Loader=_Loader):
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if depth > DEEPEST_NESTING:
+                place = f"{name}:{event.start_mark.line + 1}" if event.start_mark else name
+                raise SceneError(f"{place}: expected at most {DEEPEST_NESTING} nested blocks, found more")
+        node: yaml.Node | None = yaml.compose(text, Loader=_Loader)
+        return node
+    except yaml.YAMLError as error:
+        raise _malformed(error, name) from None
+
+
+def _malformed(error: yaml.YAMLError, name: str) -> SceneError:
+    mark, begun = getattr(error, "problem_mark", None), getattr(error, "context_mark", None)
+    mark = mark or begun
+    place = f"{name}:{mark.line + 1}: column {mark.column + 1}" if mark else name
+    said = getattr(error, "problem", None) or getattr(error, "reason", None) or " ".join(str(error).split())
+    said = str(said).removeprefix("but ").removeprefix("found ")
+    since = (
+        f" {error.context} from line {begun.line + 1} on" if isinstance(error, yaml.MarkedYAMLError) and begun else ""
+    )
+    return SceneError(
+        f"{place}: expected valid YAML, found: {said}{since}; "
+        "an indent, a tab, a quote or a missing `: ` is the usual cause"
+    )
+
+
+class _Reader:
+    """Walks the nodes of one text."""
+
+    def __init__(self, result: Lines) -> None:
+        self.result = result
+        self.values = 0
+        self.scalars = _Loader("")
+
+    def read(self, node: yaml.Node, path: Path) -> Any:
+        self.result.lines.setdefault(path, node.start_mark.line + 1)
+        self.values += 1
+        if self.values > MOST_VALUES or len(path) > DEEPEST_NESTING:
+            raise self.error(node, "expected a scene, found endless repetition (a YAML alias of itself?)")
+        if isinstance(node, yaml.CollectionNode) and node.tag not in _COLLECTIONS:
+            raise self.error(node, f"expected plain values, found the YAML tag {node.tag}")
+        if isinstance(node, yaml.MappingNode):
+            return self.mapping(node, path)
+        if isinstance(node, yaml.SequenceNode):
+            return [self.read(item, (*path, index)) for index, item in enumerate(node.value)]
+        if node.tag not in _SCALARS:
+            raise self.error(node, f"expected plain values, found the YAML tag {node.tag}")
+        if _SCALARS[node.tag] in {"timestamp", "value", "merge"}:
+            return node.value
+        try:
+            return self.scalars.construct_object(node)
+        except ValueError:
+            return node.value
+
+    def mapping(self, node: yaml.MappingNode, path: Path) -> dict[str, Any]:
+        data: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            key = self.key(key_node)
+            place = (*path, key)
+            if key in data:
+                raise self.error(
+                    key_node, f"expected each key once, found `{key}` again (first in line {self.result.lines[place]})"
+                )
+            self.result.lines[place] = key_node.start_mark.line + 1
+            data[key] = self.read(value_node, place)
+        return data
+
+    def key(self, node: yaml.Node) -> str:
+        if not isinstance(node, yaml.ScalarNode):
+            raise self.error(node, "expected a name as key, found a list or mapping")
+        if node.tag == "tag:yaml.org,2002:merge":
+            raise self.error(node, "expected keys, found a YAML merge (`<<`); write the values out")
+        return str(node.value)
+
+    def error(self, node: yaml.Node, message: str) -> SceneError:
+        return SceneError(f"{self.result.name}:{node.start_mark.line + 1}: {message}")

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scene files and texts to scenes; every error names file and line."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from drill_twin.errors import SceneError
+from drill_twin.scene.lines import LARGEST_TEXT, Lines, read_lines
+from drill_twin.scene.overrides import apply_overrides
+from drill_twin.scene.paths import scene_path
+from drill_twin.scene.problems import scene_error
+from drill_twin.scene.schema import Scene
+
+
+def load_scene(scene: str | Path, *, overrides: Mapping[str, str] | None = None) -> Scene:
+    """The scene of a file or of an installed scene's name, such as `pa6_bench`.
+
+    Overrides are dotted keys and values as a file would write them: `{"rig.rotation.value": "50 rpm"}`; `wob`, `rps`
+    and `duration` are short for the keys most often set, and `{"effects.bow": "off"}` takes an effect out.
+
+    Raises:
+        SceneError: no such file, not YAML, or not a scene; names file, line, key, what was expected and what was found.
+    """
+    path = scene_path(scene)
+    return _build(read_lines(_read(path), str(path)), overrides, folder=path.resolve().parent)
+
+
+def parse_scene(text: str, *, name: str = "scene", overrides: Mapping[str, str] | None = None) -> Scene:
+    """The scene of a YAML text, such as `/twin/scene` carries; its `run` block is left aside.
+
+    Raises:
+        SceneError: as `load_scene`.
+    """
+    lines = read_lines(text, name)
+    lines.data.pop("run", None)
+    return _build(lines, overrides, folder=Path.cwd())
+
+
+def _read(path: Path) -> str:
+    try:
+        size = path.stat().st_size
+        if size > LARGEST_TEXT:
+            raise SceneError(f"{path}: expected a scene of at most {LARGEST_TEXT} bytes, found {size}")
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise SceneError(f"{path}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{path}: expected text in UTF-8, found byte {error.object[error.start]:#04x}") from None
+
+
+def _build(lines: Lines, overrides: Mapping[str, str] | None, *, folder: Path) -> Scene:
+    apply_overrides(lines, overrides or {})
+    _anchor_table(lines, folder)
+    try:
+        return Scene.model_validate(lines.data, context={"text": True})
+    except ValidationError as error:
+        raise scene_error(error, lines, Scene) from None
+
+
+def _anchor_table(lines: Lines, folder: Path) -> None:
+    """Make the table's path absolute: from the scene's folder, or from the working folder where it is an override."""
+    rig = lines.data.get("rig")
+    table = rig.get("table") if isinstance(rig, dict) else None
+    file = table.get("file") if isinstance(table, dict) else None
+    if isinstance(table, dict) and isinstance(file, str) and file:
+        base = Path.cwd() if ("rig", "table", "file") in lines.overridden else folder
+        table["file"] = str((base / Path(file).expanduser()).resolve())

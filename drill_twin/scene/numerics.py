@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How finely the twin computes, and how often it shows."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import core_schema
+
+from drill_twin.scene.part import Part, refuse_at
+from drill_twin.units import Frequency, Quantity, Within, refuse, show
+from drill_twin.units.dimension import TIME
+
+FEWEST_ELEMENTS, MOST_ELEMENTS = 4, 4000
+
+
+class _OrAuto:
+    """Annotation of a field that may also be the word `auto`."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:
+            return value if value == "auto" else inner(value)
+
+        return core_schema.no_info_wrap_validator_function(check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"const": "auto"}, handler(schema)]}
+
+
+@dataclass(frozen=True)
+class _Whole:
+    """Annotation of a whole number in a range."""
+
+    at_least: int
+    at_most: int
+    what: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"type": "integer", "minimum": self.at_least, "maximum": self.at_most}
+
+    def _read(self, value: Any) -> int:
+        if not isinstance(value, int) or isinstance(value, bool) or not self.at_least <= value <= self.at_most:
+            raise refuse(f"expected {self.what} from {self.at_least} to {self.at_most}, found {show(value)}")
+        return value
+
+
+class Numerics(Part):
+    """Resolution in space and time; `auto` lets the twin choose."""
+
+    elements: Annotated[
+        int | Literal["auto"], _Whole(FEWEST_ELEMENTS, MOST_ELEMENTS, 'a number of elements, or "auto",'), _OrAuto()
+    ] = "auto"
+    """Number of elements of the string."""
+    step: Annotated[float | Literal["auto"], Quantity(TIME), Within(at_least="1 ns", at_most="0.1 s"), _OrAuto()] = (
+        "auto"
+    )
+    """Time step [s]; at most the time between two frames."""
+    frame_rate: Annotated[Frequency, Within(at_least="1 Hz", at_most="2000 Hz")] = 100.0
+    """Frames published per second of simulated time [Hz]."""
+    seed: Annotated[int, _Whole(0, 2**63 - 1, "a whole number")] = 1
+    """Seed of everything random."""
+    scheme: Literal["midpoint"] = "midpoint"
+    """Time scheme."""
+
+    @model_validator(mode="after")
+    def _steps_fit_frames(self) -> Self:
+        if self.step != "auto" and self.step * self.frame_rate > 1.0 + 1e-9:
+            raise refuse_at(
+                ("step",),
+                f"expected at most the time between frames ({1.0 / self.frame_rate:.6g} s), found {self.step:.6g} s",
+            )
+        return self

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values given beside the file: `rig.rotation.value` -> `"50 rpm"`, as the command line and launch files pass them."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from drill_twin.errors import SceneError
+from drill_twin.scene.lines import Lines
+
+SHORTHANDS = {
+    "wob": ("rig.weight_on_bit.value", "N"),
+    "rps": ("rig.rotation.value", "rev/s"),
+    "duration": ("rig.duration", "s"),
+}
+"""Short names, the key each stands for, and the unit of a bare number."""
+
+_BARE = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
+_INDEX = re.compile(r"\[(\w+)\]")
+
+
+def apply_overrides(lines: Lines, overrides: Mapping[str, str]) -> None:
+    """Set each override in the data; a list item is named by its number or its `name`: `string.marks.mark_1.on`.
+
+    Raises:
+        SceneError: a key that leads nowhere, or a value that is not YAML.
+    """
+    for key, text in overrides.items():
+        place, value = _expand(key, text)
+        _set(lines, key, place, _value(lines, key, value))
+
+
+def _expand(key: str, text: str) -> tuple[str, str]:
+    if key not in SHORTHANDS:
+        return key, text
+    place, unit = SHORTHANDS[key]
+    return place, f"{text} {unit}" if _BARE.fullmatch(text.strip()) else text
+
+
+def _value(lines: Lines, key: str, text: str) -> Any:
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError:
+        raise SceneError(f"{lines.name}: override: {key}: expected a value, found {text!r}") from None
+
+
+def _set(lines: Lines, key: str, place: str, value: Any) -> None:
+    parts = [part for part in _INDEX.sub(r".\1", place).split(".") if part]
+    if not parts:
+        raise SceneError(f'{lines.name}: override: expected a key such as "rig.duration", found {key!r}')
+    inside: Any = lines.data
+    path: tuple[str | int, ...] = ()
+    for depth, part in enumerate(parts):
+        step = _item(inside, part)
+        last = depth == len(parts) - 1
+        if step is None or (isinstance(step, int) and isinstance(inside, dict)):
+            raise SceneError(f"{lines.name}: override: {key}: expected a key of the scene, found no `{part}`")
+        path = (*path, step)
+        if last:
+            inside[step] = value
+            lines.overridden.add(path)
+        else:
+            if isinstance(inside, dict) and inside.get(step) in (None, True):
+                inside[step] = {}
+                lines.overridden.add(path)
+            inside = inside[step]
+
+
+def _item(inside: Any, part: str) -> str | int | None:
+    """Key or index by which a part of an override's key is found; None where it cannot be."""
+    if isinstance(inside, dict):
+        return part
+    if isinstance(inside, list):
+        if part.isdecimal() and int(part) < len(inside):
+            return int(part)
+        names = [item.get("name") if isinstance(item, dict) else None for item in inside]
+        return names.index(part) if part in names else None
+    return None

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the installed scenes, launch files and views lie."""
+
+import sys
+from difflib import get_close_matches
+from pathlib import Path
+
+from drill_twin.errors import SceneError
+
+_MARK = Path("scenes") / "pa6_bench.yaml"
+_SUFFIXES = (".yaml", ".yml")
+
+
+def config_dir() -> Path:
+    """The folder with `scenes/` in it: beside the package in a source tree, else in the ROS or Python installation.
+
+    Raises:
+        SceneError: where the package was installed without its data.
+    """
+    folders = list(_candidates())
+    for folder in folders:
+        if (folder / _MARK).is_file():
+            return folder
+    looked = ", ".join(str(folder) for folder in folders)
+    raise SceneError(f"expected the installed scenes of drill_twin, found none in {looked}; reinstall the package")
+
+
+def presets() -> dict[str, Path]:
+    """Names of the installed scenes and their files, sorted."""
+    return {path.stem: path for path in sorted((config_dir() / "scenes").glob("*.yaml"))}
+
+
+def scene_path(scene: str | Path) -> Path:
+    """The file a user means by a path or by a preset's name.
+
+    Raises:
+        SceneError: where there is no such file; lists the presets.
+    """
+    path = Path(scene)
+    if path.is_file():
+        return path
+    known = presets()
+    if str(scene) in known:
+        return known[str(scene)]
+    if path.is_dir():
+        raise SceneError(f"{scene}: expected a scene file, found a folder")
+    for suffix in _SUFFIXES:
+        if path.suffix not in _SUFFIXES and path.with_name(path.name + suffix).is_file():
+            return path.with_name(path.name + suffix)
+    close = get_close_matches(str(scene), known, n=1)
+    hint = f', did you mean "{close[0]}"?' if close else ""
+    raise SceneError(
+        f"{scene}: no such scene file{hint}; expected a path or one of the installed scenes: {', '.join(known)}"
+    )
+
+
+def _candidates() -> "list[Path]":
+    roots = []
+    try:
+        from ament_index_python.packages import get_package_share_directory
+
+        roots.append(Path(get_package_share_directory("drill_twin")))
+    except (ImportError, LookupError, OSError):  # no ROS environment, or one without this package: look on
+        pass
+    roots.append(Path(sys.prefix) / "share" / "drill_twin")
+    source = Path(__file__).resolve().parents[2] / "config"
+    return [source, *(folder for root in roots for folder in (root / "config", root))]

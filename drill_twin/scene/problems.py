@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""pydantic's findings as messages of ours: where, what was expected, what was found, what was likely meant."""
+
+import difflib
+import inspect
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from drill_twin.errors import SceneError
+from drill_twin.scene.lines import Lines, Path
+from drill_twin.units import Quantity, show
+
+
+def scene_error(error: ValidationError, lines: Lines, model: type[BaseModel]) -> SceneError:
+    """One line about the first problem in the file; the number of others is said."""
+    found = error.errors(include_url=False)
+    places = [tuple(detail["loc"]) for detail in found]
+    causes = [detail for detail, place in zip(found, places, strict=True) if not _has_cause_inside(place, places)]
+    details = sorted(causes, key=lambda detail: (detail["type"] == "missing", lines.order(tuple(detail["loc"]))))
+    messages = [_message(detail, lines, model) for detail in details]
+    more = len(messages) - 1
+    rest = f" (and {more} more {'problem' if more == 1 else 'problems'})" if more else ""
+    return SceneError(messages[0] + rest)
+
+
+def path_text(path: Path) -> str:
+    """`string.sections[0].length` for a place in the data."""
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    return "".join(parts).removeprefix(".")
+
+
+def nearest(name: str, known: "list[str]") -> str:
+    """`, did you mean "radius"?` where one of the known names is close."""
+    folded = {word.lower(): word for word in known}
+    close = difflib.get_close_matches(name.lower(), folded, n=1, cutoff=0.6)
+    return f', did you mean "{folded[close[0]]}"?' if close else ""
+
+
+def _has_cause_inside(place: Path, places: "list[Path]") -> bool:
+    """Whether a problem only follows from one inside it: a list is short because its item is wrong."""
+    return any(len(other) > len(place) and other[: len(place)] == place for other in places)
+
+
+def _message(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> str:
+    place = tuple(detail["loc"])
+    return f"{lines.where(place)}: {path_text(place)}: {_words(detail, place, model)}"
+
+
+def _words(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> str:
+    kind, found, context = detail["type"], detail["input"], detail.get("ctx", {})
+    if kind == "drill_twin":
+        return str(context["message"])
+    if kind == "extra_forbidden":
+        known = _keys(model, place[:-1])
+        key = str(place[-1])
+        return f'expected one of the keys {", ".join(known)}, found "{key}"{nearest(key, known)}'
+    if kind == "missing":
+        return f"expected {_expected(model, place)}, found nothing (the key is required)"
+    if kind == "literal_error":
+        known = [word.strip("'") for word in str(context["expected"]).replace(" or ", ", ").split(", ")]
+        return f"expected one of {', '.join(known)}, found {show(found)}{nearest(str(found), known)}"
+    if kind in {"model_type", "model_attributes_type", "dict_type"}:
+        return f"expected a block with the keys {', '.join(_keys(model, place))}, found {show(found)}"
+    if kind in {"tuple_type", "list_type"}:
+        return f"expected a list, each item in a line that begins with `- `, found {show(found)}"
+    if kind == "string_type":
+        return f"expected text, found {show(found)}"
+    if kind == "string_pattern_mismatch":
+        return f"expected letters, digits and underscores, a letter first, found {show(found)}"
+    if kind == "too_short":
+        return f"expected at least {context['min_length']} item, found none"
+    return f"expected another value ({detail['msg']}), found {show(found)}"
+
+
+def _expected(model: type[BaseModel], place: Path) -> str:
+    field = _field(model, place)
+    for part in field.metadata if field else ():
+        if isinstance(part, Quantity):
+            return part.dimension.expected
+    annotation = field.annotation if field else None
+    inside = _model(annotation)
+    if inside:
+        what = "a list of blocks" if get_origin(annotation) is tuple else "a block"
+        return f"{what} with the keys {', '.join(inside.model_fields)}"
+    return "text" if annotation is str else "a value"
+
+
+def _keys(model: type[BaseModel], place: Path) -> list[str]:
+    """Keys of the block at a place."""
+    inside: type[BaseModel] | None = model
+    for part in place:
+        if isinstance(part, str) and inside:
+            field = inside.model_fields.get(part)
+            inside = _model(field.annotation) if field else None
+    return list(inside.model_fields) if inside else []
+
+
+def _field(model: type[BaseModel], place: Path) -> FieldInfo | None:
+    inside: type[BaseModel] | None = model
+    field: FieldInfo | None = None
+    for part in place:
+        if isinstance(part, str):
+            field = inside.model_fields.get(part) if inside else None
+            inside = _model(field.annotation) if field else None
+    return field
+
+
+def _model(annotation: Any) -> type[BaseModel] | None:
+    if inspect.isclass(annotation) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((found for part in get_args(annotation) if (found := _model(part))), None)

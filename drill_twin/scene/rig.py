@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rig: weight on bit and rotation over time."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from drill_twin.scene.part import Part, refuse_at
+from drill_twin.units import AngularSpeed, Force, Time, Within
+
+Shape = Literal["constant", "step", "ramp", "table"]
+_LoadRange = Within(at_least="-100 MN", at_most="100 MN")
+_SpeedRange = Within(at_least="-100 rev/s", at_most="100 rev/s", reason="no rig turns faster")
+
+
+class SetPoint(Part):
+    """One set-point over time."""
+
+    shape: Shape = "constant"
+    """`constant`: `value` throughout; `step`: smooth cubic from `initial` to `value` (STEP of ADAMS); `ramp`: straight
+    line; `table`: the column in `rig.table`."""
+    start: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
+    """When the change begins [s]."""
+    duration: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
+    """How long the change takes [s]; 0 s = at once."""
+    initial: float = 0.0
+    value: float = 0.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_a_value(cls, data: Any) -> Any:
+        if isinstance(data, dict) and data.get("shape") != "table" and "value" not in data:
+            field = cls.model_fields["value"]
+            expected = next(part.dimension.expected for part in field.metadata if hasattr(part, "dimension"))
+            raise refuse_at(("value",), f"expected {expected}, found nothing (the key is required)")
+        return data
+
+    @model_validator(mode="after")
+    def _takes_what_is_given(self) -> Self:
+        unused = {
+            "constant": ("initial", "start", "duration"),
+            "table": ("value", "initial", "start", "duration"),
+        }.get(self.shape, ())
+        for key in unused:
+            if getattr(self, key) != 0.0:
+                raise refuse_at(
+                    (key,),
+                    f'expected no `{key}` with shape "{self.shape}", found one; shapes "step" and "ramp" take it',
+                )
+        return self
+
+
+class WeightOnBit(SetPoint):
+    """Weight on bit; negative values pull."""
+
+    value: Annotated[Force, _LoadRange] = 0.0
+    """Weight on bit reached [N]."""
+    initial: Annotated[Force, _LoadRange] = 0.0
+    """Weight on bit before `start` [N]."""
+    at: Literal["bit", "top"] = "bit"
+    """Where the load is applied and counted: pushed up at the bit, or set at the top."""
+
+
+class Rotation(SetPoint):
+    """Speed of the top drive; positive is right-handed about the upward axis."""
+
+    value: Annotated[AngularSpeed, _SpeedRange] = 0.0
+    """Speed reached [rad/s]."""
+    initial: Annotated[AngularSpeed, _SpeedRange] = 0.0
+    """Speed before `start` [rad/s]."""
+
+
+class Column(Part):
+    """A column of a table of measurements."""
+
+    column: Annotated[str, Field(min_length=1, max_length=200)]
+    """Header of the column in a CSV file, or name of the variable in a MAT file."""
+    unit: str
+    """Unit of its numbers, such as `rpm`."""
+
+
+class RecordedTable(Part):
+    """A record of a real rig to play back; without `file` the scene loads, but its set-points cannot be played."""
+
+    file: str = ""
+    """CSV or MAT file; a relative path counts from the scene file (or, as an override, from the working folder)."""
+    time: Column | None = None
+    """Time stamps."""
+    weight_on_bit: Column | None = None
+    """Measured weight on bit."""
+    rotation: Column | None = None
+    """Measured speed of the top drive."""
+    start: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
+    """Where in the record playback begins, from its first stamp [s]."""
+    longest_gap: Annotated[Time, Within(above="0 s", at_most="1e6 s")] = 1.0
+    """Gaps up to this long are bridged by straight lines [s]; a longer one is an error."""
+    spike_window: Annotated[Time, Within(at_least="0 s", at_most="100 s")] = 0.1
+    """Width of the median filter that finds spikes [s]; 0 s = keep them."""
+
+
+class Rig(Part):
+    """Set-points of the rig and how long to drill."""
+
+    weight_on_bit: WeightOnBit = WeightOnBit(value=0.0)
+    """Weight on bit over time."""
+    rotation: Rotation = Rotation(value=0.0)
+    """Top-drive speed over time."""
+    duration: Annotated[Time, Within(above="0 s", at_most="1e6 s")]
+    """Simulated time [s]."""
+    table: RecordedTable | None = None
+    """Record that set-points of shape `table` play."""
+
+    @model_validator(mode="after")
+    def _has_the_columns(self) -> Self:
+        for key in ("weight_on_bit", "rotation"):
+            shape = getattr(self, key).shape
+            if shape == "table" and self.table is None:
+                raise refuse_at((key, "shape"), 'expected `rig.table` with shape "table", found none')
+        return self

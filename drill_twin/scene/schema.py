@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scene: everything one run of the twin needs to know, checked as a whole."""
+
+from typing import Annotated, NamedTuple, Self
+
+from pydantic import Field, model_validator
+
+from drill_twin.scene.check import check
+from drill_twin.scene.effects import Effects
+from drill_twin.scene.hole import Hole
+from drill_twin.scene.numerics import Numerics
+from drill_twin.scene.part import Part
+from drill_twin.scene.rig import Rig
+from drill_twin.scene.string import String
+from drill_twin.scene.write import yaml_text
+
+
+class MarkPlace(NamedTuple):
+    """A mark with what an analysis needs to know of its place."""
+
+    name: str
+    """Name on the topics."""
+    distance_from_bit: float
+    """Arc length from the bit [m]."""
+    on: str
+    """`wall` or `centre`."""
+    wall_offset: float
+    """Distance of the mark from the centre line [m]: the outer radius on the wall, 0 on the centre."""
+    clearance: float
+    """How far the centre line can move before the string touches the wall [m]."""
+
+
+class Scene(Part):
+    """What is drilled and which effects matter; floats are SI, text in a file carries its unit."""
+
+    name: Annotated[str, Field(min_length=1, max_length=100)]
+    """Short name, used in titles and folders."""
+    description: Annotated[str, Field(max_length=5000)] = ""
+    """What the scene shows."""
+    provenance: Annotated[str, Field(max_length=5000)] = ""
+    """Where the numbers come from; `stand-in` or `estimated` where they are not measured."""
+    string: String
+    """The drillstring and its marks."""
+    hole: Hole
+    """The hole it turns in."""
+    rig: Rig
+    """Set-points and duration."""
+    effects: Effects
+    """Effects to simulate."""
+    numerics: Numerics = Numerics()
+    """Resolution."""
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        check(self.string, self.hole, self.effects)
+        return self
+
+    @property
+    def length(self) -> float:
+        """Length of the string from bit to top clamp [m]."""
+        return self.string.length
+
+    def outer_radius_at(self, distance_from_bit: float) -> float:
+        """Outer radius of the string at an arc length from the bit [m]."""
+        return self.string.section_at(distance_from_bit).outer_diameter / 2.0
+
+    def clearance_at(self, distance_from_bit: float) -> float:
+        """How far the centre line can move before the string touches the wall [m]."""
+        return self.hole.radius - self.outer_radius_at(distance_from_bit)
+
+    @property
+    def effect_names(self) -> list[str]:
+        """Keys of the effects that are on."""
+        return self.effects.names
+
+    @property
+    def mark_table(self) -> tuple[MarkPlace, ...]:
+        """The marks in the scene's order, with radius and clearance at their place."""
+        return tuple(
+            MarkPlace(
+                name=mark.name,
+                distance_from_bit=mark.distance_from_bit,
+                on=mark.on,
+                wall_offset=self.outer_radius_at(mark.distance_from_bit) if mark.on == "wall" else 0.0,
+                clearance=self.clearance_at(mark.distance_from_bit),
+            )
+            for mark in self.string.marks
+        )
+
+    def to_yaml(self) -> str:
+        """The resolved scene as text: SI units and defaults written out; `parse_scene` reads it to an equal scene."""
+        return yaml_text(self.model_dump(mode="json", exclude_none=True))

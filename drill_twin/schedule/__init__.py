@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Set-points of the rig over time: constant, STEP, ramp, or a measured record."""
+
+from drill_twin.schedule.command import Command
+from drill_twin.schedule.schedule import Schedule
+from drill_twin.schedule.tables import Table, read_table
+
+__all__ = ["Command", "Schedule", "Table", "read_table"]

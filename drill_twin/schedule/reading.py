@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Columns of numbers from CSV and MATLAB files, as they stand there."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from drill_twin.errors import TableError
+
+Columns = dict[str, npt.NDArray[np.float64]]
+"""Column name -> its numbers, shape (rows,); a missing value is NaN."""
+
+LARGEST_FILE = 1_000_000_000
+_MATLAB = (".mat",)
+_DELIMITERS = ",;\t|"
+_MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "inf", "-inf", "+inf"}
+
+
+def read_columns(path: Path) -> Columns:
+    """Every column of numbers in a file.
+
+    Raises:
+        TableError: no such file, not a table, or a cell that is not a number (with its line).
+    """
+    if not path.is_file():
+        what = "a folder" if path.is_dir() else "nothing there"
+        raise TableError(f"{path}: expected a CSV or MAT file, found {what}")
+    size = path.stat().st_size
+    if size == 0 or size > LARGEST_FILE:
+        raise TableError(f"{path}: expected a table of up to {LARGEST_FILE} bytes, found {size} bytes")
+    return _read_matlab(path) if path.suffix.lower() in _MATLAB else _read_csv(path)
+
+
+def _read_matlab(path: Path) -> Columns:
+    from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
+
+    try:
+        content = loadmat(str(path))
+    except NotImplementedError:
+        raise TableError(f"{path}: expected a MAT file of version 5 to 7, found 7.3; save it with -v7") from None
+    except (MatReadError, ValueError, TypeError, OSError, KeyError, IndexError, EOFError) as error:
+        what = " ".join(str(error).split()) or "something else"
+        raise TableError(f"{path}: expected a MAT file, found {what}") from None
+    columns = {}
+    for name, value in content.items():
+        array = np.asarray(value)
+        is_column = array.size > 1 and array.size == max(array.shape) and array.dtype.kind in "fiu"
+        if is_column and not name.startswith("__"):
+            columns[name] = array.ravel().astype(np.float64)
+    return columns
+
+
+def _read_csv(path: Path) -> Columns:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise TableError(f"{path}: expected a CSV file in UTF-8, found {error}") from None
+    if "\0" in text:
+        raise TableError(f"{path}: expected a CSV or MAT file, found binary data")
+    rows = [
+        (number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")
+    ]
+    if len(rows) < 2:
+        raise TableError(f"{path}: expected a header and rows of numbers, found {len(rows)} lines")
+    delimiter = _delimiter(rows[0][1])
+    parsed = [
+        (number, [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))])
+        for number, line in rows
+    ]
+    header = parsed[0][1]
+    if all(_number(cell, delimiter) is not None for cell in header):
+        raise TableError(f"{path}:{parsed[0][0]}: expected a header with column names, found numbers")
+    twice = {name for name in header if header.count(name) > 1}
+    if twice:
+        raise TableError(f"{path}:{parsed[0][0]}: expected each column once, found {', '.join(sorted(twice))} again")
+    numbers = np.empty((len(parsed) - 1, len(header)))
+    for index, (line, cells) in enumerate(parsed[1:]):
+        if len(cells) != len(header):
+            raise TableError(f"{path}:{line}: expected {len(header)} values as in the header, found {len(cells)}")
+        for column, cell in enumerate(cells):
+            value = _number(cell, delimiter)
+            if value is None:
+                raise TableError(f'{path}:{line}: expected a number in column "{header[column]}", found "{cell[:40]}"')
+            numbers[index, column] = value
+    return {name: numbers[:, column].copy() for column, name in enumerate(header)}
+
+
+def _delimiter(header: str) -> str:
+    """The delimiter that splits the header into most columns; spaces only where nothing else does."""
+    best = max(_DELIMITERS, key=header.count)
+    return best if header.count(best) else " "
+
+
+def _number(cell: str, delimiter: str) -> float | None:
+    """The value of a cell, NaN where it is missing, None where it is text; knows the decimal comma."""
+    if cell.lower() in _MISSING:
+        return math.nan
+    try:
+        return float(cell.replace(",", ".") if delimiter != "," else cell)
+    except ValueError:
+        return None

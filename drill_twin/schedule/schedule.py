@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The set-points of a scene over time."""
+
+from dataclasses import dataclass
+from typing import Self
+
+from drill_twin.errors import TableError
+from drill_twin.scene import Scene
+from drill_twin.schedule.command import Command
+from drill_twin.schedule.shapes import SetPointAt, shape, table
+from drill_twin.schedule.tables import Table, read_table
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """What the rig sets and when; the same for the rig driver's topics and for a run without ROS."""
+
+    weight_on_bit: SetPointAt
+    """Time [s] -> weight on bit [N]."""
+    rotation: SetPointAt
+    """Time [s] -> speed of the top drive [rad/s]."""
+    duration: float
+    """How long the scene lasts [s]; afterwards the last set-points hold."""
+    record: Table | None = None
+    """The record that is played, with its report, where the scene plays one."""
+
+    @classmethod
+    def from_scene(cls, scene: Scene) -> Self:
+        """The schedule of a scene; reads the record where a set-point has shape `table`.
+
+        Raises:
+            TableError: no record given, or one that cannot be played.
+        """
+        rig = scene.rig
+        record = _record(scene) if "table" in (rig.weight_on_bit.shape, rig.rotation.shape) else None
+        start = rig.table.start if rig.table else 0.0
+
+        def function(name: str) -> SetPointAt:
+            set_point = getattr(rig, name)
+            if set_point.shape != "table" or record is None:
+                return shape(set_point)
+            return table(record.time, record.column(name), start)
+
+        return cls(function("weight_on_bit"), function("rotation"), rig.duration, record)
+
+    def at(self, time: float) -> Command:
+        """Both set-points at a time [s] from the start of the run."""
+        return Command(weight_on_bit=self.weight_on_bit(time), rotation=self.rotation(time))
+
+
+def _record(scene: Scene) -> Table:
+    source = scene.rig.table
+    if source is None or not source.file:
+        raise TableError(
+            f"scene {scene.name}: rig.table.file: expected the CSV or MAT file of the record to play, found none; "
+            'give it as the override "rig.table.file=PATH" or write it into the scene'
+        )
+    return read_table(
+        source.file,
+        time=source.time,
+        weight_on_bit=source.weight_on_bit,
+        rotation=source.rotation,
+        wanted=[name for name in ("weight_on_bit", "rotation") if getattr(scene.rig, name).shape == "table"],
+        longest_gap=source.longest_gap,
+        spike_window=source.spike_window,
+    )

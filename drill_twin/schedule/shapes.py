@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Set-points as functions of time."""
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from drill_twin.errors import SceneError
+from drill_twin.scene.rig import SetPoint
+
+SetPointAt = Callable[[float], float]
+"""Time [s] -> value of a set-point."""
+
+
+def shape(set_point: SetPoint) -> SetPointAt:
+    """The function of time of a set-point that needs no table."""
+    initial, final, start, duration = set_point.initial, set_point.value, set_point.start, set_point.duration
+    if set_point.shape == "constant":
+        return lambda _: final
+    if set_point.shape == "step":
+        return lambda time: step(time, start, initial, start + duration, final)
+    if set_point.shape == "ramp":
+        return lambda time: ramp(time, start, initial, start + duration, final)
+    raise SceneError(f'expected a set-point with a value, found shape "{set_point.shape}"')
+
+
+def step(time: float, start: float, before: float, end: float, after: float) -> float:
+    """STEP of ADAMS: a cubic from `before` to `after`, level at both ends; at once where start = end."""
+    return before + (after - before) * _smooth(_progress(time, start, end))
+
+
+def ramp(time: float, start: float, before: float, end: float, after: float) -> float:
+    """A straight line from `before` to `after`; at once where start = end."""
+    return before + (after - before) * _progress(time, start, end)
+
+
+def table(times: npt.NDArray[np.float64], values: npt.NDArray[np.float64], start: float) -> SetPointAt:
+    """Straight lines between measurements, from `start` [s] into the record; its ends are held."""
+    origin = float(times[0]) + start
+    return lambda time: float(np.interp(origin + time, times, values))
+
+
+def _progress(time: float, start: float, end: float) -> float:
+    if time < start:
+        return 0.0
+    return 1.0 if time >= end else (time - start) / (end - start)
+
+
+def _smooth(x: float) -> float:
+    return x * x * (3.0 - 2.0 * x)

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One compiled time loop for exactly the effects of a scene.
+
+The loop is written once (`drill_twin.solve.midpoint`) and takes the effects as functions. For a set of effects a small
+module is written that calls their functions in turn, and nothing else; numba compiles it and keeps the machine code
+beside it. The module's name is a hash of every source it is built from, of the versions and of the processor, so stale
+code cannot be met: an edit makes another name. Numbers, tables and sections are arguments, so they never compile.
+
+An effect's file may define any of these functions; the loop calls those that exist:
+
+* ``point(parameters, rod, here, h2, load, stiff)``: force per length on the string, at the Gauss points;
+* ``section(parameters, rod, strain, h2, resultants)``: bending and twist of the section;
+* ``stretch(parameters, element, axial, rate)``: viscous axial force and its slope;
+* ``end(parameters, rod, command, time, h2, u, v, diagonal)``: forces at the bit and the top.
+"""
+
+import hashlib
+import importlib.util
+import inspect
+import os
+import platform
+import sys
+import tempfile
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+import llvmlite
+import numba
+import numpy as np
+
+HOOKS = ("point", "section", "stretch", "end")
+_SOURCES = (
+    "rod.jit", "rod.types", "rod.point", "rod.mesh", "rod.section", "rod.stretch",
+    "solve.work", "solve.drive", "solve.assembly", "solve.blocks", "solve.midpoint", "solve.compose",
+)  # fmt: skip
+
+
+def cache_folder() -> Path:
+    """Where compiled kernels are kept: ``$DRILL_TWIN_CACHE``, else the user's cache folder, else a temporary one."""
+    named = os.environ.get("DRILL_TWIN_CACHE")
+    base = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "drill_twin"
+    try:
+        base.mkdir(parents=True, exist_ok=True)
+        if os.access(base, os.W_OK):
+            return base
+    except OSError:
+        if named:
+            raise
+    return Path(tempfile.mkdtemp(prefix="drill_twin_kernels_"))
+
+
+def effect_module(name: str) -> ModuleType:
+    """The module of an effect, by its key in the scene."""
+    return import_module(f"drill_twin.effects.{name}")
+
+
+def fingerprint(effects: tuple[str, ...]) -> str:
+    """Hash of all that decides the machine code: sources, versions, processor."""
+    digest = hashlib.sha256()
+    for name in _SOURCES:
+        digest.update(inspect.getsource(import_module(f"drill_twin.{name}")).encode())
+    for name in effects:
+        digest.update(name.encode() + inspect.getsource(effect_module(name)).encode())
+    for version in (platform.python_version(), numba.__version__, llvmlite.__version__, np.__version__):
+        digest.update(version.encode())
+    cpu = llvmlite.binding
+    digest.update(f"{cpu.get_host_cpu_name()} {sorted(cpu.get_host_cpu_features().items())}".encode())
+    return digest.hexdigest()[:16]
+
+
+def source(effects: tuple[str, ...]) -> str:
+    """The text of the module for a set of effects."""
+
+    def calls(hook: str, line: str) -> str:
+        names = [name for name in effects if hasattr(effect_module(name), hook)]
+        return "\n".join("    " + line.format(name=name) for name in names) or "    pass"
+
+    imports = "\n".join(f"from drill_twin.effects import {name}" for name in effects)
+    fields = "\n".join(
+        f"    {name}: {name}.Parameters" for name in effects if hasattr(effect_module(name), "Parameters")
+    )
+    return f'''"""The time loop for: {", ".join(effects) or "no effects"}. Written by drill_twin; do not edit."""
+from typing import NamedTuple
+
+from numba import njit
+
+from drill_twin.rod.jit import FLAGS
+from drill_twin.solve.drive import Drive, weight_on_bit
+from drill_twin.solve.midpoint import bind
+{imports}
+
+
+class Parameters(NamedTuple):
+    drive: Drive
+{fields}
+
+
+@njit(**FLAGS)
+def stretch_effects(parameters, element, axial, rate):
+    force = 0.0
+    slope = 0.0
+{calls("stretch", "more = {name}.stretch(parameters, element, axial, rate); force += more[0]; slope += more[1]")}
+    return force, slope
+
+
+@njit(**FLAGS)
+def section_effects(parameters, rod, strain, h2, resultants):
+{calls("section", "{name}.section(parameters, rod, strain, h2, resultants)")}
+
+
+@njit(**FLAGS)
+def point_effects(parameters, rod, here, h2, load, stiff):
+{calls("point", "{name}.point(parameters, rod, here, h2, load, stiff)")}
+
+
+@njit(**FLAGS)
+def end_effects(parameters, rod, command, time, h2, u, v, diagonal):
+    weight_on_bit(parameters.drive, command, diagonal)
+{calls("end", "{name}.end(parameters, rod, command, time, h2, u, v, diagonal)")}
+
+
+loop = bind(stretch_effects, section_effects, point_effects, end_effects)
+
+
+@njit(cache=True, **FLAGS)
+def advance(parameters, rod, work, fixed, state, limits, command0, command1, start, end, counters):
+    return loop(parameters, rod, work, fixed, state, limits, command0, command1, start, end, counters)
+'''
+
+
+def compose(effects: tuple[str, ...]) -> ModuleType:
+    """The module with ``advance`` and ``Parameters`` for a set of effects, compiled on first use.
+
+    Args:
+        effects: Scene keys in any order; the order of the registry decides.
+    """
+    name = f"drill_twin_kernel_{fingerprint(effects)}"
+    if name in sys.modules:
+        return sys.modules[name]
+    path = cache_folder() / f"{name}.py"
+    if not path.exists():
+        # Several nodes may start at once: write beside, then rename, so that nobody reads half a file.
+        with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".part", delete=False) as part:
+            part.write(source(effects))
+        Path(part.name).replace(path)
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"the composed kernel {path} cannot be loaded; remove the file and start again")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Quantities with units: text such as `"40 N"` outside, SI floats inside."""
+
+from drill_twin.units.dimension import DIMENSIONS, Dimension
+from drill_twin.units.fields import (
+    Acceleration,
+    Angle,
+    AngularSpeed,
+    Density,
+    Dimensionless,
+    Force,
+    Frequency,
+    HertzStiffness,
+    InverseSpeed,
+    Length,
+    LinearDrag,
+    Mass,
+    Pressure,
+    Quantity,
+    RotaryDrag,
+    RotationalDamping,
+    RotationalStiffness,
+    Speed,
+    Time,
+    Torque,
+    Within,
+    refuse,
+    show,
+)
+from drill_twin.units.parse import factor_of, parse, write
+from drill_twin.units.registry import UnitError
+
+__all__ = [
+    "DIMENSIONS",
+    "Acceleration",
+    "Angle",
+    "AngularSpeed",
+    "Density",
+    "Dimension",
+    "Dimensionless",
+    "Force",
+    "Frequency",
+    "HertzStiffness",
+    "InverseSpeed",
+    "Length",
+    "LinearDrag",
+    "Mass",
+    "Pressure",
+    "Quantity",
+    "RotaryDrag",
+    "RotationalDamping",
+    "RotationalStiffness",
+    "Speed",
+    "Time",
+    "Torque",
+    "UnitError",
+    "Within",
+    "factor_of",
+    "parse",
+    "refuse",
+    "show",
+    "write",
+]

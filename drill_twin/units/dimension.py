@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The dimensions scene files know, each with its SI unit and a good way to write it."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A physical dimension as scene files know it: its name, its SI unit and a few good ways to write it."""
+
+    name: str
+    """What a message calls it: `length`."""
+    unit: str
+    """The SI unit [-] that values are held and written in: `m`."""
+    examples: tuple[str, ...] = ()
+    """Ways to write such a quantity, the best first; they appear in messages and in the editor."""
+    also: tuple[str, ...] = ()
+    """Units of other dimensions that mean the same, such as `N m` for `N m/rad`."""
+
+    @property
+    def article(self) -> str:
+        """The name with its article: `an angle`."""
+        return ("an " if self.name[0] in "aeiou" else "a ") + self.name
+
+    @property
+    def expected(self) -> str:
+        """What a message says was expected: `a length such as "16.5 mm"`."""
+        return f'{self.article} such as "{self.examples[0]}"' if self.examples else self.article
+
+
+LENGTH = Dimension("length", "m", ("16.5 mm", "5 m", "12 1/4 in"))
+MASS = Dimension("mass", "kg", ("2 kg", "5 lb"))
+TIME = Dimension("time", "s", ("0.5 s", "4 ms", "2 min"))
+FORCE = Dimension("force", "N", ("40 N", "160 kN", "36 klbf"))
+ANGLE = Dimension("angle", "rad", ("30 deg", "0.5 rad"))
+ANGULAR_SPEED = Dimension("speed of rotation", "rad/s", ("2 rev/s", "50 rpm", "5 rad/s"))
+FREQUENCY = Dimension("frequency", "Hz", ("100 Hz",))
+SPEED = Dimension("speed", "m/s", ("0.1 m/s",))
+ACCELERATION = Dimension("acceleration", "m/s^2", ("9.81 m/s^2",))
+DENSITY = Dimension("density", "kg/m^3", ("1.10 g/cm^3", "7850 kg/m^3"))
+PRESSURE = Dimension("pressure", "Pa", ("2.3 GPa", "210 GPa"))
+TORQUE = Dimension("torque", "N m", ("12 N m",))
+LINEAR_DRAG = Dimension("drag per length and speed", "N s/m^2", ("0.2 N s/m^2",))
+ROTARY_DRAG = Dimension("rotary drag per length", "N m s/rad/m", ("0.001 N m s/rad/m",), also=("N s",))
+HERTZ_STIFFNESS = Dimension("Hertz stiffness per length", "N/m^2.5", ("1e7 N/m^2.5",))
+INVERSE_SPEED = Dimension("inverse speed", "s/m", ("7 s/m",))
+ROTATIONAL_STIFFNESS = Dimension("rotational stiffness", "N m/rad", ("50 N m/rad",), also=("N m",))
+ROTATIONAL_DAMPING = Dimension("rotational damping", "N m s/rad", ("0.1 N m s/rad",), also=("N m s",))
+DIMENSIONLESS = Dimension("number without unit", "", ("0.3", "30 %"))
+
+DIMENSIONS = (
+    LENGTH, MASS, TIME, FORCE, ANGLE, ANGULAR_SPEED, FREQUENCY, SPEED, ACCELERATION, DENSITY, PRESSURE, TORQUE,
+    LINEAR_DRAG, ROTARY_DRAG, HERTZ_STIFFNESS, INVERSE_SPEED, ROTATIONAL_STIFFNESS, ROTATIONAL_DAMPING, DIMENSIONLESS,
+)  # fmt: skip

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""pydantic field types that read `"40 N"` and hold 40.0: floats in SI inside, text with its unit in files.
+
+A scene file must write the unit; a bare number is refused there (validation context `{"text": True}`). Code may pass
+plain floats, which are SI.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import PydanticCustomError, core_schema
+
+from drill_twin.units import dimension as dim
+from drill_twin.units.dimension import DIMENSIONLESS, Dimension
+from drill_twin.units.parse import dimension_of, editor_pattern, parse, short, write
+from drill_twin.units.registry import UnitError
+
+
+def refuse(message: str) -> PydanticCustomError:
+    """A validation error whose message is shown as it stands."""
+    return PydanticCustomError("drill_twin", "{message}", {"message": message})
+
+
+def show(value: object) -> str:
+    """How a message quotes what was found, on one short line."""
+    if value is None:
+        return "nothing"
+    return f'"{short(value)}"' if isinstance(value, str) else short(repr(value))
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Annotation of a float field: its dimension, hence its unit."""
+
+    dimension: Dimension
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        """Parse with the dimension; write with the SI unit in JSON mode, as a float in Python mode."""
+        return core_schema.with_info_plain_validator_function(
+            self._read,
+            serialization=core_schema.plain_serializer_function_ser_schema(self._write, when_used="json"),
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """What an editor checks while typing."""
+        if self.dimension == DIMENSIONLESS:
+            percent = {"type": "string", "pattern": editor_pattern(self.dimension), "examples": ["30 %"]}
+            return {"anyOf": [{"type": "number"}, percent], "x-unit": ""}
+        return {
+            "type": "string",
+            "pattern": editor_pattern(self.dimension),
+            "examples": list(self.dimension.examples),
+            "x-unit": self.dimension.unit,
+        }
+
+    def _read(self, value: Any, info: ValidationInfo) -> float:
+        if isinstance(value, str):
+            try:
+                return parse(value, self.dimension)
+            except UnitError as error:
+                raise refuse(str(error)) from None
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise refuse(f"expected {self.dimension.expected}, found {show(value)}")
+        if info.context and info.context.get("text") and self.dimension != DIMENSIONLESS:
+            raise refuse(f"expected {self.dimension.expected}, found {value!r} (no unit)")
+        if not math.isfinite(value):
+            raise refuse(f"expected a finite {self.dimension.name}, found {value!r}")
+        return float(value)
+
+    def _write(self, value: float | str) -> str | float:
+        return value if self.dimension == DIMENSIONLESS or isinstance(value, str) else write(value, self.dimension)
+
+
+@dataclass(frozen=True)
+class Within:
+    """Annotation of a quantity field: the range allowed, written with units, and why."""
+
+    above: str | None = None
+    """Open lower bound, such as `0 m`."""
+    at_least: str | None = None
+    """Closed lower bound."""
+    below: str | None = None
+    """Open upper bound."""
+    at_most: str | None = None
+    """Closed upper bound."""
+    reason: str = ""
+    """Said after the range in messages."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        """Check the parsed value; the message quotes what was written."""
+        limits = (
+            (self.above, float.__gt__), (self.at_least, float.__ge__),
+            (self.below, float.__lt__), (self.at_most, float.__le__),
+        )  # fmt: skip
+        written = [(text, holds) for text, holds in limits if text is not None]
+        dimension = dimension_of(written[0][0])
+        bounds = [(parse(text, dimension), holds) for text, holds in written]
+
+        def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> float:
+            result: float = inner(value)
+            if not all(holds(result, bound) for bound, holds in bounds):
+                text = show(value) if isinstance(value, str) else write(result, dimension)
+                raise refuse(f"expected {dimension.article}, {self.words}, found {text}")
+            return result
+
+        return core_schema.no_info_wrap_validator_function(check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """The range as words for the editor, and as far as text can be checked: no minus sign where none is allowed."""
+        result = {**handler(schema), "x-range": self.words}
+        lowest = self.above or self.at_least
+        if lowest is not None and parse(lowest, dimension_of(lowest)) >= 0.0 and "pattern" in result:
+            result["pattern"] = result["pattern"].replace("[+-]?", "[+]?", 1)
+        for branch in result.get("anyOf", ()):
+            if branch.get("type") == "number":
+                branch.update({key: float(bound) for key, bound in self._bounds().items()})
+        return result
+
+    def _bounds(self) -> dict[str, str]:
+        keywords = {
+            "exclusiveMinimum": self.above,
+            "minimum": self.at_least,
+            "exclusiveMaximum": self.below,
+            "maximum": self.at_most,
+        }
+        return {key: bound for key, bound in keywords.items() if bound is not None}
+
+    @property
+    def words(self) -> str:
+        """The range in words: `above 0 m and at most 5 m`."""
+        named = (("above", self.above), ("at least", self.at_least), ("below", self.below), ("at most", self.at_most))
+        words = " and ".join(f"{name} {bound}" for name, bound in named if bound is not None)
+        return f"{words} ({self.reason})" if self.reason else words
+
+
+Length = Annotated[float, Quantity(dim.LENGTH)]
+Mass = Annotated[float, Quantity(dim.MASS)]
+Time = Annotated[float, Quantity(dim.TIME)]
+Force = Annotated[float, Quantity(dim.FORCE)]
+Angle = Annotated[float, Quantity(dim.ANGLE)]
+AngularSpeed = Annotated[float, Quantity(dim.ANGULAR_SPEED)]
+Frequency = Annotated[float, Quantity(dim.FREQUENCY)]
+Speed = Annotated[float, Quantity(dim.SPEED)]
+Acceleration = Annotated[float, Quantity(dim.ACCELERATION)]
+Density = Annotated[float, Quantity(dim.DENSITY)]
+Pressure = Annotated[float, Quantity(dim.PRESSURE)]
+Torque = Annotated[float, Quantity(dim.TORQUE)]
+LinearDrag = Annotated[float, Quantity(dim.LINEAR_DRAG)]
+RotaryDrag = Annotated[float, Quantity(dim.ROTARY_DRAG)]
+HertzStiffness = Annotated[float, Quantity(dim.HERTZ_STIFFNESS)]
+InverseSpeed = Annotated[float, Quantity(dim.INVERSE_SPEED)]
+RotationalStiffness = Annotated[float, Quantity(dim.ROTATIONAL_STIFFNESS)]
+RotationalDamping = Annotated[float, Quantity(dim.ROTATIONAL_DAMPING)]
+Dimensionless = Annotated[float, Quantity(dim.DIMENSIONLESS)]

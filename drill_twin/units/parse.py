@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Texts with units to SI floats and back: `"40 N"`, `"2 rev/s"`, `"12 1/4 in"`, their dimension checked."""
+
+import difflib
+import math
+import re
+from functools import cache
+
+from drill_twin.units.dimension import DIMENSIONLESS, DIMENSIONS, Dimension
+from drill_twin.units.registry import (
+    WORDS,
+    Dimensionality,
+    UnitError,
+    UnknownUnitError,
+    short_names,
+    si_factor,
+    tidy,
+)
+
+_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_FRACTION = r"(?:\s+(\d+)/(\d+)|/(\d+))?"
+_QUANTITY = re.compile(rf"\s*({_NUMBER}){_FRACTION}(?:(?<=[\d.])|\s)\s*([^\d\s.+-].*)?", re.DOTALL | re.ASCII)
+
+
+def parse(text: str, dimension: Dimension) -> float:
+    """The SI value of a text such as `"40 N"`; raises UnitError with what was expected and what was found."""
+    value, unit = split(text, dimension)
+    factor, found = _factor_or_raise(unit, text, dimension)
+    if found not in _accepted(dimension):
+        what = dimension_name(found)
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}" ({what if unit else "no unit"})')
+    result = value if factor == 1.0 else tidy(value * factor)
+    if not math.isfinite(result):
+        raise UnitError(f'expected a finite {dimension.name}, found "{short(text)}"')
+    return result
+
+
+def split(text: str, dimension: Dimension) -> tuple[float, str]:
+    """The number and the unit of a text; `12 1/4 in` and `1/2 in` are read as drillers write them."""
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}" (not a number with a unit)')
+    number, numerator, mixed, simple, unit = match.groups()
+    value = float(number)
+    if int(mixed or 1) == 0 or int(simple or 1) == 0:
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}" (division by zero)')
+    if mixed:
+        value += math.copysign(int(numerator) / int(mixed), value)
+    if simple:
+        value /= int(simple)
+    return value, (unit or "").strip()
+
+
+def factor_of(unit: str, dimension: Dimension) -> float:
+    """SI factor of a unit, for columns of numbers; raises UnitError where its dimension is another."""
+    factor, found = _factor_or_raise(unit, unit, dimension)
+    if found not in _accepted(dimension):
+        raise UnitError(f'expected a unit of {dimension.name} such as "{dimension.unit}", found "{short(unit)}"')
+    return factor
+
+
+def write(value: float, dimension: Dimension) -> str:
+    """The text of an SI value that `parse` reads back to the same float: `0.0165 m`."""
+    return f"{value!r} {dimension.unit}".rstrip()
+
+
+def dimension_name(dimensionality: Dimensionality) -> str:
+    """What a message calls a dimensionality: `mass`, or its powers where it has no name."""
+    named = _named(dimensionality)
+    if named:
+        return named.name
+    return " ".join(f"{base.strip('[]')}^{power:g}" for base, power in dimensionality)
+
+
+def dimension_of(text: str) -> Dimension:
+    """The dimension of a text of ours, such as a bound; raises UnitError where the table has none."""
+    _, unit = split(text, DIMENSIONLESS)
+    named = _named(si_factor(unit)[1])
+    if named is None:
+        raise UnitError(f'"{text}" has no dimension that scenes know')
+    return named
+
+
+def _named(dimensionality: Dimensionality) -> Dimension | None:
+    return next((known for known in DIMENSIONS if dimensionality == si_factor(known.unit)[1]), None)
+
+
+@cache
+def _accepted(dimension: Dimension) -> tuple[Dimensionality, ...]:
+    return tuple(si_factor(unit)[1] for unit in (dimension.unit, *dimension.also))
+
+
+def _factor_or_raise(unit: str, text: str, dimension: Dimension) -> tuple[float, Dimensionality]:
+    try:
+        return si_factor(unit)
+    except UnknownUnitError as error:
+        what = _unknown_unit(str(error), dimension)
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}": {what}') from None
+    except UnitError as error:
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}": {error}') from None
+
+
+def short(text: str) -> str:
+    """A text on one line of at most 60 characters, for messages."""
+    line = " ".join(text.split())
+    return line if len(line) <= 60 else line[:57] + "..."
+
+
+@cache
+def editor_pattern(dimension: Dimension) -> str:
+    """A regular expression (ECMA 262) for texts of a dimension: simple units by name, products of units by shape."""
+    fitting = sorted(_simple_units(dimension, (*short_names(), *WORDS)), key=lambda name: (-len(name), name))
+    simple = "|".join(fitting)
+    product = r"[^\s0-9]+\s*[*·/^ ]\s*\S.*"
+    number = r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?(\s+[0-9]+/[0-9]+|/[0-9]+)?"
+    unit = rf"({simple}|{product})" if simple else rf"({product})"
+    return rf"^\s*{number}\s*{unit}{'' if dimension.unit else '?'}\s*$"
+
+
+def _unknown_unit(name: str, dimension: Dimension) -> str:
+    """The message with the nearest unit: of the dimension called for, else of any."""
+    for known in (_simple_units(dimension, short_names()), short_names()):
+        same = [unit for unit in known if unit.lower() == name.lower()]
+        near = same or difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+        if near:
+            return f'"{name}" is not a known unit, did you mean "{near[0]}"?'
+    return f'"{name}" is not a known unit'
+
+
+@cache
+def _simple_units(dimension: Dimension, names: tuple[str, ...]) -> list[str]:
+    """Those of the names that are units of the dimension."""
+    return [name for name in names if si_factor(name)[1] in _accepted(dimension)]

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the analysis finds: after each sample, and in the end."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.whirl.criteria import MotionState
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Onset:
+    """The onset of whirl (the paper's critical time)."""
+
+    time_s: float
+    """When the radius first crossed its threshold [s]."""
+    mark: str
+    """Mark that showed it first."""
+    confidence: float
+    """Confidence, 0 to 1: 1 less the chance that noise alone is as large, times the coherence of the turning."""
+    kind: Literal["asynchronous", "synchronous"]
+    """Whether the asynchronous part crossed, or the synchronous part surged."""
+    detected_s: float
+    """When it was certain [s]: about a revolution later, more where a mark had crossed before but turned later."""
+    criterion: str
+    """What decided it, in words."""
+
+
+@dataclass(frozen=True)
+class MotionPeriod:
+    """From when on a motion state held."""
+
+    start_s: float
+    """Start [s]; it ends where the next period starts."""
+    state: MotionState
+    """Motion state."""
+    criterion: str
+    """What decided it, in words."""
+    confidence: float
+    """Share of the recent votes for the state when it was entered, 0 to 1."""
+
+
+class Quality(NamedTuple):
+    """How many samples came, and what was wrong with the others."""
+
+    accepted: int = 0
+    """Samples analysed."""
+    duplicate: int = 0
+    """Samples skipped because their stamp had been seen just before."""
+    late: int = 0
+    """Samples skipped because their stamp lay before one already seen."""
+    incomplete: int = 0
+    """Samples skipped: no finite rotation, spin missing, or no mark with finite values."""
+    missing_marks: int = 0
+    """Marks skipped within samples: not finite, or farther out than the hole is wide."""
+    gaps: int = 0
+    """Gaps of more than 3/4 of a revolution or a second between accepted samples."""
+    samples_per_revolution: float = math.nan
+    """Accepted samples in a revolution, mean since rotation began."""
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """State of the analysis after a sample; arrays have shape (m,), one value for each mark."""
+
+    stamp_ns: int
+    """Stamp of the sample [ns]."""
+    time_s: float
+    """The same [s]."""
+    marks: tuple[str, ...]
+    """Names of the marks."""
+    orbit_radius: Array
+    """Distance of the centre line from the hole's axis [m]; nan for a mark without a valid sample."""
+    precession: Array
+    """Precession of the centre line [rev/s], positive = forward (the sense of rotation); nan while the motion is too
+    small to have one. It is that of the asynchronous part during whirl, else of all that moves."""
+    ratio: Array
+    """Precession over rotation; nan as above or at rest."""
+    confidence: Array
+    """Confidence in precession and ratio, 0 to 1."""
+    whirl_radius: Array
+    """Rms radius of the asynchronous part over the last revolution, noise removed [m]."""
+    synchronous_radius: Array
+    """Radius of the synchronous part over the last two revolutions [m]."""
+    contact_fraction: Array
+    """Share of the last two revolutions in contact with the wall."""
+    phase: Array
+    """Angle of each mark's motion against that of the largest [rad]; nan while nothing moves."""
+    planarity: float
+    """1 when the marks lie in one plane through the axis, towards 0 for a helix; nan while nothing moves."""
+    rotation: float
+    """Rotation over the last revolution [rev/s], signed, right-handed about +z."""
+    state: tuple[MotionState, ...]
+    """Motion state of each mark."""
+    state_confidence: Array
+    """Share of the recent votes for the state, 0 to 1."""
+    criterion: tuple[str, ...]
+    """What decided each mark's state, in words."""
+    motion: MotionState
+    """Motion state of the string."""
+    motion_confidence: float
+    """Share of the recent votes for it, 0 to 1."""
+    motion_criterion: str
+    """What decided it, in words."""
+    onset: Onset | None
+    """The onset, once it is certain; it never changes afterwards."""
+    quality: Quality
+    """Counts of good and bad samples."""
+
+    def after(self, stamp_ns: int, orbit_radius: Array, quality: Quality) -> Findings:
+        """The same findings after one more sample that changed no estimate (`replace` at a tenth of the cost)."""
+        later = object.__new__(Findings)
+        later.__dict__.update(
+            self.__dict__, stamp_ns=stamp_ns, time_s=stamp_ns * 1e-9, orbit_radius=orbit_radius, quality=quality
+        )
+        return later
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The findings of a whole run."""
+
+    onset: Onset | None
+    """The onset of whirl, if there was one."""
+    mark_onset_s: dict[str, float | None]
+    """When each mark's radius crossed its threshold [s]."""
+    whirl_frequency_hz: float | None
+    """Dominant whirl after the onset [Hz], positive = forward; at `frequency_mark`."""
+    precession_ratio: float | None
+    """The same over the rotation."""
+    frequency_mark: str | None
+    """Mark with the most whirl relative to its clearance, whose frequency is reported."""
+    max_radius_m: dict[str, float | None]
+    """Largest distance of the centre line from the hole's axis at each mark [m]."""
+    rotation_rev_s: float | None
+    """Mean rotation while it turned: since the onset, if there was one [rev/s]."""
+    motion: tuple[MotionPeriod, ...]
+    """Motion states of the string over time."""
+    mark_motion: dict[str, tuple[MotionPeriod, ...]]
+    """Motion states of each mark over time."""
+    quality: Quality
+    """Counts of good and bad samples."""
+    notes: tuple[str, ...]
+    """What limits these findings, in words."""
+
+    @property
+    def onset_s(self) -> float | None:
+        """Time of the onset [s]."""
+        return None if self.onset is None else self.onset.time_s
+
+    def to_dict(self) -> dict[str, Any]:
+        """The summary in plain types for JSON; states by name, unknown numbers as None."""
+        plain: dict[str, Any] = _plain({"onset_s": self.onset_s, **asdict(self), "quality": self.quality._asdict()})
+        return plain
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, MotionState):
+        return value.value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The marks whose motion is analysed: where they sit and how far they can move."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from drill_twin.errors import DrillTwinError
+
+
+class AnalysisError(DrillTwinError):
+    """Input that the whirl analysis cannot work on."""
+
+
+@dataclass(frozen=True)
+class MarkInfo:
+    """One mark on the string.
+
+    Raises:
+        AnalysisError: A value is not finite or out of its range.
+    """
+
+    name: str
+    """Name of the mark, unique in the string."""
+    distance_from_bit: float
+    """Distance from the bit along the string [m]."""
+    on: Literal["wall", "centre"]
+    """Whether the mark sits on the outer wall, where it carries the spin, or on the centre line."""
+    wall_offset: float
+    """Outer radius of the string at the mark [m]: a wall mark's distance from the centre line, and the rolling
+    radius of any mark; 0 where it is unknown."""
+    clearance: float
+    """How far the centre line can move before the string touches the wall [m]."""
+
+    def __post_init__(self) -> None:
+        if self.on not in {"wall", "centre"}:
+            raise AnalysisError(f"mark {self.name}: expected on = 'wall' or 'centre', found {self.on!r}")
+        if not (math.isfinite(self.clearance) and self.clearance > 0):
+            raise AnalysisError(f"mark {self.name}: expected a clearance above 0 m, found {self.clearance!r}")
+        if not (math.isfinite(self.wall_offset) and self.wall_offset >= 0):
+            raise AnalysisError(f"mark {self.name}: expected a wall offset of 0 m or more, found {self.wall_offset!r}")
+        if not math.isfinite(self.distance_from_bit):
+            raise AnalysisError(
+                f"mark {self.name}: expected a finite distance from the bit, found {self.distance_from_bit!r}"
+            )
+
+    @property
+    def rolling_ratio(self) -> float:
+        """Precession over rotation in pure rolling along the wall, -r_o / clearance (Johnson 1962; Jansen 1991)."""
+        return -self.wall_offset / self.clearance
+
+
+def checked(marks: Sequence[MarkInfo]) -> tuple[MarkInfo, ...]:
+    """The marks, if there is at least one and their names differ.
+
+    Raises:
+        AnalysisError: No mark, or two of one name.
+    """
+    if not marks:
+        raise AnalysisError("expected at least one mark to analyse, found none; give the scene's string a mark")
+    names = [mark.name for mark in marks]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise AnalysisError(f"expected marks of different names, found {', '.join(twice)} more than once")
+    return tuple(marks)

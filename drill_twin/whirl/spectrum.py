@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Two-sided spectrum of a whole record of a mark's centre line: forward and backward whirl apart.
+
+Offline, for reports. A complex record z = x + i y has a spectrum with two different sides: a forward orbit is a line
+at a positive frequency, a backward one at a negative (Lee and Lee 1997, directional spectra of rotors).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.whirl.marks import AnalysisError
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+FEWEST = 16
+"""Fewest samples of a spectrum."""
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A line of the spectrum."""
+
+    frequency: float
+    """Frequency [Hz], signed, right-handed about +z."""
+    radius: float
+    """Radius of the orbit that a pure line of this height is [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Two-sided spectrum of the centre line."""
+
+    frequency: Array
+    """Frequencies [Hz], rising through zero, shape (k,)."""
+    radius: Array
+    """Radius of the orbit at each frequency [m], shape (k,): a pure orbit shows its own radius."""
+    resolution: float
+    """Width of a line [Hz]."""
+
+    def peak(self, low: float, high: float, *, beside: float | None = None) -> Peak | None:
+        """The highest line between two frequencies [Hz], not within two widths of `beside`; None if there is none.
+
+        The frequency is refined by a parabola through the logarithm of the three highest points.
+        """
+        inside = (self.frequency >= low) & (self.frequency <= high)
+        if beside is not None:
+            inside &= np.abs(self.frequency - beside) > 2.0 * self.resolution
+        if not inside.any():
+            return None
+        at = int(np.argmax(np.where(inside, self.radius, -1.0)))
+        if self.radius[at] <= 0.0:
+            return None
+        frequency = float(self.frequency[at])
+        if 0 < at < self.radius.size - 1 and self.radius[at - 1 : at + 2].min() > 0.0:
+            left, middle, right = np.log(self.radius[at - 1 : at + 2]).tolist()
+            bend = left - 2.0 * middle + right
+            if bend < 0.0:
+                frequency += 0.5 * (left - right) / bend * float(self.frequency[1] - self.frequency[0])
+        return Peak(frequency, float(self.radius[at]))
+
+    def forward(self, *, beside: float | None = None) -> Peak | None:
+        """The highest line at positive frequencies, but for those at `beside` [Hz] (the rotation) and at zero."""
+        return self.peak(1.5 * self.resolution, math.inf, beside=beside)
+
+    def backward(self, *, beside: float | None = None) -> Peak | None:
+        """The highest line at negative frequencies, but for those at `beside` [Hz] and at zero."""
+        return self.peak(-math.inf, -1.5 * self.resolution, beside=beside)
+
+
+def centre_line(x: Array, y: Array, spin: Array | None = None, wall_offset: float = 0.0) -> ComplexArray:
+    """The centre line z = x + i y [m] from a mark's record; a wall mark's spin [rad] is taken off. Shapes (n,)."""
+    z = np.asarray(x, float) + 1j * np.asarray(y, float)
+    return z if spin is None else z - wall_offset * np.exp(1j * np.asarray(spin, float))
+
+
+def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = None) -> Spectrum:
+    """Spectrum of a record (Welch 1967: Hann windows, half overlap, mean power; offset removed).
+
+    Args:
+        time: Times of the samples [s], rising, shape (n,); irregular records are put on their mean grid by linear
+            interpolation.
+        z: Centre line [m], shape (n,); samples that are not finite are left out.
+        segment: Length of a segment [s]; the whole record by default.
+
+    Raises:
+        AnalysisError: Fewer than 16 finite samples, or times that do not rise.
+    """
+    from scipy import signal  # two seconds to import, which the analyzer on the stream need not spend
+
+    good = np.isfinite(time) & np.isfinite(z.real) & np.isfinite(z.imag)
+    time, z = np.asarray(time, float)[good], np.asarray(z, complex)[good]
+    if time.size < FEWEST:
+        raise AnalysisError(f"expected at least {FEWEST} finite samples for a spectrum, found {time.size}")
+    if not (np.diff(time) > 0).all():
+        raise AnalysisError("expected times that rise from sample to sample, found some that do not; sort the record")
+    grid = np.linspace(time[0], time[-1], time.size)
+    even = np.interp(grid, time, z.real) + 1j * np.interp(grid, time, z.imag)
+    rate = (time.size - 1) / (time[-1] - time[0])
+    length = time.size if segment is None else min(time.size, max(FEWEST, round(segment * rate)))
+    padded = 2 ** math.ceil(math.log2(2 * length))
+    frequency, power = signal.welch(
+        even,
+        rate,
+        "hann",
+        nperseg=length,
+        nfft=padded,
+        detrend="constant",
+        return_onesided=False,
+        scaling="spectrum",
+    )
+    order = np.argsort(frequency)
+    return Spectrum(frequency[order], np.sqrt(power[order]), 1.5 * rate / length)

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The drill_twin package: an ament_python package for colcon, and an ordinary one for pip."""
+
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+PACKAGE = "drill_twin"
+SHARE = f"share/{PACKAGE}"
+NODES = ("simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin")
+
+
+def config_files() -> list[tuple[str, list[str]]]:
+    """Every folder of config/, installed under share/drill_twin with its own name."""
+    folders = sorted(path for path in Path("config").iterdir() if path.is_dir())
+    return [(f"{SHARE}/{folder.name}", sorted(str(file) for file in folder.glob("*.*"))) for folder in folders]
+
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
+    package_data={PACKAGE: ["py.typed", "report/assets/*"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (SHARE, ["package.xml"]),
+        *config_files(),
+    ],
+    python_requires=">=3.11",
+    install_requires=[
+        "lz4",
+        "matplotlib",
+        "mcap>=1.6",
+        "numba>=0.59",
+        "numpy>=1.26,<2.6",  # 1.26: what Ubuntu 24.04 gives ROS Jazzy; 2.6: what numba does not take yet
+        "pint>=0.24.4",
+        "plotly>=5.20",
+        "pydantic>=2.7",
+        "pyyaml",
+        "rich>=13",
+        "rosbags>=0.11",
+        "ruamel.yaml>=0.18",
+        "scipy>=1.11",
+        "setuptools",
+        "typer>=0.12",
+        "zstandard",
+    ],
+    extras_require={
+        "test": [
+            "colcon-common-extensions",
+            "hypothesis",
+            "import-linter",
+            "jsonschema",
+            "mcap-ros2-support",
+            "mypy",
+            "pytest",
+            "pytest-rerunfailures",
+            "pytest-timeout",
+            "ruff",
+            "types-PyYAML",
+        ],
+        "bench": ["pytest-benchmark"],
+    },
+    zip_safe=False,
+    author="The drill_twin contributors",
+    maintainer="The drill_twin contributors",
+    maintainer_email="drill_twin@example.org",
+    description="A digital twin of a flexible drillstring as a ROS 2 node set",
+    long_description=Path("README.md").read_text(encoding="utf-8") if Path("README.md").exists() else "",
+    long_description_content_type="text/markdown",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            *(f"{node} = {PACKAGE}.nodes.start:{node}" for node in NODES),
+            f"drill-twin = {PACKAGE}.cli:main",
+        ],
+    },
+)

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bags of made-up frames, and the messages that were put into them."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drill_twin.bag.writer import BagWriter
+from drill_twin.messages import topics
+from drill_twin.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.messages.encode import CommandEncoder, TwinEncoder, encode_string
+from drill_twin.messages.stamps import stamp_ns
+from drill_twin.messages.whirl_encode import Motion, OnsetMessage, WhirlStateEncoder, encode_motion, encode_onset
+from drill_twin.schedule.command import Command
+
+SCENE = "name: made up\nrun:\n  seed: 1\n"
+ONSET = OnsetMessage(time=0.1 + 0.2, mark="mark_3", confidence=1.0 / 3.0)
+MOTION = Motion("mark_3", "forward whirl", "ratio 0.5 for 3 revolutions")
+
+Message = tuple[str, int, bytes]
+
+
+@pytest.fixture(scope="session")
+def frames(make_frame):
+    return [make_frame(nodes=11, time=0.01 * k, seed=k) for k in range(40)]
+
+
+@pytest.fixture
+def scene() -> str:
+    return SCENE
+
+
+@pytest.fixture
+def onset() -> OnsetMessage:
+    return ONSET
+
+
+@pytest.fixture
+def motion() -> Motion:
+    return MOTION
+
+
+@pytest.fixture(scope="session")
+def messages(frames, make_geometry) -> list[Message]:
+    """Every topic of the contract, in recorded order: topic, stamp [ns], CDR."""
+    twin, rig = TwinEncoder(make_geometry(11)), CommandEncoder()
+    whirl = WhirlStateEncoder(make_geometry().mark_names)
+    command = Command(weight_on_bit=40.0, rotation=4.0 * np.pi)
+    rows = [(topics.TWIN_SCENE, 0, encode_string(SCENE)), (topics.WHIRL_ONSET, 0, encode_onset(0, None))]
+    for frame in frames:
+        stamp = stamp_ns(frame.time)
+        rows += [
+            (topics.RIG_COMMAND, stamp, rig.command(stamp, command)),
+            (topics.STRING_POSES, stamp, twin.poses(frame)),
+            (topics.MARKS_STATE, stamp, twin.marks(frame)),
+            (topics.RIG_STATE, stamp, twin.rig_state(frame)),
+            (topics.CLOCK_TOPIC, stamp, twin.clock(frame.time)),
+            (topics.WHIRL_STATE, stamp, whirl.encode(stamp, *np.full((4, 4), frame.time))),
+        ]
+    stamp = stamp_ns(frames[-1].time)
+    rows += [
+        (topics.WOB_COMMAND, stamp, rig.wob_command(command)),
+        (topics.RPS_COMMAND, stamp, rig.rps_command(command)),
+        (topics.STRING_MARKERS, stamp, twin.markers(frames[-1])),
+        (topics.WHIRL_MOTION, stamp, encode_motion(stamp, [MOTION])),
+        (topics.WHIRL_ONSET, stamp, encode_onset(stamp, ONSET)),
+        (topics.DIAGNOSTICS, stamp, encode_diagnostics(stamp, [Status("simulator", Level.OK, "fine")])),
+    ]
+    return rows
+
+
+@pytest.fixture
+def write_bag(tmp_path, messages) -> Callable[..., Path]:
+    """Writes the messages to a new bag; `flush_interval=0` makes a chunk of each one."""
+
+    def write(name: str = "run_0", rows: list[Message] | None = None, **options: object) -> Path:
+        with BagWriter(tmp_path / name, **options) as writer:
+            for row in messages if rows is None else rows:
+                writer.write(*row)
+        return writer.folder
+
+    return write

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a scene to bag, findings and page, the way a user types it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from drill_twin import __version__
+from drill_twin.bag.reader import Bag
+from drill_twin.messages.topics import MARKS_STATE, TOPICS
+from drill_twin.scene import parse_scene, presets
+
+SOURCE = str(Path(__file__).resolve().parents[2])
+QUICK = ("--wob", "100 N", "--set", "rig.weight_on_bit.duration=1 s", "--set", "numerics.elements=8")
+"""The same effects and numbers as the shared run has."""
+
+
+def test_run_analyze_and_report(process, inside):
+    ran = process("run", "pa6_bench", *QUICK, "--rps", "2", "--duration", "1.5", "--out", "made/first", "--json")
+    assert ran.code == 0, ran.err
+    summary = json.loads(ran.out)
+    folder = inside / "made" / "first"
+    assert sorted(path.name for path in folder.iterdir()) == ["bag_0", "summary.json"]
+    assert json.loads((folder / "summary.json").read_text("utf-8")) == summary
+    assert summary["duration_s"] == 1.5
+    assert summary["onset_s"] > 0.0
+    assert summary["live"]["differing"] == 0
+    assert "whirl began at" in ran.err
+
+    analysed = process("analyze", folder / "bag_0", "--json")
+    assert analysed.code == 0
+    assert json.loads(analysed.out) == summary
+
+    reported = process("report", folder)
+    assert reported.code == 0
+    assert reported.out.strip() == str(folder / "report.html")
+    assert (folder / "report.html").stat().st_size > 1e6
+    assert len(list(folder.glob("*.png"))) == 6
+
+
+def test_options_change_the_scene(call, inside):
+    assert call("run", "pa6_bench", *QUICK, "--rps=-1.5", "--duration", "0.05", "--out", "x").code == 0
+    scene = parse_scene(Bag(inside / "x" / "bag_0").scene())
+    assert scene.rig.weight_on_bit.value == 100.0
+    assert scene.rig.rotation.value == pytest.approx(-1.5 * 6.283185307179586)
+    assert (scene.rig.duration, scene.rig.weight_on_bit.duration, scene.numerics.elements) == (0.05, 1.0, 8)
+
+
+def test_tables_say_what_was_found(call, bench_run):
+    said = call("analyze", bench_run.bag)
+    assert said.code == 0
+    for words in ("onset of whirl", "whirl frequency", "mark_3", "real-time factor", "the same, byte for byte",
+                  bench_run.summary.motion[-1].state.value):  # fmt: skip
+        assert words in said.out, words
+
+
+def test_findings_can_be_written_to_a_file(call, bench_run, inside):
+    said = call("analyze", bench_run.bag, "--json", "--out", "deep/found.json")
+    assert json.loads((inside / "deep" / "found.json").read_text("utf-8")) == json.loads(said.out)
+
+
+def test_truncated_bag_is_analysed_and_said(call, bench_run, inside):
+    whole = next(bench_run.bag.glob("*.mcap")).read_bytes()
+    (inside / "cut.mcap").write_bytes(whole[: len(whole) // 2])
+    said = call("analyze", "cut.mcap", "--json")
+    assert said.code == 0
+    assert json.loads(said.out)["truncated"] is True
+    table = call("analyze", "cut.mcap")
+    assert "the bag is not whole" in table.err
+
+
+def test_report_goes_beside_the_bag_unless_told_otherwise(call, bench_run, inside):
+    said = call("report", bench_run.bag, "--out", "there", "--json")
+    assert said.code == 0
+    files = json.loads(said.out)
+    assert files["report"] == "there/report.html"
+    assert all((inside / path).exists() for path in files["figures"].values())
+    (inside / "loose.mcap").write_bytes(next(bench_run.bag.glob("*.mcap")).read_bytes())
+    assert call("report", "loose.mcap").out.strip() == str(inside / "loose_report" / "report.html")
+
+
+def test_scenes_are_listed_and_checked(call):
+    listed = json.loads(call("scenes", "--json").out)
+    assert [scene["scene"] for scene in listed] == list(presets())
+    assert "pa6_bench" in call("scenes").out
+    checked = call("check", "pa6_bench", "--set", "hole.radius=70 mm", "--json")
+    assert json.loads(checked.out)["hole_radius_m"] == 0.07
+    assert "is right" in call("check", "pa6_bench").out
+    assert parse_scene(call("check", "pa6_bench", "--yaml").out).name == "pa6_bench"
+
+
+def test_schema_is_that_of_the_package(call, inside):
+    printed = call("schema").out
+    assert json.loads(printed)["$schema"]
+    assert call("schema", "--out", "scene.json").code == 0
+    assert (inside / "scene.json").read_text("utf-8") == printed
+
+
+def test_topics_are_those_of_the_contract(call):
+    assert [topic["name"] for topic in json.loads(call("topics", "--json").out)] == list(TOPICS)
+    assert all(name in call("topics").out for name in TOPICS)
+    assert call("topics", "--markdown").out.startswith("| topic | type |")
+
+
+def test_demo_hands_its_options_on(process):
+    said = process("demo", "--help")
+    assert said.code == 0
+    assert "--pace" in said.out
+    assert "--replace" in said.out
+
+
+def test_version(call):
+    assert call("--version").out == f"drill-twin {__version__}\n"
+
+
+@pytest.mark.parametrize("command", ["run", "analyze", "report", "scenes", "check", "schema", "topics"])
+def test_every_command_explains_itself(call, command):
+    said = call(command, "--help")
+    assert said.code == 0
+    assert said.err == ""
+    assert f"drill-twin {command}" in said.out
+    assert "--help" in said.out
+    assert ("--json" in said.out) is (command != "schema")
+
+
+def test_help_loads_nothing_heavy(call):
+    """So that it comes at once; 0.3 s were measured."""
+    heavy = ("numpy", "numba", "pydantic", "matplotlib", "scipy", "rosbags", "plotly", "drill_twin.scene")
+    code = f"import drill_twin.cli.app, sys; print([name for name in {heavy!r} if name in sys.modules])"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=dict(os.environ, PYTHONPATH=SOURCE),
+    )
+    assert done.stdout.strip() == "[]"
+    assert "run" in call().out  # no command at all shows the help
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_run_keeps_a_whole_bag_and_says_so(start, inside, number):
+    child = start("run", "pa6_bench", *QUICK, "--duration", "500", "--out", "long")
+    deadline = time.monotonic() + 240.0
+    bag = inside / "long" / "bag_0" / "bag_0.mcap"
+    while not (bag.exists() and bag.stat().st_size > 200_000):
+        assert child.poll() is None, child.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    child.send_signal(number)
+    out, err = child.communicate(timeout=20)
+    assert child.returncode == 130
+    assert "Traceback" not in err
+    assert "the bag is whole up to there: long/bag_0" in err
+    assert out == ""
+    left = Bag(inside / "long" / "bag_0")
+    assert not left.truncated
+    assert left.topics[MARKS_STATE].count > 0
+
+
+def test_reader_that_leaves_early_is_no_error(start):
+    child = start("topics", "--json")
+    child.stdout.close()
+    assert child.wait(timeout=60) in {0, 1}
+    assert child.stderr.read() == ""

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Mistakes: one line on stderr that says what to do, exit code 2, nothing on stdout, nothing lost."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from drill_twin.bag.reader import Bag
+from drill_twin.bag.writer import BagWriter
+from drill_twin.messages.diagnostics import encode_diagnostics
+from drill_twin.messages.topics import DIAGNOSTICS, MARKS_STATE
+
+SCENE = "name: bad\nstring:\n  sections: {}\n"
+
+
+@pytest.fixture
+def field(inside, bench_run):
+    """Files of every wrong kind."""
+    (inside / "malformed.yaml").write_text("name: [unfinished\nstring: }")
+    (inside / "wrong.yaml").write_text(SCENE)
+    (inside / "empty.mcap").touch()
+    (inside / "text.mcap").write_text("hello\n")
+    (inside / "nothing").mkdir()
+    (inside / "full").mkdir()
+    (inside / "full" / "precious.txt").write_text("mine")
+    shutil.copytree(bench_run.bag, inside / "good" / "bag_0")
+    with BagWriter(inside / "foreign_0", topics=[DIAGNOSTICS]) as bag:
+        bag.write(DIAGNOSTICS, 1, encode_diagnostics(1, []))
+    with BagWriter(inside / "silent_0"):
+        pass
+    return inside
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "nope"], "nope: no such scene file; expected a path or one of the installed scenes: bha_full_size"),
+        (["run", "pa6_bnech"], 'did you mean "pa6_bench"?'),
+        (["run", "malformed.yaml"], "malformed.yaml:"),
+        (["run", "wrong.yaml"], "wrong.yaml:"),
+        (["check", "wrong.yaml"], "wrong.yaml:"),
+        (["run", "nothing"], "expected a scene file, found a folder"),
+        (["run", "pa6_bench", "--wob", "40 kg"], 'expected a force such as "40 N", found "40 kg" (mass)'),
+        (["run", "pa6_bench", "--duration", "nan s"], "duration"),
+        (["run", "pa6_bench", "--rps", "1e9"], "rotation"),
+        (["run", "pa6_bench", "--set", "hole.radius"], '--set: expected KEY=VALUE such as "hole.radius=80 mm", found'),
+        (["run", "pa6_bench", "--set", "hole.raduis=80 mm"], 'did you mean "radius"?'),
+        (["run", "pa6_bench", "--set", "hole.radius=[oops"], "hole.radius"),
+        (["run", "pa6_bench", "--out", "full"], "found one with precious.txt in it; choose another with --out"),
+        (["run", "pa6_bench", "--out", "full", "--replace"], "expected the result of an earlier run to replace"),
+        (["run", "pa6_bench", "--out", "text.mcap"], "found one with a file in it"),
+        (["run", "pa6_bench", "--out", "text.mcap/x"], "expected a place to write the result"),
+        (["run", "ufrj_rig"], "rig.table.file"),
+        (["run"], "Missing argument 'SCENE'; see `drill-twin run --help`"),
+        (["run", "pa6_bench", "--bogus"], "No such option: --bogus"),
+        (["frobnicate"], "No such command 'frobnicate'"),
+        (["analyze", "missing"], "missing: expected a bag folder or file, found nothing there"),
+        (["analyze", "nothing"], "found nothing in it"),
+        (["analyze", "full"], "found precious.txt; not a bag"),
+        (["analyze", "empty.mcap"], "found an empty file"),
+        (["analyze", "text.mcap"], "that do not start as one"),
+        (["analyze", "silent_0"], "expected a bag with messages, found none"),
+        (["analyze", "foreign_0"], "the bag is of another package"),
+        (["analyze", "foreign_0", "--json"], "the bag is of another package"),
+        (["analyze", "good", "--scene", "nope"], "nope: no such scene file"),
+        (["analyze", "good", "--scene", "bha_full_size"], "expected the marks of the scene on /marks/state"),
+        (["analyze", "good", "--out", "full/precious.txt"], "expected a new file, found one that exists"),
+        (["analyze", "good", "--out", "text.mcap/x.json"], "cannot be written"),
+        (["report", "text.mcap"], "that do not start as one"),
+        (["report", "good", "--out", "text.mcap"], "expected a place to write the report"),
+        (["schema", "--out", "full/precious.txt"], "expected a new file, found one that exists"),
+        (["schema", "--out", "text.mcap/x"], "cannot be written"),
+    ],
+)
+def test_one_line_and_exit_code_2(call, field, arguments, words):
+    before = sorted((path, path.is_file() and path.read_bytes()) for path in field.rglob("*"))
+    said = call(*arguments)
+    assert said.code == 2
+    assert said.out == ""
+    assert len(said.err.strip().splitlines()) == 1
+    assert said.err.startswith("drill-twin: error: ")
+    assert words in said.err
+    assert sorted((path, path.is_file() and path.read_bytes()) for path in field.rglob("*")) == before
+
+
+def test_no_traceback_from_a_process_of_its_own(process):
+    said = process("analyze", "missing")
+    assert (said.code, said.out) == (2, "")
+    assert (
+        said.err == "drill-twin: error: missing: expected a bag folder or file, found nothing there; check the path\n"
+    )
+
+
+def test_replaced_result_is_moved_aside_not_lost(call, inside):
+    short = ("run", "pa6_bench", "--wob", "100", "--set", "rig.weight_on_bit.duration=1 s",
+             "--set", "numerics.elements=8", "--duration", "0.05", "--out", "made")  # fmt: skip
+    assert call(*short).code == 0
+    (inside / "made" / "notes.txt").write_text("first")
+    refused = call(*short)
+    assert refused.code == 2
+    assert "--replace to move that aside" in refused.err
+    for number in ("", "2"):
+        again = call(*short, "--replace")
+        assert again.code == 0
+        assert f"the older result is now made.old{number}" in again.err
+        (inside / "made" / "notes.txt").write_text("again")
+    assert (inside / "made.old" / "notes.txt").read_text() == "first"
+    assert (inside / "made.old2" / "notes.txt").read_text() == "again"
+    assert (inside / "made.old" / "bag_0" / "bag_0.mcap").exists()
+
+
+def test_report_is_not_overwritten_unasked(call, field):
+    assert call("report", "good").code == 0
+    page = field / "good" / "report.html"
+    page.write_text("edited")
+    refused = call("report", "good")
+    assert refused.code == 2
+    assert "expected none yet, found one" in refused.err
+    assert page.read_text() == "edited"
+    assert call("report", "good", "--replace").code == 0
+    assert page.stat().st_size > 1e6
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_folder_without_permission(call, inside):
+    (inside / "locked").mkdir(mode=0o500)
+    said = call("run", "pa6_bench", "--out", "locked/x")
+    assert said.code == 2
+    assert "Permission denied" in said.err
+
+
+def test_disk_that_fills_up_keeps_what_was_written(inside):
+    """A limit on the size of a file stands in for a full disk."""
+    code = (
+        "import resource, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
+        "from drill_twin.scene import load_scene; from drill_twin.session import Session;"
+        "session = Session(load_scene('pa6_bench', overrides={'wob': '100 N', 'rig.weight_on_bit.duration': '1 s',"
+        "'numerics.elements': '8', 'duration': '3'}));"
+        "import drill_twin.session as module; module.Session = lambda *given: session;"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000));"
+        "from drill_twin.cli import main; main(['run', 'pa6_bench', '--out', 'x'])"
+    )
+    environment = dict(os.environ, PYTHONPATH=str(Path(__file__).resolve().parents[2]))
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=False, env=environment
+    )
+    assert done.returncode == 2
+    errors = [line for line in done.stderr.splitlines() if line.startswith("drill-twin: error: ")]
+    assert len(errors) == 1
+    assert "expected to go on writing the bag, found File too large" in errors[0]
+    assert "Traceback" not in done.stderr
+    assert Bag(inside / "x" / "bag_0").topics[MARKS_STATE].count > 20

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What several rooms of the test house share: made-up frames of a string, and ROS's own field checks."""
+
+import os
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from drill_twin.frame import Frame, MarkStates, RigState, StepStats
+from drill_twin.messages.markers import StringGeometry
+from drill_twin.scene import Scene, load_scene
+from drill_twin.session import Outcome, Session
+
+os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # read when the message modules are imported; off, an int is garbage
+
+MARKS = ("mark_1", "mark_2", "mark_3", "mark_4")
+
+
+def made_up_frame(nodes: int = 51, time: float = 1.5, seed: int = 1, marks: int = len(MARKS)) -> Frame:
+    """A frame of random numbers, no two the same, with tangents of unit length and some nodes at the wall."""
+    random = np.random.default_rng(seed)
+    tangents = random.normal(scale=0.1, size=(nodes, 3)) + np.array((0.0, 0.0, 1.0))
+    return Frame(
+        time=time,
+        positions=random.normal(size=(nodes, 3)),
+        velocities=random.normal(size=(nodes, 3)),
+        tangents=tangents / np.linalg.norm(tangents, axis=1, keepdims=True),
+        spin=random.normal(scale=100.0, size=nodes),
+        spin_rate=random.normal(size=nodes),
+        wall_force=np.maximum(random.normal(size=nodes), 0.0),
+        marks=MarkStates(
+            position=random.normal(size=(marks, 3)),
+            velocity=random.normal(size=(marks, 3)),
+            spin=random.normal(scale=100.0, size=marks),
+            spin_rate=random.normal(size=marks),
+            wall_force=random.uniform(size=marks),
+            centre=random.normal(size=(marks, 3)),
+        ),
+        rig=RigState(*random.normal(size=10).tolist()),
+        stats=StepStats(steps=10, iterations=20, cut_steps=0, wall_seconds=0.001),
+    )
+
+
+@pytest.fixture(scope="session")
+def make_frame() -> Callable[..., Frame]:
+    return made_up_frame
+
+
+@pytest.fixture(scope="session")
+def make_geometry() -> Callable[..., StringGeometry]:
+    def make(nodes: int = 51) -> StringGeometry:
+        return StringGeometry(
+            node_count=nodes,
+            mark_names=MARKS,
+            mark_distances=(4.4, 2.5, 0.5, 0.5),
+            length=8.0,
+            outer_radius=0.00825,
+            hole_radius=0.09,
+        )
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def bench_scene() -> Scene:
+    """The paper's bench, coarse, short, and pushed so hard that it whirls within a second."""
+    changes = {"wob": "100 N", "duration": "3", "rig.weight_on_bit.duration": "1 s", "numerics.elements": "8"}
+    return load_scene("pa6_bench", overrides=changes)
+
+
+@pytest.fixture(scope="session")
+def bench_run(bench_scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Outcome:
+    """A real run of it without ROS; its bag is for reading only."""
+    return Session(bench_scene).run(tmp_path_factory.mktemp("bench") / "bag_0")

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames and set-points come back from their bytes as they went in, under the names of the contract."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from drill_twin.errors import MessageError
+from drill_twin.messages.cdr import JointStateTemplate
+from drill_twin.messages.decode import read_clock, read_float64, read_joint_state, read_pose_array
+from drill_twin.messages.encode import CommandEncoder, TwinEncoder, read_command, read_rig_state
+from drill_twin.messages.markers import default_exaggeration
+from drill_twin.messages.pose import orientation, spin_of
+from drill_twin.messages.stamps import seconds, stamp_ns
+from drill_twin.schedule.command import Command
+
+
+@pytest.fixture
+def encoder(make_geometry):
+    return TwinEncoder(make_geometry())
+
+
+def test_poses(encoder, make_frame):
+    frame = make_frame()
+    poses = read_pose_array(encoder.poses(frame))
+    assert poses.stamp == 1_500_000_000
+    np.testing.assert_array_equal(poses.position, frame.positions)
+    np.testing.assert_allclose(np.linalg.norm(poses.orientation, axis=1), 1.0, rtol=1e-14)
+
+
+def test_marks(encoder, make_frame):
+    frame = make_frame()
+    marks, state = frame.marks, read_joint_state(encoder.marks(frame))
+    assert state.names[:5] == ("mark_1/x", "mark_1/y", "mark_1/z", "mark_1/spin", "mark_2/x")
+    position, velocity, effort = (v.reshape(4, 4) for v in (state.position, state.velocity, state.effort))
+    np.testing.assert_array_equal(position, np.column_stack((marks.position, marks.spin)))
+    np.testing.assert_array_equal(velocity, np.column_stack((marks.velocity, marks.spin_rate)))
+    np.testing.assert_allclose(np.hypot(effort[:, 0], effort[:, 1]), marks.wall_force, rtol=1e-14)
+    assert (np.sum(effort[:, :2] * marks.centre[:, :2], axis=1) < 0.0).all()  # towards the axis
+    np.testing.assert_array_equal(effort[:, 2:], 0.0)
+
+
+def test_a_mark_on_the_axis_has_no_force(encoder, make_frame):
+    frame = make_frame()
+    on_axis = dataclasses.replace(frame.marks, centre=np.zeros((4, 3)), wall_force=np.zeros(4))
+    state = read_joint_state(encoder.marks(dataclasses.replace(frame, marks=on_axis)))
+    np.testing.assert_array_equal(state.effort, 0.0)
+
+
+def test_rig_state(encoder, make_frame):
+    frame = make_frame()
+    state = read_joint_state(encoder.rig_state(frame))
+    assert read_rig_state(state) == frame.rig
+    assert state.effort[state.index("bit")] == frame.rig.bit_force
+    assert state.velocity[state.index("top_drive")] == frame.rig.top_drive_speed
+
+
+def test_clock(encoder):
+    assert read_clock(encoder.clock(12.3456789)) == 12_345_678_900
+
+
+def test_commands():
+    encoder, command = CommandEncoder(), Command(weight_on_bit=40.0, rotation=4.0 * np.pi)
+    state = read_joint_state(encoder.command(1_000_000_007, command))
+    assert (state.stamp, read_command(state)) == (1_000_000_007, command)
+    assert np.isnan(state.position).all()
+    assert np.isnan(state.effort[state.index("top_drive")])
+    assert read_float64(encoder.wob_command(command)) == 40.0
+    assert read_float64(encoder.rps_command(command)) == 2.0
+
+
+def test_a_command_in_another_order_is_understood():
+    raw = JointStateTemplate(["top_drive", "extra", "bit"]).fill(0, [0.0] * 3, [1.0, 2.0, 3.0], [4.0, 5.0, 6.0])
+    assert read_command(read_joint_state(raw)) == Command(weight_on_bit=6.0, rotation=1.0)
+
+
+@pytest.mark.parametrize(
+    ("names", "arrays", "found"),
+    [
+        (["bit"], (True, True), "expected a joint 'top_drive'"),
+        (["bit", "top_drive"], (True, False), "velocity and effort"),
+    ],
+)
+def test_half_a_command_is_refused(names, arrays, found):
+    template = JointStateTemplate(names, velocity=arrays[0], effort=arrays[1])
+    ones = np.ones(len(names))
+    raw = template.fill(0, ones, ones if arrays[0] else (), ones if arrays[1] else ())
+    with pytest.raises(MessageError, match=found):
+        read_command(read_joint_state(raw))
+
+
+def test_half_a_rig_state_is_refused():
+    raw = JointStateTemplate(["top_drive", "bit", "block"]).fill(0, np.ones(3), np.ones(3), np.ones(3))
+    with pytest.raises(MessageError, match="bit_torque"):
+        read_rig_state(read_joint_state(raw))
+
+
+@pytest.mark.parametrize("time", [0.0, 0.1, 1e-9, 29.99, 123456.789])
+def test_stamps_are_rounded_not_cut(time):
+    assert seconds(stamp_ns(time)) == pytest.approx(time, abs=0.5e-9)
+
+
+def test_frames_of_a_run_have_whole_stamps():
+    assert [stamp_ns(0.01 * k) for k in range(3000)] == [10_000_000 * k for k in range(3000)]
+
+
+@pytest.mark.parametrize("time", [np.nan, np.inf, -np.inf])
+def test_a_time_that_is_none_is_refused(time):
+    with pytest.raises(MessageError, match="finite time"):
+        stamp_ns(time)
+
+
+def test_a_stamp_that_does_not_fit_is_refused(encoder):
+    with pytest.raises(MessageError, match="between"):
+        encoder.clock(2.0**31)
+
+
+def test_orientation_turns_z_into_the_tangent_after_the_spin():
+    from scipy.spatial.transform import Rotation
+
+    random = np.random.default_rng(3)
+    tangents = random.normal(size=(200, 3))
+    tangents[:3] = [(0, 0, 1), (0, 0, -1), (1e-9, 0, -1)]
+    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+    spin = random.uniform(-2.0 * np.pi, 2.0 * np.pi, 200)
+    quaternions = orientation(tangents, spin, np.empty((200, 4)))
+    np.testing.assert_allclose(np.linalg.norm(quaternions, axis=1), 1.0, atol=1e-6)
+    np.testing.assert_allclose(Rotation.from_quat(quaternions).apply([0, 0, 1]), tangents, atol=1e-6)
+    upright = orientation(np.tile([0.0, 0.0, 1.0], (200, 1)), spin, np.empty((200, 4)))
+    expected = np.column_stack((np.cos(spin), np.sin(spin), np.zeros(200)))
+    np.testing.assert_allclose(Rotation.from_quat(upright).apply([1, 0, 0]), expected, atol=1e-14)
+    regular = tangents[:, 2] > -0.99
+    np.testing.assert_allclose(spin_of(quaternions)[regular], spin[regular], atol=1e-12)
+
+
+def test_the_hole_is_drawn_about_a_tenth_as_wide_as_long(make_geometry):
+    for length, radius, factor in [(8.0, 0.09, 5.0), (500.0, 0.155, 200.0), (0.5, 0.09, 1.0), (18.0, 0.09, 10.0)]:
+        geometry = dataclasses.replace(make_geometry(), length=length, hole_radius=radius)
+        assert default_exaggeration(geometry) == pytest.approx(factor)

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of topics is the contract of the design, and prints as a table."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from drill_twin.messages.definitions import definition
+from drill_twin.messages.topics import TOPICS, topic_table
+
+
+def test_the_contract():
+    assert {name: topic.type_name.split("/")[-1] for name, topic in TOPICS.items()} == {
+        "/rig/command": "JointState",
+        "/rig/wob_command": "Float64",
+        "/rig/rps_command": "Float64",
+        "/rig/state": "JointState",
+        "/string/poses": "PoseArray",
+        "/marks/state": "JointState",
+        "/string/markers": "MarkerArray",
+        "/whirl/state": "JointState",
+        "/whirl/motion": "DiagnosticArray",
+        "/whirl/onset": "DiagnosticArray",
+        "/twin/scene": "String",
+        "/diagnostics": "DiagnosticArray",
+        "/clock": "Clock",
+    }
+    assert {name for name, topic in TOPICS.items() if topic.latched} == {"/whirl/onset", "/twin/scene"}
+    assert all(topic.depth == 1 for topic in TOPICS.values() if topic.latched)
+
+
+def test_every_definition_is_known():
+    for topic in TOPICS.values():
+        assert definition(topic.type_name)
+
+
+def test_the_table_has_one_row_a_topic():
+    lines = topic_table().splitlines()
+    assert len(lines) == 2 + len(TOPICS)
+    assert all(line.count("|") == 6 for line in lines)
+
+
+def test_the_readme_shows_the_table():
+    readme = Path(__file__).resolve().parents[2] / "README.md"
+    assert topic_table() in readme.read_text(encoding="utf-8")
+
+
+def test_messages_and_bags_do_without_ros():
+    code = "import sys, drill_twin.messages.encode, drill_twin.bag.series; sys.exit('rclpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Curves between nodes: exact for what a cubic can be, through the nodes for all else."""
+
+import numpy as np
+import pytest
+
+from drill_twin.messages.pose import orientation
+from drill_twin.report.curve import FINEST, smooth, tangents
+
+
+def test_tangents_come_back_from_orientations(make_frame):
+    frame = make_frame(nodes=17)
+    turned = orientation(frame.tangents, frame.spin, np.empty((17, 4)))
+    assert tangents(turned) == pytest.approx(frame.tangents, abs=1e-12)
+
+
+def test_straight_string_stays_straight():
+    nodes = np.linspace([0.0, 0.0, -5.0], [0.0, 0.0, 0.0], 9)[None]
+    up = np.broadcast_to([0.0, 0.0, 1.0], nodes.shape)
+    curve = smooth(nodes, up)
+    assert np.abs(curve[..., :2]).max() == 0.0
+    assert (np.diff(curve[0, :, 2]) > 0.0).all()
+    assert curve.shape[1] == FINEST // 8 * 8 + 1
+
+
+def test_arc_of_a_circle_is_met_to_a_thousandth():
+    angle = np.linspace(0.0, 2.0, 6)
+    nodes = np.stack((np.cos(angle), np.sin(angle), np.zeros(6)), axis=1)[None]
+    along = np.stack((-np.sin(angle), np.cos(angle), np.zeros(6)), axis=1)[None]
+    curve = smooth(nodes, along)
+    assert np.linalg.norm(curve, axis=-1) == pytest.approx(1.0, abs=1e-3)
+    assert curve[0, :: (curve.shape[1] - 1) // 5] == pytest.approx(nodes[0], abs=1e-12)
+
+
+def test_fine_mesh_is_drawn_as_it_is(make_frame):
+    frame = make_frame(nodes=150)
+    assert smooth(frame.positions[None], frame.tangents[None]) == pytest.approx(frame.positions[None])

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The summary says what is known of a bag, in JSON that any reader takes, and says what is missing."""
+
+import json
+import math
+import shutil
+
+import pytest
+
+from drill_twin.bag.reader import Bag
+from drill_twin.errors import BagError
+from drill_twin.messages.cdr import JointStateTemplate
+from drill_twin.messages.encode import MARK_AXES, encode_string
+from drill_twin.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE, WHIRL_STATE
+from drill_twin.report import read_recording, summarise
+from drill_twin.report.summary import timeline, to_json
+from drill_twin.whirl import MotionPeriod, MotionState
+
+KEYS = {
+    "onset_s", "whirl_frequency_hz", "precession_ratio", "max_radius_m", "realtime_factor", "elements", "step_s",
+    "effects", "seed", "version", "onset_mark", "motion", "mark_motion", "duration_s", "samples", "truncated", "notes",
+}  # fmt: skip
+
+
+def refuse(constant: str) -> None:
+    raise AssertionError(f"{constant} is no JSON")
+
+
+@pytest.fixture(scope="module")
+def summary(known_bag):
+    return summarise(known_bag)
+
+
+def test_holds_the_promised_keys(summary):
+    assert set(summary) >= KEYS
+
+
+def test_is_plain_json_and_comes_back_equal(summary):
+    assert json.loads(to_json(summary), parse_constant=refuse) == summary
+
+
+def test_finds_what_was_put_into_the_bag(summary):
+    assert 3.0 < summary["onset_s"] < 3.4
+    assert summary["whirl_frequency_hz"] == pytest.approx(-0.6, abs=0.02)
+    assert summary["precession_ratio"] == pytest.approx(-0.3, abs=0.01)
+    assert summary["rotation_rev_s"] == pytest.approx(2.0, rel=1e-3)
+    assert set(summary["max_radius_m"]) == {"mark_1", "mark_2", "mark_3", "mark_4"}
+    assert list(summary["max_radius_m"].values()) == pytest.approx([0.031] * 4, rel=0.02)
+    assert summary["motion"][-1]["state"] == "reverse whirl"
+    assert summary["motion"][-1]["end_s"] == summary["duration_s"] == 12.0
+    assert summary["samples"] == 1200
+    assert not summary["truncated"]
+
+
+def test_says_what_was_run(summary):
+    assert (summary["version"], summary["seed"], summary["elements"], summary["step_s"]) == ("9.9.9", 7, 10, 0.002)
+    assert summary["effects"] == ["gravity", "wall"]
+    assert summary["pace"] == "realtime"
+    assert summary["realtime_factor"] == 12.5
+    assert summary["live"] == {"onset_s": None, "messages": 0, "differing": 0}
+
+
+def test_real_run_agrees_with_what_was_found_live(bench_run):
+    found = summarise(bench_run.bag)
+    assert found["onset_s"] == bench_run.summary.onset_s == found["live"]["onset_s"]
+    assert found["whirl_frequency_hz"] == bench_run.summary.whirl_frequency_hz
+    assert found["live"]["messages"] == 300
+    assert found["live"]["differing"] == 0
+    assert found["realtime_factor"] > 0.0
+    assert found["notes"] == []
+
+
+def test_live_findings_that_differ_are_noticed(bench_run, write):
+    rows = list(Bag(bench_run.bag).messages())
+    changed = [k for k, (topic, _, _) in enumerate(rows) if topic == WHIRL_STATE][250]
+    topic, stamp, raw = rows[changed]
+    rows[changed] = topic, stamp, raw[:-16] + b"\x01" * 8 + raw[-8:]
+    found = summarise(write(rows))
+    assert found["live"]["differing"] == 1
+    assert any("1 of 300 findings recorded live differ" in note for note in found["notes"])
+
+
+def test_opens_the_folder_of_a_run(bench_run):
+    assert summarise(bench_run.bag.parent)["samples"] == 300
+
+
+def test_bag_of_a_killed_recorder_is_read_as_far_as_it_goes(bench_run, tmp_path):
+    whole = next(bench_run.bag.glob("*.mcap")).read_bytes()
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(whole[: int(0.7 * len(whole))])
+    found = summarise(cut)
+    assert found["truncated"]
+    assert found["damage"]
+    assert 0 < found["samples"] < 300
+    assert found["duration_s"] == pytest.approx(found["samples"] / 100)
+    json.loads(to_json(found), parse_constant=refuse)
+
+
+def test_whirl_that_never_comes_is_none_not_nan(messages, write):
+    before = [row for row in messages if row[1] <= 2_500_000_000]
+    found = summarise(write(before))
+    assert found["onset_s"] is found["onset_mark"] is found["whirl_frequency_hz"] is found["precession_ratio"] is None
+    assert [period["state"] for period in found["motion"]][-1] == "rotation about a fixed axis"
+    assert found["realtime_factor"] is None
+    json.loads(to_json(found), parse_constant=refuse)
+
+
+def test_single_sample_is_enough_for_json(messages, write):
+    found = summarise(write(messages[:4]))
+    assert found["samples"] == 1
+    json.loads(to_json(found), parse_constant=refuse)
+
+
+def test_marks_that_are_not_numbers_are_counted(messages, known_scene, write):
+    names = [f"{place.name}/{axis}" for place in known_scene.mark_table for axis in MARK_AXES]
+    template = JointStateTemplate(names)
+    nan = [math.nan] * len(names)
+    rows = [
+        (topic, stamp, template.fill(stamp, nan, nan, nan))
+        if topic == MARKS_STATE and 500_000_000 < stamp <= 600_000_000
+        else (topic, stamp, raw)
+        for topic, stamp, raw in messages
+    ]
+    found = summarise(write(rows))
+    assert found["samples"] == 1190
+    assert found["quality"]["incomplete"] == 10
+    assert 3.0 < found["onset_s"] < 3.4
+    json.loads(to_json(found), parse_constant=refuse)
+
+
+def test_last_of_several_runs_counts_and_is_said(messages, write):
+    scene = next(raw for topic, _, raw in messages if topic == TWIN_SCENE)
+    second = [(TWIN_SCENE, 0, encode_string("# again\n" + read_text(scene)))]
+    second += [row for row in messages[1:] if row[1] <= 2_000_000_000]
+    found = summarise(write([*messages, *second]))
+    assert found["samples"] == 200
+    assert found["onset_s"] is None
+    assert any("holds 2 runs" in note for note in found["notes"])
+
+
+def read_text(raw: bytes) -> str:
+    from drill_twin.messages.decode import read_string
+
+    return read_string(raw)
+
+
+def test_samples_without_partners_are_said(messages, write):
+    rows = [row for row in messages if not (row[0] == RIG_STATE and row[1] > 6_000_000_000)]
+    found = summarise(write(rows))
+    assert found["samples"] == 600
+    assert any("messages could not be used, or their partner is missing" in note for note in found["notes"])
+
+
+@pytest.mark.parametrize(
+    ("left_out", "message"),
+    [
+        ({TWIN_SCENE}, r"expected the scene on /twin/scene, found no message there; name the scene with --scene"),
+        ({MARKS_STATE}, r"expected marks and rig states .* found 0 on /marks/state, 1200 on /rig/state"),
+        ({RIG_STATE}, r"found 1200 on /marks/state, 0 on /rig/state"),
+    ],
+)
+def test_bag_without_what_the_analysis_needs(messages, write, left_out, message):
+    with pytest.raises(BagError, match=message):
+        summarise(write([row for row in messages if row[0] not in left_out]))
+
+
+def test_scene_can_be_named(messages, write, known_scene):
+    folder = write([row for row in messages if row[0] != TWIN_SCENE])
+    found = summarise(read_recording(folder, known_scene))
+    assert 3.0 < found["onset_s"] < 3.4
+    assert found["version"] is None
+    assert found["elements"] == 10  # seen in the poses
+
+
+def test_broken_scene_is_named(messages, write):
+    rows = [(TWIN_SCENE, 0, encode_string("name: [")), *messages[1:]]
+    with pytest.raises(BagError, match="found one that cannot be used: /twin/scene"):
+        summarise(write(rows))
+
+
+def test_scenes_of_two_sizes_without_a_new_scene_text(messages, write):
+    other = JointStateTemplate(["mark_1/x", "mark_1/y", "mark_1/z", "mark_1/spin"])
+    late = other.fill(99_000_000_000, [0.0] * 4, [0.0] * 4, [0.0] * 4)
+    with pytest.raises(BagError, match="more than one scene"):
+        summarise(write([*messages, (MARKS_STATE, 99_000_000_000, late)]))
+
+
+def test_bag_that_is_none(tmp_path):
+    (tmp_path / "run").mkdir()
+    with pytest.raises(BagError, match="found nothing in it"):
+        summarise(tmp_path / "run")
+
+
+def test_copied_bag_gives_the_same(known_bag, summary, tmp_path):
+    shutil.copytree(known_bag, tmp_path / "copy_0")
+    assert summarise(tmp_path / "copy_0") == summary
+
+
+def test_poses_are_not_needed(messages, write):
+    found = summarise(write([row for row in messages if row[0] != STRING_POSES]))
+    assert 3.0 < found["onset_s"] < 3.4
+
+
+def test_timeline_leaves_out_what_has_no_length_and_joins_the_rest():
+    period = MotionPeriod
+    fixed, whirl = MotionState.FIXED_AXIS, MotionState.FORWARD_WHIRL
+    periods = (period(0.1, fixed, "a", 1.0), period(2.0, whirl, "b", 0.6), period(2.0, fixed, "c", 0.7),
+               period(3.0, whirl, "d", 0.8))  # fmt: skip
+    assert [(line["start_s"], line["end_s"], line["criterion"]) for line in timeline(periods, 5.0)] == [
+        (0.1, 3.0, "a"),
+        (3.0, 5.0, "d"),
+    ]

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The desk where commands arrive: what it refuses, whom it follows, and what it does when nobody speaks."""
+
+import math
+
+import pytest
+
+from drill_twin.nodes.commands import CommandDesk, Limits, Silence
+from drill_twin.nodes.limits import limits_for
+from drill_twin.scene import load_scene
+from drill_twin.schedule import Command
+
+TURN = 2.0 * math.pi
+LIMITS = Limits(weight_on_bit=(0.0, 400.0), rotation=(0.0, 20.0 * TURN))
+
+
+class Clock:
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def desk(clock):
+    return CommandDesk(LIMITS, Silence(1.0), Command(0.0, 0.0), clock=clock)
+
+
+@pytest.mark.parametrize(
+    ("command", "kind"),
+    [
+        (Command(math.nan, 6.0), "not_finite"),
+        (Command(40.0, math.inf), "not_finite"),
+        (Command(-math.inf, 6.0), "not_finite"),
+        (Command(-1.0, 6.0), "out_of_range"),
+        (Command(40.0, -6.0), "out_of_range"),
+        (Command(1e9, 6.0), "out_of_range"),
+        (Command(40.0, 1e9), "out_of_range"),
+    ],
+)
+def test_a_command_that_cannot_be_meant_is_refused_whole(desk, command, kind):
+    good = Command(40.0, 12.0)
+    desk.both(1, good)
+    desk.both(2, command)
+    assert desk.good == good
+    assert desk.set_point(0.01) == good
+    assert desk.refused == {kind: 1}
+    assert "expected" in desk.last_refusal
+    assert desk.last_stamp == 2  # it came, though refused: lockstep goes on
+
+
+def test_limits_include_their_ends(desk):
+    for command in (Command(0.0, 0.0), Command(400.0, 20.0 * TURN)):
+        desk.both(1, command)
+        assert desk.good == command
+
+
+def test_single_values_change_one_set_point_each(desk):
+    desk.weight_on_bit(30.0, driver_present=False)
+    desk.speed(2.0, driver_present=False)
+    assert desk.good == Command(30.0, 2.0 * TURN)
+    desk.speed(math.nan, driver_present=False)
+    assert desk.good == Command(30.0, 2.0 * TURN)
+
+
+def test_the_echo_of_a_driver_is_no_second_source(desk, clock):
+    for k in range(50):
+        command = Command(0.8 * k, 0.1 * k)
+        desk.weight_on_bit(command.weight_on_bit, driver_present=True)  # the echo may come first
+        desk.both(k, command)
+        desk.speed(command.rotation / TURN, driver_present=True)
+        clock.now += 0.01
+    clock.now += 0.4
+    desk.both(50, Command(40.0, 4.9))
+    clock.now += 0.4
+    desk.settle_doubts()
+    assert desk.from_others == 0
+
+
+def test_another_voice_beside_a_driver_is_counted_and_not_followed(desk, clock):
+    desk.both(1, Command(40.0, 12.0))
+    desk.weight_on_bit(55.0, driver_present=True)
+    assert desk.good.weight_on_bit == 40.0
+    clock.now += 0.6
+    desk.settle_doubts()
+    assert desk.from_others == 1
+
+
+def test_a_driver_that_fell_silent_loses_its_say(desk, clock):
+    desk.both(1, Command(40.0, 12.0))
+    clock.now += 1.1
+    desk.weight_on_bit(55.0, driver_present=True)
+    assert desk.good == Command(55.0, 12.0)
+
+
+def test_silence_holds_the_last_set_point_unless_a_ramp_is_wanted(desk, clock):
+    desk.both(1, Command(40.0, 12.0))
+    assert not desk.silent
+    clock.now += 1.1
+    assert desk.silent
+    assert desk.age == pytest.approx(1.1)
+    assert desk.set_point(0.01) == Command(40.0, 12.0)
+
+
+def test_the_ramp_to_the_safe_set_point_takes_its_time_and_ends_there(clock):
+    desk = CommandDesk(
+        LIMITS, Silence(1.0, ramp=True, safe=Command(10.0, 0.0), ramp_time=2.0), Command(0.0, 0.0), clock=clock
+    )
+    desk.both(1, Command(40.0, 12.0))
+    assert desk.set_point(0.01) == Command(40.0, 12.0)
+    clock.now += 5.0
+    path = [desk.set_point(0.01) for _ in range(300)]
+    assert path[99] == Command(pytest.approx(25.0), pytest.approx(6.0))
+    assert path[199] == Command(pytest.approx(10.0), pytest.approx(0.0))
+    assert path[-1] == path[200]
+    desk.both(2, Command(40.0, 12.0))
+    assert desk.set_point(0.01) == Command(40.0, 12.0)
+
+
+def test_a_desk_that_heard_nothing_is_not_silent(desk, clock):
+    clock.now += 1000.0
+    assert not desk.heard
+    assert not desk.silent
+
+
+def test_limits_follow_the_scene():
+    limits = limits_for(load_scene("pa6_bench"), max_weight_on_bit=0.0, max_speed=0.0, negative=False)
+    assert limits.weight_on_bit == (0.0, pytest.approx(400.0))
+    assert limits.rotation == (0.0, pytest.approx(20.0 * TURN))
+    assert limits.why_refused(Command(-1.0, 0.0))
+    left = limits_for(
+        load_scene("pa6_bench", overrides={"rps": "-3"}), max_weight_on_bit=0.0, max_speed=0.0, negative=False
+    )
+    assert left.why_refused(Command(10.0, -3.0 * TURN)) is None
+    record = limits_for(load_scene("ufrj_rig"), max_weight_on_bit=0.0, max_speed=0.0, negative=False)
+    assert record.why_refused(Command(700.0, -0.1)) is None
+    assert record.why_refused(Command(1e9, 0.0))
+    both = limits_for(load_scene("pa6_bench"), max_weight_on_bit=50.0, max_speed=10.0, negative=True)
+    assert both.weight_on_bit == (-50.0, 50.0)
+    assert both.rotation == (-10.0, 2.0 * TURN)  # the scene's own 2 rev/s is always allowed

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Commands over DDS to a running simulator: good, bad, too few, and from more than one hand."""
+
+import math
+
+import pytest
+from std_msgs.msg import Float64
+
+from drill_twin.messages.encode import CommandEncoder
+from drill_twin.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.schedule import Command
+
+TURN = 2.0 * math.pi
+
+
+@pytest.fixture
+def simulator(bench):
+    process = bench.start("simulator", command_timeout=0.8)
+    bench.until_ready("simulator")
+    yield process
+    assert process.end() == 0, process.text
+    assert "Traceback" not in process.text
+
+
+def _set_points(status):
+    return float(status.values["weight_on_bit"]), float(status.values["speed_rev_s"])
+
+
+def test_time_stands_still_until_the_first_good_command(bench, simulator):
+    status = bench.until_status("simulator", bool)
+    assert status.values["simulated_time"] == "0.000000"
+    assert status.text == "waiting for the first command"
+    command = bench.publisher(RIG_COMMAND)
+    command.publish(CommandEncoder().command(0, Command(math.nan, 1.0)))
+    status = bench.until_status("simulator", lambda status: status.values["commands_refused"] == "1")
+    assert status.values["simulated_time"] == "0.000000"
+    command.publish(CommandEncoder().command(0, Command(40.0, 1.0)))
+    bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 0.5)
+
+
+def test_bad_commands_are_refused_counted_and_change_nothing(bench, simulator, joints):
+    command, weight, speed = (bench.publisher(topic) for topic in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND))
+    encoder = CommandEncoder()
+    command.publish(encoder.command(0, Command(40.0, 2.0 * TURN)))
+    bench.until_status("simulator", lambda status: _set_points(status) == (40.0, 2.0))
+    bad = [(math.nan, 12.0), (40.0, math.inf), (-math.inf, 0.0), (-5.0, 12.0), (40.0, -12.0), (1e12, 12.0), (40.0, 1e6)]
+    for weight_on_bit, rotation in bad:
+        command.publish(encoder.command(0, Command(weight_on_bit, rotation)))
+    state = bench.collect("/rig/state")
+    status = bench.until_status("simulator", lambda status: int(status.values["commands_refused"]) == len(bad))
+    assert _set_points(status) == (40.0, 2.0)
+    assert status.values["commands_refused_not_finite"] == "3"
+    assert status.values["commands_refused_out_of_range"] == "4"
+    assert "commands were refused" in status.text or "no command" in status.text
+    bench.spin(0.5)
+    for sample in joints(state):
+        assert sample.effort[sample.index("bit")] == 40.0
+        assert math.isfinite(sample.position.sum() + sample.velocity.sum() + sample.effort.sum())
+    # The single values are judged in the same way; nobody else publishes /rig/command once ours is gone.
+    bench.node.destroy_publisher(command)
+    bench.until(lambda: bench.node.count_publishers(RIG_COMMAND) == 0, 10.0)
+    for value in (math.nan, -3.0, 1e9):
+        weight.publish(Float64(data=value))
+        speed.publish(Float64(data=value))
+    status = bench.until_status("simulator", lambda status: int(status.values["commands_refused"]) == len(bad) + 6)
+    assert _set_points(status) == (40.0, 2.0)
+    weight.publish(Float64(data=30.0))
+    speed.publish(Float64(data=1.0))
+    bench.until_status("simulator", lambda status: _set_points(status) == (30.0, 1.0))
+
+
+def test_a_message_that_holds_no_command_is_counted(bench, simulator):
+    command = bench.publisher(RIG_COMMAND)
+    from sensor_msgs.msg import JointState
+
+    command.publish(JointState(name=["elbow"], position=[1.0]))
+    status = bench.until_status("simulator", lambda status: status.values.get("commands_refused_malformed") == "1")
+    assert status.values["simulated_time"] == "0.000000"
+
+
+def test_silence_is_reported_and_the_last_set_point_held(bench, simulator):
+    command = bench.publisher(RIG_COMMAND)
+    command.publish(CommandEncoder().command(0, Command(40.0, 12.0)))
+    status = bench.until_status("simulator", lambda status: "no command for" in status.text)
+    assert status.level == 1
+    assert float(status.values["command_age"]) > 0.8
+    assert float(status.values["weight_on_bit"]) == 40.0
+
+
+def test_silence_ramps_to_the_safe_set_point_when_asked(bench, joints):
+    process = bench.start(
+        "simulator", command_timeout=0.3, on_silence="ramp", safe_ramp_time=0.5, safe_weight_on_bit=5.0
+    )
+    bench.until_ready("simulator")
+    state = bench.collect("/rig/state")
+    command = bench.publisher(RIG_COMMAND)
+    command.publish(CommandEncoder().command(0, Command(40.0, 12.0)))
+    bench.until(lambda: len(state) > 150, 20.0)
+    samples = joints(state)
+    drive, bit = samples[0].index("top_drive"), samples[0].index("bit")
+    assert max(sample.effort[bit] for sample in samples) == 40.0
+    assert samples[-1].effort[bit] == pytest.approx(5.0)
+    assert samples[-1].velocity[drive] == pytest.approx(0.0, abs=1e-9)
+    assert process.end() == 0
+
+
+def test_the_echo_of_the_rig_driver_is_no_second_source(bench, simulator):
+    driver = bench.start("rig_driver")
+    status = bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 2.5, 60.0)
+    assert status.values["command_sources"] == "/rig_driver"
+    assert status.values["commands_from_others"] == "0"
+    assert status.level == 0
+    assert driver.end() == 0
+
+
+def test_a_person_beside_the_driver_is_reported_and_not_followed(bench, simulator):
+    driver = bench.start("rig_driver")
+    bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 0.3, 60.0)
+    weight = bench.publisher(WOB_COMMAND)
+    weight.publish(Float64(data=123.0))
+    status = bench.until_status("simulator", lambda status: status.values["commands_from_others"] == "1")
+    assert "more than one source" in status.text
+    assert "/test" in status.values["command_sources"]
+    assert float(status.values["weight_on_bit"]) < 40.0
+    assert driver.end() == 0
+
+
+def test_two_drivers_are_detected(bench, simulator):
+    drivers = [bench.start("rig_driver"), bench.start("rig_driver", "-r", "__node:=other_driver")]
+    status = bench.until_status("simulator", lambda status: "more than one source" in status.text, 60.0)
+    assert status.values["command_sources"] == "/other_driver, /rig_driver"
+    assert status.level == 1
+    for driver in drivers:
+        assert driver.end() == 0
+
+
+def test_a_driver_that_is_killed_and_comes_back_picks_up_in_lockstep(bench):
+    simulator = bench.start("simulator", pace="lockstep", duration=60.0)
+    bench.until_ready("simulator")
+    driver = bench.start("rig_driver")
+    bench.until_status("simulator", lambda status: int(status.values["frames"]) > 50, 60.0)
+    driver.kill()
+    waiting = bench.until_status("simulator", lambda status: "the lockstep waits" in status.text, 60.0)
+    before = int(waiting.values["frames"])
+    driver = bench.start("rig_driver")
+    status = bench.until_status("simulator", lambda status: int(status.values["frames"]) > before + 50, 60.0)
+    # A frame for each command and a command for each frame; one may be under way, one may have been sent twice.
+    assert int(status.values["frames"]) == round(float(status.values["simulated_time"]) * 100.0)
+    assert 0 <= int(status.values["commands_accepted"]) - int(status.values["frames"]) <= 2
+    assert status.values["commands_refused"] == "0"
+    assert driver.end() == 0
+    assert simulator.end() == 0

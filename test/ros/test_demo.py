@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The demo, shortened: what it leaves, and that it fails when anything in it does."""
+
+import json
+import os
+import signal
+import sys
+from pathlib import Path
+
+import pytest
+
+from drill_twin.bag.reader import Bag
+from drill_twin.errors import RunError
+from drill_twin.messages.topics import TOPICS
+from drill_twin.nodes.demo import Patience, check_bag
+
+
+@pytest.fixture
+def demo(bench):
+    def start(*arguments):
+        command = [sys.executable, "-m", "drill_twin.nodes", "demo", "--out", str(bench.folder / "demo"), *arguments]
+        environment = {name: value for name, value in bench.environment.items() if name != "ROS_DOMAIN_ID"}
+        bench.environment = environment
+        return bench.command("demo", command)
+
+    return start
+
+
+def _children(pid):
+    """Process ids of a process's children, by /proc."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, parent = stat.read_text("utf-8").rpartition(")")[2].split()[:2]
+        except OSError:
+            continue
+        if int(parent) == pid and state != "Z":
+            found.append(int(stat.parent.name))
+    return found
+
+
+def _any_left(pids):
+    return any(Path(f"/proc/{pid}").exists() for pid in pids)
+
+
+def test_a_short_demo_leaves_bag_report_figures_and_summary(bench, demo):
+    process = demo("--duration", "3", "--pace", "fast")
+    assert process.wait(150.0) == 0, process.text
+    out = bench.folder / "demo"
+    bag = Bag(out / "bag_0")
+    assert not bag.truncated
+    assert all(bag.topics[topic].count for topic in TOPICS)
+    assert bag.topics["/rig/state"].count == 300
+    summary = json.loads((out / "summary.json").read_text("utf-8"))
+    wanted = {
+        "onset_s", "whirl_frequency_hz", "precession_ratio", "max_radius_m", "realtime_factor",
+        "elements", "step_s", "effects", "seed", "version",
+    }  # fmt: skip
+    assert wanted <= set(summary)
+    assert len(list(out.glob("*.png"))) >= 5
+    assert (out / "report.html").stat().st_size > 100_000
+    assert "Traceback" not in process.text
+    # Once more: refused without --replace, and then nothing is lost.
+    again = demo("--duration", "3")
+    assert again.wait(60.0) == 2
+    assert "expected a new folder, found one that exists" in again.text
+    assert (out / "summary.json").is_file()
+
+
+def test_an_older_result_is_moved_aside(bench, demo):
+    out = bench.folder / "demo"
+    (out / "log").mkdir(parents=True)
+    (out / "report.html").write_text("older", "utf-8")
+    process = demo("--duration", "1", "--pace", "fast", "--replace")
+    assert process.wait(150.0) == 0, process.text
+    assert (bench.folder / "demo.old" / "report.html").read_text("utf-8") == "older"
+    assert (out / "report.html").read_text("utf-8") != "older"
+
+
+def test_a_folder_that_is_not_a_demo_is_never_moved(bench, demo):
+    out = bench.folder / "demo"
+    out.mkdir()
+    (out / "thesis.tex").write_text("precious", "utf-8")
+    process = demo("--replace")
+    assert process.wait(60.0) == 2
+    assert (out / "thesis.tex").read_text("utf-8") == "precious"
+
+
+def test_a_demo_whose_simulator_is_killed_fails_and_leaves_no_process(bench, demo):
+    process = demo("--duration", "60")
+    children = _started(bench, process)
+    victim = next(pid for pid in children if b"simulator" in Path(f"/proc/{pid}/cmdline").read_bytes())
+    os.kill(victim, signal.SIGKILL)
+    assert process.wait(60.0) == 1, process.text
+    assert "simulator ended with exit code -9" in process.text
+    assert not _any_left(children)
+    assert not Bag(bench.folder / "demo" / "bag_0").truncated
+
+
+def test_a_demo_that_is_interrupted_ends_its_nodes_in_order(bench, demo):
+    process = demo("--duration", "60")
+    children = _started(bench, process)
+    process.send(signal.SIGINT)
+    assert process.wait(60.0) == 1, process.text
+    assert "stopped before it was over" in process.text
+    assert not _any_left(children)
+    assert not Bag(bench.folder / "demo" / "bag_0").truncated
+
+
+def test_a_demo_that_is_killed_takes_its_nodes_with_it(bench, demo):
+    process = demo("--duration", "60")
+    children = _started(bench, process)
+    process.kill()
+    bench.until(lambda: not _any_left(children), 20.0, "the nodes to end")
+
+
+def _started(bench, process):
+    """Process ids of the nodes, once the string moves."""
+    bench.until(lambda: "rotation about" in process.text or process.code is not None, 150.0, "the string to move")
+    assert process.code is None, process.text
+    children = _children(process.pid)
+    assert len(children) == 4
+    return children
+
+
+def test_a_demo_with_an_unknown_scene_starts_nothing(bench, demo):
+    process = demo("--scene", "no_such_scene")
+    assert process.wait(60.0) == 2
+    assert "no_such_scene" in process.text
+    assert not (bench.folder / "demo").exists()
+
+
+def test_a_domain_in_use_is_refused(bench):
+    command = [sys.executable, "-m", "drill_twin.nodes", "demo", "--out", str(bench.folder / "demo")]
+    process = bench.command("demo", command)  # in the bench's own domain, which it has claimed
+    assert process.wait(60.0) == 2
+    assert f"ROS_DOMAIN_ID={bench.domain} is in use" in process.text
+
+
+def test_a_bag_without_a_topic_is_not_good_enough(tmp_path):
+    from drill_twin.bag.writer import BagWriter
+    from drill_twin.messages.encode import encode_string
+
+    with BagWriter(tmp_path / "bag_0") as bag:
+        bag.write("/twin/scene", 1, encode_string("name: x"))
+    with pytest.raises(RunError, match="found no message on /rig/command"):
+        check_bag(tmp_path / "bag_0")
+
+
+def test_patience_ends_when_time_stands_still():
+    now = [0.0]
+    patience = Patience(lambda: now[0])
+    for k in range(100):
+        now[0] += 1.0
+        patience.check(0.1 * k)
+    now[0] += 19.0
+    patience.check(9.9)
+    now[0] += 2.0
+    with pytest.raises(RunError, match=r"stood at 9\.90 s"):
+        patience.check(9.9)

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the package says about itself agrees: setup.py, package.xml, parameter files, launch files, pinned versions."""
+
+import ast
+import importlib
+import re
+import runpy
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+import drill_twin
+from drill_twin.nodes.analyzer import Analyzer
+from drill_twin.nodes.recorder import Recorder
+from drill_twin.nodes.replayer import Replayer
+from drill_twin.nodes.rig_driver import RigDriver
+from drill_twin.nodes.simulator import Simulator
+from drill_twin.nodes.twin import Together
+from drill_twin.scene import presets
+
+ROOT = Path(__file__).resolve().parents[2]
+NODES = {make.NAME: make for make in (Simulator, RigDriver, Analyzer, Recorder, Replayer)}
+EXECUTABLES = {*NODES, "twin"}
+# Import name -> distribution, where they differ.
+DISTRIBUTIONS = {"yaml": "pyyaml", "ruamel": "ruamel.yaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
+FROM_ROS = {"rclpy", "rcl_interfaces", "std_srvs", "ament_index_python"}
+
+
+@pytest.fixture(scope="module")
+def setup_arguments():
+    """The keyword arguments that setup.py gives to setup()."""
+    import setuptools
+
+    seen = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(setuptools, "setup", lambda **given: seen.update(given))
+        patch.chdir(ROOT)
+        runpy.run_path(str(ROOT / "setup.py"))
+    return seen
+
+
+def test_versions_and_licences_agree(setup_arguments):
+    manifest = (ROOT / "package.xml").read_text("utf-8")
+    assert setup_arguments["version"] == drill_twin.__version__
+    assert f"<version>{drill_twin.__version__}</version>" in manifest
+    assert setup_arguments["license"] == "Apache-2.0"
+    assert ">Apache-2.0</license>" in manifest
+    assert "Apache License" in (ROOT / "LICENSE").read_text("utf-8")
+
+
+def test_every_executable_exists(setup_arguments):
+    scripts = dict(line.split(" = ") for line in setup_arguments["entry_points"]["console_scripts"])
+    assert set(scripts) >= EXECUTABLES
+    for entry in scripts.values():
+        module, _, function = entry.partition(":")
+        assert callable(getattr(importlib.import_module(module), function))
+
+
+def test_all_data_is_installed(setup_arguments):
+    installed = {Path(file) for _, files in setup_arguments["data_files"] for file in files}
+    for file in (ROOT / "config").glob("*/*.*"):
+        assert file.relative_to(ROOT) in installed
+    folders = {Path(folder).name for folder, _ in setup_arguments["data_files"]}
+    assert {"scenes", "schema", "nodes", "launch", "dds", "packages"} <= folders
+
+
+def test_every_import_is_declared(setup_arguments):
+    declared = {re.split(r"[<>=!~ ]", line)[0].lower() for line in setup_arguments["install_requires"]}
+    found = set()
+    for file in (ROOT / "drill_twin").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                found.add(node.module.partition(".")[0])
+    outside = found - set(sys.stdlib_module_names) - FROM_ROS - {"drill_twin"}
+    assert {DISTRIBUTIONS.get(name, name) for name in outside} - declared == set()
+    for name in FROM_ROS:
+        assert f"<exec_depend>{name}</exec_depend>" in (ROOT / "package.xml").read_text("utf-8")
+
+
+def test_versions_are_pinned(setup_arguments):
+    pins = dict(line.split("==") for line in (ROOT / "constraints.txt").read_text("utf-8").splitlines() if "==" in line)
+    names = {name.lower() for name in pins}
+    wanted = [*setup_arguments["install_requires"], *setup_arguments["extras_require"]["test"]]
+    for line in wanted:
+        assert re.split(r"[<>=!~ ]", line)[0].lower() in names, line
+    for line in (ROOT / "requirements.txt").read_text("utf-8").splitlines():
+        if line and not line.startswith("#"):
+            name, _, rest = line.partition("==")
+            assert pins[name] == rest.partition(";")[0].strip()
+
+
+@pytest.mark.parametrize("node", sorted(NODES))
+def test_a_parameter_file_holds_every_parameter_with_its_default_and_a_comment(node):
+    text = (ROOT / "config" / "nodes" / f"{node}.yaml").read_text("utf-8")
+    values = yaml.safe_load(text)["/**"]["ros__parameters"]
+    assert values == {parameter.name: parameter.default for parameter in NODES[node].PARAMETERS}
+    for parameter in NODES[node].PARAMETERS:
+        comment = re.search(rf"((?:^ +#.*\n)+) +{parameter.name}:", text, re.MULTILINE)
+        assert comment, f"{parameter.name} has no comment"
+        assert len(comment[1]) > 30
+        if parameter.unit:
+            assert f"[{parameter.unit}]" in comment[1]
+
+
+def test_the_parameter_file_of_the_twin_holds_defaults_of_its_nodes():
+    values = yaml.safe_load((ROOT / "config" / "nodes" / "twin.yaml").read_text("utf-8"))["/**"]["ros__parameters"]
+    nodes = (Together, Simulator, RigDriver, Analyzer, Recorder)
+    known = {parameter.name: parameter.default for make in nodes for parameter in make.PARAMETERS}
+    # A parameter given to the process reaches every node that has it, so one name must have one default.
+    assert all(known[parameter.name] == parameter.default for make in nodes for parameter in make.PARAMETERS)
+    assert values.items() <= known.items()
+    assert "record" in values
+
+
+def _name(call):
+    return getattr(call.func, "id", "")
+
+
+@pytest.mark.parametrize("name", ["twin", "replay"])
+def test_a_launch_file_names_executables_and_parameters_that_exist(name):
+    """`launch` is not among the wheels, so the file is read, not run."""
+    file = ROOT / "config" / "launch" / f"{name}.launch.py"
+    tree = ast.parse(file.read_text("utf-8"))
+    compile(tree, str(file), "exec")
+    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    nodes = [call for call in calls if _name(call) == "_node"]
+    started = {call.args[0].value for call in nodes}
+    wanted = {"twin": {"simulator", "rig_driver", "analyzer", "recorder"}, "replay": {"replayer", "analyzer"}}
+    assert started == wanted[name]
+    assigned = [node for node in ast.walk(tree) if isinstance(node, ast.Assign)]
+    dictionaries = {node.targets[0].id: node.value for node in assigned if isinstance(node.targets[0], ast.Name)}
+    for call in nodes:
+        given = call.args[1]
+        given = dictionaries[given.id] if isinstance(given, ast.Name) else given
+        known = {parameter.name for parameter in NODES[call.args[0].value].PARAMETERS}
+        assert {key.value for key in given.keys} <= known
+    declared = {call.args[0].value: call for call in calls if _name(call) == "DeclareLaunchArgument"}
+    uses = [call.args[0] for call in calls if _name(call) in {"LaunchConfiguration", "_text"}]
+    used = {use.value for use in uses if isinstance(use, ast.Constant)}
+    assert used == set(declared)
+    for call in declared.values():
+        assert any(keyword.arg == "description" for keyword in call.keywords)
+
+
+def test_the_installed_scenes_are_all_there():
+    assert {"pa6_bench", "bha_full_size", "ufrj_rig"} <= set(presets())
+
+
+def test_the_changelog_is_one_for_ros():
+    lines = (ROOT / "CHANGELOG.rst").read_text("utf-8").splitlines()
+    assert lines[1] == "Changelog for package drill_twin"
+    assert any(re.fullmatch(r"Forthcoming|\d+\.\d+\.\d+ \(\d{4}-\d{2}-\d{2}\)", line) for line in lines)

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What was found live is what the bag says, what a replay says, and what a second run in lockstep says."""
+
+import re
+import signal
+import sys
+import time
+
+import pytest
+
+from drill_twin.bag.reader import Bag
+from drill_twin.messages.decode import JointStateReader, read_clock
+from drill_twin.messages.topics import (
+    CLOCK_TOPIC,
+    DIAGNOSTICS,
+    MARKS_STATE,
+    RIG_COMMAND,
+    RIG_STATE,
+    STRING_POSES,
+    TOPICS,
+    TWIN_SCENE,
+    WHIRL_MOTION,
+    WHIRL_ONSET,
+    WHIRL_STATE,
+)
+from drill_twin.pipeline import INPUTS, WhirlPipeline
+
+FINDINGS = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET)
+# A weight far above the buckling load at once, so that whirl begins within seconds.
+EAGER = "rig.weight_on_bit.duration=0.5 s; wob=60"
+DURATION = 6.0
+
+
+@pytest.fixture(scope="module")
+def eager_bag(tmp_path_factory, module_bench):
+    folder = tmp_path_factory.mktemp("eager")
+    return _run(module_bench(folder), folder / "bag_0")
+
+
+def _run(bench, bag):
+    simulator = bench.start("simulator", pace="lockstep", overrides=EAGER, duration=DURATION)
+    analyzer, recorder = bench.start("analyzer"), bench.start("recorder", bag=str(bag))
+    driver = bench.start("rig_driver", overrides=EAGER, wait_for="simulator analyzer recorder")
+    bench.until(lambda: simulator.code is not None, 120.0, "the run to end")
+    assert simulator.code == 0, bench.logs()
+    for process in (driver, analyzer, recorder):
+        assert process.end() == 0, bench.logs()
+        assert "Traceback" not in process.text
+    return bag
+
+
+def test_a_recorded_run_is_whole(eager_bag):
+    bag = Bag(eager_bag)
+    assert not bag.truncated
+    frames = round(DURATION * 100)
+    for topic in (RIG_STATE, MARKS_STATE, STRING_POSES, WHIRL_STATE):
+        assert bag.topics[topic].count == frames
+    assert all(bag.topics[topic].count for topic in TOPICS)
+    stamps = [read_clock(raw) for _, _, raw in bag.messages((CLOCK_TOPIC,))]
+    # the clock of time zero is latched for late drivers; a recorder need not have been there yet
+    assert stamps[-frames:] == [k * 10_000_000 for k in range(1, frames + 1)]
+    assert stamps[:-frames] in ([], [0])
+
+
+def test_the_live_findings_are_those_of_the_bag(eager_bag, payloads):
+    pipeline = WhirlPipeline()
+    again = {topic: [] for topic in FINDINGS}
+    for topic, _, raw in Bag(eager_bag).messages(INPUTS):
+        for found, message in pipeline.take(topic, raw):
+            again[found].append(message + bytes(-len(message) % 4))
+    assert again == {topic: payloads(eager_bag, topic) for topic in FINDINGS}
+    assert pipeline.findings.onset is not None, "the run was meant to whirl"
+
+
+@pytest.mark.parametrize("rate", [0.0, 4.0])
+def test_a_replay_gives_the_same_findings(bench, eager_bag, payloads, tmp_path, rate):
+    # The recorder writes what the analyzer finds on the replay; all messages come back byte for byte.
+    again = tmp_path / "again_0"
+    analyzer, recorder = bench.start("analyzer"), bench.start("recorder", bag=str(again))
+    replayer = bench.start(
+        "replayer", bag=str(eager_bag), rate=rate, leave_out=" ".join(FINDINGS), wait_for="analyzer recorder"
+    )
+    assert replayer.wait(60.0) == 0, bench.logs()
+    for process in (analyzer, recorder):
+        assert process.end() == 0, bench.logs()
+    topics = (*FINDINGS, MARKS_STATE, RIG_STATE, STRING_POSES, RIG_COMMAND, TWIN_SCENE, CLOCK_TOPIC)
+    for topic in topics:
+        assert payloads(again, topic) == payloads(eager_bag, topic), topic
+
+
+def test_a_replay_keeps_its_time(bench, eager_bag):
+    times = []
+    bench.listen(RIG_STATE, lambda _: times.append(time.monotonic()))
+    bag = Bag(eager_bag)
+    stamps = [stamp * 1e-9 for _, stamp, _ in bag.messages((RIG_STATE,))]
+    replayer = bench.start("replayer", bag=str(eager_bag), rate=2.0)
+    bench.until(lambda: replayer.code is not None, 60.0)
+    assert replayer.code == 0, replayer.text
+    bench.spin(0.3)
+    assert len(times) == len(stamps)
+    assert times[-1] - times[0] == pytest.approx(0.5 * (stamps[-1] - stamps[0]), rel=0.05, abs=0.1)
+
+
+def test_two_runs_in_lockstep_are_alike(bench, eager_bag, payloads, tmp_path):
+    again = _run(bench, tmp_path / "again_0")
+    topics = set(TOPICS) - {DIAGNOSTICS, TWIN_SCENE}  # which tell the time of day
+    for topic in topics:
+        first, second = payloads(eager_bag, topic), payloads(again, topic)
+        if topic == CLOCK_TOPIC:  # but for that of time zero
+            first, second = first[-round(DURATION * 100) :], second[-round(DURATION * 100) :]
+        assert second == first, topic
+
+
+def test_a_killed_recorder_leaves_a_readable_bag(bench, tmp_path):
+    simulator = bench.start("simulator", wait_for_command=False)
+    recorder = bench.start("recorder", bag=str(tmp_path / "bag_0"))
+    bench.until_ready("simulator", "recorder")
+    frames = bench.collect(RIG_STATE)
+    bench.until(lambda: len(frames) > 200)
+    recorder.send(signal.SIGKILL)
+    last = JointStateReader().read(bytes(frames[-1])).stamp
+    recorder.kill()
+    assert simulator.end() == 0
+    bag = Bag(tmp_path / "bag_0")
+    assert bag.truncated
+    stamps = [JointStateReader().read(raw).stamp for _, _, raw in bag.messages((RIG_STATE,))]
+    assert last - stamps[-1] < 1_000_000_000  # all but the last second at most
+    assert stamps == sorted(stamps)
+
+
+def test_a_recorder_says_what_it_lost(bench, tmp_path):
+    from drill_twin.messages.encode import CommandEncoder
+    from drill_twin.schedule import Command
+
+    recorder = bench.start("recorder", bag=str(tmp_path / "bag_0"))
+    bench.until_ready("recorder")
+    publisher = bench.publisher(RIG_COMMAND)
+    raw = CommandEncoder().command(0, Command(1.0, 1.0))
+    publisher.publish(raw)
+    bench.until_status("recorder", lambda status: int(status.values["messages"]) > 1)
+    recorder.send(signal.SIGSTOP)  # a recorder that cannot keep up
+    for _ in range(5000):
+        publisher.publish(raw)
+    recorder.send(signal.SIGCONT)
+    status = bench.until_status("recorder", lambda status: int(status.values["lost"]) > 0)
+    assert status.level == 1
+    assert f"lost {RIG_COMMAND}" in status.values
+    assert recorder.end() == 0
+    assert f"of {RIG_COMMAND}" in recorder.text
+    counted = Bag(tmp_path / "bag_0").topics[RIG_COMMAND].count
+    lost = re.search(rf"(\d+) of {RIG_COMMAND}", recorder.text)
+    assert lost, recorder.text
+    assert 1 < counted < 5001
+    # what is lost at the very end shows only when something follows it
+    assert counted + int(lost.group(1)) <= 5001
+
+
+def test_a_recorder_that_cannot_write_any_more_says_so_and_keeps_what_it_has(bench, tmp_path):
+    bag = tmp_path / "bag_0"
+    # A limit on the size of a file fails writes in mid-run, as a full disk does.
+    limited = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000)); "
+        "from drill_twin.nodes.start import start; sys.exit(start('recorder', sys.argv[1:]))"
+    )
+    command = [sys.executable, "-c", limited, "--ros-args", "-p", f"bag:={bag}"]
+    recorder = bench.command("recorder", command, FASTDDS_BUILTIN_TRANSPORTS="UDPv4")  # shared memory is a file too
+    simulator = bench.start("simulator", wait_for_command=False)
+    bench.until(lambda: recorder.code is not None, 90.0, "the recorder to give up")
+    assert recorder.code == 1, recorder.text
+    assert f"recorder: error: {bag}/bag_0.mcap: expected to go on writing the bag" in recorder.text
+    assert "Traceback" not in recorder.text
+    assert simulator.end() == 0
+    assert Bag(bag).topics[RIG_STATE].count > 100
+
+
+def test_an_analyzer_reports_that_samples_stopped_coming(bench):
+    simulator, analyzer = bench.start("simulator", wait_for_command=False), bench.start("analyzer")
+    bench.until_status("analyzer", lambda status: int(status.values["samples"]) > 50, 90.0)
+    simulator.kill()
+    stopped = time.monotonic()
+    status = bench.until_status("analyzer", lambda status: "no sample for" in status.text)
+    assert status.level == 3
+    assert time.monotonic() - stopped < 4.0
+    # It takes up a new run by itself.
+    simulator = bench.start("simulator", wait_for_command=False)
+    bench.until_status("analyzer", lambda status: status.values["runs"] == "2" and status.level == 0, 90.0)
+    assert simulator.end() == 0
+    assert analyzer.end() == 0
+
+
+def test_the_onset_reaches_who_joins_late(bench, eager_bag, payloads):
+    analyzer = bench.start("analyzer")
+    replayer = bench.start("replayer", bag=str(eager_bag), rate=0.0, leave_out=" ".join(FINDINGS), wait_for="analyzer")
+    assert replayer.wait(60.0) == 0, bench.logs()
+    late = bench.collect(WHIRL_ONSET, latched=True)
+    bench.until(lambda: bool(late), 10.0)
+    assert bytes(late[-1]) == payloads(eager_bag, WHIRL_ONSET)[-1]
+    assert analyzer.end() == 0

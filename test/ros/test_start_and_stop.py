@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every node starts, and ends on SIGINT and SIGTERM with exit code 0 and no traceback, whenever the signal comes."""
+
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+NODES = ("simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin")
+
+
+def _parameters(node, bench, small_bag):
+    return {
+        "rig_driver": {"wait_for": ""},
+        "recorder": {"bag": str(bench.folder / "bag_0")},
+        "replayer": {"bag": str(small_bag), "rate": 0.001},
+        "twin": {"record": True, "bag": str(bench.folder / "bag_0")},
+    }.get(node, {})
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("node", NODES)
+def test_a_running_node_ends_when_asked(bench, small_bag, node, number):
+    process = bench.start(node, **_parameters(node, bench, small_bag))
+    bench.until(lambda: (process.code is not None) or bool(bench.statuses), what=f"diagnostics of {node}")
+    assert process.code is None, process.text
+    assert process.end(number) == 0, process.text
+    assert "Traceback" not in process.text
+    assert "rror" not in process.text
+
+
+@pytest.mark.parametrize("delay", [0.05, 0.4, 1.0, 2.0])
+def test_a_signal_during_the_start_ends_it_too(bench, delay):
+    process = bench.start("twin")
+    # Before Python itself has started the default action of the signal holds, in any program.
+    bench.until(lambda: "numpy" in _maps(process.pid) or process.code is not None, what="the interpreter to start")
+    time.sleep(delay)
+    assert process.end(signal.SIGTERM) == 0, process.text
+    assert "Traceback" not in process.text
+
+
+def test_the_simulator_ends_by_itself_after_its_duration(bench):
+    clock = bench.collect("/clock", latched=True)
+    process = bench.start("simulator", wait_for_command=False, pace="fast", duration=0.5)
+    assert process.wait(90.0) == 0, process.text
+    bench.spin(0.5)
+    assert len(clock) == 51  # the start, and 50 frames at 100 Hz
+
+
+def test_a_node_in_a_namespace_keeps_its_topics_there(bench):
+    process = bench.start("simulator", "-r", "__ns:=/left", wait_for_command=False)
+    bench.until(lambda: bench.node.count_publishers("/left/string/poses") == 1, what="/left/string/poses")
+    bench.until(lambda: "left/simulator" in bench.statuses, what="diagnostics under the full name")
+    assert bench.node.count_publishers("/string/poses") == 0
+    assert bench.node.count_publishers("/diagnostics") == 1
+    assert process.end() == 0
+
+
+def _maps(pid):
+    try:
+        return Path(f"/proc/{pid}/maps").read_text("utf-8")
+    except OSError:
+        return ""

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All nodes in one process make the same run as one process each."""
+
+from drill_twin.messages.topics import DIAGNOSTICS, TOPICS, TWIN_SCENE
+
+
+def test_one_process_makes_the_same_run(bench, small_bag, payloads):
+    folder = bench.folder / "bag_0"
+    process = bench.start("twin", pace="lockstep", duration=0.5, record=True, bag=str(folder))
+    bench.until(lambda: process.code is not None, what="the run to end")
+    assert process.code == 0, process.text
+    assert "Traceback" not in process.text
+    for topic in set(TOPICS) - {DIAGNOSTICS, TWIN_SCENE}:
+        assert payloads(folder, topic) == payloads(small_bag, topic), topic
+
+
+def test_the_whole_process_ends_when_one_of_its_nodes_cannot_start(bench):
+    (bench.folder / "bag_0").mkdir()
+    process = bench.start("twin", record=True, bag=str(bench.folder / "bag_0"))
+    bench.until(lambda: process.code is not None, what="the process to end")
+    assert process.code == 2, process.text
+    assert "exists" in process.text
+    assert "Traceback" not in process.text

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""On the wire: every topic has the type of the contract, and every number on it is the number that was meant."""
+
+import math
+
+import pytest
+from rclpy.serialization import deserialize_message
+from std_msgs.msg import Float64
+
+from drill_twin.bag.reader import Bag
+from drill_twin.messages.definitions import type_hash
+from drill_twin.messages.topics import MARKS_STATE, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
+from drill_twin.nodes.base import message_class
+
+
+def _numbers(message):
+    """All floating-point numbers in a message object."""
+    if isinstance(message, float):
+        yield message
+    elif isinstance(message, str | bytes | int):
+        return
+    elif hasattr(message, "get_fields_and_field_types"):
+        for field in message.get_fields_and_field_types():
+            yield from _numbers(getattr(message, field))
+    else:
+        for item in message:
+            yield from _numbers(item)
+
+
+def _rubbish(number):
+    """What an int becomes that is sent where a float belongs: a number far too small to be meant."""
+    return number != 0.0 and abs(number) < 1e-300
+
+
+def test_every_number_of_a_run_is_meant(small_bag):
+    for topic, _, raw in Bag(small_bag).messages():
+        message = deserialize_message(raw, message_class(TOPICS[topic]))
+        assert not any(_rubbish(number) for number in _numbers(message)), topic
+
+
+def test_an_int_would_have_been_caught():
+    with pytest.raises(AssertionError):
+        Float64(data=3, check_fields=True)
+
+
+def test_a_run_has_its_marks_where_the_scene_puts_them(small_bag):
+    raws = [raw for _, _, raw in Bag(small_bag).messages((MARKS_STATE,))]
+    message = deserialize_message(raws[-1], message_class(TOPICS[MARKS_STATE]))
+    values = dict(zip(message.name, message.position, strict=True))
+    assert values["mark_3/z"] == pytest.approx(-4.5, abs=0.01)
+    assert math.hypot(values["mark_3/x"], values["mark_3/y"]) == pytest.approx(0.00825, abs=0.005)
+
+
+def test_the_echo_says_revolutions(small_bag):
+    numbers = {
+        topic: [
+            deserialize_message(raw, message_class(TOPICS[topic])).data
+            for _, _, raw in Bag(small_bag).messages((topic,))
+        ]
+        for topic in (WOB_COMMAND, RPS_COMMAND)
+    }
+    assert max(numbers[RPS_COMMAND]) == pytest.approx(2.0)
+    assert 0.0 < max(numbers[WOB_COMMAND]) < 1.0
+
+
+def test_the_graph_has_the_types_of_the_contract(bench):
+    """Names, types and type hashes of a running twin are those of the table that the README shows."""
+    process = bench.start("twin", record=True, bag=str(bench.folder / "bag_0"))
+    bench.until(lambda: bench.node.count_publishers(STRING_POSES) == 1, what="the simulator")
+    bench.until_ready("simulator", "analyzer", "recorder")
+    found = dict(bench.node.get_topic_names_and_types())
+    for name, topic in TOPICS.items():
+        assert found[name] == [topic.type_name]
+        for info in bench.node.get_publishers_info_by_topic(name):
+            assert str(info.topic_type_hash) == type_hash(topic.type_name)
+            assert str(info.qos_profile.reliability.name) == "RELIABLE"
+            if topic.latched:
+                assert info.qos_profile.durability.name == "TRANSIENT_LOCAL"
+    # Nothing else is published, but what every ROS node has.
+    ours = {name for name in found if not name.startswith(("/rosout", "/parameter_events"))}
+    assert ours == set(TOPICS)
+    assert process.end() == 0
+
+
+def test_parameters_are_described_with_unit_and_range(bench):
+    from rcl_interfaces.srv import DescribeParameters
+
+    process = bench.start("simulator")
+    client = bench.node.create_client(DescribeParameters, "/simulator/describe_parameters")
+    bench.until(client.service_is_ready, what="the simulator's parameters")
+    answer = client.call_async(DescribeParameters.Request(names=["frame_rate", "pace"]))
+    bench.until(answer.done)
+    rate, pace = answer.result().descriptors
+    assert "[Hz]" in rate.description
+    assert rate.floating_point_range[0].to_value == 1000.0
+    assert rate.read_only
+    assert "realtime, fast, lockstep" in pace.additional_constraints
+    assert process.end() == 0

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run without ROS: everything is recorded, as the nodes would, and nothing is lost however it ends."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from rosbags.rosbag2 import Reader
+
+from drill_twin import __version__
+from drill_twin.bag.reader import Bag
+from drill_twin.bag.series import command_series, diagnostics, mark_series, onset, whirl_series
+from drill_twin.errors import BagError, RunError
+from drill_twin.messages import topics
+from drill_twin.messages.encode import TwinEncoder
+from drill_twin.messages.topics import TOPICS
+from drill_twin.scene import parse_scene
+from drill_twin.schedule import Command, Schedule
+from drill_twin.session import Session
+from drill_twin.twin import Twin
+from drill_twin.wiring import string_geometry
+
+DETERMINED = (topics.RIG_COMMAND, topics.RIG_STATE, topics.MARKS_STATE, topics.STRING_POSES, topics.CLOCK_TOPIC,
+              topics.STRING_MARKERS, topics.WHIRL_STATE, topics.WHIRL_MOTION, topics.WHIRL_ONSET)  # fmt: skip
+
+
+def recorded(bag: Path, topic: str) -> list[bytes]:
+    return [raw for _, _, raw in Bag(bag).messages((topic,))]
+
+
+@pytest.fixture(scope="module")
+def session(bench_scene):
+    return Session(bench_scene)
+
+
+def test_bag_is_whole_and_holds_every_topic_of_the_contract(bench_run):
+    bag = Bag(bench_run.bag)
+    assert not bag.truncated
+    assert [name for name in TOPICS if not bag.topics[name].count] == []
+    assert bag.topics[topics.MARKS_STATE].count == 300
+    with Reader(bench_run.bag) as reader:  # what rosbag2 would check
+        assert reader.message_count == bag.message_count
+
+
+def test_frames_are_stamped_on_the_grid_of_the_frame_rate(bench_run):
+    stamps = mark_series(Bag(bench_run.bag)).stamp
+    assert (stamps == np.arange(1, 301) * 10_000_000).all()
+
+
+def test_bytes_are_those_of_the_twin_stepped_by_hand(bench_run, bench_scene):
+    twin, schedule = Twin(bench_scene), Schedule.from_scene(bench_scene)
+    encoder = TwinEncoder(string_geometry(bench_scene, twin.elements))
+    marks, poses, rig = (
+        recorded(bench_run.bag, topic) for topic in (topics.MARKS_STATE, topics.STRING_POSES, topics.RIG_STATE)
+    )
+    for k in range(120):
+        frame = twin.step(schedule.at((k + 1) / 100), 0.01)
+        assert (encoder.marks(frame), encoder.poses(frame), encoder.rig_state(frame)) == (marks[k], poses[k], rig[k])
+
+
+def test_commands_follow_the_schedule(bench_run, bench_scene):
+    sent, schedule = command_series(Bag(bench_run.bag)), Schedule.from_scene(bench_scene)
+    wanted = [schedule.at(time) for time in sent.time]
+    assert sent.weight_on_bit.tolist() == [command.weight_on_bit for command in wanted]
+    assert sent.rotation.tolist() == [command.rotation for command in wanted]
+    assert sent.weight_on_bit[-1] == pytest.approx(100.0)
+    assert sent.rotation[-1] == pytest.approx(4.0 * math.pi)
+
+
+def test_scene_on_the_bag_makes_it_self_describing(bench_run, bench_scene):
+    text = Bag(bench_run.bag).scene()
+    run = yaml.safe_load(text)["run"]
+    assert parse_scene(text) == bench_scene
+    assert run["version"] == __version__
+    assert (run["elements"], run["seed"], run["pace"]) == (8, 1, "fast")
+    assert run["effects"] == bench_scene.effect_names
+    assert 0.0 < run["step_s"] <= 0.01
+    assert run["started"].startswith("20")
+
+
+def test_whirl_is_found_while_it_runs(bench_run):
+    bag = Bag(bench_run.bag)
+    assert bench_run.summary.onset is not None
+    announced = onset(bag)
+    assert (announced.time, announced.mark) == (bench_run.summary.onset.time_s, bench_run.summary.onset.mark)
+    radius = whirl_series(bag).orbit_radius
+    assert radius.shape == (300, 4)
+    assert np.nanmax(radius) > 0.05
+    assert recorded(bench_run.bag, topics.WHIRL_ONSET)[0] != recorded(bench_run.bag, topics.WHIRL_ONSET)[-1]
+
+
+def test_health_is_reported_each_second_with_the_cost(bench_run):
+    reports = diagnostics(Bag(bench_run.bag))
+    assert [stamp for stamp, _ in reports][:3] == [1_000_000_000, 2_000_000_000, 3_000_000_000]
+    simulator = next(status for status in reports[-1][1] if status.name == "simulator")
+    assert float(simulator.values["realtime_factor"]) > 0.0
+    assert simulator.values["frames"] == "300"
+
+
+def test_same_scene_gives_the_same_bytes_again(session, bench_run, tmp_path):
+    again = session.run(tmp_path / "bag_0")
+    for topic in DETERMINED:
+        assert recorded(again.bag, topic) == recorded(bench_run.bag, topic), topic
+
+
+def test_stopped_run_leaves_a_whole_bag_of_what_was_simulated(session, tmp_path):
+    seen = []
+    outcome = session.run(tmp_path / "bag_0", progress=seen.append, stop=lambda: len(seen) == 70)
+    assert not outcome.finished
+    assert outcome.simulated == pytest.approx(0.7)
+    bag = Bag(outcome.bag)
+    assert not bag.truncated
+    assert (outcome.bag / "metadata.yaml").exists()
+    assert bag.topics[topics.MARKS_STATE].count == 70
+    assert bag.topics[topics.DIAGNOSTICS].count == 1
+    assert [state.simulated for state in seen] == pytest.approx(np.arange(1, 71) / 100)
+    assert all(state.duration == 3.0 for state in seen)
+
+
+def test_run_that_breaks_down_keeps_what_came_before(session, tmp_path, monkeypatch):
+    step, calls = Twin.step, []
+
+    def breaking(twin: Twin, command: Command, seconds: float):
+        calls.append(command)
+        if len(calls) > 50:
+            raise RunError("the motion could not be followed past t = 0.5 s")
+        return step(twin, command, seconds)
+
+    monkeypatch.setattr(Twin, "step", breaking)
+    with pytest.raises(RunError, match=r"past t = 0\.5 s; what came before is recorded in .*bag_0"):
+        session.run(tmp_path / "bag_0")
+    bag = Bag(tmp_path / "bag_0")
+    assert not bag.truncated
+    assert bag.topics[topics.MARKS_STATE].count == 50
+
+
+def test_folder_that_exists_is_left_as_it_is(session, tmp_path):
+    (tmp_path / "bag_0").mkdir()
+    (tmp_path / "bag_0" / "precious.txt").write_text("mine")
+    with pytest.raises(BagError, match="found one that exists"):
+        session.run(tmp_path / "bag_0")
+    assert [path.name for path in (tmp_path / "bag_0").iterdir()] == ["precious.txt"]

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One path from topics to findings: the same for any order of arrival, and no message can bring it down."""
+
+import random
+
+import numpy as np
+import pytest
+
+from drill_twin.bag.reader import Bag
+from drill_twin.errors import DrillTwinError
+from drill_twin.messages.decode import read_string
+from drill_twin.messages.encode import encode_string
+from drill_twin.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
+from drill_twin.messages.whirl_encode import decode_onset
+from drill_twin.pipeline import INPUTS, WAITING, WhirlPipeline
+
+FOUND = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET)
+
+
+@pytest.fixture(scope="module")
+def inputs(bench_run):
+    return [(topic, raw) for topic, _, raw in Bag(bench_run.bag).messages(INPUTS)]
+
+
+@pytest.fixture(scope="module")
+def live(bench_run):
+    return [(topic, raw) for topic, _, raw in Bag(bench_run.bag).messages(FOUND)]
+
+
+def fed(messages, pipeline=None):
+    pipeline = pipeline or WhirlPipeline()
+    return pipeline, [found for topic, raw in messages for found in pipeline.take(topic, raw)]
+
+
+def test_a_bag_gives_what_was_found_live_byte_for_byte(inputs, live):
+    pipeline, found = fed(inputs)
+    assert found == live
+    assert pipeline.findings.quality.accepted == 300
+    assert (pipeline.malformed, pipeline.unpaired, pipeline.trouble, pipeline.runs) == (0, 0, "", 1)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_order_of_arrival_between_the_topics_does_not_matter(inputs, live, seed):
+    """DDS keeps the order within a topic, not between topics."""
+    choice = random.Random(seed)
+    queues = {topic: [raw for name, raw in inputs if name == topic] for topic in INPUTS}
+    mixed = []
+    while any(queues.values()):
+        topic = choice.choice([name for name, queue in queues.items() if queue])
+        mixed += [(topic, queues[topic].pop(0)) for _ in range(min(len(queues[topic]), choice.randint(1, 40)))]
+    assert fed(mixed)[1] == live
+
+
+def test_scene_may_come_after_the_first_samples(inputs, live):
+    scene, *samples = inputs
+    assert scene[0] == TWIN_SCENE
+    assert fed([*samples[:200], scene, *samples[200:]])[1] == live
+
+
+def test_scene_may_be_given(inputs, live, bench_scene):
+    pipeline = WhirlPipeline(bench_scene)
+    announced = pipeline.start()
+    assert fed(inputs, pipeline)[1] == live[1:]
+    assert announced == live[:1]
+    assert decode_onset(announced[0][1])[1] is None
+    assert pipeline.runs == 1
+
+
+def test_latched_scene_sent_once_more_changes_nothing(inputs, live):
+    assert fed([*inputs[:301], inputs[0], *inputs[301:]])[1] == live
+
+
+def test_new_scene_begins_a_new_run(inputs, live):
+    again = encode_string("# the second run\n" + read_string(inputs[0][1]))
+    pipeline, found = fed([*inputs, (TWIN_SCENE, again), *inputs[1:]])
+    assert found == [*live, *live]
+    assert pipeline.runs == 2
+    assert pipeline.findings.quality.accepted == 300
+
+
+@pytest.mark.parametrize("topic", INPUTS)
+@pytest.mark.parametrize("raw", [b"", b"\x00\x01\x00\x00", bytes(range(256)), b"\x00\x01\x00\x00" + b"\xff" * 400])
+def test_garbage_is_counted_and_named_and_changes_nothing(inputs, live, topic, raw):
+    pipeline, found = fed([*inputs[:100], (topic, raw), *inputs[100:]])
+    assert found == live
+    assert pipeline.malformed == 1
+    assert pipeline.trouble
+
+
+def test_marks_of_another_scene_are_refused(inputs, bench_scene):
+    marks = bench_scene.string.marks
+    renamed = bench_scene.model_copy(
+        update={
+            "string": bench_scene.string.model_copy(update={"marks": (marks[0].model_copy(update={"name": "other"}),)})
+        }
+    )
+    pipeline, found = fed(inputs, WhirlPipeline(renamed))
+    assert found == []
+    assert pipeline.malformed == 300
+    assert "other/x" in pipeline.trouble
+    assert "mark_1/x" in pipeline.trouble
+
+
+def test_samples_without_a_partner_are_dropped_in_the_end_and_counted(inputs):
+    lone = [(topic, raw) for topic, raw in inputs if topic != RIG_STATE]
+    pipeline, found = fed(lone)
+    assert [topic for topic, _ in found] == [WHIRL_ONSET]
+    assert pipeline.unpaired == 300 - WAITING
+
+
+def test_lost_samples_of_one_topic_cost_only_themselves(inputs):
+    lost = {k for k in range(1, 601) if inputs[k][0] == MARKS_STATE and 200 <= k < 220}
+    pipeline, _ = fed([message for k, message in enumerate(inputs) if k not in lost])
+    assert pipeline.findings.quality.accepted == 300 - len(lost)
+    assert np.isfinite(pipeline.findings.orbit_radius).all()
+
+
+def test_summary_without_a_scene_is_an_error(inputs):
+    pipeline, found = fed(inputs[1:])
+    assert found == []
+    with pytest.raises(DrillTwinError, match="expected the scene of the run on /twin/scene"):
+        pipeline.summary()

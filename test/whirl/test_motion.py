@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Motion states: each of the paper's seven from labelled motion, with its criterion, hysteresis and confidence."""
+
+import numpy as np
+import pytest
+from kinematics import BENCH, MARKS, clock, growth, motion, play
+
+from drill_twin.whirl import MarkInfo, MotionState
+
+THREE = tuple(MarkInfo(name, height, "wall", 0.00825, 0.08175) for name, height in (("a", 4.0), ("b", 3.0), ("c", 2.0)))
+
+
+def shaped(shape, ratio=0.5, level=0.7):
+    """Growth of a shape [complex, of the largest] at a ratio of the rotation."""
+    grow = growth(5.0, 0.05, 3.0, ratio, limit=level)
+    return lambda time, angle: grow(time, angle)[:, None] * np.asarray(shape)
+
+
+def wander(time, angle):
+    """A motion with power at many ratios."""
+    random = np.random.default_rng(4)
+    lines = sum(
+        np.exp(1j * (p * angle + a)) for p, a in zip(random.uniform(-1.5, 2.5, 6), random.uniform(0, 6, 6), strict=True)
+    )
+    return 0.2 * lines / (1.0 + np.exp(-3.0 * (time - 5.0)))
+
+
+CASES = {
+    MotionState.FIXED_AXIS: {"bow": 0.2, "offset": 0.4},
+    MotionState.FORWARD_WHIRL: {"bow": 0.03, "whirl": shaped([0.8, 1.0, 0.9])},
+    MotionState.ROLLING: {"whirl": shaped([1.0, 1.0, 1.0], ratio=BENCH.rolling_ratio, level=1.0)},
+    MotionState.SECOND_BENDING: {"bow": 0.03, "whirl": shaped([1.0, 0.1, -0.8])},
+    MotionState.IRREGULAR: {"whirl": wander},
+    MotionState.REVERSE_WHIRL: {"bow": 0.03, "whirl": shaped([0.8, 1.0, 0.9], ratio=-0.3)},
+    MotionState.SPIRAL: {"bow": 0.03, "whirl": shaped(np.exp(1j * np.arange(3)))},
+}
+
+
+@pytest.mark.parametrize("state", CASES, ids=lambda state: state.value)
+@pytest.mark.parametrize("rate", [50, 200])
+def test_each_state_from_its_label(state, rate):
+    moved = motion(clock(rate, 20), marks=THREE, **CASES[state]).with_noise(0.01, 5)
+    analyzer, found = play(moved)
+    late = [f.motion for f in found if f.time_s > 10.0]
+    share = 0.7 if state is MotionState.IRREGULAR else 0.95  # sums of lines are regular for a while
+    assert late.count(state) > share * len(late)
+    assert found[-1].motion_confidence > 0.8
+    assert found[-1].motion_criterion
+    summary = analyzer.summary()
+    assert summary.motion[-1].state is state
+    starts = [period.start_s for period in summary.motion]
+    assert starts == sorted(starts)
+    assert starts[0] == 0.0
+
+
+def test_at_rest_then_turning_then_at_rest():
+    time = clock(100, 30)
+    moved = motion(time, bow=0.1)
+    speed = np.where((time > 5.0) & (time < 20.0), 4.0 * np.pi, 0.0)
+    angle = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))))
+    rest = 0.1 * BENCH.clearance * np.exp(1j * angle)[:, None]
+    moved = type(moved)(moved.marks, time, angle[:, None], speed, moved.whirl, rest, moved.noise)
+    analyzer, _ = play(moved)
+    periods = [(period.state, period.start_s) for period in analyzer.summary().motion]
+    assert [state for state, _ in periods] == [MotionState.AT_REST, MotionState.FIXED_AXIS, MotionState.AT_REST]
+    assert [start for _, start in periods] == pytest.approx(
+        [0.0, 5.0, 20.0], abs=2.0
+    )  # a rotation too slow to turn a bin takes time to see
+
+
+def test_whirl_that_ends_and_begins_again():
+    time = clock(100, 40)
+    level = np.select([time < 6.0, time < 16.0, time < 28.0], [0.0, 0.5, 0.0], 0.5)
+    smooth = np.convolve(level, np.ones(100) / 100, mode="same")
+    moved = motion(time, bow=0.03, whirl=lambda _t, angle: smooth * np.exp(0.4j * angle)).with_noise(0.005, 1)
+    analyzer, _ = play(moved)
+    summary = analyzer.summary()
+    assert [period.state for period in summary.motion if period.state is not MotionState.AT_REST] == [
+        MotionState.FIXED_AXIS,
+        MotionState.FORWARD_WHIRL,
+        MotionState.FIXED_AXIS,
+        MotionState.FORWARD_WHIRL,
+    ]
+    assert summary.onset.time_s == pytest.approx(moved.true_onset(), abs=0.25)
+
+
+def test_marks_have_states_of_their_own():
+    def whirl(time, angle):
+        grow = growth(5.0, 0.05, 3.0, 0.5)(time, angle)
+        return np.stack([0.0 * grow, grow], axis=1)
+
+    analyzer, found = play(motion(clock(100, 14), marks=MARKS[1:3], bow=0.03, whirl=whirl).with_noise(0.005, 2))
+    assert found[-1].state == (MotionState.FIXED_AXIS, MotionState.FORWARD_WHIRL)
+    assert found[-1].motion is MotionState.FORWARD_WHIRL
+    assert analyzer.summary().mark_onset_s["mark_2"] is None
+    assert analyzer.summary().mark_motion["mark_3"][-1].state is MotionState.FORWARD_WHIRL
+
+
+def test_noise_about_a_threshold_does_not_flicker():
+    moved = motion(clock(100, 60), whirl=lambda _t, angle: 0.05 * np.exp(0.5j * angle)).with_noise(0.02, 3)
+    analyzer, _ = play(moved)
+    assert len(analyzer.summary().motion) <= 4
+
+
+def test_contact_comes_from_the_force_where_it_is_given():
+    moved = motion(clock(100, 14), whirl=shaped([1.0], level=0.6))
+    pressed = type(moved)(
+        moved.marks,
+        moved.time,
+        moved.spin,
+        moved.top_speed,
+        moved.whirl,
+        moved.rest,
+        moved.noise,
+        np.ones_like(moved.spin),
+    )
+    _, found = play(pressed, force=True)
+    assert found[-1].contact_fraction[0] == 1.0
+    assert found[-1].motion is MotionState.ROLLING
+    _, found = play(pressed)
+    assert found[-1].contact_fraction[0] == 0.0
+    assert found[-1].motion is MotionState.FORWARD_WHIRL
+
+
+def test_phase_along_the_string():
+    _, found = play(
+        motion(clock(100, 14), marks=THREE, whirl=shaped(np.array([0.6, 1.0, 0.8]) * np.exp(0.8j * np.arange(3))))
+    )
+    assert found[-1].phase - found[-1].phase[1] == pytest.approx([-0.8, 0.0, 0.8], abs=0.01)
+    assert found[-1].planarity < 0.7

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Radius, precession and ratio of known orbits; spin kept apart from whirl."""
+
+import json
+
+import numpy as np
+import pytest
+from kinematics import BENCH, MARKS, clock, growth, motion, play
+
+
+@pytest.mark.parametrize("ratio", [-2.0, -0.5, -0.1, 0.2, 0.5, 0.8, 0.95, 1.3])
+@pytest.mark.parametrize("rate", [20, 200])
+def test_ratio_and_sign(ratio, rate):
+    moved = motion(clock(rate, 30), bow=0.03, offset=0.1, whirl=growth(6.0, 0.05, 2.0, ratio, limit=0.6)).with_noise(
+        0.01, 1
+    )
+    analyzer, found = play(moved)
+    late = np.array([f.ratio[0] for f in found if f.time_s > 20.0])
+    assert np.median(late) == pytest.approx(ratio, rel=0.02)
+    assert np.sign(late).tolist() == [np.sign(ratio)] * late.size
+    assert found[-1].precession[0] == pytest.approx(found[-1].ratio[0] * found[-1].rotation, rel=1e-12)
+    assert found[-1].confidence[0] > 0.9
+    assert analyzer.summary().precession_ratio == pytest.approx(ratio, rel=0.02)
+
+
+def test_wall_mark_and_centre_mark_agree():
+    moved = motion(clock(100, 15), bow=0.03, whirl=growth(6.0, 0.05, 2.0, 0.5), marks=MARKS[2:], twist=0.0)
+    _, found = play(moved)
+    for findings in found:
+        assert findings.orbit_radius[0] == pytest.approx(findings.orbit_radius[1], abs=1e-12)
+    assert found[-1].ratio[0] == pytest.approx(found[-1].ratio[1], rel=1e-9)
+
+
+def test_orbit_radius_is_the_centre_lines_distance_from_the_axis():
+    moved = motion(clock(100, 12), bow=0.1, offset=0.2j, whirl=growth(6.0, 0.05, 2.0, 0.5))
+    analyzer, found = play(moved)
+    radius = np.array([f.orbit_radius[0] for f in found])
+    assert radius == pytest.approx(abs(moved.centre[:, 0]), abs=1e-12)
+    assert analyzer.summary().max_radius_m[BENCH.name] == pytest.approx(abs(moved.centre).max(), rel=1e-12)
+
+
+def test_parts_of_the_motion_are_told_apart():
+    moved = motion(clock(100, 30), bow=0.1, offset=0.3, whirl=growth(6.0, 0.05, 2.0, 0.37, limit=0.5)).with_noise(
+        0.005, 2
+    )
+    _, found = play(moved)
+    assert found[-1].whirl_radius[0] == pytest.approx(abs(moved.whirl[-1, 0]), rel=0.03)
+    assert found[-1].synchronous_radius[0] == pytest.approx(0.1 * BENCH.clearance, rel=0.15)
+
+
+def test_a_bow_turns_with_the_string():
+    _, found = play(motion(clock(100, 12), bow=0.1).with_noise(0.005, 3))
+    assert found[-1].ratio[0] == pytest.approx(1.0, rel=0.01)
+    assert found[-1].whirl_radius[0] < 0.01 * BENCH.clearance
+
+
+def test_a_string_that_does_not_move_has_no_precession():
+    _, found = play(motion(clock(100, 8)).with_noise(0.0005, 3))
+    assert np.isnan(found[-1].precession[0])
+    assert np.isnan(found[-1].ratio[0])
+    assert found[-1].confidence[0] == 0.0
+
+
+def test_two_motions_one_after_the_other_give_the_one_that_weighs_more():
+    def whirl(time, angle):
+        back = time > 12.0
+        turned = np.where(
+            back, 0.5 * np.interp(12.0, time, angle) - 0.1 * (angle - np.interp(12.0, time, angle)), 0.5 * angle
+        )
+        return np.where(time > 5.0, 0.6, 0.0) * np.exp(1j * turned)
+
+    analyzer, _ = play(motion(clock(100, 60), whirl=whirl))
+    assert analyzer.summary().precession_ratio == pytest.approx(-0.1, abs=0.004)
+
+
+def test_too_few_samples_per_revolution_are_said_so():
+    analyzer, _ = play(motion(clock(20, 20), speed=6.0, whirl=growth(8.0, 0.05, 2.0, 0.5)))
+    summary = analyzer.summary()
+    assert summary.quality.samples_per_revolution == pytest.approx(20 / 6, rel=0.02)
+    assert any("samples per revolution" in note for note in summary.notes)
+    assert summary.precession_ratio == pytest.approx(0.5, rel=0.02)
+
+
+def test_summary_is_plain_json():
+    analyzer, _ = play(motion(clock(100, 12), whirl=growth(6.0, 0.05, 2.0, 0.5), marks=MARKS))
+    plain = json.loads(json.dumps(analyzer.summary().to_dict(), allow_nan=False))
+    assert plain["onset_s"] == analyzer.summary().onset_s
+    assert plain["motion"][-1]["state"] == "forward whirl"
+    assert plain["quality"]["accepted"] == 1200
+    assert set(plain["max_radius_m"]) == {mark.name for mark in MARKS}
+
+
+def test_summary_of_nothing():
+    from drill_twin.whirl import Analyzer
+
+    summary = Analyzer(MARKS).summary()
+    assert summary.onset_s is None
+    assert summary.rotation_rev_s is None
+    assert summary.max_radius_m == dict.fromkeys(mark.name for mark in MARKS)
+    json.dumps(summary.to_dict(), allow_nan=False)
