@@ -21,6 +21,7 @@ from rclpy.executors import SingleThreadedExecutor  # noqa: E402
 from rclpy.node import Node  # noqa: E402
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: E402
 from rclpy.signals import SignalHandlerOptions  # noqa: E402
+from rclpy.subscription import Subscription  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
 from drill_twin.bag.reader import Bag  # noqa: E402
@@ -108,6 +109,8 @@ class Bench:
         self._processes: list[Process] = []
         self.statuses: dict[str, Status] = {}
         self.history: list[Status] = []
+        self._heard_topics: list[Subscription] = []
+        self.node.create_service(Trigger, "~/ready", self._answer_ready)
         self.listen(DIAGNOSTICS, self._on_diagnostics)
 
     def start(self, node: str, *arguments: str, **parameters: object) -> Process:
@@ -130,7 +133,7 @@ class Bench:
         durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
         quality = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
         kind = message_class(TOPICS[topic])
-        self.node.create_subscription(kind, topic, received, quality, raw=True)
+        self._heard_topics.append(self.node.create_subscription(kind, topic, received, quality, raw=True))
 
     def collect(self, topic: str, *, latched: bool = False) -> list[bytes]:
         """All messages of a topic from now on."""
@@ -176,6 +179,16 @@ class Bench:
         self.statuses.pop(node, None)
         self.until(lambda: node in self.statuses and wanted(self.statuses[node]), seconds, f"a status of {node}")
         return self.statuses[node]
+
+    def _answer_ready(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """As a node of ours answers: `wait_for="simulator test"` holds a driver until the test misses nothing."""
+        del request
+        late = [topic.topic_name for topic in self._heard_topics if not self._connected(topic)]
+        response.success, response.message = not late, f"not yet connected to {', '.join(late)}" if late else ""
+        return response
+
+    def _connected(self, topic: Subscription) -> bool:
+        return 0 < topic.get_publisher_count() >= self.node.count_publishers(topic.topic_name)
 
     def _on_diagnostics(self, raw: bytes) -> None:
         for status in decode_diagnostics(raw)[1]:

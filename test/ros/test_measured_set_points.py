@@ -19,7 +19,7 @@ def _play(bench, joints, simulator, driver):
     """Set-points sent and applied of a run in lockstep, by stamp [ns]."""
     sent, applied = bench.collect(RIG_COMMAND), bench.collect(RIG_STATE)
     process = bench.start("simulator", pace="lockstep", **simulator)
-    other = bench.start("rig_driver", wait_for="simulator", **driver)
+    other = bench.start("rig_driver", wait_for="simulator test", **driver)
     bench.until(lambda: process.code is not None or other.code is not None, what="the run to end")
     assert process.code == 0, bench.logs()
     assert other.end() == 0, bench.logs()
