@@ -6,6 +6,7 @@
 """
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,12 +18,12 @@ from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.solve import midpoint
-from drill_twin.solve.compose import compose, effect_module
+from drill_twin.solve import lateral_assembly, state, work
+from drill_twin.solve.compose import compose, effect_module, entry
 from drill_twin.solve.drive import Drive
+from drill_twin.solve.midpoint import SMALLEST_SHARE
 from drill_twin.solve.observe import make_probe, make_sight, observe
 from drill_twin.solve.resolution import auto_elements, auto_step
-from drill_twin.solve.work import make_work
 
 # Which of (r, r', psi) an end holds: x, y, z, x', y', z', psi.
 BIT_ENDS = {
@@ -35,6 +36,9 @@ CLAMPED_TOP = (True, True, True, True, True, False, True)
 NEWTON_PLACE, NEWTON_ANGLE = 1e-6, 1e-6  # last Newton change, in radii of the string and in radians
 
 
+SPATIAL, LATERAL = "spatial", "lateral"
+
+
 class Twin:
     """A drillstring that is turned and loaded; holds all state of a run.
 
@@ -44,6 +48,7 @@ class Twin:
         elements: Number of elements.
         step_size: Nominal time step [s].
         effects: The effects that are compiled in.
+        form: "spatial", or "lateral" for a scene that calls for neither stretch nor torsion.
 
     Raises:
         RunError: from `step`, when the motion cannot be followed further.
@@ -66,7 +71,9 @@ class Twin:
         self.effects = list(scene.effect_names)
         compiled = [name for name in self.effects if hasattr(effect_module(name), "parameters")]
         self.site = Site(rod, scene.hole.radius, scene.hole.inclination)
-        self._kernel = compose(tuple(compiled))
+        self.form = form_of(scene)
+        self._kernel = compose(tuple(compiled), self.form)
+        self._advance: Callable[..., int] | None = None  # once compiled
         from_top = scene.rig.weight_on_bit.at == "top"
         self._parameters = self._kernel.Parameters(
             Drive(1.0 if from_top else 0.0),
@@ -76,10 +83,10 @@ class Twin:
         self._fixed = np.array([BIT_ENDS[scene.string.bit_end], CLAMPED_TOP])
         if from_top:
             self._fixed[0, 2], self._fixed[1, 2] = True, False
-        self._work = make_work(self.elements)
-        self._state = midpoint.make_state(self.elements)
-        self._limits = midpoint.Limits(self.step_size, NEWTON_PLACE * float(rod.outer_radius.min()), NEWTON_ANGLE)
-        self._counters = np.zeros(midpoint.COUNTERS)
+        self._work = (work if self.form == SPATIAL else lateral_assembly).make_work(self.elements)
+        self._state = state.make_state(self.elements)
+        self._limits = state.Limits(self.step_size, NEWTON_PLACE * float(rod.outer_radius.min()), NEWTON_ANGLE)
+        self._counters = np.zeros(state.COUNTERS)
         wall: Any = getattr(self._parameters, "wall", None)
         self._clearance = np.full(2 * self.elements, np.inf) if wall is None else wall.clearance
         self._stiffness = 0.0 if wall is None else float(wall.stiffness)
@@ -100,7 +107,7 @@ class Twin:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return float(self._state.clock[midpoint.TIME])
+        return float(self._state.clock[state.TIME])
 
     @property
     def rod(self) -> Rod:
@@ -126,11 +133,13 @@ class Twin:
         target = np.array([command.weight_on_bit, command.rotation])
         before = self._counters.copy()
         start = self.time
-        status = self._kernel.advance(
+        advance = self._advance or self._kernel.advance
+        status = advance(
             self._parameters, self.rod, self._work, self._fixed, self._state, self._limits,
             self._command, target, start, start + seconds, self._counters,
         )  # fmt: skip
-        if status != midpoint.CONVERGED:
+        self._advance = self._advance or entry(self._kernel)
+        if status != state.CONVERGED:
             raise self._failure()
         self._command = target
         return self._frame(self._counters - before, seconds, time.perf_counter() - began)
@@ -144,8 +153,8 @@ class Twin:
             wall_force=sight.mark_force, centre=sight.centre,
         )  # fmt: skip
         stats = StepStats(
-            steps=int(counted[midpoint.STEPS]), iterations=int(counted[midpoint.ITERATIONS]),
-            cut_steps=int(counted[midpoint.CUTS]), wall_seconds=wall_seconds,
+            steps=int(counted[state.STEPS]), iterations=int(counted[state.ITERATIONS]),
+            cut_steps=int(counted[state.CUTS]), wall_seconds=wall_seconds,
         )  # fmt: skip
         return Frame(
             time=self.time, positions=u[:, 0:3].copy(), velocities=v[:, 0:3].copy(), tangents=sight.tangents,
@@ -159,11 +168,11 @@ class Twin:
         block = float(u[-1, 2])
         return RigState(
             top_drive_angle=float(u[-1, 6]), top_drive_speed=float(v[-1, 6]),
-            top_drive_torque=float(mean[midpoint.TORQUE_IMPULSE]),
+            top_drive_torque=float(mean[state.TORQUE_IMPULSE]),
             bit_angle=float(u[0, 6]), bit_speed=float(v[0, 6]), bit_torque=self._bit_torque(),
-            bit_force=float(mean[midpoint.BIT_IMPULSE]) if self._from_top else float(self._command[0]),
+            bit_force=float(mean[state.BIT_IMPULSE]) if self._from_top else float(self._command[0]),
             block_position=block, block_velocity=float(v[-1, 2]),
-            hookload=-float(self._command[0]) if self._from_top else float(mean[midpoint.HOOK_IMPULSE]),
+            hookload=-float(self._command[0]) if self._from_top else float(mean[state.HOOK_IMPULSE]),
         )  # fmt: skip
 
     def _bit_torque(self) -> float:
@@ -174,12 +183,17 @@ class Twin:
         node = int(np.argmax(np.nan_to_num(np.linalg.norm(v[:, :3], axis=1), nan=np.inf)))
         return RunError(
             f"the motion could not be followed past t = {self.time:.6g} s, even at a step of "
-            f"{self.step_size * midpoint.SMALLEST_SHARE:.2g} s: worst at node {node}, "
+            f"{self.step_size * SMALLEST_SHARE:.2g} s: worst at node {node}, "
             f"{self.rod.arc[node]:.3g} m from the bit, lateral place {np.hypot(u[node, 0], u[node, 1]):.3g} m, "
             f"speed {np.linalg.norm(v[node, :3]):.3g} m/s, under {self._command[0]:.6g} N and "
             f"{self._command[1]:.6g} rad/s. Try a lower load (the string may have folded), a smaller numerics.step, "
             f"more elements, or a softer wall"
         )
+
+
+def form_of(scene: Scene) -> str:
+    """Which unknowns a scene calls for: the string in space, or only its lateral motion."""
+    return LATERAL if scene.effects.stretch is None and scene.effects.torsion is None else SPATIAL
 
 
 def _largest_compression(scene: Scene) -> float:
@@ -192,7 +206,7 @@ def _fastest(scene: Scene) -> float:
     return max(abs(command.value), abs(command.initial))
 
 
-def _hang(state: midpoint.State, rod: Rod, scene: Scene, weight_on_bit: float) -> None:
+def _hang(state: state.State, rod: Rod, scene: Scene, weight_on_bit: float) -> None:
     """Start straight and in axial balance, so that the string's weight is not dropped on it at t = 0."""
     axial_weight = np.zeros(rod.length.size)
     gravity = getattr(scene.effects, "gravity", None)

@@ -38,7 +38,9 @@ def parameters(block: BitFriction, site: Site) -> Parameters:
 
 
 @kernel
-def end(parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, diagonal: Array) -> None:
+def end(
+    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+) -> None:
     """Coulomb friction of a face that spins while it slides: mu P v / sqrt(v^2 + (Omega r)^2).
 
     Spinning turns dry friction into viscous drag mu P / (Omega r) for small v. The couple on the spin goes with it.
@@ -48,7 +50,7 @@ def end(parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Ar
     vx, vy, spin = v[0, 0], v[0, 1], v[0, 6]
     rim = law.radius * spin
     c = law.coefficient * weight / np.sqrt(vx * vx + vy * vy + rim * rim + 1e-12)
-    d = diagonal[0]
+    d = ends[0]
     d[0, 0] += c
     d[1, 1] += c
     d[6, 6] += c * law.radius * law.radius

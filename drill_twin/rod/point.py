@@ -16,6 +16,9 @@ class Point(NamedTuple):
     vx: float
     vy: float
     vz: float
+    ax: float  # acceleration; in the tangent, a mass per length m adds m / h2
+    ay: float
+    az: float
     tx: float
     ty: float
     tz: float

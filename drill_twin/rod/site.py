@@ -16,6 +16,7 @@ class Site(NamedTuple):
     rod: Rod
     hole_radius: float  # [m]
     inclination: float  # of the hole axis from vertical; the low side is +x [rad]
+    fluid_density: float = 0.0  # of the mud around the string [kg/m3]; 0 = none
 
     @property
     def places(self) -> NDArray[np.float64]:

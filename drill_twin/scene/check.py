@@ -7,8 +7,8 @@ from drill_twin.scene.hole import Hole
 from drill_twin.scene.part import refuse_at
 from drill_twin.scene.string import String
 
-ALWAYS = ("stretch", "torsion")
-"""Effects whose unknowns the twin always carries; a scene says so by listing them."""
+TOGETHER = ("stretch", "torsion")
+"""Effects whose unknowns come and go together: the string in space, or its lateral motion only."""
 
 
 def check(string: String, hole: Hole, effects: Effects) -> None:
@@ -34,13 +34,13 @@ def _string_fits_the_hole(string: String, hole: Hole) -> None:
 
 
 def _effects_go_together(effects: Effects) -> None:
-    missing = [key for key in ALWAYS if getattr(effects, key) is None]
-    if missing:
-        wanted = " and ".join(f"`{key}: {{}}`" for key in ALWAYS)
+    missing = [key for key in TOGETHER if getattr(effects, key) is None]
+    if len(missing) == 1:
+        listed = next(key for key in TOGETHER if key not in missing)
         raise refuse_at(
-            ("effects",),
-            f"expected {wanted} to be listed, found no {' and no '.join(missing)}; "
-            "a twin without them is not available yet",
+            ("effects", listed),
+            f"expected both or neither of `{TOGETHER[0]}` and `{TOGETHER[1]}`, found no `{missing[0]}`: list it too, "
+            "or take both out for lateral motion only, with the axial force in balance and the spin of the top drive",
         )
     for key, block in effects.blocks.items():
         for needed in block.needs:

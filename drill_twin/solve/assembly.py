@@ -212,12 +212,13 @@ def bind(stretch_effects: Any, section_effects: Any, point_effects: Any) -> Call
                     rod.bending[e], s, (a[0], a[1]), (b[0], b[1]), h2, work.resultants,
                     work.force, work.saa, work.sab, work.sba, work.sbb, work.coupling,
                 )  # fmt: skip
-                r, dr = blend(shape[0], work.ue), blend(shape[0], work.ve)
+                r, dr, ddr = blend(shape[0], work.ue), blend(shape[0], work.ve), blend(shape[0], work.dv)
                 work.load[:] = 0.0
                 work.stiff[:] = 0.0
                 here = Point(
-                    e, place, time, r[0], r[1], r[2], dr[0], dr[1], dr[2], s.tx, s.ty, s.tz, psi, psi_rate, fresh, count
-                )
+                    e, place, time, r[0], r[1], r[2], dr[0], dr[1], dr[2], rate * ddr[0], rate * ddr[1], rate * ddr[2],
+                    s.tx, s.ty, s.tz, psi, psi_rate, fresh, count,
+                )  # fmt: skip
                 point_effects(parameters, rod, here, h2, work.load, work.stiff)
                 # a couple about t also works on r', since the material turns at psi_dot + A(t, t_dot)
                 work.force[0] -= work.load[3] * a[1] / s.fold

@@ -11,7 +11,10 @@ An effect's file may define any of these functions; the loop calls those that ex
 * ``point(parameters, rod, here, h2, load, stiff)``: force per length on the string, at the Gauss points;
 * ``section(parameters, rod, strain, h2, resultants)``: bending and twist of the section;
 * ``stretch(parameters, element, axial, rate)``: viscous axial force and its slope;
-* ``end(parameters, rod, command, time, h2, u, v, diagonal)``: forces at the bit and the top.
+* ``end(parameters, rod, command, time, h2, u, v, v_old, ends)``: forces at the bit and the top, as tangent and
+  residual, shape (2, 7, 8);
+* ``guide(parameters, rod, time, trial)``: velocities of held unknowns at mid-step, where they are not zero;
+* ``done(parameters, rod, command, time, step, u, v)``: after a step was taken, for effects that remember something.
 """
 
 import hashlib
@@ -21,18 +24,24 @@ import os
 import platform
 import sys
 import tempfile
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import cast
 
 import llvmlite
 import numba
 import numpy as np
 
-HOOKS = ("point", "section", "stretch", "end")
+_FORMS = {
+    "spatial": ("solve.work", "solve.spatial", "solve.assembly", "solve.blocks"),
+    "lateral": ("solve.lateral", "solve.lateral_assembly", "solve.lateral_blocks"),
+}
+HOOKS = ("point", "section", "stretch", "end", "guide", "done")
 _SOURCES = (
     "rod.jit", "rod.types", "rod.point", "rod.mesh", "rod.section", "rod.stretch",
-    "solve.work", "solve.drive", "solve.assembly", "solve.blocks", "solve.midpoint", "solve.compose",
+    "solve.state", "solve.drive", "solve.midpoint", "solve.compose",
 )  # fmt: skip
 
 
@@ -55,10 +64,10 @@ def effect_module(name: str) -> ModuleType:
     return import_module(f"drill_twin.effects.{name}")
 
 
-def fingerprint(effects: tuple[str, ...]) -> str:
+def fingerprint(effects: tuple[str, ...], form: str) -> str:
     """Hash of all that decides the machine code: sources, versions, processor."""
     digest = hashlib.sha256()
-    for name in _SOURCES:
+    for name in (*_SOURCES, *_FORMS[form]):
         digest.update(inspect.getsource(import_module(f"drill_twin.{name}")).encode())
     for name in effects:
         digest.update(name.encode() + inspect.getsource(effect_module(name)).encode())
@@ -69,8 +78,8 @@ def fingerprint(effects: tuple[str, ...]) -> str:
     return digest.hexdigest()[:16]
 
 
-def source(effects: tuple[str, ...]) -> str:
-    """The text of the module for a set of effects."""
+def source(effects: tuple[str, ...], form: str) -> str:
+    """The text of the module for a set of effects and a form of the string."""
 
     def calls(hook: str, line: str) -> str:
         names = [name for name in effects if hasattr(effect_module(name), hook)]
@@ -80,14 +89,14 @@ def source(effects: tuple[str, ...]) -> str:
     fields = "\n".join(
         f"    {name}: {name}.Parameters" for name in effects if hasattr(effect_module(name), "Parameters")
     )
-    return f'''"""The time loop for: {", ".join(effects) or "no effects"}. Written by drill_twin; do not edit."""
+    return f'''"""The {form} time loop for: {", ".join(effects) or "no effects"}. Written by drill_twin; do not edit."""
 from typing import NamedTuple
 
 from numba import njit
 
 from drill_twin.rod.jit import FLAGS
 from drill_twin.solve.drive import Drive, weight_on_bit
-from drill_twin.solve.midpoint import bind
+from drill_twin.solve import midpoint, {form}
 {imports}
 
 
@@ -115,12 +124,25 @@ def point_effects(parameters, rod, here, h2, load, stiff):
 
 
 @njit(**FLAGS)
-def end_effects(parameters, rod, command, time, h2, u, v, diagonal):
-    weight_on_bit(parameters.drive, command, diagonal)
-{calls("end", "{name}.end(parameters, rod, command, time, h2, u, v, diagonal)")}
+def end_effects(parameters, rod, command, time, h2, u, v, v_old, ends):
+    weight_on_bit(parameters.drive, command, ends)
+{calls("end", "{name}.end(parameters, rod, command, time, h2, u, v, v_old, ends)")}
 
 
-loop = bind(stretch_effects, section_effects, point_effects, end_effects)
+@njit(**FLAGS)
+def guide_effects(parameters, rod, time, trial):
+{calls("guide", "{name}.guide(parameters, rod, time, trial)")}
+
+
+@njit(**FLAGS)
+def done_effects(parameters, rod, command, time, step, u, v):
+{calls("done", "{name}.done(parameters, rod, command, time, step, u, v)")}
+
+
+effects = midpoint.Effects(
+    stretch_effects, section_effects, point_effects, end_effects, guide_effects, done_effects
+)
+loop = midpoint.bind({form}.bind(effects), effects)
 
 
 @njit(cache=True, **FLAGS)
@@ -129,20 +151,31 @@ def advance(parameters, rod, work, fixed, state, limits, command0, command1, sta
 '''
 
 
-def compose(effects: tuple[str, ...]) -> ModuleType:
+def entry(module: ModuleType) -> Callable[..., int]:
+    """``advance`` of a composed module; call it once with real arguments before.
+
+    Past numba's dispatcher: with a second kernel in the process that takes 0.4 ms a call to find out again what the
+    types are, more than a frame's motion.
+    """
+    compiled = list(module.advance.overloads.values())
+    return cast("Callable[..., int]", compiled[0].entry_point if len(compiled) == 1 else module.advance)
+
+
+def compose(effects: tuple[str, ...], form: str = "spatial") -> ModuleType:
     """The module with ``advance`` and ``Parameters`` for a set of effects, compiled on first use.
 
     Args:
-        effects: Scene keys in any order; the order of the registry decides.
+        effects: Scene keys in the order of the registry.
+        form: "spatial", or "lateral" for a string that neither stretches nor twists.
     """
-    name = f"drill_twin_kernel_{fingerprint(effects)}"
+    name = f"drill_twin_kernel_{fingerprint(effects, form)}"
     if name in sys.modules:
         return sys.modules[name]
     path = cache_folder() / f"{name}.py"
     if not path.exists():
         # Several nodes may start at once: write beside, then rename, so that nobody reads half a file.
         with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".part", delete=False) as part:
-            part.write(source(effects))
+            part.write(source(effects, form))
         Path(part.name).replace(path)
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:

@@ -11,6 +11,7 @@ from drill_twin.rod.jit import kernel
 from drill_twin.rod.types import Array
 
 WEIGHT_ON_BIT, ROTATION = 0, 1
+BIT, TOP, RESIDUAL = 0, 1, 7  # places in the array of the ends, shape (2, 7, 8)
 
 
 class Drive(NamedTuple):
@@ -20,12 +21,12 @@ class Drive(NamedTuple):
 
 
 @kernel
-def weight_on_bit(drive: Drive, command: Array, diagonal: Array) -> None:
+def weight_on_bit(drive: Drive, command: Array, ends: Array) -> None:
     """Add the axial force of the rig to the residual: compression is positive."""
     if drive.from_top > 0.0:
-        diagonal[diagonal.shape[0] - 1, 2, 7] += command[WEIGHT_ON_BIT]
+        ends[TOP, 2, RESIDUAL] += command[WEIGHT_ON_BIT]
     else:
-        diagonal[0, 2, 7] -= command[WEIGHT_ON_BIT]
+        ends[BIT, 2, RESIDUAL] -= command[WEIGHT_ON_BIT]
 
 
 @kernel

@@ -16,6 +16,7 @@ class Work(NamedTuple):
     diagonal: Array  # (n + 1, 7, 8) last column the residual, then the Newton step
     upper: Array  # (n, 7, 8) block of node i by node i + 1
     spare: Array  # (7, 8)
+    ends: Array  # (2, 7, 8) what acts on bit and top: tangent, and residual in the last column
     reaction: Array  # (2, 7) residual at bit and top before the constraints were imposed: forces of the rig and rock
     held: Array  # (2, 7, 14) their rows of the system
     command: Array  # (2,) set-points now
@@ -44,6 +45,7 @@ def make_work(elements: int) -> Work:
         diagonal=np.zeros((n + 1, 7, 8)),
         upper=np.zeros((n, 7, 8)),
         spare=np.zeros((7, 8)),
+        ends=np.zeros((2, 7, 8)),
         reaction=np.zeros((2, 7)),
         held=np.zeros((2, 7, 14)),
         command=np.zeros(2),

@@ -108,7 +108,7 @@ def si_factor(unit: str) -> tuple[float, Dimensionality]:
     """SI factor and dimensionality of a unit text; raises UnitError where there is no such unit."""
     text = unit.replace("**", "^").replace("²", "^2").replace("³", "^3")
     if len(text) > _LONGEST_UNIT or not _UNIT.fullmatch(text):
-        raise UnitError(f'"{unit[:_LONGEST_UNIT]}" is not a unit')
+        raise UnitError(f'"{" ".join(unit.split())[:_LONGEST_UNIT]}" is not a unit')
     for name in _WORD.findall(text):
         if name not in _known():
             raise UnknownUnitError(name)
@@ -118,7 +118,7 @@ def si_factor(unit: str) -> tuple[float, Dimensionality]:
         quantity = registry().Quantity(1.0) * (registry().parse_expression(text) if text else 1.0)
         base = quantity.to_root_units()
     except _PINT_ERRORS:
-        raise UnitError(f'"{unit}" is not a unit') from None
+        raise UnitError(f'"{" ".join(unit.split())}" is not a unit') from None
     return tidy(float(base.magnitude)), tuple(sorted(base.dimensionality.items()))
 
 

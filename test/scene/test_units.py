@@ -5,7 +5,7 @@ import math
 import re
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from drill_twin.units import DIMENSIONS, UnitError, factor_of, parse, write
@@ -96,9 +96,9 @@ def test_what_is_no_quantity_of_the_dimension_is_refused(text, dimension, words)
 @pytest.mark.parametrize("dimension", DIMENSIONS, ids=lambda dimension: dimension.name)
 def test_every_dimension_reads_its_examples_and_its_si_unit(dimension):
     assert parse(f"1 {dimension.unit}".strip(), dimension) == 1.0
-    for example in dimension.examples:
-        parse(example, dimension)
-        assert re.search(editor_pattern(dimension), example)
+    for text in dimension.examples:
+        parse(text, dimension)
+        assert re.search(editor_pattern(dimension), text)
 
 
 @settings(deadline=None)
@@ -109,6 +109,7 @@ def test_a_written_value_reads_back_to_the_same_float(value, dimension):
 
 @settings(deadline=None)
 @given(st.text(max_size=40), st.sampled_from(DIMENSIONS))
+@example("0:\n0", DIMENSIONS[0])
 def test_any_text_is_a_finite_value_or_a_unit_error(text, dimension):
     try:
         assert math.isfinite(parse(text, dimension))

@@ -37,8 +37,12 @@ def rod_scene(  # noqa: PLR0913
     at: str = "bit",
     marks: tuple[float, ...] = (2.5,),
     frame_rate: float = 100.0,
+    form: str = "spatial",
 ) -> Scene:
-    """The PA6 rod with the given effects; `weight_on_bit` acts from the first instant."""
+    """The PA6 rod with the given effects; `weight_on_bit` acts from the first instant.
+
+    The form "lateral" leaves stretch and torsion out.
+    """
     return Scene.model_validate({
         "name": "check",
         "string": {
@@ -59,6 +63,6 @@ def rod_scene(  # noqa: PLR0913
             "rotation": {"shape": "constant", "value": 0.0},
             "duration": 10.0,
         },
-        "effects": BARE | effects,
+        "effects": (BARE if form == "spatial" else {}) | effects,
         "numerics": {"elements": elements, "step": step, "frame_rate": frame_rate},
     })  # fmt: skip

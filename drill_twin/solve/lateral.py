@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The string without stretch and torsion: two lateral unknowns per node and their slopes.
+
+The axial force follows from balance at every instant and the spin from the top drive, so neither axial nor torsional
+waves exist. The state keeps its seven columns; those that are not unknowns are filled in when a frame is due.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from drill_twin.rod.jit import kernel
+from drill_twin.rod.mesh import Rod
+from drill_twin.rod.types import Array
+from drill_twin.solve import lateral_assembly
+from drill_twin.solve.drive import BIT, RESIDUAL, ROTATION, TOP
+from drill_twin.solve.lateral_assembly import AT_BIT, AT_TOP, TORQUE, WEIGHT, Work, make_work
+from drill_twin.solve.lateral_blocks import NODE, solve_blocks
+from drill_twin.solve.midpoint import Effects, Moves
+from drill_twin.solve.state import (
+    BIT_IMPULSE,
+    HAS_MIDDLE,
+    HOOK_IMPULSE,
+    LAST_STEP,
+    SPIN,
+    TORQUE_IMPULSE,
+    Limits,
+    State,
+)
+
+X, Y, SLOPE_X, SLOPE_Y = 0, 1, 3, 4  # columns of the unknowns in a node's row
+
+
+@kernel
+def column(i: int) -> int:
+    """Column of the i-th of the four unknowns in a node's row of seven."""
+    return i if i < 2 else i + 1
+
+
+@kernel
+def guess(fixed: Array, state: State, command: Array, step: float) -> None:
+    """First guess of the mid-step velocity: straight on through the last one; held unknowns as they will be."""
+    growth = step / state.clock[LAST_STEP] if state.clock[HAS_MIDDLE] > 0.0 else 0.0
+    last = state.u.shape[0] - 1
+    for i in range(last + 1):
+        for k in range(NODE):
+            c = column(k)
+            state.trial[i, c] = state.v[i, c] + growth * (state.v[i, c] - state.middle[i, c])
+    for k in range(NODE):
+        c = column(k)
+        if fixed[0, c]:
+            state.trial[0, c] = 0.0
+        if fixed[1, c]:
+            state.trial[last, c] = 0.0
+    state.trial[0, SPIN] = command[ROTATION]
+    state.trial[last, SPIN] = command[ROTATION]
+
+
+@kernel
+def add_ends(fixed: Array, work: Work) -> None:
+    """Bring what acts on bit and top into the system, then take the held unknowns out of it."""
+    last = work.diagonal.shape[0] - 1
+    for end in range(2):
+        node = 0 if end == 0 else last
+        own, right = work.diagonal[node], work.right[node]
+        other = work.upper[0] if end == 0 else work.lower[last - 1]
+        for i in range(NODE):
+            right[i] += work.ends[end, column(i), RESIDUAL]
+            for j in range(NODE):
+                own[i, j] += work.ends[end, column(i), column(j)]
+        for i in range(NODE):
+            if fixed[end, column(i)]:
+                for j in range(NODE):
+                    own[i, j] = 0.0
+                    other[i, j] = 0.0
+                own[i, i] = 1.0
+                right[i] = 0.0
+
+
+@kernel
+def solve(work: Work) -> bool:
+    """Solve the block system in place."""
+    work.upper[work.upper.shape[0] - 1, :, :] = 0.0
+    return solve_blocks(work.lower, work.diagonal, work.upper, work.right)
+
+
+@kernel
+def correct(state: State, limits: Limits, work: Work, h2: float) -> float:
+    """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
+    place, angle, total = 0.0, 0.0, 0.0
+    for i in range(state.u.shape[0]):
+        right, row = work.right[i], state.trial[i]
+        row[X] -= right[0]
+        row[Y] -= right[1]
+        row[SLOPE_X] -= right[2]
+        row[SLOPE_Y] -= right[3]
+        place = max(place, abs(right[0]), abs(right[1]))
+        angle = max(angle, abs(right[2]), abs(right[3]))
+        total += right[0] + right[1] + right[2] + right[3]
+    return max(place / limits.place, angle / limits.angle) * h2 + 0.0 * total
+
+
+@kernel
+def accept(_fixed: Array, state: State, work: Work, counters: Array, command: Array, step: float) -> None:
+    """Take the step: u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n; the string turns as the drive wants it at the end."""
+    last = state.u.shape[0] - 1
+    for i in range(last + 1):
+        for k in range(NODE):
+            c = column(k)
+            v = state.trial[i, c]
+            state.u[i, c] += step * v
+            state.v[i, c] = 2.0 * v - state.v[i, c]
+            state.middle[i, c] = v
+    angle = state.u[last, SPIN] + step * state.trial[last, SPIN]
+    for end in (0, last):
+        state.u[end, SPIN] = angle
+        state.v[end, SPIN] = command[ROTATION]
+    counters[TORQUE_IMPULSE] += (work.axial[TORQUE] + work.ends[BIT, SPIN, RESIDUAL]) * step
+    counters[HOOK_IMPULSE] += work.axial[AT_TOP] * step
+    counters[BIT_IMPULSE] -= work.axial[AT_BIT] * step
+
+
+@kernel
+def finish(rod: Rod, state: State) -> None:
+    """Fill in what a reader wants: spin, slope along the axis, and place along it; the string keeps its length.
+
+    dz/ds = sqrt(1 - x'^2 - y'^2), integrated from the top by Simpson's rule.
+    """
+    u, v, last = state.u, state.v, state.u.shape[0] - 1
+    for i in range(last + 1):
+        square = min(u[i, SLOPE_X] ** 2 + u[i, SLOPE_Y] ** 2, 0.99)
+        u[i, 5] = np.sqrt(1.0 - square)
+        v[i, 5] = -(u[i, SLOPE_X] * v[i, SLOPE_X] + u[i, SLOPE_Y] * v[i, SLOPE_Y]) / u[i, 5]
+        u[i, SPIN], v[i, SPIN] = u[last, SPIN], v[last, SPIN]
+    for e in range(last - 1, -1, -1):
+        w, h = rod.middle[e], rod.length[e]
+        ax = w[0] * u[e, X] + w[1] * u[e, SLOPE_X] + w[2] * u[e + 1, X] + w[3] * u[e + 1, SLOPE_X]
+        ay = w[0] * u[e, Y] + w[1] * u[e, SLOPE_Y] + w[2] * u[e + 1, Y] + w[3] * u[e + 1, SLOPE_Y]
+        dx = w[0] * v[e, X] + w[1] * v[e, SLOPE_X] + w[2] * v[e + 1, X] + w[3] * v[e + 1, SLOPE_X]
+        dy = w[0] * v[e, Y] + w[1] * v[e, SLOPE_Y] + w[2] * v[e + 1, Y] + w[3] * v[e + 1, SLOPE_Y]
+        middle = np.sqrt(1.0 - min(ax * ax + ay * ay, 0.99))
+        u[e, 2] = u[e + 1, 2] - h / 6.0 * (u[e, 5] + 4.0 * middle + u[e + 1, 5])
+        v[e, 2] = v[e + 1, 2] - h / 6.0 * (v[e, 5] - 4.0 * (ax * dx + ay * dy) / middle + v[e + 1, 5])
+
+
+def bind(effects: Effects) -> Moves:
+    """The moves for a set of effects."""
+    assemble = lateral_assembly.bind(effects.section, effects.point)
+    end_effects = effects.end
+
+    @kernel
+    def build(
+        parameters: Any,
+        rod: Rod,
+        work: Work,
+        fixed: Array,
+        state: State,
+        command: Array,
+        time: float,
+        h2: float,
+        fresh: bool,
+        number: float,
+    ) -> None:
+        """Fill the block system: elements, what acts on the ends, and the unknowns that are held."""
+        last = state.u.shape[0] - 1
+        for i in range(last + 1):
+            for k in range(NODE):
+                c = column(k)
+                state.place[i, c] = state.u[i, c] + h2 * state.trial[i, c]
+        for end in (0, last):
+            state.place[end, SPIN] = state.u[last, SPIN] + h2 * state.trial[last, SPIN]
+        work.ends[:] = 0.0
+        end_effects(parameters, rod, command, time, h2, state.place, state.trial, state.v, work.ends)
+        # pushed up at the bit, or down at the top with the string's weight added on the way
+        tension = work.ends[BIT, 2, RESIDUAL]
+        if work.ends[TOP, 2, RESIDUAL] != 0.0 or fixed[0, 2]:
+            tension = work.axial[WEIGHT] - work.ends[TOP, 2, RESIDUAL]
+        assemble(parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v, tension)
+        work.axial[AT_BIT], work.axial[AT_TOP] = tension, tension - work.axial[WEIGHT]
+        add_ends(fixed, work)
+
+    return Moves(guess, build, solve, correct, accept, finish)
+
+
+__all__ = ["bind", "make_work"]

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a run remembers from step to step, and what it counts."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+CONVERGED, FAILED = 0, 1
+SPIN = 6  # place of psi in a node's row
+
+# Places in State.clock: time [s], last step [s], 1 if `middle` holds one, next Newton change per square of a change.
+TIME, LAST_STEP, HAS_MIDDLE, FACTOR = 0, 1, 2, 3
+
+# Places in the array of counters; impulses of the reactions at the ends [N m s], [N s].
+STEPS, ITERATIONS, CUTS, TORQUE_IMPULSE, HOOK_IMPULSE, BIT_IMPULSE = 0, 1, 2, 3, 4, 5
+COUNTERS = 6
+
+
+class State(NamedTuple):
+    """The string's state and the loop's memory of the last step; rows are (r, r', psi) per node from the bit."""
+
+    u: np.ndarray  # (n + 1, 7) [m, -, rad]
+    v: np.ndarray  # (n + 1, 7) [m/s, 1/s, rad/s]
+    middle: np.ndarray  # (n + 1, 7) last mid-step velocity
+    trial: np.ndarray  # (n + 1, 7) mid-step velocity being sought
+    place: np.ndarray  # (n + 1, 7) configuration at mid-step
+    clock: np.ndarray  # (4,) see TIME and its neighbours
+
+
+class Limits(NamedTuple):
+    """What counts as converged, per kind of unknown, and the nominal step."""
+
+    step: float  # [s]
+    place: float  # change of a node's place within a Newton step [m]
+    angle: float  # change of slope and spin [rad]
+
+
+def make_state(elements: int) -> State:
+    """A straight string at rest, to be filled in."""
+    u, v, middle, trial, place = (np.zeros((elements + 1, 7)) for _ in range(5))
+    return State(u, v, middle, trial, place, np.array([0.0, 0.0, 0.0, np.inf]))
