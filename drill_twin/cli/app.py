@@ -9,6 +9,7 @@ import typer
 
 from drill_twin import __version__
 from drill_twin.cli.bags import analyze, report
+from drill_twin.cli.effects import effects
 from drill_twin.cli.ros import demo, topics
 from drill_twin.cli.run import run
 from drill_twin.cli.scenes import check, scenes, schema
@@ -39,10 +40,11 @@ def _common(
     del version
 
 
-_RUN, _LOOK, _ROS = "Simulate and analyse", "Scenes", "ROS"
+_RUN, _ASK, _LOOK, _ROS = "Simulate and analyse", "Studies", "Scenes", "ROS"
 app.command(rich_help_panel=_RUN)(run)
 app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
+app.command(rich_help_panel=_ASK)(effects)
 app.command(rich_help_panel=_LOOK)(scenes)
 app.command(rich_help_panel=_LOOK)(check)
 app.command(rich_help_panel=_LOOK)(schema)
