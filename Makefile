@@ -30,12 +30,15 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo test test-long check clean
+.PHONY: help setup setup-test demo test test-long faults soak fuzz check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
 	@echo 'make test       the test suite'
 	@echo 'make test-long  soaks and large random samples'
+	@echo 'make faults     what goes wrong on a rig, done to real processes; prints the table of what is survived'
+	@echo 'make soak       an hour of all nodes, memory and file handles looked at'
+	@echo 'make fuzz       10 000 damaged scenes, tables, bags and checkpoints'
 	@echo 'make check      lint, types, layers'
 	@echo 'make setup      the virtual environment in $(VENV) (the others call it)'
 	@echo 'make clean      removes what is generated, except $(VENV) and out/'
@@ -89,6 +92,15 @@ test: setup-test
 
 test-long: setup-test
 	@ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest -m long
+
+faults: setup-test
+	@DRILL_TWIN_FAULTS=1 ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest test/ros -q -m 'fault and (long or not long)'
+
+soak: setup-test
+	@DRILL_TWIN_SOAK=3600 ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest test/ros/test_faults.py -q -s -m 'long' -k soak
+
+fuzz: setup-test
+	@DRILL_TWIN_FUZZ=10000 $(PYTHON) -m pytest test/fuzz -q -s
 
 check: setup-test
 	@$(PYTHON) -m ruff check .

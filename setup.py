@@ -20,7 +20,7 @@ setup(
     name=PACKAGE,
     version="0.1.0",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "report/assets/*"]},
+    package_data={PACKAGE: ["py.typed", "report/assets/*", "watch/*.html"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (SHARE, ["package.xml"]),
@@ -43,6 +43,7 @@ setup(
         "scipy>=1.11",
         "setuptools",
         "typer>=0.12",
+        "websockets>=13",
         "zstandard",
     ],
     extras_require={

@@ -24,3 +24,7 @@ class MessageError(DrillTwinError):
 
 class RunError(DrillTwinError):
     """A run that could not go on: names the time, the place and the likely remedy."""
+
+
+class CheckpointError(DrillTwinError):
+    """A checkpoint that cannot be written, or that a run cannot go on from."""

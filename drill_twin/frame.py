@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What one published step of the twin looks like: arrays of the whole string, its marks and the rig.
 
-Nodes count from the bit (0) to the top clamp (n). Vectors are in the frame `hole`: z up along the hole's
-axis, origin at the top clamp. All values are SI, float64, and fresh copies that the receiver may keep.
+Nodes count from the bit (0) to the top clamp (n). Vectors are in the frame `hole`: origin at the top clamp, z up along
+the hole's axis there, x to the low side. Where the hole is curved, marks are told in the frame of the hole at their
+depth instead: x and y from its axis, z along it (minus the measured depth); in a straight hole that is the same. All
+values are SI, float64, and fresh copies that the receiver may keep.
 """
 
 from __future__ import annotations
@@ -91,6 +93,11 @@ class Frame:
     """Spin rate [rad/s], shape (n + 1,)."""
     wall_force: Array
     """Normal wall force at the nodes [N], shape (n + 1,), not negative."""
+    wall_depth: float
+    """How far the string's surface is beyond the wall where it is most so [m], whether the scene lists a wall or not;
+    negative while all of it is clear of the wall. Sampled at the Gauss points, at this instant."""
+    wall_depth_at: float
+    """Distance of that place from the bit [m]."""
     marks: MarkStates
     """The marks."""
     rig: RigState

@@ -35,6 +35,7 @@ from drill_twin.messages.topics import (
     TWIN_SCENE,
     WOB_COMMAND,
 )
+from drill_twin.omissions import Omissions
 from drill_twin.pipeline import WhirlPipeline
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command, Schedule
@@ -149,6 +150,7 @@ class _Run:
         self._commands = CommandEncoder()
         self._command = first
         self._cost = Cost()
+        self._omissions = Omissions(scene)
         self._stamp = self._frames = 0
         self._echo_due = self._picture_due = 0
         self._health_due = NANOSECONDS
@@ -175,6 +177,7 @@ class _Run:
         self._frames += 1
         self._publish(frame)
         self._cost.add(duration, stepped - begin, time.perf_counter() - stepped, frame)
+        self._omissions.look(frame)
         if stamp >= self._health_due:
             self._health_due += NANOSECONDS
             self.report_health()
@@ -217,11 +220,15 @@ class _Run:
             "step_s": repr(float(self._twin.step_size)),
             "weight_on_bit": f"{self._command.weight_on_bit:g}",
             "speed_rev_s": f"{self._command.rotation / math.tau:g}",
+            **self._omissions.values(),
         }
         analyzer = {"samples": str(quality.accepted), "malformed": str(pipeline.malformed)}
         motion = self.findings.motion.value if self.findings else "unknown"
+        missing = self._omissions.found
         statuses = [
-            Status("simulator", Level.OK, self._cost.sentence(), simulator),
+            Status("simulator", Level.WARN, missing[-1], simulator)
+            if missing
+            else Status("simulator", Level.OK, self._cost.sentence(), simulator),
             Status("analyzer", Level.OK, f"motion: {motion}", analyzer),
         ]
         self._cost.next_window()

@@ -6,24 +6,27 @@
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from drill_twin.errors import RunError
 from drill_twin.frame import Frame, MarkStates, RigState, StepStats
-from drill_twin.rod.mesh import Rod, Tube, build_rod
-from drill_twin.rod.site import Site
+from drill_twin.rod.bit import BIT_TORQUE, BIT_WEIGHT, DRILLED, TOP_TORQUE
+from drill_twin.rod.mesh import Rod, build_rod
 from drill_twin.rod.types import Array
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.solve import lateral_assembly, state, work
+from drill_twin.solve.bit_frame import bit_frame
 from drill_twin.solve.compose import compose, effect_module, entry
-from drill_twin.solve.drive import Drive
+from drill_twin.solve.drive import make_drive
+from drill_twin.solve.hang import axial_weight, hang
 from drill_twin.solve.midpoint import SMALLEST_SHARE
-from drill_twin.solve.observe import make_probe, make_sight, observe
+from drill_twin.solve.observe import DEEPEST, WHERE, make_probe, make_sight, observe
 from drill_twin.solve.resolution import auto_elements, auto_step
+from drill_twin.solve.setting import axis_at, sections_of, site_of, tubes_of
 
 # Which of (r, r', psi) an end holds: x, y, z, x', y', z', psi.
 BIT_ENDS = {
@@ -31,7 +34,10 @@ BIT_ENDS = {
     "pinned": (True, True, False, False, False, False, False),
     "sliding": (False, False, False, True, True, False, False),
     "free": (False, False, False, False, False, False, False),
+    "stabilised": (False, False, False, False, False, False, False),
 }
+CARRIERS = {"rock_floor", "bit_cutting"}
+"""Effects that carry the bit where the weight is set at the top; without one it is held."""
 CLAMPED_TOP = (True, True, True, True, True, False, True)
 NEWTON_PLACE, NEWTON_ANGLE = 1e-6, 1e-6  # last Newton change, in radii of the string and in radians
 
@@ -56,12 +62,11 @@ class Twin:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        tubes = [Tube(s.length, s.outer_diameter, s.inner_diameter, s.youngs_modulus, s.poisson_ratio, s.density)
-                 for s in scene.string.sections]  # fmt: skip
+        tubes = sections_of(scene)
         compression = _largest_compression(scene)
         numerics = scene.numerics
         self.elements = auto_elements(tubes, compression) if numerics.elements == "auto" else int(numerics.elements)
-        rod = build_rod(tubes, self.elements)
+        rod = build_rod(tubes_of(scene), self.elements)
         self.elements = rod.length.size
         self.step_size = (
             auto_step(tubes, compression, _fastest(scene), 1.0 / numerics.frame_rate)
@@ -70,35 +75,34 @@ class Twin:
         )
         self.effects = list(scene.effect_names)
         compiled = [name for name in self.effects if hasattr(effect_module(name), "parameters")]
-        self.site = Site(rod, scene.hole.radius, scene.hole.inclination)
+        self.site = site_of(scene, rod)
         self.form = form_of(scene)
-        self._kernel = compose(tuple(compiled), self.form)
+        self._kernel = compose(tuple(compiled), self.form, "straight" if self.site.bore.axis is None else "curved")
         self._advance: Callable[..., int] | None = None  # once compiled
         from_top = scene.rig.weight_on_bit.at == "top"
+        drive = make_drive(scene, float(axial_weight(scene, self.site).sum()))
         self._parameters = self._kernel.Parameters(
-            Drive(1.0 if from_top else 0.0),
+            drive,
             *(effect_module(name).parameters(getattr(scene.effects, name), self.site) for name in compiled),
         )
-        self._from_top = from_top
+        self._from_top, self._bit, self._driven = from_top, drive.bit, drive.driven > 0.0
+        self._on_rock = from_top and bool(CARRIERS & set(self.effects))
         self._fixed = np.array([BIT_ENDS[scene.string.bit_end], CLAMPED_TOP])
         if from_top:
-            self._fixed[0, 2], self._fixed[1, 2] = True, False
+            self._fixed[0, 2], self._fixed[1, 2] = not self._on_rock, False
+        self._fixed[1, 6] = not self._driven
         self._work = (work if self.form == SPATIAL else lateral_assembly).make_work(self.elements)
         self._state = state.make_state(self.elements)
+        self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
         self._limits = state.Limits(self.step_size, NEWTON_PLACE * float(rod.outer_radius.min()), NEWTON_ANGLE)
         self._counters = np.zeros(state.COUNTERS)
-        wall: Any = getattr(self._parameters, "wall", None)
-        self._clearance = np.full(2 * self.elements, np.inf) if wall is None else wall.clearance
-        self._stiffness = 0.0 if wall is None else float(wall.stiffness)
-        self._torques = [
-            (effect_module(name).bit_torque, getattr(self._parameters, name))
-            for name in compiled
-            if hasattr(effect_module(name), "bit_torque")
-        ]
+        self._wall: Any = getattr(self._parameters, "wall", None)
         marks = scene.string.marks
-        self._probe = make_probe(rod, [m.distance_from_bit for m in marks], [m.on == "wall" for m in marks])
+        places = np.array([m.distance_from_bit for m in marks])
+        offset = np.array([place.wall_offset for place in scene.mark_table])
+        self._probe = make_probe(rod, places, offset, axis_at(scene, scene.length - places))
         self._command = np.array([scene.rig.weight_on_bit.initial, 0.0])
-        _hang(self._state, rod, scene, float(self._command[0]))
+        hang(self._state, self.site, scene, float(self._command[0]))
         for name in self.effects:
             start = getattr(effect_module(name), "start", None)
             if start is not None:
@@ -110,6 +114,11 @@ class Twin:
         return float(self._state.clock[state.TIME])
 
     @property
+    def drilled(self) -> float:
+        """Depth that the bit has drilled since the start [m]; 0 without `bit_cutting`."""
+        return float(self._bit.impulse[DRILLED])
+
+    @property
     def rod(self) -> Rod:
         """The meshed string."""
         return self.site.rod
@@ -118,6 +127,20 @@ class Twin:
     def unknowns(self) -> tuple[Array, Array]:
         """Node rows (r, r', psi) and their velocities, each shape (n + 1, 7); views, not copies."""
         return self._state.u, self._state.v
+
+    def checkpoint(self) -> dict[str, Array]:
+        """Copies of all that decides how the motion goes on, by name; `restore` takes them back."""
+        return {name: array.copy() for name, array in self._memory()}
+
+    def restore(self, arrays: Mapping[str, Array]) -> None:
+        """Go on from the `checkpoint` of a twin of the same scene."""
+        for name, array in self._memory():
+            array[...] = arrays[name]
+
+    def _memory(self) -> Iterator[tuple[str, Array]]:
+        yield from named_arrays("state", self._state)
+        yield from named_arrays("effects", self._parameters)  # some of them remember
+        yield from (("command", self._command), ("counters", self._counters))
 
     def step(self, command: Command, seconds: float) -> Frame:
         """Move on by `seconds`; the set-points go linearly from the last command to this one.
@@ -131,7 +154,7 @@ class Twin:
         """
         began = time.perf_counter()
         target = np.array([command.weight_on_bit, command.rotation])
-        before = self._counters.copy()
+        before, impulse = self._counters.copy(), self._bit.impulse.copy()
         start = self.time
         advance = self._advance or self._kernel.advance
         status = advance(
@@ -142,12 +165,12 @@ class Twin:
         if status != state.CONVERGED:
             raise self._failure()
         self._command = target
-        return self._frame(self._counters - before, seconds, time.perf_counter() - began)
+        return self._frame(self._counters - before, self._bit.impulse - impulse, seconds, time.perf_counter() - began)
 
-    def _frame(self, counted: Array, seconds: float, wall_seconds: float) -> Frame:
+    def _frame(self, counted: Array, impulse: Array, seconds: float, wall_seconds: float) -> Frame:
         u, v = self._state.u, self._state.v
         sight = make_sight(u.shape[0], self._probe.element.size)
-        observe(self.rod.length, self.rod.shape, u, v, self._clearance, self._stiffness, self._probe, sight)
+        observe(self.rod, self.site.bore, self._wall, u, v, self._probe, sight)
         marks = MarkStates(
             position=sight.position, velocity=sight.velocity, spin=sight.spin, spin_rate=sight.spin_rate,
             wall_force=sight.mark_force, centre=sight.centre,
@@ -159,24 +182,24 @@ class Twin:
         return Frame(
             time=self.time, positions=u[:, 0:3].copy(), velocities=v[:, 0:3].copy(), tangents=sight.tangents,
             spin=u[:, 6].copy(), spin_rate=v[:, 6].copy(), wall_force=sight.wall_force,
-            marks=marks, rig=self._rig(counted / seconds), stats=stats,
+            wall_depth=float(sight.nearness[DEEPEST]),
+            wall_depth_at=float(self.site.places[int(sight.nearness[WHERE])]),
+            marks=marks, rig=self._rig(counted / seconds, impulse / seconds), stats=stats,
         )  # fmt: skip
 
-    def _rig(self, mean: Array) -> RigState:
+    def _rig(self, mean: Array, ends: Array) -> RigState:
         """The rig, with reactions averaged over the frame: single steps carry the ringing of unresolved waves."""
         u, v = self._state.u, self._state.v
         block = float(u[-1, 2])
+        weight = mean[state.BIT_IMPULSE] if self._from_top and not self._on_rock else ends[BIT_WEIGHT]
         return RigState(
             top_drive_angle=float(u[-1, 6]), top_drive_speed=float(v[-1, 6]),
-            top_drive_torque=float(mean[state.TORQUE_IMPULSE]),
-            bit_angle=float(u[0, 6]), bit_speed=float(v[0, 6]), bit_torque=self._bit_torque(),
-            bit_force=float(mean[state.BIT_IMPULSE]) if self._from_top else float(self._command[0]),
+            top_drive_torque=float(ends[TOP_TORQUE] if self._driven else mean[state.TORQUE_IMPULSE]),
+            bit_angle=float(u[0, 6]), bit_speed=float(v[0, 6]), bit_torque=float(ends[BIT_TORQUE]),
+            bit_force=float(weight) if self._from_top else float(self._command[0]),
             block_position=block, block_velocity=float(v[-1, 2]),
             hookload=-float(self._command[0]) if self._from_top else float(mean[state.HOOK_IMPULSE]),
         )  # fmt: skip
-
-    def _bit_torque(self) -> float:
-        return sum(float(torque(block, self._command, self._state.v)) for torque, block in self._torques)
 
     def _failure(self) -> RunError:
         u, v = self._state.u, self._state.v
@@ -189,6 +212,15 @@ class Twin:
             f"{self._command[1]:.6g} rad/s. Try a lower load (the string may have folded), a smaller numerics.step, "
             f"more elements, or a softer wall"
         )
+
+
+def named_arrays(name: str, value: object) -> Iterator[tuple[str, Array]]:
+    """Arrays in nested named tuples, each with its dotted name."""
+    if isinstance(value, np.ndarray):
+        yield name, value
+    elif isinstance(value, tuple):
+        for field, item in zip(getattr(value, "_fields", map(str, range(len(value)))), value, strict=True):
+            yield from named_arrays(f"{name}.{field}", item)
 
 
 def form_of(scene: Scene) -> str:
@@ -204,19 +236,3 @@ def _largest_compression(scene: Scene) -> float:
 def _fastest(scene: Scene) -> float:
     command = scene.rig.rotation
     return max(abs(command.value), abs(command.initial))
-
-
-def _hang(state: state.State, rod: Rod, scene: Scene, weight_on_bit: float) -> None:
-    """Start straight and in axial balance, so that the string's weight is not dropped on it at t = 0."""
-    axial_weight = np.zeros(rod.length.size)
-    gravity = getattr(scene.effects, "gravity", None)
-    if gravity is not None:
-        axial_weight = rod.line_mass * gravity.magnitude * np.cos(scene.hole.inclination)
-    below = np.concatenate([[0.0], np.cumsum(axial_weight * rod.length)])
-    tension = below - weight_on_bit
-    if scene.rig.weight_on_bit.at == "top":
-        tension = below - below[-1] - weight_on_bit
-    stiffness = np.concatenate([rod.axial[:1], 0.5 * (rod.axial[1:] + rod.axial[:-1]), rod.axial[-1:]])
-    stretch = np.cumsum(0.5 * (tension[1:] + tension[:-1]) / rod.axial * rod.length)
-    state.u[:, 2] = rod.arc - rod.arc[-1] + np.concatenate([[0.0], stretch]) - stretch[-1]
-    state.u[:, 5] = 1.0 + tension / stiffness

@@ -25,8 +25,12 @@ from drill_twin.messages.whirl_encode import (
 )
 from drill_twin.scene import Scene
 from drill_twin.twin import Twin
-from drill_twin.whirl import MarkInfo
+from drill_twin.whirl import BitMotion, MarkInfo, StickSlip
+from drill_twin.whirl.blind import NOT_OBSERVABLE
 from drill_twin.whirl.findings import Findings
+
+BIT = "bit"
+"""Name under which `/whirl/motion` reports the rotation of the bit: steady, torsional vibration, stick-slip."""
 
 
 def string_geometry(scene: Scene, elements: int) -> StringGeometry:
@@ -90,6 +94,12 @@ class FindingsEncoder:
         """Topic and bytes to publish before the first sample: there is no onset yet."""
         return WHIRL_ONSET, encode_onset(stamp, None)
 
+    @staticmethod
+    def blind(stamp: int, bit: StickSlip) -> tuple[str, bytes]:
+        """Topic and bytes of the motion where there are no marks."""
+        whirl = Motion(STRING_LEVEL, BitMotion.UNKNOWN.value, NOT_OBSERVABLE)
+        return WHIRL_MOTION, encode_motion(stamp, [whirl, Motion(BIT, bit.motion.value, bit.criterion)])
+
     def messages(self, findings: Findings) -> Iterator[tuple[str, bytes]]:
         """Topics and bytes that these findings make."""
         stamp = findings.stamp_ns
@@ -97,7 +107,7 @@ class FindingsEncoder:
             WHIRL_STATE,
             self._state.encode(stamp, findings.orbit_radius, findings.precession, findings.ratio, findings.confidence),
         )
-        motion = (findings.motion, *findings.state)
+        motion = (findings.motion, findings.bit, *findings.state)
         if motion != self._motion or stamp >= self._motion_due:
             self._motion, self._motion_due = motion, stamp - stamp % NANOSECONDS + NANOSECONDS
             yield WHIRL_MOTION, encode_motion(stamp, _motions(findings))
@@ -112,4 +122,5 @@ def _motions(findings: Findings) -> list[Motion]:
     return [
         Motion(STRING_LEVEL, findings.motion.value, findings.motion_criterion),
         *(Motion(mark, state.value, criterion) for mark, state, criterion in marks),
+        Motion(BIT, findings.bit.value, findings.bit_criterion),
     ]

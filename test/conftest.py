@@ -34,6 +34,8 @@ def made_up_frame(nodes: int = 51, time: float = 1.5, seed: int = 1, marks: int 
         spin=random.normal(scale=100.0, size=nodes),
         spin_rate=random.normal(size=nodes),
         wall_force=np.maximum(random.normal(size=nodes), 0.0),
+        wall_depth=-0.01,
+        wall_depth_at=2.0,
         marks=MarkStates(
             position=random.normal(size=(marks, 3)),
             velocity=random.normal(size=(marks, 3)),
@@ -70,7 +72,10 @@ def make_geometry() -> Callable[..., StringGeometry]:
 @pytest.fixture(scope="session")
 def bench_scene() -> Scene:
     """The paper's bench, coarse, short, and pushed so hard that it whirls within a second."""
-    changes = {"wob": "100 N", "duration": "3", "rig.weight_on_bit.duration": "1 s", "numerics.elements": "8"}
+    changes = {
+        "wob": "100 N", "duration": "3", "rig.weight_on_bit.duration": "1 s", "rig.rotation.duration": "0.5 s",
+        "effects.bow.amplitude": "2 mm", "numerics.elements": "8",
+    }  # fmt: skip
     return load_scene("pa6_bench", overrides=changes)
 
 

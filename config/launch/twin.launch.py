@@ -31,6 +31,15 @@ ARGUMENTS = (
     DeclareLaunchArgument("table", default_value="", description="CSV or MAT table of measured set-points to play."),
     DeclareLaunchArgument("record", default_value="false", choices=["true", "false"], description="Record a bag."),
     DeclareLaunchArgument("bag", default_value="", description="New folder of the bag; named by date if empty."),
+    DeclareLaunchArgument(
+        "overrides",
+        default_value="",
+        description='Changes to the scene for simulator and driver, as "hole.radius=80 mm; effects.bow=off".',
+    ),
+    DeclareLaunchArgument(
+        "checkpoint", default_value="", description="File that keeps the state; a new start goes on from it."
+    ),
+    DeclareLaunchArgument("rviz", default_value="false", choices=["true", "false"], description="Open RViz beside it."),
     DeclareLaunchArgument("namespace", default_value="", description="Namespace of all nodes and topics."),
 )
 
@@ -40,9 +49,18 @@ def generate_launch_description() -> LaunchDescription:
     scene, record = _text("scene"), LaunchConfiguration("record")
     waited = PythonExpression(["'simulator analyzer recorder' if '", record, "' == 'true' else 'simulator analyzer'"])
     duration = ParameterValue(LaunchConfiguration("duration"), value_type=float)
-    simulator = _node("simulator", {"scene": scene, "pace": _text("pace"), "duration": duration})
+    overrides = _text("overrides")
+    state = {
+        "scene": scene,
+        "overrides": overrides,
+        "pace": _text("pace"),
+        "duration": duration,
+        "checkpoint": _text("checkpoint"),
+    }
+    simulator = _node("simulator", state)
     driver = {
         "scene": scene,
+        "overrides": overrides,
         "weight_on_bit": _text("wob"),
         "rotation": _text("rps"),
         "table": _text("table"),
@@ -55,6 +73,14 @@ def generate_launch_description() -> LaunchDescription:
             _node("analyzer", {}),
             simulator,
             _node("rig_driver", driver),
+            Node(
+                package="rviz2",
+                executable="rviz2",
+                name="rviz2",
+                namespace=LaunchConfiguration("namespace"),
+                arguments=["-d", PathJoinSubstitution([FindPackageShare(PACKAGE), "views", "twin.rviz"])],
+                condition=IfCondition(LaunchConfiguration("rviz")),
+            ),
             RegisterEventHandler(
                 OnProcessExit(target_action=simulator, on_exit=[EmitEvent(event=Shutdown(reason="simulator ended"))])
             ),

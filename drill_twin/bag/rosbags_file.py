@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-import sqlite3
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from rosbags.rosbag2 import Reader
-from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.metadata import dump_qos_v9
 
 from drill_twin.bag.metadata import Recorded
@@ -47,7 +45,7 @@ class RosbagsFile:
         try:
             with Reader(self.path) as reader:
                 yield reader
-        except (ReaderError, OSError, sqlite3.Error) as error:
+        except Exception as error:  # rosbags, YAML and two SQLites under it raise classes of their own
             raise BagError(f"{self.path}: expected a rosbag2 bag, found {_one_line(error)}") from error
 
 

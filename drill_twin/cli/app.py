@@ -9,10 +9,15 @@ import typer
 
 from drill_twin import __version__
 from drill_twin.cli.bags import analyze, report
+from drill_twin.cli.cost import cost
+from drill_twin.cli.detection import analyzer_score
 from drill_twin.cli.effects import effects
+from drill_twin.cli.paper import calibrate, paper
 from drill_twin.cli.ros import demo, topics
 from drill_twin.cli.run import run
 from drill_twin.cli.scenes import check, scenes, schema
+from drill_twin.cli.verify import verify
+from drill_twin.cli.watch import watch
 
 app = typer.Typer(
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. None of it needs ROS, "
@@ -44,7 +49,13 @@ _RUN, _ASK, _LOOK, _ROS = "Simulate and analyse", "Studies", "Scenes", "ROS"
 app.command(rich_help_panel=_RUN)(run)
 app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
+app.command(rich_help_panel=_RUN)(watch)
+app.command(rich_help_panel=_ASK)(cost)
 app.command(rich_help_panel=_ASK)(effects)
+app.command(rich_help_panel=_ASK)(verify)
+app.command(rich_help_panel=_ASK)(paper)
+app.command(rich_help_panel=_ASK)(calibrate)
+app.command(rich_help_panel=_ASK)(analyzer_score)
 app.command(rich_help_panel=_LOOK)(scenes)
 app.command(rich_help_panel=_LOOK)(check)
 app.command(rich_help_panel=_LOOK)(schema)

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,6 +15,7 @@ from drill_twin.errors import BagError
 
 if TYPE_CHECKING:
     from drill_twin.report import Recording, ReportFiles
+    from drill_twin.report.selection import Selection
 
 
 def analyze(
@@ -23,8 +26,34 @@ def analyze(
     ] = None,
     replace: ReplaceOption = False,
     json: JsonOption = False,
+    marks: Annotated[
+        list[str], typer.Option("--marks", metavar="NAME", help="Analyse only this mark; repeatable, or NAME,NAME.")
+    ] = [],  # noqa: B006  typer reads the default, nobody writes to it
+    begin: Annotated[
+        float, typer.Option("--from", metavar="SECONDS", help="Leave out samples stamped before.", show_default=False)
+    ] = -math.inf,
+    end: Annotated[
+        float, typer.Option("--to", metavar="SECONDS", help="Leave out samples stamped after.", show_default=False)
+    ] = math.inf,
+    topics: Annotated[
+        list[str],
+        typer.Option(
+            "--map",
+            metavar="THEIRS=OURS",
+            help='Read a topic of the bag as one of ours, as "/camera/marks=/marks/state"; repeatable.',
+        ),
+    ] = [],  # noqa: B006
+    clearance: Annotated[
+        str, typer.Option("--clearance", metavar="LENGTH", help='Of the marks in a bag without a scene: "36.75 mm".')
+    ] = "",
+    rim: Annotated[
+        str,
+        typer.Option(
+            "--rim", metavar="LENGTH", help="Outer radius of the string at these marks, if they sit on its wall."
+        ),
+    ] = "",
 ) -> None:
-    """Find onset, frequencies and motion states of whirl in a bag.
+    """Find onset, frequencies and motion states of whirl in a bag, and stick-slip of the bit.
 
     The analysis is that of the analyzer node; where the bag holds what the node found live, the two are compared byte
     for byte. A bag whose recorder was killed is read as far as it goes.
@@ -36,13 +65,14 @@ def analyze(
     if out is not None:
         check_new(out, replace=replace)
     with err().status("analysing the bag"):
-        summary = summarise(_recording(bag, scene))
+        summary = summarise(_recording(bag, scene, _selection(marks, begin, end, topics, clearance, rim)))
     if out is not None:
         write_file(out, to_json(summary))
     if json:
         print_json(summary)
     else:
         print_findings(summary)
+        print_marks(summary)
 
 
 def report(
@@ -91,8 +121,49 @@ def default_folder(bag: Path) -> Path:
     return found.parent if found.name == "bag_0" else found.with_name(f"{found.name}_report")
 
 
-def _recording(bag: Path, scene: str) -> Recording:
+def _recording(bag: Path, scene: str, selection: Selection | None = None) -> Recording:
     from drill_twin.report.recording import read_recording
     from drill_twin.scene import load_scene
 
-    return read_recording(bag, load_scene(scene) if scene else None)
+    return read_recording(bag, load_scene(scene) if scene else None, selection)
+
+
+def _selection(marks: list[str], begin: float, end: float, topics: list[str], clearance: str, rim: str) -> Selection:
+    """The part of a bag that the options name.
+
+    Raises:
+        BagError: An option is not what it should be.
+    """
+    from drill_twin.report.selection import Selection
+    from drill_twin.units import UnitError, parse
+    from drill_twin.units.dimension import LENGTH
+
+    if not begin < end:
+        raise BagError(f"--from, --to: expected a start before the end, found {begin:g} s and {end:g} s")
+    names = {}
+    for pair in topics:
+        theirs, equals, ours = (part.strip() for part in pair.partition("="))
+        if not (equals and theirs and ours):
+            raise BagError(f'--map: expected THEIRS=OURS such as "/camera/marks=/marks/state", found "{pair}"')
+        names[theirs] = ours
+    lengths = []
+    for option, text in (("--clearance", clearance), ("--rim", rim)):
+        try:
+            lengths.append(parse(text, LENGTH) if text else None)
+        except UnitError as error:
+            raise BagError(f"{option}: {error}") from error
+    chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
+    return Selection(chosen, begin, end, names, lengths[0], lengths[1] or 0.0)
+
+
+def print_marks(summary: Mapping[str, Any]) -> None:
+    """The timeline of every mark."""
+    from drill_twin.cli.show import grid, out
+
+    rows = [
+        (mark, f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"])
+        for mark, periods in summary["mark_motion"].items()
+        for period in periods
+    ]
+    if rows:
+        out().print(grid(("mark", "from", "to", "motion", "what decided it"), rows, right=(1, 2)))

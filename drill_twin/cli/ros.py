@@ -20,6 +20,9 @@ def demo(context: typer.Context) -> None:
 
 def topics(
     markdown: Annotated[bool, typer.Option("--markdown", help="Print the table as Markdown.")] = False,
+    rig: Annotated[
+        bool, typer.Option("--rig", help="Print the table of the rig guide: quality of service, stamps and frames.")
+    ] = False,
     json: JsonOption = False,
 ) -> None:
     """List the topics of the nodes and of the bags: names, types, units."""
@@ -28,6 +31,8 @@ def topics(
 
     if json:
         print_json([asdict(topic) for topic in TOPICS.values()])
+    elif rig:
+        print(rig_table(), end="")
     elif markdown:
         print(topic_table(), end="")
     else:
@@ -36,3 +41,26 @@ def topics(
             for topic in TOPICS.values()
         )
         out().print(grid(("topic", "type", "who and when", "meaning"), rows))
+
+
+def rig_table() -> str:
+    """The contract as rig software needs it, in Markdown: who sends, how surely it arrives, what stamps it."""
+    from drill_twin.messages.topics import CLOCK_TOPIC, FLOAT64, FRAME_ID, STRING, TOPICS
+
+    unstamped = (FLOAT64, STRING)
+    lines = [
+        "| topic | type | from | rate | quality of service | stamp and frame |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    for topic in TOPICS.values():
+        latched = ", latched" if topic.latched or topic.name == CLOCK_TOPIC else ""
+        stamp = "none" if topic.type_name in unstamped else f"simulated time, `{FRAME_ID}`"
+        if topic.name == CLOCK_TOPIC:
+            stamp = "simulated time"
+        elif topic.publisher == "all nodes":
+            stamp = "wall time"
+        lines.append(
+            f"| `{topic.name}` | {topic.type_name} | {topic.publisher} | {topic.rate} "
+            f"| reliable, keep last {topic.depth}{latched} | {stamp} |"
+        )
+    return "\n".join(lines) + "\n"

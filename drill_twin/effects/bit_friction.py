@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 import numpy as np
 
 from drill_twin.effects.block import Block
+from drill_twin.rod.bit import BIT_TORQUE, SPIN, pressed
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.site import Site
@@ -46,7 +47,7 @@ def end(
     Spinning turns dry friction into viscous drag mu P / (Omega r) for small v. The couple on the spin goes with it.
     """
     law = parameters.bit_friction
-    weight = max(command[0], 0.0)
+    weight = pressed(parameters.drive.bit)
     vx, vy, spin = v[0, 0], v[0, 1], v[0, 6]
     rim = law.radius * spin
     c = law.coefficient * weight / np.sqrt(vx * vx + vy * vy + rim * rim + 1e-12)
@@ -59,8 +60,10 @@ def end(
     d[6, 7] += c * law.radius * rim
 
 
-def bit_torque(law: Parameters, command: Array, v: Array) -> float:
-    """Torque of the rock on the bit [N m], as `end` applies it."""
-    rim = law.radius * v[0, 6]
-    slide = np.sqrt(v[0, 0] ** 2 + v[0, 1] ** 2 + rim**2 + 1e-12)
-    return float(-law.coefficient * max(command[0], 0.0) * law.radius * rim / slide)
+@kernel
+def done(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+    """Count the torque of the step taken."""
+    law, bit = parameters.bit_friction, parameters.drive.bit
+    rim = law.radius * bit.rate[SPIN]
+    slide = np.sqrt(bit.rate[0] ** 2 + bit.rate[1] ** 2 + rim * rim + 1e-12)
+    bit.impulse[BIT_TORQUE] -= step * law.coefficient * pressed(bit) * law.radius * rim / slide

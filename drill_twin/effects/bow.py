@@ -1,53 +1,72 @@
 # SPDX-License-Identifier: Apache-2.0
 """Initial bow: a stress-free curvature fixed in the material, which turns with the spin."""
 
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
+from pydantic import model_validator
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.block import Block, Seed
+from drill_twin.effects.harmonics import generator, random_line
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.section import COUPLE, MX, MY, MZ, Strain
 from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
-from drill_twin.units import Angle, Length, Within
+from drill_twin.units import Angle, Length, Within, refuse
 
 
 class Bow(Block):
     """A string that is not straight when at rest; the seed from which buckling and whirl grow."""
 
-    amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m")]
-    """Deflection of the stress-free string off the straight line at mid-span [m]; below the clearance."""
-    shape: Literal["half_wave", "uniform"] = "half_wave"
-    """`half_wave`: one half sine over the length; `uniform`: constant curvature."""
-    angle: Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg")] = 0.0
+    amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
+    """Deflection of the stress-free string off the straight line [m], below the clearance: at mid-span, or its root
+    mean square where it is random."""
+    shape: Literal["half_wave", "uniform", "random"] = "half_wave"
+    """`half_wave`: one half sine over the length; `uniform`: constant curvature; `random`: crooked in both directions,
+    with a Gaussian correlation along the string."""
+    angle: Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg", reason="a turn")] = 0.0
     """Direction of the bow in the material, from the spin's zero [rad]."""
+    correlation_length: Annotated[Length, Within(above="0 m", at_most="20 km", reason="the longest string")] | None = (
+        None
+    )
+    """Of a random bow: length along the string after which its correlation has fallen to exp(-1/2) [m]."""
+    seed: Seed = 1
+    """Of a random bow: seed; the same seed is the same string, however finely it is cut."""
+
+    @model_validator(mode="after")
+    def _random_has_a_length(self) -> Self:
+        if (self.shape == "random") != (self.correlation_length is not None):
+            found = "none" if self.correlation_length is None else f'one with shape "{self.shape}"'
+            raise refuse(f'expected a `correlation_length` with shape "random" and only there, found {found}')
+        return self
 
 
 class Parameters(NamedTuple):
-    """EI times the stress-free curvature [N m], shape (2 n,), and its direction in the material [rad]."""
+    """EI times the stress-free curvature in the material [N m], shape (2 n, 2)."""
 
     moment: Array
-    angle: float
 
 
 def parameters(block: Bow, site: Site) -> Parameters:
-    """Curvature of a half sine wave or an arc with the block's height at mid-span."""
+    """Curvature of a half sine wave or an arc with the block's height at mid-span, or of a random line."""
     length = site.string_length
+    curvature = np.full(site.places.shape, -8.0 * block.amplitude / length**2 + 0.0j)
     if block.shape == "half_wave":
-        curvature = -block.amplitude * (np.pi / length) ** 2 * np.sin(np.pi * site.places / length)
-    else:
-        curvature = np.full(site.places.shape, -8.0 * block.amplitude / length**2)
-    return Parameters(site.at_places(site.rod.bending) * curvature, block.angle)
+        curvature = -block.amplitude * (np.pi / length) ** 2 * np.sin(np.pi * site.places / length) + 0.0j
+    if block.correlation_length is not None:
+        random = generator(site, block.seed, "bow")
+        curvature = block.amplitude * random_line(site.places, block.correlation_length, random, derivative=2)
+    moment = site.at_places(site.rod.bending) * curvature * np.exp(1j * block.angle)
+    return Parameters(np.stack([moment.real, moment.imag], -1))
 
 
 @kernel
 def section(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Array) -> None:
     """Moment EI (q - q_0) with q_0 fixed in the material: the smallest turn of z onto t, then the spin."""
-    moment = parameters.bow.moment[strain.place]
-    angle = strain.psi + parameters.bow.angle
-    cx, cy = moment * np.cos(angle), moment * np.sin(angle)
+    own_x, own_y = parameters.bow.moment[strain.place, 0], parameters.bow.moment[strain.place, 1]
+    turn_x, turn_y = strain.cos_psi, strain.sin_psi
+    cx, cy = own_x * turn_x - own_y * turn_y, own_x * turn_y + own_y * turn_x
     along = (cx * strain.tx + cy * strain.ty) / (1.0 + strain.tz)
     mx, my, mz = cx - strain.tx * along, cy - strain.ty * along, -(cx * strain.tx + cy * strain.ty)
     resultants[MX] -= mx

@@ -15,9 +15,11 @@ from drill_twin.units import LinearDrag, RotaryDrag, Within
 class Drag(Block):
     """Viscous drag per length of string, against lateral and axial motion and against spin."""
 
-    linear: Annotated[LinearDrag, Within(at_least="0 N s/m^2", at_most="1e6 N s/m^2")]
+    linear: Annotated[LinearDrag, Within(at_least="0 N s/m^2", at_most="1e6 N s/m^2", reason="a string in cold tar")]
     """Force per length and velocity [N s/m^2]."""
-    rotary: Annotated[RotaryDrag, Within(at_least="0 N m s/rad/m", at_most="1e6 N m s/rad/m")] = 0.0
+    rotary: Annotated[
+        RotaryDrag, Within(at_least="0 N m s/rad/m", at_most="1e6 N m s/rad/m", reason="a string in cold tar")
+    ] = 0.0
     """Torque per length and spin rate [N m s/rad/m]."""
 
 

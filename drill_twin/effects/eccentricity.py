@@ -1,44 +1,106 @@
 # SPDX-License-Identifier: Apache-2.0
 """Imbalance: the mass centre of each cross-section lies off the centre line and turns with the spin."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
+from pydantic import Field, model_validator
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.block import Block, Seed
+from drill_twin.effects.harmonics import generator, random_line
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.point import Point
 from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
-from drill_twin.units import Angle, Length, Within
+from drill_twin.units import Angle, Length, Within, refuse
+
+Offset = Annotated[Length, Within(at_least="0 m", at_most="1 m", reason="no string is thicker")]
+Direction = Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg", reason="a turn")]
 
 
-class Eccentricity(Block):
-    """Mass eccentricity, the same along the string."""
+class Imbalance(Block):
+    """Where the mass centre of one section lies."""
 
-    offset: Annotated[Length, Within(at_least="0 m", at_most="1 m")]
+    offset: Offset
     """Distance of the mass centre from the centre line [m]; below the outer radius."""
-    angle: Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg")] = 0.0
+    angle: Direction = 0.0
     """Direction of the mass centre in the material, from the spin's zero [rad]."""
 
 
-class Parameters(NamedTuple):
-    """Mass per length times offset of the mass centre [kg], shape (2 n,), and its angle in the material [rad]."""
+class Eccentricity(Block):
+    """Mass eccentricity: the same along the string, or section by section, and a random part that comes on top."""
 
-    imbalance: Array
-    angle: float
+    offset: Offset | None = None
+    """Distance of the mass centre from the centre line [m]; below the outer radius."""
+    angle: Direction = 0.0
+    """Direction of the mass centre in the material, from the spin's zero [rad]; the random part has none."""
+    sections: Annotated[tuple[Imbalance, ...], Field(max_length=1000)] = ()
+    """Instead of `offset` and `angle`: the eccentricity of each section of the string, FROM THE BIT UP."""
+    rms: Offset = 0.0
+    """Random part: root mean square of its distance from the centre line [m]."""
+    correlation_length: Annotated[Length, Within(above="0 m", at_most="20 km", reason="the longest string")] | None = (
+        None
+    )
+    """Random part: length along the string after which its correlation has fallen to exp(-1/2) [m]."""
+    seed: Seed = 1
+    """Random part: seed; the same seed is the same string, however finely it is cut."""
+
+    @model_validator(mode="after")
+    def _says_where_the_mass_is(self) -> Self:
+        if self.offset is not None and self.sections:
+            raise refuse("expected `offset` or `sections`, found both: the offset of each section says it all")
+        if self.offset is None and not self.sections and self.rms == 0.0:
+            raise refuse("expected an `offset`, `sections`, or a random `rms` above 0 m, found none")
+        if self.rms > 0.0 and self.correlation_length is None:
+            raise refuse("expected a `correlation_length` with `rms`, found none")
+        if self.rms == 0.0 and self.correlation_length is not None:
+            raise refuse("expected an `rms` with `correlation_length`, found none")
+        return self
+
+
+class Parameters(NamedTuple):
+    """Mass per length times place of the mass centre in the material, and the inertia that this adds."""
+
+    imbalance: Array  # [kg], shape (2 n, 2)
+    inertia: Array  # [kg m], shape (2 n,)
+
+
+def offsets(block: Eccentricity, site: Site) -> Array:
+    """Mass centre in the material at the Gauss points [m], shape (2 n, 2)."""
+    own = [part.offset * np.exp(1j * part.angle) for part in block.sections]
+    fixed = np.array(own)[site.section] if own else np.full(site.section.shape, block.offset or 0.0 + 0.0j)
+    line = site.at_places(fixed) * np.exp(1j * block.angle)
+    if block.correlation_length is not None:
+        random = generator(site, block.seed, "eccentricity")
+        line = line + block.rms * random_line(site.places, block.correlation_length, random)
+    return np.stack([line.real, line.imag], -1)
 
 
 def parameters(block: Eccentricity, site: Site) -> Parameters:
-    """The same offset along the whole string."""
-    return Parameters(site.at_places(site.rod.line_mass) * block.offset, block.angle)
+    """Imbalance and inertia m e^2 of each Gauss point."""
+    place, mass = offsets(block, site), site.at_places(site.rod.line_mass)
+    return Parameters(mass[:, None] * place, mass * np.sum(place**2, axis=1))
 
 
 @kernel
 def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Centrifugal force m e Omega^2 of the turning mass centre (Genta 2005, Jeffcott rotor)."""
-    angle = here.spin + parameters.eccentricity.angle
-    force = parameters.eccentricity.imbalance[here.place] * here.spin_rate * here.spin_rate
-    load[0] += force * np.cos(angle)
-    load[1] += force * np.sin(angle)
+    """Inertia of a mass centre at r + e that turns with the spin (Jeffcott rotor, Genta 2005), at small slopes.
+
+    -m e_ddot on the line and the couple -e x m (r_ddot + e_ddot) on the spin; the weight is left on the centre line.
+    """
+    turn_x, turn_y = here.cos_spin, here.sin_spin
+    law, omega, alpha = parameters.eccentricity, here.spin_rate, here.spin_up
+    own_x, own_y = law.imbalance[here.place, 0], law.imbalance[here.place, 1]
+    inertia = law.inertia[here.place]
+    ex, ey = own_x * turn_x - own_y * turn_y, own_x * turn_y + own_y * turn_x
+    fx, fy = ex * omega * omega + ey * alpha, ey * omega * omega - ex * alpha
+    load[0] += fx
+    load[1] += fy
+    load[3] += ey * here.ax - ex * here.ay - inertia * alpha
+    rate = 1.0 / h2
+    stiff[0, 3] += h2 * fy - 2.0 * ex * omega - rate * ey
+    stiff[1, 3] += rate * ex - 2.0 * ey * omega - h2 * fx
+    stiff[3, 0] -= rate * ey
+    stiff[3, 1] += rate * ex
+    stiff[3, 3] += rate * inertia - h2 * (ex * here.ax + ey * here.ay)

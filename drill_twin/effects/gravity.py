@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gravity along the plumb line; the hole may be inclined to it (`hole.inclination`)."""
+"""Gravity along the plumb line, less buoyancy; the hole may be inclined to it (`hole.inclination`)."""
 
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from drill_twin.effects.block import Block
+from drill_twin.effects.mud import displaced_area
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.point import Point
@@ -15,9 +16,14 @@ from drill_twin.units import Acceleration, Within
 
 
 class Gravity(Block):
-    """Weight of the string."""
+    """Weight of the string, buoyant where `mud` is listed: (m - rho A) g with the cross-section A that displaces mud.
 
-    magnitude: Annotated[Acceleration, Within(at_least="0 m/s^2", at_most="1000 m/s^2")] = 9.81
+    Axial forces and hookload are then the effective ones (Sparks 1984): they count the pressure of the mud.
+    """
+
+    magnitude: Annotated[
+        Acceleration, Within(at_least="0 m/s^2", at_most="1000 m/s^2", reason="a hundred times that of the Earth")
+    ] = 9.81
     """Acceleration of free fall, downwards [m/s^2]."""
 
 
@@ -27,10 +33,16 @@ class Parameters(NamedTuple):
     weight: Array
 
 
+def line_weight(block: Gravity, site: Site) -> Array:
+    """Weight per length less buoyancy (m - rho A) g, by element [N/m], shape (n,); negative where the string floats."""
+    weight: Array = block.magnitude * (site.rod.line_mass - site.fluid_density * displaced_area(site))
+    return weight
+
+
 def parameters(block: Gravity, site: Site) -> Parameters:
     """Weight of the string at each Gauss point; the low side of an inclined hole is +x."""
     direction = np.array([np.sin(site.inclination), 0.0, -np.cos(site.inclination)])
-    return Parameters(block.magnitude * site.at_places(site.rod.line_mass)[:, None] * direction)
+    return Parameters(site.at_places(line_weight(block, site))[:, None] * direction)
 
 
 @kernel

@@ -14,7 +14,7 @@ from drill_twin.units import Speed, Within
 class LateralKick(Block):
     """Initial velocity in x."""
 
-    velocity: Annotated[Speed, Within(at_least="-100 m/s", at_most="100 m/s")]
+    velocity: Annotated[Speed, Within(at_least="-100 m/s", at_most="100 m/s", reason="no string is kicked harder")]
     """Velocity at mid-span at time zero [m/s]."""
     shape: Literal["half_wave", "hump"] = "half_wave"
     """`half_wave`: one half sine over the length; `hump`: its square, which suits clamped ends."""

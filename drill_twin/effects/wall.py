@@ -1,79 +1,145 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Contact with the wall of the hole: force per length K d^1.5 on the penetration d, with loss on rebound."""
+"""Contact with the wall of the hole: force per length K d^1.5 or K d on the penetration d, with loss on rebound."""
 
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
+from pydantic import model_validator
+from pydantic_core import PydanticCustomError
 
 from drill_twin.effects.block import Block
+from drill_twin.rod.hole import Bore, aside
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.point import Point
 from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
-from drill_twin.units import Dimensionless, HertzStiffness, Speed, Within
+from drill_twin.units import Dimensionless, HertzStiffness, LinearStiffness, Speed, Within
 
 
 class Wall(Block):
-    """Hertz contact with the loss of Hunt and Crossley (1975); the exponent is that of the paper's Eq. 11."""
+    """Elastic wall with the loss of Hunt and Crossley (1975); the exponent 1.5 is that of the paper's Eq. 11.
 
-    stiffness: Annotated[HertzStiffness, Within(above="0 N/m^2.5", at_most="1e15 N/m^2.5")]
-    """Contact stiffness K per length of string [N/m^2.5]."""
-    restitution: Annotated[Dimensionless, Within(above="0", at_most="1")] = 0.5
+    Takes `stiffness` (Hertz, K d^1.5) or `linear_stiffness` (K d), both per metre of string.
+    """
+
+    stiffness: Annotated[HertzStiffness, Within(above="0 N/m^2.5", at_most="1e15 N/m^2.5")] | None = None
+    """Contact stiffness K per length of string, force K d^1.5 on the penetration d [N/m^2.5]."""
+    linear_stiffness: Annotated[LinearStiffness, Within(above="0 N/m^2", at_most="1e13 N/m^2")] | None = None
+    """Instead of `stiffness`: contact stiffness K per length of string, force K d [N/m^2]."""
+    restitution: Annotated[
+        Dimensionless, Within(at_least="0.01", at_most="1", reason="such a wall always throws back a little")
+    ] = 0.5
     """Speed after over speed before an impact at the reference speed [-]; 1 = no loss."""
     reference_speed: Annotated[Speed, Within(above="0 m/s", at_most="100 m/s")] = 0.1
-    """Impact speed at which the restitution holds [m/s]."""
+    """Impact speed at which the restitution holds [m/s]; slower impacts lose less."""
 
-    exponent: ClassVar[float] = 1.5
-    """Power of the penetration [-]."""
+    @model_validator(mode="after")
+    def _has_one_law(self) -> Self:
+        if (self.stiffness is None) == (self.linear_stiffness is None):
+            found = "neither" if self.stiffness is None else "both"
+            message = f'expected either `stiffness` such as "1e7 N/m^2.5" or `linear_stiffness`, found {found}'
+            raise PydanticCustomError("drill_twin", "{message}", {"message": message})
+        return self
 
 
 class Parameters(NamedTuple):
-    """Wall per Gauss point: clearance [m] and, per metre of string, stiffness [N/m^2.5] and damping factor [s/m]."""
+    """The hole per Gauss point, and the law of the wall per metre of string."""
 
-    clearance: Array
-    stiffness: float
-    damping: float
+    bore: Bore
+    lever: Array  # radius of the string's surface that meets the wall [m], shape (2 n,)
+    stiffness: float  # [N/m^2.5], or [N/m^2] of a linear wall
+    linear: bool
+    damping: float  # chi [s/m]
 
 
 def parameters(block: Wall, site: Site) -> Parameters:
-    """Clearance by section; Hunt and Crossley's damping factor 3/2 (1 - e) / v_0 for restitution e at speed v_0."""
-    clearance = site.at_places(site.hole_radius - site.rod.outer_radius)
-    return Parameters(clearance, block.stiffness, 1.5 * (1.0 - block.restitution) / block.reference_speed)
+    """Clearance by place; the damping factor that gives the stated restitution at the reference speed."""
+    return Parameters(
+        bore=site.bore,
+        lever=site.contact_radius,
+        stiffness=block.stiffness or block.linear_stiffness or 0.0,
+        linear=block.stiffness is None,
+        damping=loss(block.restitution) / block.reference_speed,
+    )
+
+
+def loss(restitution: float) -> float:
+    """Damping factor times impact speed, a = chi v, for which speed after over before is e: exact for any power of d.
+
+    With force K d^p (1 + chi d_dot), m v dv = -K d^p (1 + chi v) dd separates. Integrated over approach and rebound it
+    says a - ln(1 + a) = -e a - ln(1 - e a), whatever K, p and m (Gonthier, McPhee, Lange and Piedboeuf 2004, Multibody
+    System Dynamics 11, 209-233, Eq. 21); 3/2 (1 - e) is its limit for small loss (Hunt and Crossley 1975).
+    """
+    if restitution >= 1.0:
+        return 0.0
+
+    def excess(a: float) -> float:
+        return float(a * (1.0 + restitution) - np.log1p(a) + np.log1p(-restitution * a))
+
+    # positive from 0 up to the root, then falling to minus infinity at 1 / e
+    low, high = 0.0, 1.0 / restitution
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if excess(middle) > 0.0 else (low, middle)
+    return 0.5 * (low + high)
+
+
+class Touch(NamedTuple):
+    """Contact at a place: the normal force, and the directions of the hole there."""
+
+    force: float  # normal force per length [N/m], 0 off the wall
+    slope: float  # of the force by the normal velocity, plus h2 times that by the penetration [N s/m2]
+    swing: float  # h2 times the slope by moving round the hole: the normal velocity turns with the normal [N s/m2]
+    radius: float  # distance of the centre line from the hole's axis [m]
+    nx: float  # outward normal
+    ny: float
+    nz: float
+    tx: float  # the hole's axis, upwards
+    ty: float
+    tz: float
 
 
 @kernel
-def press(wall: Parameters, here: Point, h2: float) -> tuple[float, float, float, float, float]:
-    """Normal force per length [N/m], its slope by the normal velocity, and the outward normal; zeros off the wall.
+def press(wall: Parameters, here: Point, h2: float) -> Touch:
+    """Normal force of the wall on the string per length; zero off the wall.
 
-    N = K d^1.5 (1 + chi d_dot), not negative (Hertz; Hunt and Crossley 1975). d is the penetration of the string's
+    N = K d^p (1 + chi d_dot), not negative (Hertz; Hunt and Crossley 1975). d is the penetration of the string's
     surface into the wall: the paper's Eq. 12 with the condition that its print lost, d > 0.
     """
-    square = here.x * here.x + here.y * here.y
-    clearance = wall.clearance[here.place]
+    off = aside(wall.bore.axis, here.place, here.x, here.y, here.z)
+    square = off.x * off.x + off.y * off.y + off.z * off.z
+    clearance = wall.bore.clearance[here.place]
     if square <= clearance * clearance:
-        return 0.0, 0.0, 0.0, 0.0, 1.0
+        return Touch(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
     radius = np.sqrt(square)
-    nx, ny = here.x / radius, here.y / radius
+    nx, ny, nz = off.x / radius, off.y / radius, off.z / radius
     depth = radius - clearance
-    root = np.sqrt(depth)
-    factor = 1.0 + wall.damping * (nx * here.vx + ny * here.vy)
-    if factor <= 0.0:
-        return 0.0, 0.0, nx, ny, radius
-    hertz = wall.stiffness * depth * root
-    slope = h2 * 1.5 * wall.stiffness * root * factor + hertz * wall.damping
-    return hertz * factor, slope, nx, ny, radius
+    factor = max(1.0 + wall.damping * (nx * here.vx + ny * here.vy + nz * here.vz), 0.0)
+    gradient = wall.stiffness if wall.linear else 1.5 * wall.stiffness * np.sqrt(depth)
+    spring = gradient * depth if wall.linear else gradient * depth / 1.5
+    loss_slope = spring * wall.damping if factor > 0.0 else 0.0
+    slope = h2 * gradient * factor + loss_slope
+    around = (
+        (off.ty * nz - off.tz * ny) * here.vx + (off.tz * nx - off.tx * nz) * here.vy
+        + (off.tx * ny - off.ty * nx) * here.vz
+    )  # fmt: skip
+    swing = h2 * loss_slope * around / radius
+    return Touch(spring * factor, slope, swing, radius, nx, ny, nz, off.tx, off.ty, off.tz)
 
 
 @kernel
 def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     """Push the string back into the hole."""
-    force, slope, nx, ny, radius = press(parameters.wall, here, h2)
-    if force > 0.0:
-        load[0] -= force * nx
-        load[1] -= force * ny
-        across = h2 * force / radius
-        stiff[0, 0] += slope * nx * nx + across * ny * ny
-        stiff[0, 1] += (slope - across) * nx * ny
-        stiff[1, 0] += (slope - across) * nx * ny
-        stiff[1, 1] += slope * ny * ny + across * nx * nx
+    at = press(parameters.wall, here, h2)
+    if at.force > 0.0:
+        load[0] -= at.force * at.nx
+        load[1] -= at.force * at.ny
+        load[2] -= at.force * at.nz
+        # the normal turns with the point about the axis: c = t x n is the way round
+        across = h2 * at.force / at.radius
+        cx, cy, cz = at.ty * at.nz - at.tz * at.ny, at.tz * at.nx - at.tx * at.nz, at.tx * at.ny - at.ty * at.nx
+        n, c = (at.nx, at.ny, at.nz), (cx, cy, cz)
+        for i in range(3):
+            for j in range(3):
+                stiff[i, j] += n[i] * (at.slope * n[j] + at.swing * c[j]) + across * c[i] * c[j]

@@ -67,45 +67,44 @@ def dual(memory: Array, fresh: bool, count: float, across: float, along: float, 
 
 @kernel
 def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Friction against the slip of the contact point: v_t + Omega r across, v_z along (paper Eq. 10 on the true slip).
+    """Friction against the slip of the contact point, around v.c + r psi_dot and along v.t (paper Eq. 10).
 
-    mu N s / sqrt(s^2 + creep^2) / (1 + delta s). The paper's 2/pi arctan(xi s) has the same limits and the same slope
-    at rest.
+    mu N s / sqrt(s^2 + creep^2) / (1 + delta s), with t the hole's axis, n the outward normal and c = t x n. The
+    paper's 2/pi arctan(xi s) has the same limits and the same slope at rest.
     """
-    force, slope, nx, ny, _ = press(parameters.wall, here, h2)
-    if force > 0.0:
+    at = press(parameters.wall, here, h2)
+    if at.force > 0.0:
         law = parameters.wall_friction
-        r = rod.outer_radius[here.element]
-        across = nx * here.vy - ny * here.vx + r * here.spin_rate
-        along = here.vz
-        square = across * across + along * along
-        size = np.sqrt(square + law.creep * law.creep)
-        limit = law.coefficient / (1.0 + law.decay * np.sqrt(square))
-        st, sz = across / size, along / size
-        ft, fz = -limit * force * st, -limit * force * sz
-        load[0] -= ft * ny
-        load[1] += ft * nx
-        load[2] += fz
+        r = parameters.wall.lever[here.place]
+        tx, ty, tz = at.tx, at.ty, at.tz
+        cx, cy, cz = ty * at.nz - tz * at.ny, tz * at.nx - tx * at.nz, tx * at.ny - ty * at.nx
+        around = cx * here.vx + cy * here.vy + cz * here.vz + r * here.spin_rate
+        along = tx * here.vx + ty * here.vy + tz * here.vz
+        slip = np.sqrt(around * around + along * along)
+        size = np.sqrt(slip * slip + law.creep * law.creep)
+        falling = 1.0 + law.decay * slip
+        limit = law.coefficient / falling
+        st, sz = around / size, along / size
+        ft, fz = -limit * at.force * st, -limit * at.force * sz
+        load[0] += ft * cx + fz * tx
+        load[1] += ft * cy + fz * ty
+        load[2] += ft * cz + fz * tz
         load[3] += r * ft
-        dt, dz = dual(law.memory[here.place], here.fresh, here.iteration, across, along, size)
-        scale = limit * force / size
+        dt, dz = dual(law.memory[here.place], here.fresh, here.iteration, around, along, size)
+        scale = limit * at.force / size
         tt, zz = scale * (1.0 - dt * st), scale * (1.0 - dz * sz)
-        tz = -0.5 * scale * (dt * sz + dz * st)
+        mixed = -0.5 * scale * (dt * sz + dz * st)
+        if slip > law.creep:  # the limit falls with slip; within the creep the slope of the sign is all
+            fall = limit * at.force * law.decay / (falling * slip)
+            tt, zz, mixed = tt - fall * st * around, zz - fall * sz * along, mixed - fall * st * along
         # friction grows with the pressure: unsymmetric
-        tn, zn = limit * slope * st, limit * slope * sz
-        stiff[0, 0] += tt * ny * ny - tn * ny * nx
-        stiff[0, 1] -= tt * nx * ny + tn * ny * ny
-        stiff[0, 2] -= tz * ny
-        stiff[0, 3] -= tt * ny * r
-        stiff[1, 0] -= tt * nx * ny - tn * nx * nx
-        stiff[1, 1] += tt * nx * nx + tn * nx * ny
-        stiff[1, 2] += tz * nx
-        stiff[1, 3] += tt * nx * r
-        stiff[2, 0] += zn * nx - tz * ny
-        stiff[2, 1] += zn * ny + tz * nx
-        stiff[2, 2] += zz
-        stiff[2, 3] += tz * r
-        stiff[3, 0] += r * (tn * nx - tt * ny)
-        stiff[3, 1] += r * (tn * ny + tt * nx)
-        stiff[3, 2] += r * tz
-        stiff[3, 3] += r * r * tt
+        tn, zn = limit * at.slope * st, limit * at.slope * sz
+        tc, zc, nc = limit * at.swing * st, limit * at.swing * sz, h2 * ft / at.radius
+        # rows and columns: force and velocity along x, y, z and about the axis, of which c takes r
+        c, t, n = (cx, cy, cz, r), (tx, ty, tz, 0.0), (at.nx, at.ny, at.nz, 0.0)
+        for i in range(4):
+            on_c, on_t, on_n = tt * c[i] + mixed * t[i], mixed * c[i] + zz * t[i], tn * c[i] + zn * t[i]
+            turned = tc * c[i] + zc * t[i] + nc * n[i]
+            for j in range(3):
+                stiff[i, j] += (on_c + turned) * c[j] + on_t * t[j] + on_n * n[j]
+            stiff[i, 3] += on_c * r

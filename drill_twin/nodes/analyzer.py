@@ -25,7 +25,6 @@ from drill_twin.messages.topics import (
 from drill_twin.nodes.base import TwinNode, run_node
 from drill_twin.nodes.parameters import Parameter, Value
 from drill_twin.nodes.start import StopRequest
-from drill_twin.whirl.findings import Quality
 
 _DEPTH = 1000  # messages; 5 s at 200 Hz
 _STALE = 1.0  # s without a sample
@@ -74,7 +73,7 @@ class Analyzer(TwinNode):
         pipeline = self._pipeline
         runs = pipeline.runs
         self._publish(pipeline.take(topic, bytes(raw)))
-        if topic == MARKS_STATE:
+        if topic == MARKS_STATE or pipeline.blind is not None:
             self._last_sample = time.monotonic()
         if pipeline.runs != runs:
             self._announced = False
@@ -111,7 +110,7 @@ class Analyzer(TwinNode):
     def health(self) -> Status:
         """Samples good and bad, and the state of motion."""
         pipeline = self._pipeline
-        quality = Quality() if pipeline.findings is None else pipeline.findings.quality
+        quality = pipeline.quality
         values = {
             "samples": str(quality.accepted),
             "duplicate": str(quality.duplicate),
@@ -130,8 +129,7 @@ class Analyzer(TwinNode):
         silent = time.monotonic() - self._last_sample
         if silent > _STALE:
             return Status(self.NAME, Level.STALE, f"no sample for {silent:.1f} s", values)
-        motion = "unknown" if pipeline.findings is None else pipeline.findings.motion.value
-        return Status(self.NAME, Level.OK, f"motion: {motion}", values)
+        return Status(self.NAME, Level.OK, f"motion: {pipeline.motion}", values)
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:

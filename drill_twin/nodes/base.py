@@ -21,6 +21,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.service import Service
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 from rclpy.utilities import remove_ros_args
@@ -30,9 +31,13 @@ from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.messages.topics import DIAGNOSTICS, TOPICS, Topic
 from drill_twin.nodes import discovery
-from drill_twin.nodes.parameters import Parameter, Value, declare, help_text
+from drill_twin.nodes.overrides import OVERRIDABLE, readable_overrides, refuse_unused
+from drill_twin.nodes.parameters import Parameter, Value, declare, file_text, help_text
+from drill_twin.nodes.readiness import connected_readers, missing_readers, readers_of
+from drill_twin.nodes.security import readable_refusal
 from drill_twin.nodes.start import StopRequest
 
+_AT_ONCE = 200  # messages of one topic taken in one turn
 _SENT_DEPTH = 1000  # messages kept until every reader has them; 5 s at 200 Hz
 
 Received = Callable[[bytes, Mapping[str, Any]], None]
@@ -59,6 +64,9 @@ class TwinNode(Node):
         self._executor.add_node(self)
         self._incoming: list[tuple[Subscription, Received]] = []
         self.outgoing: dict[str, Publisher] = {}
+        self.services_while_configured: list[Service] = []
+        self._readiness: Service | None = None
+        self.shares_parameters = bool(also_known)
         self._diagnostics = self.advertise(DIAGNOSTICS)
         self._tick = Tick(1.0)
 
@@ -79,6 +87,11 @@ class TwinNode(Node):
         """Whether the node has done what it was started for."""
         return False
 
+    @property
+    def comes_later(self) -> bool:
+        """Whether topics are still to be offered; then nobody is told yet that this node is here."""
+        return False
+
     def not_ready(self) -> str:
         """Why this node cannot take part yet; empty when it can."""
         return ""
@@ -87,12 +100,17 @@ class TwinNode(Node):
         """Diagnostic status, asked for once a second."""
         return Status(self.NAME, Level.OK, "running")
 
+    def judge_live(self, settings: SimpleNamespace) -> None:
+        """Refuse settings with a live change in them, by raising a DrillTwinError."""
+
+    def on_live(self) -> None:
+        """A live parameter was changed; the settings hold the new value."""
+
     # --- the loop -------------------------------------------------------------------------------------------------
 
     def run(self, stop: StopRequest) -> None:
         """Work until finished or asked to stop."""
-        # The last thing a node creates: who sees this service has seen all its topics.
-        self.create_service(Trigger, "~/ready", self._answer_ready)
+        self.offer_readiness()
         while not stop and not self.finished:
             self.work()
             if self._tick.due():
@@ -106,8 +124,10 @@ class TwinNode(Node):
     def take_all(self) -> int:
         """Hand everything that has arrived to its callback, without waiting; returns how many messages."""
         count = 0
-        for subscription, received in self._incoming:
-            while (taken := _take(subscription)) is not None:
+        for subscription, received in tuple(self._incoming):
+            for _ in range(_AT_ONCE):  # not for ever: a flood must not keep the node from its work
+                if (taken := _take(subscription)) is None:
+                    break
                 received(*taken)
                 count += 1
         return count
@@ -127,6 +147,24 @@ class TwinNode(Node):
         named = replace(self.health(), name=self.get_fully_qualified_name().lstrip("/"))
         self._diagnostics.publish(encode_diagnostics(self.get_clock().now().nanoseconds, [named]))
 
+    def offer_readiness(self) -> None:
+        """Create the service `~/ready`, last of all: who sees it has seen all topics of this node."""
+        if self._readiness is None and not self.comes_later:
+            self._readiness = self.create_service(Trigger, "~/ready", self._answer_ready)
+
+    def retire(self) -> None:
+        """Take back all topics and services but the diagnostics, as if they had never been offered."""
+        for service in (self._readiness, *self.services_while_configured):
+            if service is not None:
+                self.destroy_service(service)
+        for subscription, _ in self._incoming:
+            self.destroy_subscription(subscription)
+        for topic in set(self.outgoing) - {DIAGNOSTICS}:
+            self.destroy_publisher(self.outgoing.pop(topic))
+        self._readiness = None
+        self.services_while_configured.clear()
+        self._incoming.clear()
+
     # --- topics ---------------------------------------------------------------------------------------------------
 
     def advertise(self, topic: str, *, latched: bool | None = None) -> Publisher:
@@ -134,7 +172,10 @@ class TwinNode(Node):
         row = TOPICS[topic]
         depth = 0 if row.latched else _SENT_DEPTH
         quality = _quality(row, depth=depth, latched=latched)
-        publisher = self.create_publisher(message_class(row), _relative(topic), quality)
+        with readable_overrides(topic):
+            publisher = self.create_publisher(
+                message_class(row), _relative(topic), quality, qos_overriding_options=OVERRIDABLE
+            )
         self.outgoing[topic] = publisher
         return publisher
 
@@ -146,7 +187,10 @@ class TwinNode(Node):
         def callback(raw: bytes, info: Mapping[str, Any]) -> None:
             received(raw, info)
 
-        subscription = self.create_subscription(message_class(row), _relative(topic), callback, quality, raw=True)
+        with readable_overrides(topic):
+            subscription = self.create_subscription(
+                message_class(row), _relative(topic), callback, quality, raw=True, qos_overriding_options=OVERRIDABLE
+            )
         self._incoming.append((subscription, received))
         return subscription
 
@@ -160,7 +204,7 @@ class TwinNode(Node):
         late = [
             topic
             for topic, publisher in self.outgoing.items()
-            if publisher.get_subscription_count() < self.count_subscribers(publisher.topic_name)
+            if publisher.get_subscription_count() < readers_of(self, publisher.topic_name)
         ]
         return f"not yet connected to the readers of {', '.join(late)}" if late else ""
 
@@ -186,25 +230,33 @@ class TwinNode(Node):
         """
         clients = {name: self.create_client(Trigger, f"{name}/ready") for name in names.split()}
         deadline = time.monotonic() + seconds
-        for name, client in clients.items():
-            said = ""
-            while not stop and (reason := self._ask_ready(client)):
-                if reason != said:
-                    self.get_logger().info(f"waiting for {name}: {reason}")
-                    said = reason
-                if time.monotonic() > deadline:
-                    raise RunError(
-                        f"waited {seconds:g} s for the node {name}: {reason}; start it in the same ROS_DOMAIN_ID and "
-                        "namespace, or take its name out of the parameter wait_for"
-                    )
-            if said:
-                self.get_logger().info(f"{name} is ready")
+        # Twice: only who has seen all of them can tell whether each is connected to all the others.
+        for ask in (self._ask_present, self._ask_ready):
+            for name, client in clients.items():
+                said = ""
+                while not stop and (reason := ask(client)):
+                    if reason != said:
+                        self.get_logger().info(f"waiting for {name}: {reason}")
+                        said = reason
+                    if time.monotonic() > deadline:
+                        raise RunError(
+                            f"waited {seconds:g} s for the node {name}: {reason}; start it in the same ROS_DOMAIN_ID "
+                            "and namespace, or take its name out of the parameter wait_for"
+                        )
+                if said:
+                    self.get_logger().info(f"{name} is {'there' if ask == self._ask_present else 'ready'}")
+        for client in clients.values():
             self.destroy_client(client)
+        while not stop and self.readers_not_matched() and time.monotonic() < deadline:
+            self.listen_for(0.05)
+
+    def _ask_present(self, client: Any) -> str:
+        if client.service_is_ready():
+            return ""
+        self.listen_for(0.05)
+        return "it is not there yet"
 
     def _ask_ready(self, client: Any) -> str:
-        if not client.service_is_ready():
-            self.listen_for(0.05)
-            return "it is not there yet"
         answer = client.call_async(Trigger.Request())
         deadline = time.monotonic() + 1.0
         while not answer.done():
@@ -212,15 +264,18 @@ class TwinNode(Node):
                 client.remove_pending_request(answer)
                 return "it did not answer"
             self.listen_for(0.05)
+        reason = answer.result().message
         if answer.result().success:
-            return ""
-        self.listen_for(0.05)
-        return answer.result().message
+            reason = missing_readers(self, reason)
+        if reason:
+            self.listen_for(0.05)
+        return reason
 
     def _answer_ready(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         del request
-        response.message = self.not_ready() or self.readers_not_matched()
-        response.success = not response.message
+        reason = self.not_ready() or self.readers_not_matched()
+        response.success = not reason
+        response.message = reason or connected_readers(self.outgoing.values())
         return response
 
 
@@ -250,7 +305,7 @@ def run_node(make: type[TwinNode], arguments: Sequence[str], stop: StopRequest) 
         return
     context = initialised(arguments, stop)
     try:
-        with stop.at_once():
+        with stop.at_once(), readable_refusal():
             node = make(context)
         run_in_order(node, stop)
     finally:
@@ -281,6 +336,8 @@ def run_in_order(node: TwinNode, stop: StopRequest) -> None:
     try:
         with stop.at_once():
             node.open()
+            if not node.comes_later and not node.shares_parameters:
+                refuse_unused(node)
         node.run(stop)
     finally:
         try:
@@ -290,11 +347,14 @@ def run_in_order(node: TwinNode, stop: StopRequest) -> None:
 
 
 def asks_for_help(name: str, purpose: str, table: Sequence[Parameter], arguments: Sequence[str]) -> bool:
-    """Whether --help was given; prints it."""
-    asked = bool({"-h", "--help"} & set(arguments))
-    if asked:
+    """Whether --help was given, or --parameters for the node's parameter file; prints it."""
+    if {"-h", "--help"} & set(arguments):
         print(help_text(name, purpose, table))
-    return asked
+    elif list(arguments) == ["--parameters"]:
+        print(file_text(name, purpose, table), end="")
+    else:
+        return False
+    return True
 
 
 def _take(subscription: Subscription) -> tuple[bytes, Mapping[str, Any]] | None:

@@ -88,6 +88,15 @@ class CommandDesk:
         self.from_others = 0
         """Single values from somebody else while a driver had the say."""
 
+    def rule(self, limits: Limits, silence: Silence) -> None:
+        """Go by other limits from now on."""
+        self._limits, self._silence = limits, silence
+
+    def go_on_with(self, command: Command) -> None:
+        """Take up a run where this command was in force; it counts as just heard."""
+        self._good = self._applied = command
+        self._last_time = self._clock()
+
     # --- arrivals -------------------------------------------------------------------------------------------------
 
     def both(self, stamp: int, command: Command) -> None:

@@ -12,6 +12,7 @@ import socket
 from pathlib import Path
 
 from drill_twin.errors import DrillTwinError
+from drill_twin.nodes.security import refuse_unsecured
 from drill_twin.scene.paths import config_dir
 
 HIGHEST_DOMAIN = 101
@@ -23,8 +24,9 @@ def prepare() -> None:
     """Set what DDS reads from the environment when it starts; call before `rclpy.init`.
 
     Raises:
-        DrillTwinError: ROS_DOMAIN_ID is not a domain.
+        DrillTwinError: ROS_DOMAIN_ID is not a domain, or security is asked for that would not be there.
     """
+    refuse_unsecured()
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     profile = profile_path()
     if profile.is_file():

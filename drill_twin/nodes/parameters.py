@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import difflib
 import math
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
@@ -30,7 +31,7 @@ class ParameterError(DrillTwinError):
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter of a node; read-only once the node runs."""
+    """One parameter of a node; read once at its start, unless it is live."""
 
     name: str
     default: Value
@@ -39,6 +40,8 @@ class Parameter:
     low: float | None = None
     high: float | None = None
     choices: tuple[str, ...] = ()
+    live: bool = False
+    """Whether it can be changed while the node runs."""
 
     def expected(self) -> str:
         """What a value must be, in words."""
@@ -74,7 +77,7 @@ class Parameter:
     def descriptor(self) -> ParameterDescriptor:
         """What `ros2 param describe` shows."""
         description = f"{self.description} [{self.unit}]" if self.unit else self.description
-        descriptor = ParameterDescriptor(description=description, read_only=True)
+        descriptor = ParameterDescriptor(description=description, read_only=not self.live)
         if self.choices:
             descriptor.additional_constraints = self.expected()
         if self.low is not None and self.high is not None:
@@ -116,7 +119,31 @@ def declare(
             value = parameter.checked((values or {}).get(parameter.name, parameter.default))
         node.declare_parameter(parameter.name, value, parameter.descriptor())
         result[parameter.name] = value
-    return SimpleNamespace(**result)
+    settings = SimpleNamespace(**result)
+    _follow_changes(node, {parameter.name: parameter for parameter in table if parameter.live}, settings)
+    return settings
+
+
+def _follow_changes(node: Node, live: Mapping[str, Parameter], settings: SimpleNamespace) -> None:
+    """Take over what is set while the node runs: judged as at the start, then written into the settings."""
+
+    def judge(changes: Sequence[RosParameter]) -> SetParametersResult:
+        try:
+            wanted = {change.name: live[change.name].checked(change.value) for change in changes if change.name in live}
+            if wanted:
+                node.judge_live(SimpleNamespace(**{**vars(settings), **wanted}))
+        except DrillTwinError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def take_over(changes: Sequence[RosParameter]) -> None:
+        known = {change.name: live[change.name].checked(change.value) for change in changes if change.name in live}
+        vars(settings).update(known)
+        if known:
+            node.on_live()
+
+    node.add_on_set_parameters_callback(judge)
+    node.add_post_set_parameters_callback(take_over)
 
 
 def _refuse_unknown(given: Mapping[str, RosParameter], names: Sequence[str], known: set[str]) -> None:
@@ -126,6 +153,35 @@ def _refuse_unknown(given: Mapping[str, RosParameter], names: Sequence[str], kno
         near = difflib.get_close_matches(name, names, n=1)
         hint = f"did you mean {near[0]}?" if near else f"it has {', '.join(names)}"
         raise ParameterError(f"parameter {name}: this node has none of that name; {hint}")
+
+
+def file_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
+    """The parameter file of a node, `config/nodes/NAME.yaml`: every parameter with its default and what it is."""
+    reading = "read when the node starts; those marked live can be set while it runs"
+    if not any(parameter.live for parameter in table):
+        reading = "each is read once, when the node starts"
+    lines = [
+        f"# {purpose}",
+        f"# ros2 run drill_twin {name} --ros-args --params-file {name}.yaml",
+        f"# Every parameter with its default; {reading}.",
+        "",
+        "/**:",
+        "  ros__parameters:",
+    ]
+    for parameter in table:
+        live = " Live." if parameter.live else ""
+        comment = f"{_sentence(parameter.description)}. {_sentence(parameter.expected())}.{live}"
+        lines += textwrap.wrap(comment, 113, initial_indent="    # ", subsequent_indent="    # ")
+        lines += [f"    {parameter.name}: {_yaml(parameter.default)}", ""]
+    return "\n".join(lines[:-1]) + "\n"
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _yaml(value: Value) -> str:
+    return f'"{value}"' if isinstance(value, str) else f"{value}".lower()
 
 
 def help_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
@@ -138,6 +194,10 @@ def help_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
         "parameters:",
     ]
     for parameter in table:
-        default = f'"{parameter.default}"' if isinstance(parameter.default, str) else f"{parameter.default}".lower()
-        lines += [f"  {parameter.name} = {default}", f"      {parameter.description}", f"      {parameter.expected()}"]
+        expected = f"{parameter.expected()}; {'live' if parameter.live else 'read at the start'}"
+        lines += [
+            f"  {parameter.name} = {_yaml(parameter.default)}",
+            f"      {parameter.description}",
+            f"      {expected}",
+        ]
     return "\n".join(lines)

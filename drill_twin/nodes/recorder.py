@@ -14,7 +14,7 @@ from drill_twin.bag.writer import BagWriter
 from drill_twin.errors import BagError, RunError
 from drill_twin.messages.diagnostics import Level, Status
 from drill_twin.messages.topics import DIAGNOSTICS, RPS_COMMAND, TOPICS, WOB_COMMAND
-from drill_twin.nodes.base import TwinNode, run_node
+from drill_twin.nodes.base import Tick, TwinNode, run_node
 from drill_twin.nodes.parameters import Parameter, ParameterError, Value
 from drill_twin.nodes.start import StopRequest
 
@@ -38,7 +38,7 @@ class Recorder(TwinNode):
     ) -> None:
         super().__init__(context, values, also_known)
         self._bag: BagWriter | None = None
-        self._broken = False
+        self._look = Tick(1.0)
         self._last: dict[str, int] = {}
         self._lost: dict[str, int] = {}
         self._broken = False  # a bag that failed once takes no more, so that the first error is the one told
@@ -61,11 +61,8 @@ class Recorder(TwinNode):
             if self._broken:
                 return
             self._count_losses(topic, info["publication_sequence_number"])
-            try:
+            with self._writing():
                 bag.write(topic, info["received_timestamp"], raw)
-            except BagError as error:
-                self._broken = True
-                raise RunError(str(error)) from error
 
         return write
 
@@ -89,11 +86,16 @@ class Recorder(TwinNode):
     def work(self) -> None:
         """Record what comes; an idle bag is flushed too."""
         self.listen_for(0.05)
-        try:
+        with self._writing():
             self._bag.flush_if_due()
-        except BagError as error:
+        if self._look.due():
+            self._refuse_removed()
+
+    def _refuse_removed(self) -> None:
+        """A file without a name can be written to, and is lost; so it is looked for."""
+        if not self._bag.file.exists():
             self._broken = True
-            raise RunError(str(error)) from error
+            raise RunError(f"{self._bag.file}: expected the bag that is being recorded, found it removed; record again")
 
     def close(self) -> None:
         """Record what is still coming, and finish the bag."""
@@ -102,8 +104,10 @@ class Recorder(TwinNode):
         try:
             if not self._broken:
                 self.settle(_QUIET)
+                self._refuse_removed()
         finally:
-            self._bag.close()
+            if self._bag.file.exists():
+                self._bag.close()
         count = sum(self._bag.counts.values())
         lost = ", ".join(f"{number} of {topic}" for topic, number in self._lost.items())
         say = self.get_logger().warning if lost else self.get_logger().info

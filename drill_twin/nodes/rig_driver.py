@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from rclpy.context import Context
@@ -20,12 +21,14 @@ from drill_twin.messages.encode import CommandEncoder
 from drill_twin.messages.stamps import NANOSECONDS, seconds
 from drill_twin.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.nodes.base import TwinNode, run_node
+from drill_twin.nodes.changeover import Changeover, Plan
 from drill_twin.nodes.pacing import Pacer
 from drill_twin.nodes.parameters import Parameter, Value
 from drill_twin.nodes.scenes import OVERRIDES, SCENE, scene_of
 from drill_twin.nodes.start import StopRequest
 from drill_twin.schedule.command import Command
 
+_QUIET = 0.1  # s
 _REPEAT = 5.0  # s of wall time after which a set-point is sent again, should the simulator have missed it
 
 
@@ -37,10 +40,19 @@ class RigDriver(TwinNode):
     PARAMETERS: ClassVar = (
         SCENE,
         Parameter(
-            "weight_on_bit", "", 'weight on bit in place of the scene\'s, with its unit, as "40 N"; "": the scene\'s'
+            "weight_on_bit",
+            "",
+            'weight on bit in place of the scene\'s, with its unit, as "40 N"; "": the scene\'s',
+            live=True,
         ),
         Parameter(
-            "rotation", "", 'top-drive speed in place of the scene\'s, as "2 rev/s" or "120 rpm"; "": the scene\'s'
+            "rotation",
+            "",
+            'top-drive speed in place of the scene\'s, as "2 rev/s" or "120 rpm"; "": the scene\'s',
+            live=True,
+        ),
+        Parameter(
+            "change_time", 1.0, "simulated time that a live change of a set-point takes", "s", 0.0, 3600.0, live=True
         ),
         Parameter(
             "table",
@@ -63,6 +75,7 @@ class RigDriver(TwinNode):
             "hold",
             "hold: go on sending the last set-point when the schedule is over; stop: end the node",
             choices=("hold", "stop"),
+            live=True,
         ),
     )
 
@@ -71,7 +84,6 @@ class RigDriver(TwinNode):
     ) -> None:
         super().__init__(context, values, also_known)
         self._encoder = CommandEncoder()
-        self._driving = False
         self._heard: int | None = None
         self._answered = -1
         self._repeat_due = 0.0
@@ -85,6 +97,8 @@ class RigDriver(TwinNode):
 
         scene = scene_of(self.settings)
         self._schedule = Schedule.from_scene(scene)
+        self._plan: Plan = self._schedule.at
+        self._planned = (self.settings.weight_on_bit, self.settings.rotation)
         self._period = round(NANOSECONDS / (self.settings.frame_rate or scene.numerics.frame_rate))
         self._pacer = Pacer(seconds(self._period))
         self._plays = scene.name
@@ -99,14 +113,8 @@ class RigDriver(TwinNode):
     def run(self, stop: StopRequest) -> None:
         """Wait for the others, then drive: a set-point sent before its readers are connected is lost to them."""
         self.wait_for_nodes(self.settings.wait_for, self.settings.wait_timeout, stop)
-        self._wait_for_readers(stop)
-        self._driving = True
+        self.settle(_QUIET)  # who joins late is sent old times first
         super().run(stop)
-
-    def _wait_for_readers(self, stop: StopRequest) -> None:
-        deadline = time.monotonic() + self.settings.wait_timeout
-        while not stop and time.monotonic() < deadline and self.readers_not_matched():
-            self.listen_for(0.05)
 
     def work(self) -> None:
         """Send the set-points for the next frame, once it is their turn."""
@@ -139,12 +147,10 @@ class RigDriver(TwinNode):
             return
         if stamp < (self._heard or 0):  # the simulator began again
             self._answered, self._echo_due = -1, 0
-        self._heard = stamp
-        if self._driving and stamp + self._period != self._answered:
-            self._send(stamp + self._period)
+        self._heard = stamp  # answered by `work`, once all that has come is taken: of many, only the last counts
 
     def _send(self, stamp: int) -> None:
-        command = self._schedule.at(seconds(stamp))
+        command = self._plan(seconds(stamp))
         self.outgoing[RIG_COMMAND].publish(self._encoder.command(stamp, command))
         if command != self._last or stamp >= self._echo_due:
             self._echo_due = stamp + NANOSECONDS
@@ -153,6 +159,29 @@ class RigDriver(TwinNode):
         self._answered, self._last = stamp, command
         self._repeat_due = time.monotonic() + _REPEAT
         self._sent += 1
+
+    # --- live set-points ------------------------------------------------------------------------------------------
+
+    def judge_live(self, settings: SimpleNamespace) -> None:
+        """Refuse a set-point that the scene could not have."""
+        if (settings.weight_on_bit, settings.rotation) != self._planned:
+            scene_of(settings)
+
+    def on_live(self) -> None:
+        """Go over to the set-points that were asked for."""
+        from drill_twin.schedule import Schedule
+
+        wanted = (self.settings.weight_on_bit, self.settings.rotation)
+        if wanted == self._planned:
+            return
+        self._planned = wanted
+        self._schedule = Schedule.from_scene(scene_of(self.settings))
+        self._plan = self._schedule.at
+        if self._last is not None:
+            self._plan = Changeover(self._last, self._schedule.at, self._time, self.settings.change_time)
+        self.get_logger().info(f"from {self._time:.2f} s: weight on bit {wanted[0]!r}, speed {wanted[1]!r}")
+
+    # --- end and health -------------------------------------------------------------------------------------------
 
     def close(self) -> None:
         """See that the last set-point has arrived."""

@@ -3,149 +3,146 @@
 
 Each turn of its loop takes the commands that have come, lets the twin take one frame's worth of steps (compiled, with
 the GIL released), publishes the frame, and waits until the next one is due. Simulated time starts at 0 with the first
-good command.
+good command, or where a checkpoint left it.
+
+It is a lifecycle node: to configure it builds and compiles, to activate it lets time run, to deactivate it lets time
+stand still, to clean it up forgets the twin. With `autostart` it does the first two itself.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, ClassVar
 
 from rclpy.context import Context
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle.node import LifecycleNodeMixin
 
-from drill_twin.cost import Cost
-from drill_twin.errors import DrillTwinError, MessageError
-from drill_twin.frame import Frame
-from drill_twin.messages.decode import JointStateReader, read_float64
+from drill_twin.errors import CheckpointError, DrillTwinError
 from drill_twin.messages.diagnostics import Level, Status
-from drill_twin.messages.encode import TwinEncoder, encode_string, read_command
 from drill_twin.messages.stamps import stamp_ns
-from drill_twin.messages.topics import (
-    CLOCK_TOPIC,
-    MARKS_STATE,
-    RIG_COMMAND,
-    RIG_STATE,
-    RPS_COMMAND,
-    STRING_MARKERS,
-    STRING_POSES,
-    TWIN_SCENE,
-    WOB_COMMAND,
-)
+from drill_twin.messages.topics import CLOCK_TOPIC, STRING_POSES
 from drill_twin.nodes.base import Tick, TwinNode, run_node
-from drill_twin.nodes.commands import CommandDesk, Silence
-from drill_twin.nodes.limits import limits_for
+from drill_twin.nodes.controls import offer
+from drill_twin.nodes.keeper import Keeper
+from drill_twin.nodes.lifecycle import answer_any_transition
 from drill_twin.nodes.pacing import Pacer
-from drill_twin.nodes.parameters import Parameter, Value
-from drill_twin.nodes.scenes import OVERRIDES, SCENE, scene_of
+from drill_twin.nodes.parameters import Value
+from drill_twin.nodes.scenes import scene_of
+from drill_twin.nodes.simulator_health import health_values, verdict
+from drill_twin.nodes.simulator_parameters import PARAMETERS
 from drill_twin.nodes.start import StopRequest
-from drill_twin.schedule.command import Command
 
-_TURN = 6.283185307179586
 _LEASE = 6.0  # s; a killed node has left the graph by then
 _BURST = 200  # frames; as fast as possible must not be faster than the readers
-_DISCOVERY = 0.6  # s; a living node has been found by then
+_DISCOVERY = 1.0  # s; a living node has been found by then
+_DONE, _REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 
 
-class Simulator(TwinNode):
+class Simulator(LifecycleNodeMixin, TwinNode):
     """Moves the string of a scene under the commands it receives."""
 
     NAME: ClassVar = "simulator"
     PURPOSE: ClassVar = "Moves the drillstring of a scene under the set-points it receives."
-    PARAMETERS: ClassVar = (
-        SCENE,
-        OVERRIDES,
-        Parameter(
-            "pace",
-            "realtime",
-            "realtime: frames at their wall-clock times; fast: as fast as possible; lockstep: each frame waits for the "
-            "command stamped for it, so that a run is repeatable",
-            choices=("realtime", "fast", "lockstep"),
-        ),
-        Parameter("frame_rate", 0.0, "published frames per simulated second; 0: as the scene says", "Hz", 0.0, 1000.0),
-        Parameter("duration", 0.0, "simulated time after which the node ends; 0: runs until stopped", "s", 0.0, 1e6),
-        Parameter("wait_for_command", True, "whether simulated time stands still until the first good command"),
-        Parameter("command_timeout", 1.0, "wall time without a command that counts as silence", "s", 0.05, 3600.0),
-        Parameter(
-            "on_silence",
-            "hold",
-            "what follows silence: hold the last set-point, or ramp to the safe one",
-            choices=("hold", "ramp"),
-        ),
-        Parameter("safe_weight_on_bit", 0.0, "weight on bit of the safe set-point", "N", -1e7, 1e7),
-        Parameter("safe_speed", 0.0, "top-drive speed of the safe set-point", "rev/s", -100.0, 100.0),
-        Parameter("safe_ramp_time", 5.0, "time of the ramp to the safe set-point, simulated", "s", 0.0, 3600.0),
-        Parameter(
-            "max_weight_on_bit", 0.0, "larger commands are refused; 0: ten times the scene's largest", "N", 0.0, 1e8
-        ),
-        Parameter(
-            "max_speed", 0.0, "faster commands are refused; 0: ten times the scene's fastest", "rev/s", 0.0, 100.0
-        ),
-        Parameter("negative_commands", False, "whether tension and left-hand rotation may be commanded"),
-        Parameter("marker_rate", 25.0, "pictures for RViz and Foxglove, per second of wall time", "Hz", 0.0, 100.0),
-        Parameter(
-            "exaggeration",
-            0.0,
-            "factor by which the picture widens lateral motion; 0: chosen by size",
-            "",
-            0.0,
-            10000.0,
-        ),
-    )
+    PARAMETERS: ClassVar = PARAMETERS
 
     def __init__(
         self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
     ) -> None:
-        super().__init__(context, values, also_known)
+        TwinNode.__init__(self, context, values, also_known)
+        LifecycleNodeMixin.__init__(self)
+        answer_any_transition(self, self._service_change_state)
         self._born = time.monotonic()
-        self._read_command = JointStateReader().read
-        self._twin: Any = None
-        self._frame: Frame | None = None
-        self._frames = 0
-        self._started_at: float | None = None
-        self._cost = Cost()
+        self._keeper = Keeper()
+        self._stage: Any = None
+        self._inbox: Any = None
+        self._pacer = Pacer(1.0)
+        self._active = self._paused = self._started = self._over = False
+        self._refusal: Exception | None = None
 
-    # --- start ----------------------------------------------------------------------------------------------------
+    # --- life cycle -----------------------------------------------------------------------------------------------
 
     def open(self) -> None:
+        """Configure and activate, unless somebody else is to do it."""
+        if not self.settings.autostart:
+            self.get_logger().info("waiting to be configured: ros2 lifecycle set /simulator configure")
+            return
+        for transition in (self.trigger_configure, self.trigger_activate):
+            transition()
+            if self._refusal is not None:
+                raise self._refusal
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Load the scene, compile and build the twin, and announce it."""
+        del state
+        try:
+            self._configure()
+        except Exception as error:  # noqa: BLE001 - rclpy would swallow it; `open` raises it
+            self._refusal = error
+            self.retire()
+            if not self.settings.autostart:
+                self.get_logger().error(str(error))
+            return _REFUSED
+        return _DONE
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Let time run."""
+        del state
+        self._active = True
+        return _DONE
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Let time stand still; the twin keeps its state."""
+        del state
+        self._active = False
+        return _DONE
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Forget the twin."""
+        del state
+        self._keeper.finish()
+        self.retire()
+        self._stage = None
+        self._started = self._paused = False
+        return _DONE
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """End the node."""
+        del state
+        self._over, self._active = True, False
+        return _DONE
+
+    def _configure(self) -> None:
         # Imported here: compiling takes long, and a bad parameter should be refused before.
-        from drill_twin.twin import Twin
-        from drill_twin.wiring import describe_run, string_geometry
+        from drill_twin.nodes.inbox import Inbox
+        from drill_twin.nodes.stage import TOPICS_OF_STAGE, Stage
 
         settings = self.settings
         scene = scene_of(settings)
-        self._rate = settings.frame_rate or scene.numerics.frame_rate
-        self._seconds = 1.0 / self._rate
-        safe = Command(settings.safe_weight_on_bit, settings.safe_speed * _TURN)
-        silence = Silence(settings.command_timeout, settings.on_silence == "ramp", safe, settings.safe_ramp_time)
-        limits = limits_for(
-            scene,
-            max_weight_on_bit=settings.max_weight_on_bit,
-            max_speed=settings.max_speed * _TURN,
-            negative=settings.negative_commands,
-        )
-        first = Command(scene.rig.weight_on_bit.initial, scene.rig.rotation.initial)
-        self._desk = CommandDesk(limits, silence, first)
-        self._pacer = Pacer(self._seconds)
-        self._picture = Tick(1.0 / settings.marker_rate) if settings.marker_rate else None
-        for topic in (RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE):
+        rate = settings.frame_rate or scene.numerics.frame_rate
+        self._period = 1.0 / rate
+        self._pacer = Pacer(self._period)
+        for topic in TOPICS_OF_STAGE:
             self.advertise(topic)
         # Latched, so that a driver which comes back in mid-run learns at once what time it is.
         self.advertise(CLOCK_TOPIC, latched=True)
-        # A first frame of another twin compiles the kernel: time must not stand still once it runs.
-        Twin(scene).step(first, self._seconds)
-        self._twin = Twin(scene)
-        self._encoder = TwinEncoder(string_geometry(scene, self._twin.elements))
+        stage = Stage(scene, self._period, settings.pace, self.outgoing)
+        self._inbox = Inbox(self, scene, stage.first, lambda: stage.twin.time)
         self._refuse_a_second_one()
-        self.outgoing[TWIN_SCENE].publish(encode_string(describe_run(self._twin, settings.pace)))
-        self.outgoing[CLOCK_TOPIC].publish(self._encoder.clock(0.0))
-        self.listen(RIG_COMMAND, self._on_command)
-        self.listen(WOB_COMMAND, lambda raw, _: self._on_single(raw, self._desk.weight_on_bit))
-        self.listen(RPS_COMMAND, lambda raw, _: self._on_single(raw, self._desk.speed))
+        if settings.checkpoint and Path(settings.checkpoint).exists():
+            self._go_on_from(settings.checkpoint, stage)
+        stage.announce()
+        self._inbox.listen()
+        self.on_live()
+        actions = (self.pause, self.resume, self.step, self.reset, self.save_checkpoint, self.load_checkpoint)
+        self.services_while_configured += offer(self, {action.__name__: action for action in actions})
+        self._stage = stage
+        self.offer_readiness()
         self.get_logger().info(
-            f"{scene.name}: {self._twin.elements} elements, {self._twin.step_size * 1e6:.0f} us steps, "
-            f"{self._rate:g} frames/s, {settings.pace}"
+            f"{scene.name}: {stage.twin.elements} elements, {stage.twin.step_size * 1e6:.0f} us steps, "
+            f"{rate:g} frames/s, {settings.pace}"
         )
 
     def _refuse_a_second_one(self) -> None:
@@ -158,7 +155,7 @@ class Simulator(TwinNode):
                     f"{STRING_POSES} in ROS_DOMAIN_ID={self.context.get_domain_id()}; stop it, or choose "
                     "another domain or namespace"
                 )
-            self.listen_for(0.1)
+            time.sleep(0.1)
 
     # --- one turn of the loop -------------------------------------------------------------------------------------
 
@@ -170,131 +167,170 @@ class Simulator(TwinNode):
             self.listen_for(0.05)
             return
         self.listen_for(0.0)
-        if self._started_at is None:
-            self._started_at = time.monotonic()
+        if self._must_wait():  # a service may just have said so
+            return
         self._advance()
         if self.settings.pace == "realtime":
             self._pacer.wait()
-        elif self.settings.pace == "fast" and self._frames % _BURST == 0:
+        elif self.settings.pace == "fast" and self._stage.frames % _BURST == 0:
             self.flush(1.0)
 
     def _must_wait(self) -> bool:
-        if self._started_at is None and self.settings.wait_for_command and not self._desk.heard:
+        return not self._active or self._paused or self._over or self._waits_for_command()
+
+    def _waits_for_command(self) -> bool:
+        desk = self._inbox.desk
+        if not self._started and self.settings.wait_for_command and not desk.heard:
             return True
-        return self.settings.pace == "lockstep" and self._desk.last_stamp <= stamp_ns(self._twin.time)
+        return self.settings.pace == "lockstep" and desk.last_stamp <= stamp_ns(self._stage.twin.time)
 
     def _advance(self) -> None:
-        begin = time.perf_counter()
-        frame = self._twin.step(self._desk.set_point(self._seconds), self._seconds)
-        stepped = time.perf_counter()
-        send, encoder = self.outgoing, self._encoder
-        send[RIG_STATE].publish(encoder.rig_state(frame))
-        send[MARKS_STATE].publish(encoder.marks(frame))
-        send[STRING_POSES].publish(encoder.poses(frame))
-        if self._picture_due():
-            send[STRING_MARKERS].publish(encoder.markers(frame, self.settings.exaggeration or None))
-        # Last: who answers the clock can rely on the frame being out.
-        send[CLOCK_TOPIC].publish(encoder.clock(frame.time))
-        self._frame = frame
-        self._frames += 1
-        self._cost.add(self._seconds, stepped - begin, time.perf_counter() - stepped, frame)
+        self._started = True
+        command = self._inbox.desk.set_point(self._period)
+        self._stage.advance(command, picture=self._picture_due(), exaggeration=self.settings.exaggeration)
+        if self._keep_due is not None and self._keep_due.due():
+            self._keeper.keep(self._checkpoint(), self.settings.checkpoint)
 
     def _picture_due(self) -> bool:
         """In lockstep by simulated time, so that runs are alike; else by the wall clock, for the eyes."""
         if self.settings.pace != "lockstep" or self._picture is None:
             return self._picture is not None and self._picture.due()
-        return self._frames % max(round(self._rate / self.settings.marker_rate), 1) == 0
+        return self._stage.frames % max(round(1.0 / (self._period * self.settings.marker_rate)), 1) == 0
+
+    def on_live(self) -> None:
+        """A parameter was changed."""
+        if self._inbox is None:
+            return
+        settings = self.settings
+        self._inbox.follow_settings()
+        self._picture = Tick(1.0 / settings.marker_rate) if settings.marker_rate else None
+        keeps = settings.checkpoint and settings.checkpoint_period
+        self._keep_due = Tick(settings.checkpoint_period) if keeps else None
 
     @property
     def finished(self) -> bool:
-        """Whether the wanted duration has been simulated."""
+        """Whether the wanted duration has been simulated, or a lifecycle manager has ended the node."""
         wanted = self.settings.duration
-        return bool(wanted) and self._twin.time >= wanted - 0.5 * self._seconds
+        return self._over or bool(self._stage and wanted and self._stage.twin.time >= wanted - 0.5 * self._period)
 
     def close(self) -> None:
-        """Say how it went, and see that the readers have received everything."""
-        if self._frame is not None:
+        """Keep the state, say how it went, and see that the readers have received everything."""
+        self._keeper.finish()
+        if self._stage is not None and self._stage.frame is not None:
+            if self._keep_due is not None:
+                self._keeper.keep(self._checkpoint(), self.settings.checkpoint)
+                self._keeper.finish()
             self.report_health()
             self.flush()
-            self.get_logger().info(f"{self._twin.time:.2f} s simulated, {self._cost.sentence()}")
+            self.get_logger().info(f"{self._stage.twin.time:.2f} s simulated, {self._stage.cost.sentence()}")
 
-    # --- commands -------------------------------------------------------------------------------------------------
+    # --- services: each says in a sentence what it did ------------------------------------------------------------
 
-    def _on_command(self, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
-        try:
-            state = self._read_command(raw)
-            command = read_command(state)
-        except MessageError as error:
-            self._desk.malformed(str(error))
-            return
-        self._desk.both(state.stamp, command)
+    def pause(self) -> str:
+        """Let time stand still."""
+        self._paused = True
+        return f"paused at {self._at()}"
 
-    def _on_single(self, raw: bytes, deliver: Any) -> None:
-        try:
-            value = read_float64(raw)
-        except MessageError as error:
-            self._desk.malformed(str(error))
-            return
-        deliver(value, driver_present=self.count_publishers(self.resolve_topic_name(RIG_COMMAND.lstrip("/"))) > 0)
+    def resume(self) -> str:
+        """Let time run again."""
+        self._paused = False
+        return f"running from {self._at()}"
 
-    # --- diagnostics ----------------------------------------------------------------------------------------------
+    def step(self) -> str:
+        """Take frames now, one after the other, so that they are out when the answer comes."""
+        if not self._paused:
+            raise DrillTwinError("expected a paused run to step, found one that runs; call ~/pause first")
+        if self.settings.pace == "lockstep":
+            raise DrillTwinError(
+                "expected the pace realtime or fast to step by hand, found lockstep, where each command is a step; "
+                "call ~/resume and send commands one by one"
+            )
+        count = self.settings.step_frames
+        for _ in range(count):
+            self._advance()
+        return f"{count} frame{'s' if count > 1 else ''} on, at {self._at()}"
+
+    def reset(self) -> str:
+        """Begin again at time zero, as a run of its own."""
+        self._inbox.begin_again()
+        self._started = False
+        self._pacer.restart()
+        self._stage.reset()
+        return f"began again at {self._at()}"
+
+    def save_checkpoint(self) -> str:
+        """Keep the state in the file that the parameter names."""
+        path = self._checkpoint_path()
+        self._keeper.finish()
+        self._checkpoint().save(path)
+        return f"kept {self._at()} in {path}"
+
+    def load_checkpoint(self) -> str:
+        """Go to the state in that file."""
+        path = self._checkpoint_path()
+        self._keeper.finish()
+        self._go_on_from(path, self._stage)
+        self._pacer.restart()
+        self._stage.announce()
+        return f"went to {self._at()}, from {path}"
+
+    def _at(self) -> str:
+        return f"t = {self._stage.twin.time:.6g} s"
+
+    def _checkpoint_path(self) -> str:
+        if not self.settings.checkpoint:
+            raise CheckpointError(
+                "expected a file for the checkpoint, found none; ros2 param set /simulator checkpoint FILE.npz"
+            )
+        return str(self.settings.checkpoint)
+
+    def _checkpoint(self) -> Any:
+        from drill_twin.checkpoint import Checkpoint
+
+        return Checkpoint.of(self._stage.twin, self._inbox.desk.good)
+
+    def _go_on_from(self, path: str, stage: Any) -> None:
+        from drill_twin.checkpoint import Checkpoint
+
+        checkpoint = Checkpoint.load(path)
+        if self.settings.duration and checkpoint.time >= self.settings.duration - 0.5 * self._period:
+            raise CheckpointError(
+                f"{path}: expected a checkpoint before the duration of {self.settings.duration:g} s, found one at "
+                f"{checkpoint.time:g} s, where the run was over; move it away, or simulate for longer"
+            )
+        stage.go_on_from(checkpoint)
+        self._inbox.begin_again(checkpoint.command)
+        self.get_logger().info(f"going on from {path} at {checkpoint.time:.6g} s")
+
+    # --- readiness and diagnostics --------------------------------------------------------------------------------
+
+    @property
+    def comes_later(self) -> bool:
+        """Whether it is still to be configured."""
+        return self._stage is None
 
     def not_ready(self) -> str:
         """Why the twin cannot be driven yet; empty when it can."""
-        return "" if self._twin is not None else "the twin is being compiled"
+        if self._stage is None:
+            return "the twin is being compiled" if self.settings.autostart else "it is not configured"
+        return "" if self._active else "it is not active"
 
     def health(self) -> Status:
         """Pace, cost, set-points and where they come from."""
-        desk = self._desk
+        if self._stage is None:
+            return Status(self.NAME, Level.OK, self.not_ready())
+        stage, desk, keeper = self._stage, self._inbox.desk, self._keeper
         desk.settle_doubts()
-        sources = self._sources()
-        values = {
-            "scene": self.settings.scene,
-            "pace": self.settings.pace,
-            "simulated_time": f"{self._twin.time:.6f}",
-            "frames": str(self._frames),
-            **self._cost.values(),
-            "overruns": str(self._pacer.overruns),
-            "time_given_up": f"{self._pacer.given_up:.3f}",
-            "elements": str(self._twin.elements),
-            "step_s": repr(float(self._twin.step_size)),
-            "weight_on_bit": f"{desk.good.weight_on_bit:g}",
-            "speed_rev_s": f"{desk.good.rotation / _TURN:g}",
-            "command_age": f"{desk.age:.3f}",
-            "commands_accepted": str(desk.accepted),
-            "commands_refused": str(sum(desk.refused.values())),
-            **{f"commands_refused_{kind}": str(count) for kind, count in sorted(desk.refused.items())},
-            "last_refusal": desk.last_refusal,
-            "command_sources": ", ".join(sources),
-            "commands_from_others": str(desk.from_others),
-        }
-        self._cost.next_window()
-        level, text = self._verdict(sources)
-        return Status(self.NAME, level, text, values)
-
-    def _verdict(self, sources: list[str]) -> tuple[Level, str]:
-        desk = self._desk
+        sources = self._inbox.sources()
+        values = health_values(self.settings, stage, desk, self._pacer, keeper, sources)
+        stage.cost.next_window()
         if len(self.publishers_of(STRING_POSES)) > 1:
-            return Level.ERROR, f"another simulator publishes {STRING_POSES} in this domain and namespace"
-        if self._must_wait() and not desk.heard:
-            return Level.OK, "waiting for the first command"
-        if len(sources) > 1 or desk.from_others:
-            others = "" if len(sources) > 1 else f"; {desk.from_others} single values from others were not followed"
-            return Level.WARN, f"more than one source of commands: {', '.join(sources)}{others}"
-        if desk.silent:
-            held = "ramping to the safe set-point" if self.settings.on_silence == "ramp" else "the last one is held"
-            waiting = "the lockstep waits" if self.settings.pace == "lockstep" else held
-            return Level.WARN, f"no command for {desk.age:.1f} s; {waiting}"
-        if desk.refused:
-            return Level.WARN, f"commands were refused; the last: {desk.last_refusal}"
-        return Level.OK, self._cost.sentence()
-
-    def _sources(self) -> list[str]:
-        """Who commands: all publishers of `/rig/command`, and those of single values who are none of these."""
-        drivers = self.publishers_of(RIG_COMMAND)
-        singles = {*self.publishers_of(WOB_COMMAND), *self.publishers_of(RPS_COMMAND)} - set(drivers)
-        return [*drivers, *sorted(singles)]
+            text = f"another simulator publishes {STRING_POSES} in this domain and namespace"
+            return Status(self.NAME, Level.ERROR, text, values)
+        if not self._active or self._paused:
+            return Status(self.NAME, Level.OK, f"{'paused' if self._active else 'inactive'} at {self._at()}", values)
+        waiting = self._waits_for_command()
+        return Status(self.NAME, *verdict(self.settings, stage, desk, keeper, sources, waiting=waiting), values)
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:

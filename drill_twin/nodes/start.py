@@ -15,7 +15,7 @@ from types import FrameType
 
 from drill_twin.errors import DrillTwinError, RunError
 
-NODES = ("simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin", "demo")
+NODES = ("simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin", "demo", "watch")
 """What can be started."""
 
 

@@ -17,6 +17,7 @@ from drill_twin.nodes.base import TwinNode, asks_for_help, initialised, run_in_o
 from drill_twin.nodes.parameters import Parameter
 from drill_twin.nodes.recorder import Recorder
 from drill_twin.nodes.rig_driver import RigDriver
+from drill_twin.nodes.security import readable_refusal
 from drill_twin.nodes.simulator import Simulator
 from drill_twin.nodes.start import StopRequest
 
@@ -64,7 +65,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     context = initialised(arguments, stop)
     companions: list[Companion] = []
     try:
-        with stop.at_once():
+        with stop.at_once(), readable_refusal():
             record = Together(context, also_known=tuple(table))
             others = [Analyzer, *([Recorder] if record.settings.record else [])]
             record.destroy_node()

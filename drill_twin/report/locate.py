@@ -44,7 +44,10 @@ def no_scene(bag: Bag, trouble: str) -> str:
     """Why there is no scene to analyse the bag with, in words."""
     if trouble:
         return f"{bag.path}: expected a scene on {TWIN_SCENE}, found one that cannot be used: {trouble}"
-    return f"{bag.path}: expected the scene on {TWIN_SCENE}, found no message there; name the scene with --scene"
+    return (
+        f"{bag.path}: expected the scene on {TWIN_SCENE}, found no message there; "
+        "name the scene with --scene, or give --clearance"
+    )
 
 
 def no_samples(bag: Bag, pipeline: WhirlPipeline) -> str:

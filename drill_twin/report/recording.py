@@ -7,6 +7,7 @@ live findings too, the two are compared byte for byte.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,8 @@ from drill_twin.bag.reader import Bag
 from drill_twin.errors import BagError, MessageError
 from drill_twin.messages.decode import JointState, JointStateReader, read_pose_array, read_string
 from drill_twin.messages.diagnostics import decode_diagnostics
-from drill_twin.messages.encode import MARK_AXES, read_command, read_rig_state
-from drill_twin.messages.stamps import NANOSECONDS, seconds
+from drill_twin.messages.encode import RIG_JOINTS, read_command, read_rig_state
+from drill_twin.messages.stamps import NANOSECONDS, seconds, unpack_stamp
 from drill_twin.messages.topics import (
     DIAGNOSTICS,
     MARKS_STATE,
@@ -31,15 +32,21 @@ from drill_twin.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.messages.whirl_encode import OnsetMessage, decode_onset
-from drill_twin.pipeline import WhirlPipeline
+from drill_twin.omissions import omissions_of
+from drill_twin.pipeline import WhirlPipeline, columns, speeds
 from drill_twin.report.curve import smooth, tangents
 from drill_twin.report.locate import bag_in, finite_number, no_samples, no_scene, run_block
+from drill_twin.report.selection import Selection, described, lacking, open_bag
 from drill_twin.report.track import Array, Track
 from drill_twin.scene import Scene
-from drill_twin.whirl import Findings, Summary
+from drill_twin.whirl import Findings, MarkInfo, Summary
+from drill_twin.whirl.blind import NOT_OBSERVABLE
 
 SHAPES = 600
 """Most shapes of the string that are kept, evenly over the run."""
+
+STAMPED = frozenset({MARKS_STATE, RIG_STATE, RIG_COMMAND, STRING_POSES, WHIRL_STATE})
+"""Topics whose messages begin with a header, so that they can be chosen by time."""
 
 
 @dataclass(eq=False)
@@ -57,30 +64,91 @@ class Live:
 class Recording:
     """A run read from a bag; where a bag holds several runs, the last one."""
 
-    def __init__(self, bag: Bag, scene: Scene | None = None) -> None:
+    def __init__(self, bag: Bag, scene: Scene | None = None, selection: Selection | None = None) -> None:
         """Read and analyse the bag.
 
         Args:
             bag: The bag.
             scene: The scene it belongs to, where it does not say so itself.
+            selection: What of it is analysed; all of it where none.
 
         Raises:
-            BagError: It holds no scene, no marks, or messages that cannot be decoded.
+            BagError: It holds neither marks nor rig states, marks but no scene, or messages that cannot be decoded.
+            AnalysisError: A mark that was asked for is not among those of the scene.
         """
         self.bag = bag
+        self.selection = selection or Selection()
         self.run_info: dict[str, Any] = {}
-        self._pipeline = WhirlPipeline(scene)
+        self._scene: Scene | None = None
+        infos = described(bag, self.selection) if scene is None else ()
+        self._lacks = lacking(bag)
+        self._pipeline = WhirlPipeline(scene, lacks=self._lacks, marks=self.selection.marks, infos=infos)
         self._pipeline.start()
         self._pose_count = bag.topics[STRING_POSES].count if STRING_POSES in bag.topics else 0
         self._forget()
         self._read()
+        self.summary: Summary = self._checked_summary()
+
+    def _checked_summary(self) -> Summary:
+        pipeline = self._pipeline
+        if pipeline.blind is not None and pipeline.blind.quality.accepted:
+            return pipeline.summary()
+        if pipeline.blind is None and not pipeline.marks:
+            raise BagError(no_scene(self.bag, pipeline.trouble))
+        if pipeline.findings is None:
+            raise BagError(no_samples(self.bag, pipeline))
+        summary = pipeline.summary()
+        if RIG_STATE in self._lacks and not summary.quality.accepted:
+            raise BagError(
+                f"{self.bag.path}: expected the rotation, as top_drive on {RIG_STATE} or as the spin of the marks, "
+                "found neither; without rotation whirl is not defined"
+            )
+        return summary
+
+    @property
+    def rotation_from_spin(self) -> bool:
+        """Whether the rotation was taken from the spin of the marks, because there are no rig states."""
+        return RIG_STATE in self._lacks
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of the run.
+
+        Raises:
+            BagError: Neither the bag nor anyone has told.
+        """
+        if self._scene is not None:
+            return self._scene
         if self._pipeline.scene is None:
-            raise BagError(no_scene(bag, self._pipeline.trouble))
+            raise BagError(no_scene(self.bag, self._pipeline.trouble))
+        return self._pipeline.scene
+
+    @scene.setter
+    def scene(self, scene: Scene) -> None:
+        self._scene = scene
+
+    @property
+    def scene_known(self) -> bool:
+        """Whether the scene is known."""
+        return self._scene is not None or self._pipeline.scene is not None
+
+    @property
+    def places(self) -> tuple[MarkInfo, ...]:
+        """The marks that are analysed."""
+        return self._pipeline.marks if self._pipeline.blind is None else ()
+
+    @property
+    def findings(self) -> Findings:
+        """The findings after the last sample.
+
+        Raises:
+            BagError: Whirl is not observable in this bag.
+        """
         if self._pipeline.findings is None:
-            raise BagError(no_samples(bag, self._pipeline))
-        self.scene: Scene = self._pipeline.scene
-        self.findings: Findings = self._pipeline.findings
-        self.summary: Summary = self._pipeline.summary()
+            raise BagError(
+                f"{self.bag.path}: expected positions of marks on {MARKS_STATE}, found none; {NOT_OBSERVABLE}"
+            )
+        return self._pipeline.findings
 
     def _forget(self) -> None:
         """Begin a new run."""
@@ -93,6 +161,7 @@ class Recording:
         """Orbit radius [m], precession [rev/s], ratio, confidence, shape (T, 4, m)."""
         self.live = Live()
         self.realtime_factor: float | None = None
+        self.left_out: list[str] = []
         self._every, self._seen = max(1, -(-self._pose_count // SHAPES)), 0
         self._decoders = {topic: JointStateReader().read for topic in (MARKS_STATE, RIG_STATE, RIG_COMMAND)}
         self._found: dict[int, bytes] = {}
@@ -112,6 +181,8 @@ class Recording:
             DIAGNOSTICS: self._on_diagnostics,
         }
         for topic, stamp, raw in self.bag.messages(tuple(readers)):
+            if topic in STAMPED and not self.selection.holds(unpack_stamp(raw, 4) if len(raw) >= 12 else 0):
+                continue
             runs = self._pipeline.runs
             found = self._pipeline.take(topic, raw)
             if self._pipeline.runs > max(runs, 1):
@@ -123,20 +194,26 @@ class Recording:
                 readers[topic](raw)
             except MessageError as error:
                 raise BagError(f"{self.bag.path}: {topic} recorded at {stamp} ns: {error}") from error
-        self.live.differing = sum(self._found.get(stamp) != raw for stamp, raw in self._recorded.items())
-        self.live.messages = len(self._recorded)
+        if self.selection.whole:
+            self.live.differing = sum(self._found.get(stamp) != raw for stamp, raw in self._recorded.items())
+            self.live.messages = len(self._recorded)
 
     def _joints(self, topic: str, raw: bytes) -> JointState:
         return self._decoders[topic](raw)
 
     def _on_marks(self, raw: bytes) -> None:
         state = self._joints(MARKS_STATE, raw)
-        if state.position.size % len(MARK_AXES) or not state.position.size:
+        names = [name.removesuffix("/x") for name in state.names if name.endswith("/x")]
+        if not names or not state.position.size:
             raise MessageError(f"expected x, y, z and spin of marks, found {', '.join(state.names) or 'nothing'}")
-        self.marks.add(state.stamp, state.position.reshape(-1, len(MARK_AXES)))
+        self.marks.add(state.stamp, np.append(state.position, np.nan)[columns(state.names, names)])
 
     def _on_rig(self, raw: bytes) -> None:
         state = self._joints(RIG_STATE, raw)
+        if state.names != RIG_JOINTS:  # another rig's: its speeds are all that is needed
+            top, bit = speeds(state)
+            self.rig.add(state.stamp, (math.nan, top, bit, math.nan, math.nan))
+            return
         rig = read_rig_state(state)
         self.rig.add(state.stamp, (rig.bit_force, rig.top_drive_speed, rig.bit_speed, rig.bit_torque, rig.hookload))
 
@@ -171,6 +248,7 @@ class Recording:
             if status.name.rpartition("/")[2] in {"simulator", "twin"} and "realtime_factor" in status.values:
                 factor = finite_number(status.values["realtime_factor"])
                 self.realtime_factor = self.realtime_factor if factor is None else factor
+                self.left_out = omissions_of(status.values)
 
     # --- what the others ask --------------------------------------------------------------------------------------
 
@@ -187,6 +265,8 @@ class Recording:
     @property
     def duration(self) -> float:
         """Simulated time of the last sample [s]."""
+        if self._pipeline.blind is not None:
+            return float(self.rig.time[-1]) if len(self.rig) else 0.0
         return seconds(self.findings.stamp_ns)
 
     @property
@@ -217,10 +297,10 @@ class Recording:
         return centre
 
 
-def read_recording(path: str | Path, scene: Scene | None = None) -> Recording:
+def read_recording(path: str | Path, scene: Scene | None = None, selection: Selection | None = None) -> Recording:
     """Open and analyse a bag, or the bag in the folder of a run.
 
     Raises:
         BagError: Not a bag of this package, or nothing in it that could be analysed.
     """
-    return Recording(Bag(bag_in(path)), scene)
+    return Recording(open_bag(bag_in(path), selection or Selection()), scene, selection)

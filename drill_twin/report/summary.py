@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,12 @@ import numpy as np
 
 from drill_twin.bag.reader import Bag
 from drill_twin.report.recording import Recording, read_recording
-from drill_twin.whirl import MotionPeriod, MotionState
+from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
+
+SLOWEST = 0.1
+"""Slowest swing of the bit's speed that is looked for [Hz]."""
+NOTICED = 0.01
+"""Least amplitude of it over the mean speed."""
 
 
 def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
@@ -29,6 +35,9 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           `frequency_mark`; `precession_ratio`: the same over the rotation, `rotation_rev_s`.
         * `max_radius_m`: largest distance of the centre line from the hole's axis by mark [m].
         * `motion`, `mark_motion`: timelines of the motion states, each with start and end, criterion and confidence.
+        * `whirl_observable`: whether there were positions of marks at all.
+        * `bit`, `stick_slip`: motion of the bit at the end, and its stretches of stick-slip; `bit_spectral_peak_hz`:
+          the highest line in the spectrum of its speed.
         * `realtime_factor`: simulated time over the time the physics took.
         * `scene`, `effects`, `elements`, `step_s`, `seed`, `version`, `pace`, `started`: what was run.
         * `duration_s`, `samples`, `quality`, `truncated`, `damage`, `notes`: what there was to analyse.
@@ -44,7 +53,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
     found, run = bag.summary, bag.run_info
     onset = found.onset
     summary = {
-        "scene": bag.scene.name,
+        "scene": bag.scene.name if bag.scene_known else None,
+        "whirl_observable": found.observable,
         "onset_s": found.onset_s,
         "onset_mark": onset.mark if onset else None,
         "onset_confidence": onset.confidence if onset else None,
@@ -55,14 +65,17 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "frequency_mark": found.frequency_mark,
         "rotation_rev_s": found.rotation_rev_s,
         "max_radius_m": found.max_radius_m,
-        "clearance_m": {mark.name: mark.clearance for mark in bag.scene.mark_table},
+        "clearance_m": {mark.name: mark.clearance for mark in bag.places},
         "motion": timeline(found.motion, bag.duration),
         "mark_motion": {mark: timeline(periods, bag.duration) for mark, periods in found.mark_motion.items()},
+        "bit": found.bit,
+        "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
+        "bit_spectral_peak_hz": bit_peak(bag),
         "realtime_factor": bag.realtime_factor,
         "elements": run.get("elements", bag.nodes - 1 if bag.nodes else None),
         "step_s": run.get("step_s"),
-        "effects": list(run.get("effects", bag.scene.effect_names)),
-        "seed": run.get("seed", bag.scene.numerics.seed),
+        "effects": list(run.get("effects", bag.scene.effect_names if bag.scene_known else ())),
+        "seed": run.get("seed", bag.scene.numerics.seed if bag.scene_known else None),
         "version": run.get("version"),
         "pace": run.get("pace"),
         "started": run.get("started"),
@@ -102,13 +115,28 @@ def timeline(periods: tuple[MotionPeriod, ...], end: float) -> list[dict[str, An
     return lines
 
 
+def bit_peak(bag: Recording) -> float | None:
+    """Frequency of the highest line in the spectrum of the bit's speed above 0.1 Hz [Hz]; None where there is none."""
+    if not len(bag.rig):
+        return None
+    time, speed = bag.rig.time, bag.rig.values[:, 2]
+    try:
+        peak = two_sided_spectrum(time, speed.astype(complex)).peak(SLOWEST, math.inf)
+    except AnalysisError:
+        return None  # too short a record
+    steady = abs(float(np.nanmean(speed)))
+    return None if peak is None or peak.radius < NOTICED * steady else peak.frequency
+
+
 def to_json(summary: dict[str, Any]) -> str:
     """A summary as JSON text."""
     return json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def _notes(bag: Recording) -> list[str]:
-    notes = []
+    notes = list(bag.left_out)
+    if bag.rotation_from_spin and bag.places:
+        notes.append("the bag holds no rig states: the rotation is taken from the spin of the marks")
     if bag.runs > 1:
         notes.append(f"the bag holds {bag.runs} runs; this is the last of them")
     if bag.unusable:
@@ -126,7 +154,7 @@ def _plain(value: Any) -> Any:
     """Plain types throughout; what is not finite becomes None."""
     if isinstance(value, np.generic):
         value = value.item()
-    if isinstance(value, MotionState):
+    if isinstance(value, MotionState | BitMotion):
         return value.value
     if isinstance(value, float):
         return value if math.isfinite(value) else None

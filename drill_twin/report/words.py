@@ -9,6 +9,9 @@ from typing import Any
 Summary = Mapping[str, Any]
 Row = tuple[str, str]
 
+_STRETCHES = 5
+"""Stretches of stick-slip that are told one by one."""
+
 NOT_VALIDATED = """\
 No measurement of a whirling string stands behind this run: onset, whirl frequency and radii are what the model gives \
 for this scene. The scene's provenance says which of its numbers are measured, published or estimated; the estimated \
@@ -24,6 +27,11 @@ The marks move with the string and have no mass of their own; sensors, their noi
 
 def findings(summary: Summary) -> Iterator[Row]:
     """What the analysis found, most important first."""
+    if not summary["whirl_observable"]:
+        yield "whirl", "not observable: no positions of marks"
+        yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
+        yield from _bit(summary)
+        return
     yield "onset of whirl", _onset(summary)
     yield "whirl frequency", _frequency(summary)
     yield "precession / rotation", _number(summary["precession_ratio"], "{:+.3f}")
@@ -31,11 +39,28 @@ def findings(summary: Summary) -> Iterator[Row]:
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", _radius(value, summary["clearance_m"].get(mark))
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
+    yield from _bit(summary)
+
+
+def _bit(summary: Summary) -> Iterator[Row]:
+    """What the bit's rotation did."""
+    yield "bit at the end", summary["bit"]
+    for stretch in summary["stick_slip"][:_STRETCHES]:
+        words = (
+            f"{stretch['start_s']:.2f} to {stretch['end_s']:.2f} s: {stretch['cycles']} cycles of "
+            f"{stretch['shortest_s']:.3f} to {stretch['longest_s']:.3f} s ({stretch['frequency_hz']:.2f} Hz), "
+            f"severity {stretch['severity']:.2f}"
+        )
+        yield "stick-slip", words
+    if len(summary["stick_slip"]) > _STRETCHES:
+        yield "", f"and {len(summary['stick_slip']) - _STRETCHES} more stretches of stick-slip"
+    if summary["stick_slip"] and summary["bit_spectral_peak_hz"] is not None:
+        yield "spectral peak of the bit", f"{summary['bit_spectral_peak_hz']:.2f} Hz"
 
 
 def provenance(summary: Summary) -> Iterator[Row]:
     """What was run, and how."""
-    yield "scene", summary["scene"]
+    yield "scene", _text(summary["scene"])
     yield "simulated time", f"{summary['duration_s']:.2f} s, {summary['samples']} samples"
     yield "real-time factor", _number(summary["realtime_factor"], "{:.1f}")
     yield "elements", _text(summary["elements"])

@@ -24,5 +24,8 @@ class Point(NamedTuple):
     tz: float
     spin: float
     spin_rate: float
+    spin_up: float  # its acceleration; in the tangent, an inertia per length j adds j / h2
+    cos_spin: float  # of the spin, computed once for all effects
+    sin_spin: float
     fresh: bool  # first Newton iteration of a step
     iteration: float  # number of this Newton iteration in the run

@@ -53,6 +53,8 @@ class Strain(NamedTuple):
     ring_y: float
     ring_z: float
     psi: float
+    cos_psi: float
+    sin_psi: float
 
 
 @kernel
@@ -64,6 +66,8 @@ def strain_at(
     da: Triple,
     db: Triple,
     psi: float,
+    cos_psi: float,
+    sin_psi: float,
     psi_arc: float,
     psi_rate: float,
     psi_arc_rate: float,
@@ -96,7 +100,7 @@ def strain_at(
     rz = ((dbz - tz * tb) - beta * tdz - qz * g_rate) * gi - omega * pz
     return Strain(
         element, place, g, tx, ty, tz, beta, qx, qy, qz, px, py, pz, fold, tau, tau_rate, omega,
-        rx, ry, rz, psi,
+        rx, ry, rz, psi, cos_psi, sin_psi,
     )  # fmt: skip
 
 

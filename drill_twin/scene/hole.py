@@ -1,16 +1,141 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hole: a straight cylinder around the axis."""
+"""The hole: a cylinder around an axis, straight or surveyed, with a radius that may change with depth."""
 
-from typing import Annotated
+import math
+from typing import Annotated, Self
 
-from drill_twin.scene.part import Part
+import numpy as np
+from pydantic import Field, model_validator
+
+from drill_twin.rod.survey import dogleg, survey
+from drill_twin.scene.part import Part, refuse_at
 from drill_twin.units import Angle, Length, Within
+
+Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km", reason="the longest wells reach 15 km")]
+
+SHARPEST_BEND = 10.0
+"""Smallest radius of curvature of the hole, in radii of the hole."""
+LARGEST_TURN = math.radians(150.0)
+"""Largest angle between the hole and its direction at the top [rad]; directions are counted from there."""
+
+
+class Interval(Part):
+    """A stretch of the hole with a radius of its own: casing, a washout, a narrow place."""
+
+    top: Depth
+    """Measured depth where it begins, from the top clamp [m]."""
+    bottom: Depth
+    """Measured depth where it ends [m]."""
+    radius: Annotated[Length, Within(above="0 m", at_most="10 m")]
+    """Radius in between [m]."""
+
+
+class Station(Part):
+    """A survey station."""
+
+    depth: Depth
+    """Measured depth from the top clamp [m]."""
+    inclination: Annotated[Angle, Within(at_least="0 deg", at_most="180 deg")]
+    """Angle of the hole from the vertical [rad]."""
+    azimuth: Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg")] = 0.0
+    """Direction of the hole seen from above, clockwise from north [rad]."""
 
 
 class Hole(Part):
     """The hole the string turns in."""
 
     radius: Annotated[Length, Within(above="0 m", at_most="10 m")]
-    """Radius [m]."""
+    """Radius [m], outside of `intervals`."""
     inclination: Annotated[Angle, Within(at_least="0 deg", at_most="180 deg")] = 0.0
-    """Angle of the axis from the vertical [rad]; the low side is +x."""
+    """Angle of the axis of a straight hole from the vertical [rad]; the low side is +x. Not with `survey`."""
+    intervals: Annotated[tuple[Interval, ...], Field(max_length=1000)] = ()
+    """Stretches of another radius, from the top down."""
+    survey: Annotated[tuple[Station, ...], Field(max_length=10_000)] = ()
+    """Stations from the top clamp down, joined by circular arcs (minimum curvature); left out: a straight hole."""
+
+    @model_validator(mode="after")
+    def _intervals_do_not_overlap(self) -> Self:
+        above = 0.0
+        for index, interval in enumerate(self.intervals):
+            if interval.top < above:
+                raise refuse_at(
+                    ("intervals", index, "top"),
+                    f"expected at least {above:.6g} m, where the interval above ends, found {interval.top:.6g} m",
+                )
+            if interval.bottom <= interval.top:
+                raise refuse_at(
+                    ("intervals", index, "bottom"),
+                    f"expected more than its top ({interval.top:.6g} m), found {interval.bottom:.6g} m",
+                )
+            above = interval.bottom
+        return self
+
+    @model_validator(mode="after")
+    def _survey_goes_down(self) -> Self:
+        if not self.survey:
+            return self
+        if self.inclination != 0.0:
+            raise refuse_at(
+                ("inclination",),
+                f"expected no `inclination` beside a `survey`, found {math.degrees(self.inclination):.6g} deg; "
+                "the survey tells it",
+            )
+        if self.survey[0].depth != 0.0:
+            raise refuse_at(
+                ("survey", 0, "depth"),
+                f"expected 0 m, the top clamp, at the first station, found {self.survey[0].depth:.6g} m",
+            )
+        if len(self.survey) == 1:
+            raise refuse_at(("survey",), "expected at least two stations, found one")
+        for index in range(1, len(self.survey)):
+            above, here = self.survey[index - 1].depth, self.survey[index].depth
+            if here <= above:
+                raise refuse_at(
+                    ("survey", index, "depth"),
+                    f"expected more than the station above it ({above:.6g} m), found {here:.6g} m",
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _bends_gently(self) -> Self:
+        if len(self.survey) < 2:
+            return self
+        depth, inclination, azimuth = self.stations
+        turns = dogleg(inclination, azimuth)
+        sharpest = SHARPEST_BEND * max([self.radius, *(interval.radius for interval in self.intervals)])
+        for index, (turn, run) in enumerate(zip(turns, np.diff(depth), strict=True), start=1):
+            if turn > 0.5 * math.pi or turn * sharpest > run:
+                most = min(0.5 * math.pi, run / sharpest)
+                raise refuse_at(
+                    ("survey", index),
+                    f"expected a turn of at most {math.degrees(most):.4g} deg since the station above (90 deg, and a "
+                    f"bend of {SHARPEST_BEND:g} radii of the hole), found {math.degrees(turn):.4g} deg in {run:.6g} m",
+                )
+        ways = survey(depth, inclination, azimuth).down
+        total = np.arccos(np.clip(ways @ ways[0], -1.0, 1.0))
+        if total.max() > LARGEST_TURN:
+            index = int(total.argmax())
+            raise refuse_at(
+                ("survey", index),
+                f"expected a direction within {math.degrees(LARGEST_TURN):g} deg of that at the top, "
+                f"found {math.degrees(total[index]):.4g} deg",
+            )
+        return self
+
+    @property
+    def top_inclination(self) -> float:
+        """Angle of the axis from the vertical at the top clamp [rad]."""
+        return self.survey[0].inclination if self.survey else self.inclination
+
+    @property
+    def stations(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Measured depth [m], inclination [rad] and azimuth [rad] of the survey's stations."""
+        rows = np.array([(s.depth, s.inclination, s.azimuth) for s in self.survey]).reshape(-1, 3)
+        return rows[:, 0].copy(), rows[:, 1].copy(), rows[:, 2].copy()
+
+    def radius_at(self, depth: float) -> float:
+        """Radius at a measured depth from the top clamp [m]; where two intervals meet, that of the lower one."""
+        for interval in self.intervals:
+            if interval.top <= depth < interval.bottom:
+                return interval.radius
+        return self.radius

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from drill_twin.scene.part import Part, refuse_at
+from drill_twin.scene.top_drive import TopDrive
 from drill_twin.units import AngularSpeed, Force, Time, Within
 
 Shape = Literal["constant", "step", "ramp", "table"]
@@ -105,6 +106,8 @@ class Rig(Part):
     """Weight on bit over time."""
     rotation: Rotation = Rotation(value=0.0)
     """Top-drive speed over time."""
+    top_drive: TopDrive = TopDrive()
+    """What turns the string so."""
     duration: Annotated[Time, Within(above="0 s", at_most="1e6 s")]
     """Simulated time [s]."""
     table: RecordedTable | None = None

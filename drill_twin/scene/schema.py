@@ -6,6 +6,7 @@ from typing import Annotated, NamedTuple, Self
 from pydantic import Field, model_validator
 
 from drill_twin.scene.check import check
+from drill_twin.scene.check_ends import check_ends
 from drill_twin.scene.effects import Effects
 from drill_twin.scene.hole import Hole
 from drill_twin.scene.numerics import Numerics
@@ -25,7 +26,8 @@ class MarkPlace(NamedTuple):
     on: str
     """`wall` or `centre`."""
     wall_offset: float
-    """Distance of the mark from the centre line [m]: the outer radius on the wall, 0 on the centre."""
+    """Distance of the mark from the centre line [m]: the outer radius (blades included) on the wall, 0 on the
+    centre."""
     clearance: float
     """How far the centre line can move before the string touches the wall [m]."""
 
@@ -53,6 +55,7 @@ class Scene(Part):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         check(self.string, self.hole, self.effects)
+        check_ends(self.string, self.hole, self.rig, self.effects)
         return self
 
     @property
@@ -61,12 +64,13 @@ class Scene(Part):
         return self.string.length
 
     def outer_radius_at(self, distance_from_bit: float) -> float:
-        """Outer radius of the string at an arc length from the bit [m]."""
-        return self.string.section_at(distance_from_bit).outer_diameter / 2.0
+        """Radius of the string's surface that meets the wall, at an arc length from the bit [m]."""
+        return self.string.radius_at(distance_from_bit)
 
     def clearance_at(self, distance_from_bit: float) -> float:
         """How far the centre line can move before the string touches the wall [m]."""
-        return self.hole.radius - self.outer_radius_at(distance_from_bit)
+        depth = max(self.length - distance_from_bit, 0.0)
+        return self.hole.radius_at(depth) - self.outer_radius_at(distance_from_bit)
 
     @property
     def effect_names(self) -> list[str]:

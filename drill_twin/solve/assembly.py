@@ -13,6 +13,8 @@ a few vector instructions; ordered by unknowns it took four times as long.
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.point import Point
@@ -199,13 +201,15 @@ def bind(stretch_effects: Any, section_effects: Any, point_effects: Any) -> Call
                 shape = rod.shape[e, point]
                 l0, l1 = rod.spin_shape[point, 0], rod.spin_shape[point, 1]
                 psi = l0 * u[e, 6] + l1 * u[e + 1, 6]
+                cos_psi, sin_psi = np.cos(psi), np.sin(psi)
                 psi_rate = l0 * v[e, 6] + l1 * v[e + 1, 6]
                 a, b = blend(shape[1], work.ue), blend(shape[2], work.ue)
                 da, db = blend(shape[1], work.ve), blend(shape[2], work.ve)
                 place = 2 * e + point
                 s = strain_at(
-                    e, place, a, b, da, db, psi, (u[e + 1, 6] - u[e, 6]) / h, psi_rate, (v[e + 1, 6] - v[e, 6]) / h
-                )
+                    e, place, a, b, da, db, psi, cos_psi, sin_psi,
+                    (u[e + 1, 6] - u[e, 6]) / h, psi_rate, (v[e + 1, 6] - v[e, 6]) / h,
+                )  # fmt: skip
                 elastic_resultants(rod.bending[e], rod.torsion[e], s, h2, work.resultants)
                 section_effects(parameters, rod, s, h2, work.resultants)
                 section_forces(
@@ -217,7 +221,7 @@ def bind(stretch_effects: Any, section_effects: Any, point_effects: Any) -> Call
                 work.stiff[:] = 0.0
                 here = Point(
                     e, place, time, r[0], r[1], r[2], dr[0], dr[1], dr[2], rate * ddr[0], rate * ddr[1], rate * ddr[2],
-                    s.tx, s.ty, s.tz, psi, psi_rate, fresh, count,
+                    s.tx, s.ty, s.tz, psi, psi_rate, rate * (l0 * dw0 + l1 * dw1), cos_psi, sin_psi, fresh, count,
                 )  # fmt: skip
                 point_effects(parameters, rod, here, h2, work.load, work.stiff)
                 # a couple about t also works on r', since the material turns at psi_dot + A(t, t_dot)

@@ -40,8 +40,8 @@ _FORMS = {
 }
 HOOKS = ("point", "section", "stretch", "end", "guide", "done")
 _SOURCES = (
-    "rod.jit", "rod.types", "rod.point", "rod.mesh", "rod.section", "rod.stretch",
-    "solve.state", "solve.drive", "solve.midpoint", "solve.compose",
+    "rod.jit", "rod.types", "rod.point", "rod.hole", "rod.bit", "rod.mesh", "rod.section", "rod.stretch",
+    "solve.state", "solve.bit_frame", "solve.drive", "solve.midpoint", "solve.compose",
 )  # fmt: skip
 
 
@@ -64,9 +64,9 @@ def effect_module(name: str) -> ModuleType:
     return import_module(f"drill_twin.effects.{name}")
 
 
-def fingerprint(effects: tuple[str, ...], form: str) -> str:
-    """Hash of all that decides the machine code: sources, versions, processor."""
-    digest = hashlib.sha256()
+def fingerprint(effects: tuple[str, ...], form: str, hole: str) -> str:
+    """Hash of all that decides the machine code: sources, kind of hole, versions, processor."""
+    digest = hashlib.sha256(hole.encode())
     for name in (*_SOURCES, *_FORMS[form]):
         digest.update(inspect.getsource(import_module(f"drill_twin.{name}")).encode())
     for name in effects:
@@ -95,7 +95,7 @@ from typing import NamedTuple
 from numba import njit
 
 from drill_twin.rod.jit import FLAGS
-from drill_twin.solve.drive import Drive, weight_on_bit
+from drill_twin.solve.drive import Drive, rig_done, rig_ends
 from drill_twin.solve import midpoint, {form}
 {imports}
 
@@ -125,7 +125,7 @@ def point_effects(parameters, rod, here, h2, load, stiff):
 
 @njit(**FLAGS)
 def end_effects(parameters, rod, command, time, h2, u, v, v_old, ends):
-    weight_on_bit(parameters.drive, command, ends)
+    rig_ends(parameters.drive, command, h2, u, v, v_old, ends)
 {calls("end", "{name}.end(parameters, rod, command, time, h2, u, v, v_old, ends)")}
 
 
@@ -136,6 +136,7 @@ def guide_effects(parameters, rod, time, trial):
 
 @njit(**FLAGS)
 def done_effects(parameters, rod, command, time, step, u, v):
+    rig_done(parameters.drive, step, u, v)
 {calls("done", "{name}.done(parameters, rod, command, time, step, u, v)")}
 
 
@@ -161,14 +162,15 @@ def entry(module: ModuleType) -> Callable[..., int]:
     return cast("Callable[..., int]", compiled[0].entry_point if len(compiled) == 1 else module.advance)
 
 
-def compose(effects: tuple[str, ...], form: str = "spatial") -> ModuleType:
+def compose(effects: tuple[str, ...], form: str = "spatial", hole: str = "straight") -> ModuleType:
     """The module with ``advance`` and ``Parameters`` for a set of effects, compiled on first use.
 
     Args:
         effects: Scene keys in the order of the registry.
         form: "spatial", or "lateral" for a string that neither stretches nor twists.
+        hole: "straight" or "curved": the types of the arguments decide what is compiled, and a module holds one kernel.
     """
-    name = f"drill_twin_kernel_{fingerprint(effects, form)}"
+    name = f"drill_twin_kernel_{fingerprint(effects, form, hole)}"
     if name in sys.modules:
         return sys.modules[name]
     path = cache_folder() / f"{name}.py"

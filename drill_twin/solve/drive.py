@@ -1,32 +1,130 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rig's two handles: weight on bit as an axial force, and the prescribed turn of the top.
+"""The rig's two handles: weight on bit as an axial force, and the top drive that turns the string.
 
-The turn is a constraint and needs no force here (`drill_twin.solve.midpoint` sets it). Set-points arrive as an array:
-weight on bit [N], top-drive speed [rad/s].
+Set-points arrive as an array: weight on bit [N], top-drive speed [rad/s]. A prescribed turn is a constraint and needs
+no force here (the time loop sets it). Any other drive leaves the top free to turn and pulls on it with
+``P (command - speed) + I (commanded angle - angle)``, within its torque limit.
+
+What acts at the bit is shared through `drill_twin.rod.bit`.
 """
 
 from typing import NamedTuple
 
+import numpy as np
+
+from drill_twin.rod.bit import BIT_WEIGHT, SPIN, TOP_TORQUE, WEIGHT, YIELD, Bit, make_bit
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.types import Array
+from drill_twin.scene import Scene
 
 WEIGHT_ON_BIT, ROTATION = 0, 1
 BIT, TOP, RESIDUAL = 0, 1, 7  # places in the array of the ends, shape (2, 7, 8)
 
+# Places in Drive.memory: angle by which the top lags its command [rad]; of the step at hand the top's angle and speed
+# at its start and the commanded speed at its middle.
+LAG, START_ANGLE, START_SPEED, COMMAND = 0, 1, 2, 3
+
 
 class Drive(NamedTuple):
-    """Where the weight on bit is applied."""
+    """How the rig loads and turns the string, and what it remembers."""
 
     from_top: float  # 1: pushed down at the top, the rock holds the bit; 0: pushed up at the bit, the top is held
+    hanging: float  # what the string itself adds to a weight set at the top [N]
+    driven: float  # 1: the top is turned by a torque; 0: its turn is prescribed
+    proportional: float  # torque per error of speed [N m s/rad]
+    integral: float  # torque per error of angle [N m/rad]
+    limit: float  # largest torque of the motor [N m]
+    inertia: float  # of drive and motor about the string's axis [kg m2]
+    damping: float  # of bearings and gears [N m s/rad]
+    memory: Array  # (4,) see LAG
+    bit: Bit
+
+
+def make_drive(scene: Scene, hanging: float) -> Drive:
+    """The drive of a scene.
+
+    Args:
+        scene: The scene.
+        hanging: Axial weight of the string [N].
+    """
+    top = scene.rig.top_drive
+    from_top = scene.rig.weight_on_bit.at == "top"
+    proportional, integral = top.gains(*_torsion_of_the_string(scene))
+    return Drive(
+        from_top=1.0 if from_top else 0.0,
+        hanging=hanging,
+        driven=0.0 if top.model == "prescribed" else 1.0,
+        proportional=proportional,
+        integral=integral,
+        limit=np.inf if top.torque_limit is None else top.torque_limit,
+        inertia=top.inertia,
+        damping=top.damping,
+        memory=np.zeros(4),
+        bit=make_bit(scene.rig.weight_on_bit.initial + (hanging if from_top else 0.0)),
+    )
+
+
+def _torsion_of_the_string(scene: Scene) -> tuple[float, float]:
+    """Impedance of the top section to torsional waves [N m s/rad], time of such a wave from top to bit [s]."""
+    top = scene.string.sections[-1]
+    impedance = 2.0 * top.second_moment * np.sqrt(top.shear_modulus * top.density)
+    delay = sum(part.length * np.sqrt(part.density / part.shear_modulus) for part in scene.string.sections)
+    return float(impedance), float(delay)
 
 
 @kernel
-def weight_on_bit(drive: Drive, command: Array, ends: Array) -> None:
-    """Add the axial force of the rig to the residual: compression is positive."""
+def rig_ends(drive: Drive, command: Array, h2: float, u: Array, v: Array, v_old: Array, ends: Array) -> None:
+    """Add the forces of the rig to the residual: compression is positive, and so is right-handed torque."""
+    bit = drive.bit
+    for c in range(7):
+        bit.start[c] = u[0, c] - h2 * v[0, c]
+    bit.now[YIELD] = 0.0
     if drive.from_top > 0.0:
         ends[TOP, 2, RESIDUAL] += command[WEIGHT_ON_BIT]
+        bit.now[WEIGHT] = command[WEIGHT_ON_BIT] + drive.hanging
     else:
         ends[BIT, 2, RESIDUAL] -= command[WEIGHT_ON_BIT]
+        bit.now[WEIGHT] = command[WEIGHT_ON_BIT]
+    if drive.driven > 0.0:
+        last = u.shape[0] - 1
+        speed, memory = v[last, SPIN], drive.memory
+        memory[START_ANGLE], memory[START_SPEED] = u[last, SPIN] - h2 * speed, v_old[last, SPIN]
+        memory[COMMAND] = command[ROTATION]
+        lag = h2 * (command[ROTATION] - speed)
+        torque = motor(drive, lag / h2, memory[LAG] + lag)
+        slope = drive.proportional + h2 * drive.integral if abs(torque) < drive.limit else 0.0
+        own = drive.damping + drive.inertia / h2
+        ends[TOP, SPIN, SPIN] += slope + own
+        ends[TOP, SPIN, RESIDUAL] -= torque - drive.damping * speed - drive.inertia * (speed - v_old[last, SPIN]) / h2
+
+
+@kernel
+def motor(drive: Drive, error: float, lag: float) -> float:
+    """Torque of the motor for an error of speed [rad/s] and of angle [rad], within its limit [N m]."""
+    torque = drive.proportional * error + drive.integral * lag
+    return max(-drive.limit, min(drive.limit, torque))
+
+
+@kernel
+def rig_done(drive: Drive, step: float, u: Array, v: Array) -> None:
+    """Remember the step taken: what the bit did, how far the top lags, and the impulses of weight and drive.
+
+    The lag does not grow while the motor is at its limit and more of it would ask for more (conditional integration).
+    """
+    bit = drive.bit
+    for c in range(7):
+        bit.rate[c] = (u[0, c] - bit.start[c]) / step
+    bit.impulse[BIT_WEIGHT] += step * bit.now[WEIGHT]
+    if drive.driven > 0.0:
+        last = u.shape[0] - 1
+        memory = drive.memory
+        speed = (u[last, SPIN] - memory[START_ANGLE]) / step
+        lag = step * (memory[COMMAND] - speed)
+        torque = motor(drive, lag / step, memory[LAG] + 0.5 * lag)
+        if abs(torque) < drive.limit or torque * lag < 0.0:
+            memory[LAG] += lag
+        accelerating = drive.inertia * (v[last, SPIN] - memory[START_SPEED])
+        bit.impulse[TOP_TORQUE] += step * (torque - drive.damping * speed) - accelerating
 
 
 @kernel

@@ -15,7 +15,7 @@ from drill_twin.rod.types import Array
 from drill_twin.solve import lateral_assembly
 from drill_twin.solve.drive import BIT, RESIDUAL, ROTATION, TOP
 from drill_twin.solve.lateral_assembly import AT_BIT, AT_TOP, TORQUE, WEIGHT, Work, make_work
-from drill_twin.solve.lateral_blocks import NODE, solve_blocks
+from drill_twin.solve.lateral_blocks import NODE, factor_blocks, solve_blocks
 from drill_twin.solve.midpoint import Effects, Moves
 from drill_twin.solve.state import (
     BIT_IMPULSE,
@@ -28,6 +28,14 @@ from drill_twin.solve.state import (
     State,
 )
 
+# Places in Work.lazy: half step of the factors (0: there are none), 1 if they must be renewed, steps for which they are
+# renewed at once, size of the last Newton step, what the effects had added [N s/m].
+HALF_STEP, RENEW, EAGER, LAST_SIZE, FIRM = 0, 1, 2, 3, 4
+GOOD = 0.1  # the factors will do while each Newton step is this much smaller than the last
+CHANGED = 0.1  # and while what the effects add to them, mostly the wall, has changed by less than this share
+SAME_STEP = 1e-9  # steps of one length differ by rounding
+PATIENCE = 8.0  # steps of renewing at once, after factors that would not do
+
 X, Y, SLOPE_X, SLOPE_Y = 0, 1, 3, 4  # columns of the unknowns in a node's row
 
 
@@ -35,6 +43,12 @@ X, Y, SLOPE_X, SLOPE_Y = 0, 1, 3, 4  # columns of the unknowns in a node's row
 def column(i: int) -> int:
     """Column of the i-th of the four unknowns in a node's row of seven."""
     return i if i < 2 else i + 1
+
+
+@kernel
+def begin(work: Work) -> None:
+    """Forget the factors: a run that is stopped between two frames and resumed must not differ from one that is not."""
+    work.lazy[:] = 0.0
 
 
 @kernel
@@ -57,7 +71,7 @@ def guess(fixed: Array, state: State, command: Array, step: float) -> None:
 
 
 @kernel
-def add_ends(fixed: Array, work: Work) -> None:
+def add_ends(fixed: Array, work: Work, full: bool) -> None:
     """Bring what acts on bit and top into the system, then take the held unknowns out of it."""
     last = work.diagonal.shape[0] - 1
     for end in range(2):
@@ -66,28 +80,63 @@ def add_ends(fixed: Array, work: Work) -> None:
         other = work.upper[0] if end == 0 else work.lower[last - 1]
         for i in range(NODE):
             right[i] += work.ends[end, column(i), RESIDUAL]
-            for j in range(NODE):
-                own[i, j] += work.ends[end, column(i), column(j)]
-        for i in range(NODE):
             if fixed[end, column(i)]:
-                for j in range(NODE):
-                    own[i, j] = 0.0
-                    other[i, j] = 0.0
-                own[i, i] = 1.0
                 right[i] = 0.0
+        if full:
+            for i in range(NODE):
+                for j in range(NODE):
+                    own[i, j] += work.ends[end, column(i), column(j)]
+                if fixed[end, column(i)]:
+                    for j in range(NODE):
+                        own[i, j] = 0.0
+                        other[i, j] = 0.0
+                    own[i, i] = 1.0
+
+
+@kernel
+def outdated(work: Work, h2: float, fresh: bool) -> bool:
+    """Whether the tangent must be assembled and factored again.
+
+    Without contact it changes slowly: its factors serve many steps, as in codes for stiff equations (Hairer and Wanner
+    1996, IV.8). They are renewed where the step changed or Newton's method slows down.
+    """
+    lazy = work.lazy
+    if fresh:
+        lazy[LAST_SIZE] = 0.0
+        if lazy[EAGER] > 0.0:
+            lazy[EAGER] -= 1.0
+            lazy[RENEW] = 1.0
+    other_step: bool = abs(lazy[HALF_STEP] - h2) > SAME_STEP * h2
+    return other_step or lazy[RENEW] > 0.0
 
 
 @kernel
 def solve(work: Work) -> bool:
-    """Solve the block system in place."""
-    work.upper[work.upper.shape[0] - 1, :, :] = 0.0
-    return solve_blocks(work.lower, work.diagonal, work.upper, work.right)
+    """Solve the block system in place, with new factors where `build` has made a new tangent."""
+    if work.lazy[HALF_STEP] < 0.0:
+        if not factor_blocks(work.lower, work.diagonal, work.upper, work.inverse):
+            work.lazy[HALF_STEP] = 0.0
+            return False
+        work.lazy[HALF_STEP] = -work.lazy[HALF_STEP]
+        work.lazy[RENEW] = 0.0
+    solve_blocks(work.lower, work.upper, work.inverse, work.right)
+    return True
+
+
+@kernel
+def judge(work: Work, size: float) -> None:
+    """Have the factors renewed if Newton's method slows down."""
+    lazy = work.lazy
+    if lazy[LAST_SIZE] > 0.0 and not size < GOOD * lazy[LAST_SIZE]:
+        lazy[RENEW] = 1.0
+        lazy[EAGER] = PATIENCE
+    lazy[LAST_SIZE] = size
 
 
 @kernel
 def correct(state: State, limits: Limits, work: Work, h2: float) -> float:
     """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
-    place, angle, total = 0.0, 0.0, 0.0
+    place, angle, total, torque = 0.0, 0.0, 0.0, 0.0
     for i in range(state.u.shape[0]):
         right, row = work.right[i], state.trial[i]
         row[X] -= right[0]
@@ -96,8 +145,13 @@ def correct(state: State, limits: Limits, work: Work, h2: float) -> float:
         row[SLOPE_Y] -= right[3]
         place = max(place, abs(right[0]), abs(right[1]))
         angle = max(angle, abs(right[2]), abs(right[3]))
+        lever = work.lever[i]
+        torque -= lever[0] * right[0] + lever[1] * right[1] + lever[2] * right[2] + lever[3] * right[3]
         total += right[0] + right[1] + right[2] + right[3]
-    return max(place / limits.place, angle / limits.angle) * h2 + 0.0 * total
+    size = max(place / limits.place, angle / limits.angle) * h2 + 0.0 * total
+    work.axial[TORQUE] += torque
+    judge(work, size)
+    return size
 
 
 @kernel
@@ -175,11 +229,21 @@ def bind(effects: Effects) -> Moves:
         tension = work.ends[BIT, 2, RESIDUAL]
         if work.ends[TOP, 2, RESIDUAL] != 0.0 or fixed[0, 2]:
             tension = work.axial[WEIGHT] - work.ends[TOP, 2, RESIDUAL]
-        assemble(parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v, tension)
+        full = outdated(work, h2, fresh)
+        for _ in range(2):
+            firm = assemble(
+                parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v, tension, full
+            )
+            if full or abs(firm - work.lazy[FIRM]) <= CHANGED * abs(work.lazy[FIRM]):
+                break
+            full = True  # the string has come to the wall, or left it
+            work.lazy[EAGER] = PATIENCE
+        if full:
+            work.lazy[HALF_STEP], work.lazy[FIRM] = -h2, firm
         work.axial[AT_BIT], work.axial[AT_TOP] = tension, tension - work.axial[WEIGHT]
-        add_ends(fixed, work)
+        add_ends(fixed, work, full)
 
-    return Moves(guess, build, solve, correct, accept, finish)
+    return Moves(begin, guess, build, solve, correct, accept, finish, order=1)
 
 
 __all__ = ["bind", "make_work"]

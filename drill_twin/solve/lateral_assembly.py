@@ -27,10 +27,13 @@ class Work(NamedTuple):
 
     lower: Array  # (n, 4, 4)
     diagonal: Array  # (n + 1, 4, 4)
-    upper: Array  # (n + 1, 4, 4), the last one zero
+    upper: Array  # (n, 4, 4)
+    inverse: Array  # (n + 1, 4, 4) of the pivot blocks; with it, lower and upper are factors
     right: Array  # (n + 1, 4)
+    lazy: Array  # (5,) see drill_twin.solve.lateral: what is known of the factors
     ends: Array  # (2, 7, 8) what acts on bit and top, as in space
     command: Array  # (2,) set-points now
+    lever: Array  # (n + 1, 4) change of the torque below by the unknowns' velocities
     axial: Array  # (4,) see AT_BIT and its neighbours
     resultants: Array  # (7,) see drill_twin.rod.section
     load: Array  # (4,)
@@ -46,10 +49,25 @@ def make_work(elements: int) -> Work:
     """Scratch for a string of so many elements."""
     n = elements
     return Work(
-        np.zeros((n, 4, 4)), np.zeros((n + 1, 4, 4)), np.zeros((n + 1, 4, 4)), np.zeros((n + 1, 4)),
-        np.zeros((2, 7, 8)), np.zeros(2), np.zeros(4), np.zeros(RESULTANTS), np.zeros(4), np.zeros((4, 4)),
-        np.zeros((4, 16)), np.zeros((2, 4)), np.zeros((2, 4)), np.zeros((2, 4)), np.zeros((2, 4)),
-    )  # fmt: skip
+        lower=np.zeros((n, 4, 4)),
+        diagonal=np.zeros((n + 1, 4, 4)),
+        upper=np.zeros((n, 4, 4)),
+        inverse=np.zeros((n + 1, 4, 4)),
+        right=np.zeros((n + 1, 4)),
+        lazy=np.zeros(5),
+        ends=np.zeros((2, 7, 8)),
+        command=np.zeros(2),
+        lever=np.zeros((n + 1, 4)),
+        axial=np.zeros(4),
+        resultants=np.zeros(RESULTANTS),
+        load=np.zeros(4),
+        stiff=np.zeros((4, 4)),
+        ke=np.zeros((4, 16)),
+        re=np.zeros((2, 4)),
+        ue=np.zeros((2, 4)),
+        ve=np.zeros((2, 4)),
+        dv=np.zeros((2, 4)),
+    )
 
 
 @kernel
@@ -74,8 +92,8 @@ def gather(work: Work, e: int, u: Array, v: Array, v_old: Array) -> None:
 
 
 @kernel
-def add_inertia(rod: Rod, work: Work, e: int, rate: float) -> None:
-    """Start the element with its mass over half the step."""
+def start_tangent(rod: Rod, work: Work, e: int, rate: float) -> None:
+    """Start the element's tangent with its mass over half the step."""
     mass, ke = rod.mass[e], work.ke
     for i in range(4):
         for j in range(4):
@@ -84,6 +102,12 @@ def add_inertia(rod: Rod, work: Work, e: int, rate: float) -> None:
             ke[1, 4 * i + j] = 0.0
             ke[2, 4 * i + j] = 0.0
             ke[3, 4 * i + j] = weighed
+
+
+@kernel
+def start_residual(rod: Rod, work: Work, e: int, rate: float) -> None:
+    """Start the element's residual with its change of momentum."""
+    mass = rod.mass[e]
     for c in range(2):
         for i in range(4):
             row = mass[i]
@@ -92,12 +116,10 @@ def add_inertia(rod: Rod, work: Work, e: int, rate: float) -> None:
 
 
 @kernel
-def add_point(rod: Rod, work: Work, e: int, point: int, tension: float, h2: float, spin_rate: float, a: Pair) -> None:
-    """Add section and loads sampled at a Gauss point."""
-    weight = 0.5 * rod.length[e]
-    shape, pairs = rod.shape[e, point], rod.pairs[e, point]
-    load, ke, out = work.load, work.ke, work.resultants
-    damp = out[BEND_DAMP]
+def add_tangent(rod: Rod, work: Work, e: int, point: int, tension: float, h2: float, spin_rate: float) -> None:
+    """Add the stiffness and damping of section and loads at a Gauss point."""
+    pairs, ke = rod.pairs[e, point], work.ke
+    damp = work.resultants[BEND_DAMP]
     bend, turn, string = rod.bending[e] * h2 + damp, damp * h2 * spin_rate, tension * h2
     s0, s1, s2, s3 = work.stiff[0, 0], work.stiff[0, 1], work.stiff[1, 0], work.stiff[1, 1]
     for x in range(16):
@@ -107,15 +129,33 @@ def add_point(rod: Rod, work: Work, e: int, point: int, tension: float, h2: floa
         ke[1, x] += turn * bb + s1 * rr
         ke[2, x] += s2 * rr - turn * bb
         ke[3, x] += same + s3 * rr
+
+
+@kernel
+def add_residual(rod: Rod, work: Work, e: int, point: int, tension: float, a: Pair) -> None:
+    """Add the forces of section and loads at a Gauss point."""
+    weight = 0.5 * rod.length[e]
+    shape, load, out = rod.shape[e, point], work.load, work.resultants
     for c in range(2):
         pull, moment, push = weight * tension * a[c], weight * out[MX + c], weight * load[c]
+        couple = weight * work.stiff[3, c]
         for i in range(4):
+            work.lever[e + i // 2, 2 * (i % 2) + c] += couple * shape[0, i]
             work.re[c, i] += shape[1, i] * pull + shape[2, i] * moment - shape[0, i] * push
 
 
 @kernel
-def scatter(work: Work, e: int) -> None:
-    """Put the element's matrices into the block system."""
+def scatter_residual(work: Work, e: int) -> None:
+    """Put the element's residual into the block system."""
+    for i in range(2):
+        for c in range(2):
+            work.right[e, 2 * i + c] += work.re[c, i]
+            work.right[e + 1, 2 * i + c] = work.re[c, i + 2]
+
+
+@kernel
+def scatter_tangent(work: Work, e: int) -> None:
+    """Put the element's tangent into the block system."""
     top, bottom, low, up = work.diagonal[e], work.diagonal[e + 1], work.lower[e], work.upper[e]
     ke = work.ke
     for i in range(2):
@@ -128,11 +168,9 @@ def scatter(work: Work, e: int) -> None:
                     up[row, col] = ke[m, 4 * i + j + 2]
                     low[row, col] = ke[m, 4 * i + j + 8]
                     bottom[row, col] = ke[m, 4 * i + j + 10]
-            work.right[e, row] += work.re[c, i]
-            work.right[e + 1, row] = work.re[c, i + 2]
 
 
-def bind(section_effects: Any, point_effects: Any) -> Callable[..., None]:
+def bind(section_effects: Any, point_effects: Any) -> Callable[..., float]:
     """The assembly for a set of effects, each given as one compiled function (`drill_twin.solve.compose`)."""
 
     @kernel
@@ -148,8 +186,9 @@ def bind(section_effects: Any, point_effects: Any) -> Callable[..., None]:
         v: Array,
         v_old: Array,
         tension: float,
-    ) -> None:
-        """Fill the block system with tangent and residual of every element.
+        full: bool,
+    ) -> float:
+        """Fill the block system with the residual of every element, and with its tangent if `full`.
 
         Args:
             parameters: Of the effects.
@@ -163,18 +202,28 @@ def bind(section_effects: Any, point_effects: Any) -> Callable[..., None]:
             v: Velocities at mid-step.
             v_old: Velocities at the start of the step.
             tension: Axial force in the string at the bit [N], negative under weight on bit.
+            full: Whether the tangent is wanted too.
+
+        Returns:
+            Stiffness and damping that the effects add along the string, summed: whether it changed tells if factors of
+            an older tangent will do [N s/m].
         """
         rate = 1.0 / h2
         n = rod.length.shape[0]
         psi, spin_rate = u[n, 6], v[n, 6]
         spin_up = rate * (spin_rate - v_old[n, 6])
-        along, torque = 0.0, 0.0
-        work.diagonal[0, :, :] = 0.0
+        cos_psi, sin_psi = np.cos(psi), np.sin(psi)
+        along, torque, firm = 0.0, 0.0, 0.0
+        if full:
+            work.diagonal[0, :, :] = 0.0
         work.right[0, :] = 0.0
+        work.lever[:] = 0.0
         for e in range(n):
             h = rod.length[e]
             gather(work, e, u, v, v_old)
-            add_inertia(rod, work, e, rate)
+            start_residual(rod, work, e, rate)
+            if full:
+                start_tangent(rod, work, e, rate)
             below = along
             for point in range(2):
                 shape = rod.shape[e, point]
@@ -184,7 +233,7 @@ def bind(section_effects: Any, point_effects: Any) -> Callable[..., None]:
                 ring_x, ring_y = db[0] + spin_rate * b[1], db[1] - spin_rate * b[0]
                 strain = Strain(
                     e, place, 1.0, 0.0, 0.0, 1.0, 0.0, b[0], b[1], 0.0, -b[1], b[0], 0.0, 2.0, 0.0, 0.0, spin_rate,
-                    ring_x, ring_y, 0.0, psi,
+                    ring_x, ring_y, 0.0, psi, cos_psi, sin_psi,
                 )  # fmt: skip
                 out = work.resultants
                 out[:] = 0.0
@@ -195,17 +244,24 @@ def bind(section_effects: Any, point_effects: Any) -> Callable[..., None]:
                 work.stiff[:] = 0.0
                 here = Point(
                     e, place, time, r[0], r[1], rod.arc[e] + share * h - rod.arc[n], dr[0], dr[1], 0.0,
-                    rate * ddr[0], rate * ddr[1], 0.0, 0.0, 0.0, 1.0, psi, spin_rate, fresh, count,
+                    rate * ddr[0], rate * ddr[1], 0.0, 0.0, 0.0, 1.0, psi, spin_rate, spin_up,
+                    cos_psi, sin_psi, fresh, count,
                 )  # fmt: skip
                 point_effects(parameters, rod, here, h2, work.load, work.stiff)
                 weight = 0.5 * h
                 along += weight * work.load[2]
+                firm += weight * (work.stiff[0, 0] + work.stiff[1, 1])
                 torque -= weight * (out[COUPLE] + work.load[3])
                 force = tension - below - share * h * work.load[2]
-                add_point(rod, work, e, point, force, h2, spin_rate, blend(shape[1], work.ue))
+                add_residual(rod, work, e, point, force, blend(shape[1], work.ue))
+                if full:
+                    add_tangent(rod, work, e, point, force, h2, spin_rate)
             torque += rod.spin_mass[e] * spin_up
-            scatter(work, e)
+            scatter_residual(work, e)
+            if full:
+                scatter_tangent(work, e)
         work.axial[WEIGHT] = along
         work.axial[TORQUE] = torque
+        return firm
 
     return assemble

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The block-tridiagonal system of a Newton step with four unknowns per node (x, y, x', y'), solved in place.
+"""The block-tridiagonal system with four unknowns per node (x, y, x', y'): factored once, solved often.
 
-As `drill_twin.solve.blocks`, with rows of four doubles, which fill a vector register; the right-hand side stands apart.
+With D_i the pivot block of node i, L and U its neighbours: keep D_i^-1, D_i^-1 L_i-1 and D_i^-1 U_i. Then a solve is
+``z_i = D_i^-1 b_i - (D_i^-1 L) z_i-1`` upwards and ``x_i = z_i - (D_i^-1 U) x_i+1`` downwards: two chains of one small
+product per node. Rows of four doubles fill a vector register.
 """
 
 from drill_twin.rod.jit import kernel
@@ -20,65 +22,104 @@ def load(m: Array, r: int) -> Row:
 
 
 @kernel
-def subtract(m: Array, r: int, factor: float, x: Row) -> None:
-    """Row r less a multiple of another row."""
-    y0, y1, y2, y3 = m[r, 0] - factor * x[0], m[r, 1] - factor * x[1], m[r, 2] - factor * x[2], m[r, 3] - factor * x[3]
-    m[r, 0], m[r, 1], m[r, 2], m[r, 3] = y0, y1, y2, y3
+def store(m: Array, r: int, x: Row) -> None:
+    """Overwrite row r."""
+    m[r, 0], m[r, 1], m[r, 2], m[r, 3] = x
 
 
 @kernel
-def eliminate(d: Array, u: Array, right: Array) -> bool:
-    """Overwrite u and the right-hand side with the solutions of d x = u; false if a pivot vanishes."""
+def plus(x: Row, factor: float, y: Row) -> Row:
+    """Row x and a multiple of row y."""
+    return x[0] + factor * y[0], x[1] + factor * y[1], x[2] + factor * y[2], x[3] + factor * y[3]
+
+
+@kernel
+def times(factor: float, x: Row) -> Row:
+    """A row scaled."""
+    return factor * x[0], factor * x[1], factor * x[2], factor * x[3]
+
+
+@kernel
+def invert(d: Array, out: Array) -> bool:
+    """Inverse of a block by Gauss-Jordan elimination, which destroys d; false if a pivot vanishes."""
+    for r in range(NODE):
+        for c in range(NODE):
+            out[r, c] = 1.0 if r == c else 0.0
     for k in range(NODE):
         if not abs(d[k, k]) > SMALLEST_PIVOT:
             return False
         inverse = 1.0 / d[k, k]
-        x, y, z = load(d, k), load(u, k), right[k]
-        for r in range(k + 1, NODE):
-            factor = d[r, k] * inverse
-            subtract(d, r, factor, x)
-            subtract(u, r, factor, y)
-            right[r] -= factor * z
-        d[k, k] = inverse
-    for k in range(NODE - 1, -1, -1):
-        inverse = d[k, k]
-        y0, y1, y2, y3 = u[k, 0] * inverse, u[k, 1] * inverse, u[k, 2] * inverse, u[k, 3] * inverse
-        z = right[k] * inverse
-        u[k, 0], u[k, 1], u[k, 2], u[k, 3] = y0, y1, y2, y3
-        right[k] = z
-        for r in range(k):
-            subtract(u, r, d[r, k], (y0, y1, y2, y3))
-            right[r] -= d[r, k] * z
+        x, y = times(inverse, load(d, k)), times(inverse, load(out, k))
+        store(d, k, x)
+        store(out, k, y)
+        for r in range(NODE):
+            if r != k:
+                factor = -d[r, k]
+                store(d, r, plus(load(d, r), factor, x))
+                store(out, r, plus(load(out, r), factor, y))
     return True
 
 
 @kernel
-def solve_blocks(lower: Array, diagonal: Array, upper: Array, right: Array) -> bool:
-    """Solve in place; the solution ends in `right`.
+def multiply(a: Array, b: Array) -> None:
+    """Overwrite b with a b."""
+    b0, b1, b2, b3 = load(b, 0), load(b, 1), load(b, 2), load(b, 3)
+    for r in range(NODE):
+        store(b, r, plus(plus(plus(times(a[r, 0], b0), a[r, 1], b1), a[r, 2], b2), a[r, 3], b3))
+
+
+@kernel
+def factor_blocks(lower: Array, diagonal: Array, upper: Array, inverse: Array) -> bool:
+    """Factor in place.
 
     Args:
-        lower: Block (i + 1, i), shape (n, 4, 4).
-        diagonal: Block (i, i), shape (n + 1, 4, 4); overwritten.
-        upper: Block (i, i + 1), shape (n + 1, 4, 4), the last one zero; overwritten.
-        right: Right-hand side, shape (n + 1, 4).
+        lower: Block (i + 1, i), shape (n, 4, 4); becomes D_i+1^-1 L_i.
+        diagonal: Block (i, i), shape (n + 1, 4, 4); destroyed.
+        upper: Block (i, i + 1), shape (n, 4, 4); becomes D_i^-1 U_i.
+        inverse: Result D_i^-1, shape (n + 1, 4, 4).
 
     Returns:
         Whether every pivot was usable.
     """
     last = diagonal.shape[0] - 1
     for i in range(last + 1):
-        d, b = diagonal[i], right[i]
+        d = diagonal[i]
         if i > 0:
-            low, above, before = lower[i - 1], upper[i - 1], right[i - 1]
-            for k in range(NODE):
-                x, z = load(above, k), before[k]
-                for r in range(NODE):
-                    subtract(d, r, low[r, k], x)
-                    b[r] -= low[r, k] * z
-        if not eliminate(d, upper[i], b):
+            low, above = lower[i - 1], upper[i - 1]
+            a0, a1, a2, a3 = load(above, 0), load(above, 1), load(above, 2), load(above, 3)
+            for r in range(NODE):
+                row = plus(plus(load(d, r), -low[r, 0], a0), -low[r, 1], a1)
+                store(d, r, plus(plus(row, -low[r, 2], a2), -low[r, 3], a3))
+        if not invert(d, inverse[i]):
             return False
-    for i in range(last - 1, -1, -1):
-        u, b, below = upper[i], right[i], right[i + 1]
-        for r in range(NODE):
-            b[r] -= u[r, 0] * below[0] + u[r, 1] * below[1] + u[r, 2] * below[2] + u[r, 3] * below[3]
+        if i > 0:
+            multiply(inverse[i], lower[i - 1])
+        if i < last:
+            multiply(inverse[i], upper[i])
     return True
+
+
+@kernel
+def dot(m: Array, r: int, x: Row) -> float:
+    """Row r of a block times a vector."""
+    total: float = m[r, 0] * x[0] + m[r, 1] * x[1] + m[r, 2] * x[2] + m[r, 3] * x[3]
+    return total
+
+
+@kernel
+def solve_blocks(lower: Array, upper: Array, inverse: Array, right: Array) -> None:
+    """Overwrite the right-hand side, shape (n + 1, 4), with the solution, given what `factor_blocks` left."""
+    last = right.shape[0] - 1
+    z = (0.0, 0.0, 0.0, 0.0)
+    for i in range(last + 1):
+        d, b = inverse[i], load(right, i)
+        y = dot(d, 0, b), dot(d, 1, b), dot(d, 2, b), dot(d, 3, b)
+        if i > 0:
+            low = lower[i - 1]
+            y = y[0] - dot(low, 0, z), y[1] - dot(low, 1, z), y[2] - dot(low, 2, z), y[3] - dot(low, 3, z)
+        store(right, i, y)
+        z = y
+    for i in range(last - 1, -1, -1):
+        u, y = upper[i], load(right, i)
+        z = y[0] - dot(u, 0, z), y[1] - dot(u, 1, z), y[2] - dot(u, 2, z), y[3] - dot(u, 3, z)
+        store(right, i, z)

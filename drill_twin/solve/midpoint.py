@@ -19,6 +19,7 @@ import numpy as np
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.types import Array
+from drill_twin.solve.bit_frame import from_bit, to_bit
 from drill_twin.solve.drive import set_points
 from drill_twin.solve.state import (
     CONVERGED,
@@ -54,17 +55,19 @@ class Effects(NamedTuple):
 class Moves(NamedTuple):
     """How a form of the string is moved, as compiled functions."""
 
+    begin: Any  # (work): before the first step of a frame
     guess: Any  # (fixed, state, command, step): mid-step velocity to begin with
     build: Any  # (parameters, rod, work, fixed, state, command, time, h2, fresh, number): fill the system
     solve: Any  # (work) -> whether it could be solved
     correct: Any  # (state, limits, work, h2) -> size of the Newton step in tolerances, NaN if not finite
     accept: Any  # (fixed, state, work, counters, command, step): take the step
     finish: Any  # (rod, state): fill in what the loop does not need but a reader does
+    order: int  # of Newton's convergence: 2, or 1 where the tangent may be an older one
 
 
 def bind(moves: Moves, effects: Effects) -> Callable[..., int]:
     """The time loop for one form of the string and a set of effects."""
-    guess, build, solve, correct, accept, finish = moves
+    begin, guess, build, solve, correct, accept, finish, order = moves
     guide_effects, done_effects = effects.guide, effects.done
 
     @kernel
@@ -91,9 +94,9 @@ def bind(moves: Moves, effects: Effects) -> Callable[..., int]:
             if not np.isfinite(size):
                 return -1 - iteration
             if iteration > 0:
-                # Newton's method squares its error: remember by which factor, forgetting slowly
-                state.clock[FACTOR] = max(size / (before * before), 0.5 * min(state.clock[FACTOR], FORGET))
-            if size < 1.0 or size * size * state.clock[FACTOR] < SURE:
+                # the next change is a factor times a power of this one: remember the factor, forgetting slowly
+                state.clock[FACTOR] = max(size / before**order, 0.5 * min(state.clock[FACTOR], FORGET))
+            if size < 1.0 or size**order * state.clock[FACTOR] < SURE:
                 return iteration + 1
             before = size
         return -MOST_ITERATIONS
@@ -121,6 +124,7 @@ def bind(moves: Moves, effects: Effects) -> Callable[..., int]:
         nominal = (end - start) / pieces
         step = nominal
         time = start
+        begin(work)
         while time < end - 1e-9 * nominal:
             step = min(step, end - time)
             h2 = 0.5 * step
@@ -144,7 +148,9 @@ def bind(moves: Moves, effects: Effects) -> Callable[..., int]:
             counters[STEPS] += 1
             state.clock[LAST_STEP] = step
             state.clock[HAS_MIDDLE] = 1.0
+            to_bit(state.bit_frame, state.u[0], state.v[0])
             done_effects(parameters, rod, work.command, time, step, state.u, state.v)
+            from_bit(state.bit_frame, state.u[0], state.v[0])
             step = min(nominal, 2.0 * step)
         state.clock[TIME] = end
         finish(rod, state)

@@ -11,6 +11,7 @@ from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.types import Array
 from drill_twin.solve import assembly
+from drill_twin.solve.bit_frame import from_bit, to_bit, turn_blocks, turn_row, turn_row_back, turn_step_back
 from drill_twin.solve.blocks import NODE, solve_blocks
 from drill_twin.solve.drive import ROTATION
 from drill_twin.solve.midpoint import Effects, Moves
@@ -79,11 +80,13 @@ def guess(fixed: Array, state: State, command: Array, step: float) -> None:
     for i in range(last + 1):
         for c in range(NODE):
             state.trial[i, c] = state.v[i, c] + growth * (state.v[i, c] - state.middle[i, c])
+    turn_row(state.bit_frame, state.trial[0])
     for c in range(NODE):
         if fixed[0, c]:
             state.trial[0, c] = 0.0
         if fixed[1, c]:
             state.trial[last, c] = 0.0
+    turn_row_back(state.bit_frame, state.trial[0])
     if fixed[1, SPIN]:
         state.trial[last, SPIN] = command[ROTATION]
 
@@ -92,6 +95,7 @@ def guess(fixed: Array, state: State, command: Array, step: float) -> None:
 def correct(state: State, limits: Limits, work: Work, h2: float) -> float:
     """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
     react(work)
+    turn_step_back(state.bit_frame, work.diagonal[0])
     place = 0.0
     angle = 0.0
     total = 0.0
@@ -130,6 +134,11 @@ def solve(work: Work) -> bool:
 
 
 @kernel
+def begin(work: Work) -> None:
+    """Nothing is kept from frame to frame."""
+
+
+@kernel
 def finish(rod: Rod, state: State) -> None:
     """Nothing is left to fill in."""
 
@@ -158,8 +167,14 @@ def bind(effects: Effects) -> Moves:
                 state.place[i, c] = state.u[i, c] + h2 * state.trial[i, c]
         assemble(parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v)
         work.ends[:] = 0.0
+        # the bit is held, pushed and braked along and across the hole where it is
+        turn_blocks(state.bit_frame, work.diagonal[0], work.upper[0], work.lower[0])
+        to_bit(state.bit_frame, state.place[0], state.trial[0])
+        turn_row(state.bit_frame, state.v[0])
         end_effects(parameters, rod, command, time, h2, state.place, state.trial, state.v, work.ends)
+        from_bit(state.bit_frame, state.place[0], state.trial[0])
+        turn_row_back(state.bit_frame, state.v[0])
         add_ends(work)
         hold(fixed, work)
 
-    return Moves(guess, build, solve, correct, accept, finish)
+    return Moves(begin, guess, build, solve, correct, accept, finish, order=2)

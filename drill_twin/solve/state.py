@@ -8,7 +8,7 @@ import numpy as np
 CONVERGED, FAILED = 0, 1
 SPIN = 6  # place of psi in a node's row
 
-# Places in State.clock: time [s], last step [s], 1 if `middle` holds one, next Newton change per square of a change.
+# Places in State.clock: time [s], last step [s], 1 if `middle` holds one, next Newton change per power of a change.
 TIME, LAST_STEP, HAS_MIDDLE, FACTOR = 0, 1, 2, 3
 
 # Places in the array of counters; impulses of the reactions at the ends [N m s], [N s].
@@ -25,6 +25,7 @@ class State(NamedTuple):
     trial: np.ndarray  # (n + 1, 7) mid-step velocity being sought
     place: np.ndarray  # (n + 1, 7) configuration at mid-step
     clock: np.ndarray  # (4,) see TIME and its neighbours
+    bit_frame: np.ndarray  # (3, 4) see drill_twin.solve.bit_frame; the identity in a straight hole
 
 
 class Limits(NamedTuple):
@@ -38,4 +39,4 @@ class Limits(NamedTuple):
 def make_state(elements: int) -> State:
     """A straight string at rest, to be filled in."""
     u, v, middle, trial, place = (np.zeros((elements + 1, 7)) for _ in range(5))
-    return State(u, v, middle, trial, place, np.array([0.0, 0.0, 0.0, np.inf]))
+    return State(u, v, middle, trial, place, np.array([0.0, 0.0, 0.0, np.inf]), np.eye(3, 4))

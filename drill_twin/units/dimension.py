@@ -43,12 +43,25 @@ TORQUE = Dimension("torque", "N m", ("12 N m",))
 LINEAR_DRAG = Dimension("drag per length and speed", "N s/m^2", ("0.2 N s/m^2",))
 ROTARY_DRAG = Dimension("rotary drag per length", "N m s/rad/m", ("0.001 N m s/rad/m",), also=("N s",))
 HERTZ_STIFFNESS = Dimension("Hertz stiffness per length", "N/m^2.5", ("1e7 N/m^2.5",))
+LINEAR_STIFFNESS = Dimension("stiffness per length", "N/m^2", ("1e6 N/m^2",))
 INVERSE_SPEED = Dimension("inverse speed", "s/m", ("7 s/m",))
 ROTATIONAL_STIFFNESS = Dimension("rotational stiffness", "N m/rad", ("50 N m/rad",), also=("N m",))
 ROTATIONAL_DAMPING = Dimension("rotational damping", "N m s/rad", ("0.1 N m s/rad",), also=("N m s",))
+INERTIA = Dimension("moment of inertia", "kg m^2", ("2900 kg m^2",))
+STIFFNESS = Dimension("stiffness", "N/m", ("25e6 N/m",))
+DAMPING = Dimension("damping", "N s/m", ("1e4 N s/m",))
+TIME_PER_ANGLE = Dimension("time per angle", "s/rad", ("1.91 s/rad",))
+SQUARED_TIME_PER_ANGLE = Dimension("squared time per angle", "s^2/rad^2", ("5.47 s^2/rad^2",))
+SPEED_PER_FORCE = Dimension("speed per force", "m/(N s)", ("5.672e-8 m/(N s)",))
+LENGTH_PER_ANGLE = Dimension("length per angle", "m/rad", ("1.374e-4 m/rad",))
+FORCE_TIMES_ANGLE = Dimension("force times angle", "N rad", ("9.537e6 N rad",))
+FORCE_PER_LENGTH = Dimension("force per length", "N/m", ("2 N/m",))
+VISCOSITY = Dimension("viscosity", "Pa s", ("0.02 Pa s", "20 cP"))
 DIMENSIONLESS = Dimension("number without unit", "", ("0.3", "30 %"))
 
 DIMENSIONS = (
     LENGTH, MASS, TIME, FORCE, ANGLE, ANGULAR_SPEED, FREQUENCY, SPEED, ACCELERATION, DENSITY, PRESSURE, TORQUE,
-    LINEAR_DRAG, ROTARY_DRAG, HERTZ_STIFFNESS, INVERSE_SPEED, ROTATIONAL_STIFFNESS, ROTATIONAL_DAMPING, DIMENSIONLESS,
+    LINEAR_DRAG, ROTARY_DRAG, HERTZ_STIFFNESS, LINEAR_STIFFNESS, INVERSE_SPEED, ROTATIONAL_STIFFNESS,
+    ROTATIONAL_DAMPING, INERTIA, STIFFNESS, DAMPING, TIME_PER_ANGLE, SQUARED_TIME_PER_ANGLE, SPEED_PER_FORCE,
+    LENGTH_PER_ANGLE, FORCE_TIMES_ANGLE, FORCE_PER_LENGTH, VISCOSITY, DIMENSIONLESS,
 )  # fmt: skip

@@ -42,6 +42,7 @@ class Quantity:
         return core_schema.with_info_plain_validator_function(
             self._read,
             serialization=core_schema.plain_serializer_function_ser_schema(self._write, when_used="json"),
+            metadata={"dimension": self.dimension},
         )
 
     def __get_pydantic_json_schema__(
@@ -98,7 +99,9 @@ class Within:
             (self.below, float.__lt__), (self.at_most, float.__le__),
         )  # fmt: skip
         written = [(text, holds) for text, holds in limits if text is not None]
-        dimension = dimension_of(written[0][0])
+        schema = handler(source)
+        # several dimensions may share a unit, such as stiffness and force per length: the field's own is meant
+        dimension = schema.get("metadata", {}).get("dimension") or dimension_of(written[0][0])
         bounds = [(parse(text, dimension), holds) for text, holds in written]
 
         def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> float:
@@ -108,7 +111,7 @@ class Within:
                 raise refuse(f"expected {dimension.article}, {self.words}, found {text}")
             return result
 
-        return core_schema.no_info_wrap_validator_function(check, handler(source))
+        return core_schema.no_info_wrap_validator_function(check, schema)
 
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
@@ -155,7 +158,18 @@ Torque = Annotated[float, Quantity(dim.TORQUE)]
 LinearDrag = Annotated[float, Quantity(dim.LINEAR_DRAG)]
 RotaryDrag = Annotated[float, Quantity(dim.ROTARY_DRAG)]
 HertzStiffness = Annotated[float, Quantity(dim.HERTZ_STIFFNESS)]
+LinearStiffness = Annotated[float, Quantity(dim.LINEAR_STIFFNESS)]
 InverseSpeed = Annotated[float, Quantity(dim.INVERSE_SPEED)]
 RotationalStiffness = Annotated[float, Quantity(dim.ROTATIONAL_STIFFNESS)]
 RotationalDamping = Annotated[float, Quantity(dim.ROTATIONAL_DAMPING)]
+Inertia = Annotated[float, Quantity(dim.INERTIA)]
+Stiffness = Annotated[float, Quantity(dim.STIFFNESS)]
+Damping = Annotated[float, Quantity(dim.DAMPING)]
+TimePerAngle = Annotated[float, Quantity(dim.TIME_PER_ANGLE)]
+SquaredTimePerAngle = Annotated[float, Quantity(dim.SQUARED_TIME_PER_ANGLE)]
+SpeedPerForce = Annotated[float, Quantity(dim.SPEED_PER_FORCE)]
+LengthPerAngle = Annotated[float, Quantity(dim.LENGTH_PER_ANGLE)]
+ForceTimesAngle = Annotated[float, Quantity(dim.FORCE_TIMES_ANGLE)]
+ForcePerLength = Annotated[float, Quantity(dim.FORCE_PER_LENGTH)]
+Viscosity = Annotated[float, Quantity(dim.VISCOSITY)]
 Dimensionless = Annotated[float, Quantity(dim.DIMENSIONLESS)]

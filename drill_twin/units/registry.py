@@ -45,6 +45,7 @@ pound_force = 4.4482216152605 * newton = lbf
 kip = 1000 * pound_force = klbf
 pascal = newton / meter ** 2 = Pa
 bar = 1e5 * pascal
+centipoise = 0.001 * pascal * second = cP
 psi = pound_force / inch ** 2
 joule = newton * meter = J
 watt = joule / second = W
@@ -55,7 +56,7 @@ PREFIXED = ("m", "s", "g", "N", "Pa", "bar", "Hz", "rad", "J", "W", "L")
 PREFIXES = ("", "k", "M", "G", "m", "c", "d", "u", "µ", "μ", "n")
 PLAIN = (
     "in", "ft", "min", "h", "deg", "°", "rev", "rpm", "t", "lb", "lbf", "klbf", "kip", "psi", "gal", "ppg",
-    "percent", "%",
+    "cP", "percent", "%",
 )  # fmt: skip
 WORDS = (
     "meter", "meters", "metre", "metres", "inch", "inches", "foot", "feet", "second", "seconds", "sec",

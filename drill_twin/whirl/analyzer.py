@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.whirl.bins import Bins, unit_turn
+from drill_twin.whirl.bins import Array, Bins, unit_turn
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.estimates import Estimates
 from drill_twin.whirl.findings import Findings, Quality, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo, checked
 from drill_twin.whirl.rotation import Rotation, Stamps
+from drill_twin.whirl.stick_slip import StickSlip
 from drill_twin.whirl.tally import Tally
 
 FARTHEST = 3.0
@@ -54,6 +55,7 @@ class Analyzer:
         self._spin = np.zeros(m)
         self._estimates = Estimates(self.marks, self.criteria)
         self._tally = Tally(m)
+        self._bit = StickSlip()
         self._accepted = self._incomplete = self._missing = 0
         self._rate = math.nan
         self._radius = np.full(m, math.nan)
@@ -80,7 +82,7 @@ class Analyzer:
 
     def summary(self) -> Summary:
         """The findings of the whole run so far."""
-        return self._tally.summary(self._names, self._estimates, self.quality)
+        return self._tally.summary(self._names, self._estimates, self._bit, self.quality)
 
     def push(
         self,
@@ -89,6 +91,7 @@ class Analyzer:
         spin: FloatArray | None,
         top_speed: float,
         wall_force: FloatArray | None = None,
+        bit_speed: float = math.nan,
     ) -> Findings:
         """Takes in one sample and returns what is known after it.
 
@@ -98,6 +101,7 @@ class Analyzer:
             spin: Spin at the marks [rad], shape (m,), wrapped or not; None throughout where it is not measured.
             top_speed: Speed of the top drive [rad/s]; nan where unknown, the spin then gives the rotation.
             wall_force: Normal wall force at the marks [N], shape (m,), if known; it sharpens the contact fraction.
+            bit_speed: Speed of the bit [rad/s], if known; it shows stick-slip, and nothing else rests on it.
 
         Raises:
             AnalysisError: An array has another shape, or the stamp is no whole number.
@@ -106,6 +110,7 @@ class Analyzer:
         stamp = self._checked(stamp_ns, position, spin, wall_force)
         if not self._stamps.fresh(stamp):
             return self._skip()
+        self._bit.push(stamp * 1e-9, bit_speed)
         with np.errstate(invalid="ignore", over="ignore"):
             return self._take(stamp, position, spin, float(top_speed), wall_force)
 
@@ -164,8 +169,12 @@ class Analyzer:
         if baseline.known:
             self._radius = radius
             np.fmax(self._tally.largest, radius, out=self._tally.largest)
-        self._findings = self._report(stamp) if closes else self._findings.after(stamp, self._radius, self.quality)
+        self._findings = self._report(stamp) if closes else self._after(stamp, self._radius)
         return self._findings
+
+    def _after(self, stamp: int, radius: Array) -> Findings:
+        bit = self._bit
+        return self._findings.after(stamp, radius, self.quality, bit.motion, bit.criterion)
 
     def _close(self) -> None:
         """Closes the full bin."""
@@ -177,7 +186,7 @@ class Analyzer:
     def _skip(self) -> Findings:
         """The last findings with the new counts, after a sample that was skipped."""
         last = self._findings
-        self._findings = last.after(last.stamp_ns, last.orbit_radius, self.quality)
+        self._findings = self._after(last.stamp_ns, last.orbit_radius)
         return self._findings
 
     def _report(self, stamp: int) -> Findings:
@@ -204,6 +213,8 @@ class Analyzer:
             motion=states[-1],
             motion_confidence=float(shares[-1]),
             motion_criterion=votes.criterion[-1],
+            bit=self._bit.motion,
+            bit_criterion=self._bit.criterion,
             onset=estimates.onset,
             quality=self.quality,
         )

@@ -8,11 +8,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.whirl.bins import Array
+from drill_twin.whirl.bins import Array, ComplexArray
 from drill_twin.whirl.dating import crossing_time, smoothed_radius
 from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, History
-from drill_twin.whirl.refit import LONGEST, Refit, refit
+from drill_twin.whirl.refit import LONGEST, SHORTEST, Refit, refit
 from drill_twin.whirl.rotation import TURN
+
+ROUND = math.radians(70.0)
+"""An orbit is fitted once it has gone so far round, as seen from the hole and from the string [rad]."""
+PART = 0.4
+"""A good part of the threshold."""
+CALM = 4.0
+"""So long before it crossed, a mark was at its old place [rev]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +58,8 @@ class Evidence:
     """Offset that was taken off [m]."""
     synchronous: complex = 0j
     """Synchronous part that was taken off [m]."""
+    arm: complex | None = None
+    """Arm of the mark [m] where it crossed before its steady place was known: the hole's axis then stands for it."""
 
 
 def asynchronous_crossing(history: History, known: Evidence, pace: float, since: int, trusted: int) -> Crossing:
@@ -63,14 +72,22 @@ def asynchronous_crossing(history: History, known: Evidence, pace: float, since:
     window = history.newest(n)
     time, orbit = history.time[window], history.vector[window, ASYNCHRONOUS, mark]
     again = refit(time, history.sample[window, :, mark], orbit, min(n, since), pace, half)
-    if again is not None and _near(again, known):
+    if again is not None and _near(again, known) and _goes_round(again, history, window, known):
         orbit, pace = again.orbit, again.pace
     else:
-        again = None
+        offset, synchronous = old_place(history, mark, since, trusted) or (known.offset, known.synchronous)
+        orbit = history.sample[window, 0, mark] - offset - synchronous * history.sample[window, 1, mark]
+        again = Refit(offset, synchronous, orbit, pace)
     back = orbit / known.clearance * np.exp(-1j * pace * (time - time[-1]))
     ratio = pace / (TURN * rotation) if (rotation := _rotation(history, since)) else math.nan
+    radius = smoothed_radius(back, half, known.noise)
+    if known.arm is not None:
+        # So early, offset and synchronous part can stand for each other: about the axis it must be as large.
+        place, turn = history.sample[window, 0, mark], history.sample[window, 1, mark]
+        whole: ComplexArray = (place - known.arm * turn) / known.clearance * np.exp(-1j * pace * (time - time[-1]))
+        radius = np.minimum(radius, smoothed_radius(whole, half, known.noise))
     return Crossing(
-        _dated(time, back, known, half),
+        _dated(time, radius, known, half),
         mark,
         known.coherence * _certainty(known),
         f"asynchronous radius over {100 * known.threshold:.0f} % of the clearance for a revolution, "
@@ -79,18 +96,52 @@ def asynchronous_crossing(history: History, known: Evidence, pace: float, since:
     )
 
 
+def old_place(history: History, mark: int, since: int, trusted: int) -> tuple[complex, complex] | None:
+    """Offset and synchronous part [m] of a mark until `CALM` revolutions before it crossed, `since` bins ago.
+
+    None where that is not remembered. An orbit too slow to be fitted has leaked into the running offset while it grew,
+    but not into the old place.
+    """
+    window = history.newest(min(history.span(LONGEST), max(1, trusted)))
+    travel = history.travel[window]
+    old = travel < travel[-min(since, travel.size)] - CALM
+    n = int(old.sum())
+    if n < SHORTEST:
+        return None
+    e, z = history.sample[window, 1, mark][old], history.sample[window, 0, mark][old]
+    mean_e, mean_z = complex(e.sum()) / n, complex(z.sum()) / n
+    spread = float((np.abs(e - mean_e) ** 2).sum())
+    if spread < 0.5 * n:  # not a full turn of the string
+        return None
+    synchronous = complex(((e - mean_e).conj() * z).sum()) / spread
+    return mean_z - synchronous * mean_e, synchronous
+
+
 def _near(again: Refit, known: Evidence) -> bool:
     """Whether a refit corrects no more than can have leaked while the orbit was below its threshold."""
     most = known.threshold * known.clearance
     return abs(again.offset - known.offset) < most and abs(again.synchronous - known.synchronous) < most
 
 
+def _goes_round(again: Refit, history: History, window: slice, known: Evidence) -> bool:
+    """Whether an orbit has gone far enough round, since it was a good part of its threshold, to tell its middle."""
+    small = np.flatnonzero(np.abs(again.orbit) < PART * known.threshold * known.clearance)
+    start = int(small[-1]) + 1 if small.size else 0
+    time, angle = history.time[window][start:], history.angle[window][start:]
+    if time.size < 2:
+        return False
+    turned = again.pace * float(time[-1] - time[0])
+    return min(abs(turned), abs(turned - float(angle[-1] - angle[0]))) > ROUND
+
+
 def synchronous_crossing(history: History, known: Evidence) -> Crossing:
     """Dates a surge of the synchronous part."""
     window = history.newest(history.length)
-    vector = history.vector[window, SYNCHRONOUS, known.mark] / known.clearance
+    half, clearance = known.width // 2, known.clearance
+    vector = history.vector[window, SYNCHRONOUS, known.mark]
+    radius = smoothed_radius(vector, half, known.noise * clearance) / clearance
     return Crossing(
-        _dated(history.time[window], vector, known, known.width // 2),
+        _dated(history.time[window], radius, known, half),
         known.mark,
         min(1.0, known.coherence) * _certainty(known),
         f"synchronous radius over {100 * known.threshold:.0f} % of the clearance and twice its steady level or more, "
@@ -98,8 +149,7 @@ def synchronous_crossing(history: History, known: Evidence) -> Crossing:
     )
 
 
-def _dated(time: Array, vector: np.ndarray, known: Evidence, half: int) -> float:
-    radius = smoothed_radius(vector, half, known.noise)
+def _dated(time: Array, radius: Array, known: Evidence, half: int) -> float:
     return crossing_time(time, radius, known.threshold, known.noise / math.sqrt(2 * half + 1))
 
 

@@ -40,7 +40,7 @@ class Estimates:
         self.orbit = Orbit(self._clearance, criteria)
         self.detector = OnsetDetector(self._clearance, criteria)
         self._surge = SurgeDetector(self._clearance, criteria)
-        self.motion = MotionClassifier(m, criteria)
+        self.motion = MotionClassifier(marks, criteria)
         self.shape = Shape(marks, criteria)
         self.origin = 0.0
         """Time of the first sample [s]."""
@@ -126,4 +126,4 @@ class Estimates:
             detected_s=self.origin + time,
             criterion=first.criterion,
         )
-        self.motion.votes.redate(-1, self.onset.time_s)
+        self.motion.votes.timelines[-1].redate(self.onset.time_s)

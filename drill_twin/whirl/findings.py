@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from enum import Enum
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.whirl.criteria import MotionState
+from drill_twin.whirl.stick_slip import BitMotion, StickSlipPeriod
 
 Array = NDArray[np.float64]
 
@@ -44,7 +46,7 @@ class MotionPeriod:
     criterion: str
     """What decided it, in words."""
     confidence: float
-    """Share of the recent votes for the state when it was entered, 0 to 1."""
+    """Mean share of the votes for the state while it held, 0 to 1."""
 
 
 class Quality(NamedTuple):
@@ -109,16 +111,26 @@ class Findings:
     """Share of the recent votes for it, 0 to 1."""
     motion_criterion: str
     """What decided it, in words."""
+    bit: BitMotion
+    """What the rotation of the bit is in: steady, torsional vibration, stick-slip."""
+    bit_criterion: str
+    """What decided it, in words."""
     onset: Onset | None
     """The onset, once it is certain; it never changes afterwards."""
     quality: Quality
     """Counts of good and bad samples."""
 
-    def after(self, stamp_ns: int, orbit_radius: Array, quality: Quality) -> Findings:
+    def after(self, stamp_ns: int, orbit_radius: Array, quality: Quality, bit: BitMotion, why: str) -> Findings:
         """The same findings after one more sample that changed no estimate (`replace` at a tenth of the cost)."""
         later = object.__new__(Findings)
         later.__dict__.update(
-            self.__dict__, stamp_ns=stamp_ns, time_s=stamp_ns * 1e-9, orbit_radius=orbit_radius, quality=quality
+            self.__dict__,
+            stamp_ns=stamp_ns,
+            time_s=stamp_ns * 1e-9,
+            orbit_radius=orbit_radius,
+            quality=quality,
+            bit=bit,
+            bit_criterion=why,
         )
         return later
 
@@ -145,10 +157,16 @@ class Summary:
     """Motion states of the string over time."""
     mark_motion: dict[str, tuple[MotionPeriod, ...]]
     """Motion states of each mark over time."""
+    stick_slip: tuple[StickSlipPeriod, ...]
+    """Stretches of stick-slip of the bit."""
+    bit: BitMotion
+    """What the rotation of the bit was in at the end."""
     quality: Quality
     """Counts of good and bad samples."""
     notes: tuple[str, ...]
     """What limits these findings, in words."""
+    observable: bool = True
+    """Whether whirl could be seen at all: there were positions of marks."""
 
     @property
     def onset_s(self) -> float | None:
@@ -162,7 +180,7 @@ class Summary:
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, MotionState):
+    if isinstance(value, Enum):
         return value.value
     if isinstance(value, float):
         return value if math.isfinite(value) else None

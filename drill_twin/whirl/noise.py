@@ -28,6 +28,11 @@ class Noise:
         self.level = np.zeros(marks)
         """Standard deviation per axis over the clearance."""
 
+    @property
+    def learned(self) -> bool:
+        """Whether enough bins have been seen to trust the level."""
+        return self._count >= MEMORY // 4
+
     def update(self, vector: ComplexArray, whirling: Mask) -> None:
         """Takes in the newest four bins over the clearance, turned back by the precession, shape (4, m).
 
@@ -35,7 +40,7 @@ class Noise:
         """
         difference = vector[3] - 3.0 * vector[2] + 3.0 * vector[1] - vector[0]
         power = (difference.real**2 + difference.imag**2) / (2.0 * GAIN)
-        if self._count >= MEMORY // 4:
+        if self.learned:
             power = np.minimum(power, OUTLIER * self._power + 1e-300)
         self._count = min(self._count + 1, MEMORY)
         self._power += np.where(whirling, 0.0, (power - self._power) / self._count)

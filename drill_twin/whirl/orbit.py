@@ -21,6 +21,8 @@ FEWEST = 4
 """Bins needed for a slope."""
 RECENT = 4
 """Bins of the recent rotation: a quarter of a revolution, 2 s for a string that hardly turns."""
+SEEN = 0.9
+"""Revolutions that make the numbers of the window worth telling [rev]."""
 SMALLEST = 1e-3
 """Smallest orbit with a precession, as a fraction of the clearance."""
 OVER_NOISE = 2.0
@@ -52,6 +54,12 @@ class Orbit:
         """Share of the window in contact with the wall."""
         self.seen: Mask = np.ones(m, bool)
         """Marks seen in at least half of the bins of the last revolution."""
+        self.lag = 0.0
+        """Half the length of the window: what it shows lies so far back on average [s]."""
+        self.sampling = math.inf
+        """Samples in a revolution over the window, where they are fewer than the bins; else the bins."""
+        self.known = False
+        """Whether a revolution has been seen."""
         self.rotation = 0.0
         """Rotation over the window [rev/s], signed."""
         self.recent_rotation = 0.0
@@ -62,9 +70,15 @@ class Orbit:
         n = history.span(self._criteria.orbit_window)
         window = history.newest(n)
         time = history.time[window]
+        # Over a gap too: samples may be so rare that each follows a gap.
+        seen = history.newest(min(max(n, 2), history.count))
+        span = float(history.travel[seen][-1] - history.travel[seen][0])
+        self.known = n > 1 and span > SEEN
+        self.sampling = (max(n, 2) - 1) / span if span > 0.0 else math.inf
+        self.lag = 0.5 * float(time[-1] - time[0])
         self.contact = history.contact[window].sum(axis=0) / n
         self.rotation = _pace(history.angle[window], time)
-        recent = history.newest(min(history.length, RECENT))
+        recent = history.newest(min(history.count, max(2, min(history.length, RECENT))))
         self.recent_rotation = _pace(history.angle[recent], history.time[recent])
         vector = history.vector[window]
         size = np.abs(vector[:, :SYNCHRONOUS]) / self._clearance
@@ -94,13 +108,18 @@ class Orbit:
         off -= column * (lever * off).sum(axis=0)
         self.unevenness = np.sqrt(np.maximum((off * off).sum(axis=0) / n - noise**2, 0.0)) / mean
 
+    @property
+    def aliased(self) -> bool:
+        """Whether the samples are too few for the rotation to tell one whirl from another."""
+        return self.sampling < self._criteria.fewest_samples
+
     def precession(self, whirling: Mask, noise: Array) -> tuple[Array, Array, Array]:
         """Precession [rev/s] and its ratio to rotation, positive = forward, and the confidence in them, shape (m,)."""
         row = np.where(whirling, 0, 1)
         every = np.arange(row.size)
         slope, radius = self.slope[row, every] / TURN, self.radius[row, every]
         coherence = self.coherence[row, every]
-        seen = self.seen & (radius > SMALLEST) & (radius > OVER_NOISE * noise) & (slope != 0.0)
+        seen = self.seen & (not self.aliased) & (radius > SMALLEST) & (radius > OVER_NOISE * noise) & (slope != 0.0)
         power = radius**2
         confidence = np.where(seen, coherence * power / np.maximum(power + 2.0 * noise**2, 1e-300), 0.0)
         sense = -1.0 if self.rotation < 0.0 else 1.0

@@ -17,12 +17,12 @@ from drill_twin.whirl.bins import Array, ComplexArray
 from drill_twin.whirl.dating import smoothed_radius
 
 ROUNDS = 3
-LONGEST = 12.0
+LONGEST = 28.0
 """Revolutions fitted at most."""
 SHORTEST = 12
 """Bins needed to fit at all."""
-DETERMINED = 1e-3
-"""Least determinant of the normalised fit."""
+DETERMINED = 0.1
+"""Least determinant of the normalised fit: the orbit has turned by some 70 degrees in the hole and in the string."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -116,3 +116,37 @@ def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = 
     )
     order = np.argsort(frequency)
     return Spectrum(frequency[order], np.sqrt(power[order]), 1.5 * rate / length)
+
+
+def spectrum_over_time(time: Array, z: ComplexArray, window: float, columns: int = 400) -> tuple[Array, Array, Array]:
+    """Two-sided spectra of a record in a sliding Hann window: times [s], frequencies [Hz] and radii [m].
+
+    Shapes (c,), (k,) and (k, c). A pure orbit shows its own radius; the mean of the record is taken off.
+
+    Args:
+        time: Times of the samples [s], rising, shape (n,); put on their mean grid by linear interpolation.
+        z: Centre line [m], shape (n,); samples that are not finite are left out.
+        window: Length of the window [s].
+        columns: Most windows.
+
+    Raises:
+        AnalysisError: The record is shorter than the window, or has fewer than 16 finite samples in one.
+    """
+    good = np.isfinite(time) & np.isfinite(z.real) & np.isfinite(z.imag)
+    time, z = np.asarray(time, float)[good], np.asarray(z, complex)[good]
+    rate = (time.size - 1) / float(time[-1] - time[0]) if time.size > 1 else 0.0
+    length = round(window * rate)
+    if length < FEWEST or length > time.size:
+        raise AnalysisError(
+            f"expected a record of at least {window:.3g} s with {FEWEST} finite samples in it, found {time.size}"
+        )
+    grid = np.linspace(time[0], time[-1], time.size)
+    even = np.interp(grid, time, z.real) + 1j * np.interp(grid, time, z.imag)
+    starts = np.unique(np.linspace(0, time.size - length, min(columns, time.size - length + 1)).astype(np.intp))
+    taper = np.hanning(length + 2)[1:-1]
+    pieces = np.lib.stride_tricks.sliding_window_view(even, length)[starts]
+    pieces = (pieces - even.mean()) * taper
+    padded = 2 ** math.ceil(math.log2(2 * length))
+    radius = np.abs(np.fft.fftshift(np.fft.fft(pieces, padded, axis=1), axes=1)) / taper.sum()
+    frequency = np.fft.fftshift(np.fft.fftfreq(padded, 1.0 / rate))
+    return grid[starts] + 0.5 * (length - 1) / rate, frequency, radius.T

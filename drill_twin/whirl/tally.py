@@ -12,6 +12,7 @@ from drill_twin.whirl.bins import BINS, Array, Bin
 from drill_twin.whirl.dominant import Dominant
 from drill_twin.whirl.estimates import Estimates
 from drill_twin.whirl.findings import Quality, Summary
+from drill_twin.whirl.stick_slip import StickSlip
 
 FEW = 6.0
 """Fewer samples in a revolution than this limit what can be seen."""
@@ -56,10 +57,11 @@ class Tally:
         """Accepted samples in a revolution; nan before rotation."""
         return self._samples / self._travel if self._travel > 1.0 / BINS else math.nan
 
-    def summary(self, names: Sequence[str], estimates: Estimates, quality: Quality) -> Summary:
+    def summary(self, names: Sequence[str], estimates: Estimates, bit: StickSlip, quality: Quality) -> Summary:
         """The findings of the run so far."""
         peak = self._dominant.peak()
-        timelines = estimates.motion.votes.timeline
+        timelines = estimates.motion.votes.timelines
+        unseen = [name for name, radius in zip(names, self.largest.tolist(), strict=True) if not math.isfinite(radius)]
         return Summary(
             onset=estimates.onset,
             mark_onset_s=dict(zip(names, estimates.crossed, strict=True)),
@@ -68,34 +70,43 @@ class Tally:
             frequency_mark=None if peak is None else names[peak[0]],
             max_radius_m=dict(zip(names, _known(self.largest), strict=True)),
             rotation_rev_s=self._turns / self._seconds if self._seconds > 0.0 else None,
-            motion=tuple(timelines[-1]),
-            mark_motion={name: tuple(periods) for name, periods in zip(names, timelines[:-1], strict=True)},
+            motion=timelines[-1].periods,
+            mark_motion={name: timeline.periods for name, timeline in zip(names, timelines[:-1], strict=True)},
+            stick_slip=tuple(bit.periods),
+            bit=bit.motion,
             quality=quality,
-            notes=self._notes(quality, estimates.motion.votes.dropped[-1]),
+            notes=self._notes(quality, timelines[-1].dropped, estimates.criteria.fewest_samples, unseen),
         )
 
     @staticmethod
-    def _notes(quality: Quality, dropped: int) -> tuple[str, ...]:
+    def _notes(quality: Quality, dropped: int, fewest: float, unseen: list[str]) -> tuple[str, ...]:
         notes = []
         rate = quality.samples_per_revolution
         if quality.accepted == 0:
             notes.append("no sample could be analysed")
         elif math.isnan(rate):
             notes.append("the string did not rotate: whirl is not defined")
+        elif rate < fewest:
+            notes.append(
+                f"{rate:.1f} samples in a revolution: too few for the rotation, at least {fewest:g} are needed; the "
+                "pace and the kind of a whirl would be another's (aliasing) and are not reported"
+            )
         elif rate < FEW:
             notes.append(
-                f"{rate:.1f} samples per revolution: precession beyond {rate / 2:.1f} times the rotation "
+                f"{rate:.1f} samples in a revolution: precession beyond {rate / 2:.1f} times the rotation "
                 "cannot be told from slower precession"
             )
         counts = {
             "duplicate samples": quality.duplicate,
-            "late samples": quality.late,
+            "samples from before one already seen (time running backwards)": quality.late,
             "incomplete samples": quality.incomplete,
             "single marks missing from samples": quality.missing_marks,
         }
         notes += [f"{count} {what} skipped" for what, count in counts.items() if count]
         if quality.gaps:
             notes.append(f"{quality.gaps} gaps of more than 3/4 of a revolution")
+        if unseen and quality.accepted:
+            notes.append(f"never seen: {', '.join(unseen)}")
         if dropped:
             notes.append(f"{dropped} later changes of the string's motion are not listed")
         return tuple(notes)

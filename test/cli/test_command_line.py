@@ -17,7 +17,10 @@ from drill_twin.messages.topics import MARKS_STATE, TOPICS
 from drill_twin.scene import parse_scene, presets
 
 SOURCE = str(Path(__file__).resolve().parents[2])
-QUICK = ("--wob", "100 N", "--set", "rig.weight_on_bit.duration=1 s", "--set", "numerics.elements=8")
+QUICK = (
+    "--wob", "100 N", "--set", "rig.weight_on_bit.duration=1 s", "--set", "rig.rotation.duration=0.5 s",
+    "--set", "effects.bow.amplitude=2 mm", "--set", "numerics.elements=8",
+)  # fmt: skip
 """The same effects and numbers as the shared run has."""
 
 
@@ -41,7 +44,7 @@ def test_run_analyze_and_report(process, inside):
     assert reported.code == 0
     assert reported.out.strip() == str(folder / "report.html")
     assert (folder / "report.html").stat().st_size > 1e6
-    assert len(list(folder.glob("*.png"))) == 6
+    assert len(list(folder.glob("*.png"))) == 7
 
 
 def test_options_change_the_scene(call, inside):

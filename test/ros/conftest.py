@@ -5,20 +5,25 @@ from __future__ import annotations
 
 import itertools
 import os
+import resource
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 rclpy = pytest.importorskip("rclpy", reason="needs rclpy: run `make test`, or source a ROS 2 Jazzy")
 
+from rcl_interfaces.msg import SetParametersResult  # noqa: E402
+from rcl_interfaces.srv import SetParameters  # noqa: E402
 from rclpy.context import Context  # noqa: E402
 from rclpy.executors import SingleThreadedExecutor  # noqa: E402
 from rclpy.node import Node  # noqa: E402
+from rclpy.parameter import Parameter  # noqa: E402
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: E402
 from rclpy.signals import SignalHandlerOptions  # noqa: E402
 from rclpy.subscription import Subscription  # noqa: E402
@@ -30,17 +35,48 @@ from drill_twin.messages.diagnostics import Status, decode_diagnostics  # noqa: 
 from drill_twin.messages.topics import DIAGNOSTICS, TOPICS  # noqa: E402
 from drill_twin.nodes import discovery  # noqa: E402
 from drill_twin.nodes.base import message_class  # noqa: E402
+from drill_twin.nodes.readiness import missing_readers  # noqa: E402
+from drill_twin.scene import load_scene  # noqa: E402
+from drill_twin.schedule import Command  # noqa: E402
+from drill_twin.twin import Twin  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 _DOMAINS = itertools.count(os.getpid())  # each bench another one: who was killed stays in the graph for a while
 LONG = 90.0  # s; a kernel may have to be compiled first
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """A test of a fault says which it is and what is survived; `make faults` prints them as a table."""
+    config.addinivalue_line("markers", "fault(what, then): a fault that is survived, for the table of `make faults`")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Discovery and delivery between processes depend on a shared machine's mood: such a test has three tries."""
+    """Take what a fault's marker says along to the report.
+
+    Every test here waits for what it needs, yet a shared machine may stall a process for longer than any limit: such a
+    test has a second and a third try, and the summary counts them.
+    """
     for item in items:
         if Path(item.fspath).parent == Path(__file__).parent:
             item.add_marker(pytest.mark.flaky(reruns=2, reruns_delay=1))
+        for mark in item.iter_markers("fault"):
+            item.user_properties.append(("fault", mark.args))
+
+
+def pytest_terminal_summary(terminalreporter, config: pytest.Config) -> None:
+    """The table of faults, where a run was about them."""
+    if not os.environ.get("DRILL_TWIN_FAULTS"):
+        return
+    verdicts: dict[tuple[str, str], str] = {}
+    for outcome, word in (("passed", "yes"), ("failed", "**no**"), ("error", "**no**")):
+        for report in terminalreporter.getreports(outcome):
+            if report.when == "call" or outcome == "error":
+                verdicts.update({found: word for name, found in report.user_properties if name == "fault"})
+    terminalreporter.write_line("")
+    terminalreporter.write_line("| fault | what happens | survived |")
+    terminalreporter.write_line("| --- | --- | --- |")
+    for (what, then), word in verdicts.items():
+        terminalreporter.write_line(f"| {what} | {then} | {word} |")
 
 
 class Process:
@@ -76,16 +112,34 @@ class Process:
             self.send(number)
         return self.wait()
 
+    @property
+    def memory(self) -> int:
+        """Resident memory [bytes]."""
+        return int(Path(f"/proc/{self.pid}/statm").read_text("utf-8").split()[1]) * resource.getpagesize()
+
+    @property
+    def files(self) -> int:
+        """Open file handles."""
+        return sum(1 for _ in Path(f"/proc/{self.pid}/fd").iterdir())
+
     def kill(self) -> None:
         if self.code is None:
             self._popen.kill()
         self._popen.wait()
 
 
+@cache
+def compile_scene(name: str) -> None:
+    """Compile the kernel of a scene, so that no test waits for a node while it does: minutes on a busy machine."""
+    scene = load_scene(name)
+    Twin(scene).step(Command(scene.rig.weight_on_bit.initial, 0.0), 0.01)
+
+
 class Bench:
     """One domain: processes in it, and a node of the test."""
 
     def __init__(self, folder: Path) -> None:
+        compile_scene("pa6_bench")
         self.folder = folder
         self._claim = discovery.DomainClaim(start=next(_DOMAINS))
         self.domain = self._claim.domain
@@ -110,6 +164,7 @@ class Bench:
         self.statuses: dict[str, Status] = {}
         self.history: list[Status] = []
         self._heard_topics: list[Subscription] = []
+        self._taken = 0
         self.node.create_service(Trigger, "~/ready", self._answer_ready)
         self.listen(DIAGNOSTICS, self._on_diagnostics)
 
@@ -123,6 +178,10 @@ class Bench:
         command = [sys.executable, "-m", "drill_twin.nodes", node, "--ros-args", *given, *arguments]
         return self.command(node, command)
 
+    def start_with(self, words: list[str], node: str) -> Process:
+        """A node with arguments that are not of ROS."""
+        return self.command(node, [sys.executable, "-m", "drill_twin.nodes", node, *words])
+
     def command(self, name: str, command: list[str], **environment: str) -> Process:
         log = self.folder / f"{name}_{len(self._processes)}.log"
         process = Process(command, {**self.environment, **environment}, log)
@@ -132,8 +191,13 @@ class Bench:
     def listen(self, topic: str, received: Callable[[bytes], None], *, latched: bool = False) -> None:
         durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
         quality = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
+
+        def callback(raw: bytes) -> None:
+            self._taken += 1
+            received(raw)
+
         kind = message_class(TOPICS[topic])
-        self._heard_topics.append(self.node.create_subscription(kind, topic, received, quality, raw=True))
+        self._heard_topics.append(self.node.create_subscription(kind, topic, callback, quality, raw=True))
 
     def collect(self, topic: str, *, latched: bool = False) -> list[bytes]:
         """All messages of a topic from now on."""
@@ -147,6 +211,15 @@ class Bench:
         self.until(lambda: publisher.get_subscription_count() > 0, 20.0, f"a reader of {topic}")
         return publisher
 
+    def drain(self) -> None:
+        """Take all that has arrived; who published it has waited until it had, and publishes no more."""
+        quiet, end = 0, time.monotonic() + 20.0
+        while quiet < 3:
+            assert time.monotonic() < end, "expected the topics to fall silent"
+            before = self._taken
+            self._executor.spin_once(timeout_sec=0.05)
+            quiet = 0 if self._taken > before else quiet + 1
+
     def spin(self, seconds: float) -> None:
         end = time.monotonic() + seconds
         while time.monotonic() < end:
@@ -159,7 +232,7 @@ class Bench:
             self._executor.spin_once(timeout_sec=0.02)
 
     def until_ready(self, *nodes: str) -> None:
-        """Until each node answers that it is ready."""
+        """Until each node answers that it is ready; it is then connected to all that the test listens to."""
         for node in nodes:
             client = self.node.create_client(Trigger, f"/{node}/ready")
             self.until(lambda client=client: self._ready(client), what=f"{node} to be ready")
@@ -172,7 +245,24 @@ class Bench:
         end = time.monotonic() + 2.0
         while not answer.done() and time.monotonic() < end:
             self._executor.spin_once(timeout_sec=0.02)
-        return answer.done() and answer.result().success
+        if not answer.done():
+            client.remove_pending_request(answer)
+            return False
+        return answer.result().success and not missing_readers(self.node, answer.result().message)
+
+    def call(self, service: str, request=None, kind=Trigger):
+        """The answer of a service."""
+        client = self.node.create_client(kind, service)
+        self.until(client.service_is_ready, 20.0, service)
+        answer = client.call_async(kind.Request() if request is None else request)
+        self.until(answer.done, what=f"the answer of {service}")
+        self.node.destroy_client(client)
+        return answer.result()
+
+    def set_parameter(self, node: str, name: str, value: object) -> SetParametersResult:
+        """Set a live parameter, as `ros2 param set` does."""
+        request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+        return self.call(f"/{node}/set_parameters", request, SetParameters).results[0]
 
     def until_status(self, node: str, wanted: Callable[[Status], bool], seconds: float = 20.0) -> Status:
         """Until a node's diagnostics say something, from now on."""
@@ -229,6 +319,12 @@ def make_bench(tmp_path: Path) -> Iterator[Callable[[], Bench]]:
     yield make
     for bench in benches:
         bench.close()
+
+
+@pytest.fixture(scope="session")
+def compiled() -> Callable[[str], None]:
+    """Compile the kernel of another scene than the paper's."""
+    return compile_scene
 
 
 @pytest.fixture(scope="session")

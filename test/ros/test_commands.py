@@ -38,6 +38,7 @@ def test_time_stands_still_until_the_first_good_command(bench, simulator):
     bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 0.5)
 
 
+@pytest.mark.fault("commands that are not finite or out of range", "refused and counted; the last good one holds")
 def test_bad_commands_are_refused_counted_and_change_nothing(bench, simulator, joints):
     command, weight, speed = (bench.publisher(topic) for topic in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND))
     encoder = CommandEncoder()
@@ -56,9 +57,9 @@ def test_bad_commands_are_refused_counted_and_change_nothing(bench, simulator, j
     for sample in joints(state):
         assert sample.effort[sample.index("bit")] == 40.0
         assert math.isfinite(sample.position.sum() + sample.velocity.sum() + sample.effort.sum())
-    # The single values are judged in the same way; nobody else publishes /rig/command once ours is gone.
+    # The single values are judged in the same way, once ours on /rig/command has been silent for long enough.
     bench.node.destroy_publisher(command)
-    bench.until(lambda: bench.node.count_publishers(RIG_COMMAND) == 0, 10.0)
+    bench.spin(1.0)
     for value in (math.nan, -3.0, 1e9):
         weight.publish(Float64(data=value))
         speed.publish(Float64(data=value))
@@ -87,12 +88,13 @@ def test_silence_is_reported_and_the_last_set_point_held(bench, simulator):
     assert float(status.values["weight_on_bit"]) == 40.0
 
 
+@pytest.mark.fault("commands stop", "after the age limit a ramp to the safe set-point, or the last one is held")
 def test_silence_ramps_to_the_safe_set_point_when_asked(bench, joints):
     process = bench.start(
         "simulator", command_timeout=0.3, on_silence="ramp", safe_ramp_time=0.5, safe_weight_on_bit=5.0
     )
-    bench.until_ready("simulator")
     state = bench.collect("/rig/state")
+    bench.until_ready("simulator")
     command = bench.publisher(RIG_COMMAND)
     command.publish(CommandEncoder().command(0, Command(40.0, 12.0)))
     bench.until(lambda: len(state) > 150, 20.0)
@@ -125,6 +127,7 @@ def test_a_person_beside_the_driver_is_reported_and_not_followed(bench, simulato
     assert driver.end() == 0
 
 
+@pytest.mark.fault("two drivers at once", "both are named in the diagnostics of the simulator")
 def test_two_drivers_are_detected(bench, simulator):
     drivers = [bench.start("rig_driver"), bench.start("rig_driver", "-r", "__node:=other_driver")]
     status = bench.until_status("simulator", lambda status: "more than one source" in status.text, 60.0)
@@ -134,6 +137,7 @@ def test_two_drivers_are_detected(bench, simulator):
         assert driver.end() == 0
 
 
+@pytest.mark.fault("driver killed (-9) and restarted in lockstep", "time waits for it; no frame is left out")
 def test_a_driver_that_is_killed_and_comes_back_picks_up_in_lockstep(bench):
     simulator = bench.start("simulator", pace="lockstep", duration=60.0)
     bench.until_ready("simulator")

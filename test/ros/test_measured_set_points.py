@@ -23,7 +23,7 @@ def _play(bench, joints, simulator, driver):
     bench.until(lambda: process.code is not None or other.code is not None, what="the run to end")
     assert process.code == 0, bench.logs()
     assert other.end() == 0, bench.logs()
-    bench.spin(0.3)
+    bench.drain()
     commands = {
         state.stamp: (state.effort[state.index("bit")], state.velocity[state.index("top_drive")])
         for state in joints(sent)
@@ -56,13 +56,14 @@ def test_a_table_with_a_spike_and_a_gap_is_played_mended_and_said_so(bench, join
     assert "weight_on_bit: 1 spike (1 sample) taken out, 1 gap (19 samples, longest 0.2 s) bridged" in said
 
 
-def test_the_record_of_a_real_rig_drives_a_twin_of_it(bench, joints):
+def test_the_record_of_a_real_rig_drives_a_twin_of_it(bench, joints, compiled):
     folders = [Path(os.environ["DRILL_TWIN_DATA"])] if "DRILL_TWIN_DATA" in os.environ else []
     folders += [ROOT.parent / "shared" / "data", ROOT.parent / "shared" / "data" / "ufrj_rig"]
     found = [folder / RECORD for folder in folders if (folder / RECORD).is_file()]
     if not found:
         pytest.skip(f"{RECORD} is in none of {', '.join(map(str, folders))}; DRILL_TWIN_DATA names the folder it is in")
     scene = {"scene": "ufrj_rig"}
+    compiled("ufrj_rig")
     commands, states, said = _play(bench, joints, {**scene, "duration": 1.5}, {**scene, "table": str(found[0])})
     assert len(states) == 300  # at the scene's 200 frames per second
     weights = [weight for weight, _ in states.values()]

@@ -13,6 +13,7 @@ import yaml
 
 import drill_twin
 from drill_twin.nodes.analyzer import Analyzer
+from drill_twin.nodes.parameters import file_text
 from drill_twin.nodes.recorder import Recorder
 from drill_twin.nodes.replayer import Replayer
 from drill_twin.nodes.rig_driver import RigDriver
@@ -63,7 +64,7 @@ def test_all_data_is_installed(setup_arguments):
     for file in (ROOT / "config").glob("*/*.*"):
         assert file.relative_to(ROOT) in installed
     folders = {Path(folder).name for folder, _ in setup_arguments["data_files"]}
-    assert {"scenes", "schema", "nodes", "launch", "dds", "packages"} <= folders
+    assert {"scenes", "schema", "nodes", "launch", "dds", "views", "packages"} <= folders
 
 
 def test_every_import_is_declared(setup_arguments):
@@ -104,6 +105,15 @@ def test_a_parameter_file_holds_every_parameter_with_its_default_and_a_comment(n
         assert len(comment[1]) > 30
         if parameter.unit:
             assert f"[{parameter.unit}]" in comment[1]
+
+
+@pytest.mark.parametrize("node", sorted(NODES))
+def test_a_parameter_file_is_what_the_table_of_the_node_prints(node):
+    """To make it anew: python -m drill_twin.nodes NODE --parameters > config/nodes/NODE.yaml."""
+    make = NODES[node]
+    assert (ROOT / "config" / "nodes" / f"{node}.yaml").read_text("utf-8") == file_text(
+        node, make.PURPOSE, make.PARAMETERS
+    )
 
 
 def test_the_parameter_file_of_the_twin_holds_defaults_of_its_nodes():

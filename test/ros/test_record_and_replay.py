@@ -27,7 +27,7 @@ from drill_twin.pipeline import INPUTS, WhirlPipeline
 
 FINDINGS = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET)
 # A weight far above the buckling load at once, so that whirl begins within seconds.
-EAGER = "rig.weight_on_bit.duration=0.5 s; wob=60"
+EAGER = "rig.weight_on_bit.duration=0.5 s; wob=60; rig.rotation.duration=0.5 s; effects.bow.amplitude=2 mm"
 DURATION = 6.0
 
 
@@ -93,12 +93,13 @@ def test_a_replay_keeps_its_time(bench, eager_bag):
     bench.listen(RIG_STATE, lambda _: times.append(time.monotonic()))
     bag = Bag(eager_bag)
     stamps = [stamp * 1e-9 for _, stamp, _ in bag.messages((RIG_STATE,))]
-    replayer = bench.start("replayer", bag=str(eager_bag), rate=2.0)
+    replayer = bench.start("replayer", bag=str(eager_bag), rate=2.0, wait_for="test")
     bench.until(lambda: replayer.code is not None, 60.0)
     assert replayer.code == 0, replayer.text
-    bench.spin(0.3)
+    bench.drain()
     assert len(times) == len(stamps)
-    assert times[-1] - times[0] == pytest.approx(0.5 * (stamps[-1] - stamps[0]), rel=0.05, abs=0.1)
+    wanted = 0.5 * (stamps[-1] - stamps[0])
+    assert wanted - 0.1 < times[-1] - times[0] < wanted + 1.0  # never early; late only as far as the machine is busy
 
 
 def test_two_runs_in_lockstep_are_alike(bench, eager_bag, payloads, tmp_path):
@@ -111,6 +112,7 @@ def test_two_runs_in_lockstep_are_alike(bench, eager_bag, payloads, tmp_path):
         assert second == first, topic
 
 
+@pytest.mark.fault("recorder killed (-9)", "all but the last second can be read")
 def test_a_killed_recorder_leaves_a_readable_bag(bench, tmp_path):
     simulator = bench.start("simulator", wait_for_command=False)
     recorder = bench.start("recorder", bag=str(tmp_path / "bag_0"))
@@ -128,6 +130,7 @@ def test_a_killed_recorder_leaves_a_readable_bag(bench, tmp_path):
     assert stamps == sorted(stamps)
 
 
+@pytest.mark.fault("recorder stopped for a while", "it counts and reports what it lost")
 def test_a_recorder_says_what_it_lost(bench, tmp_path):
     from drill_twin.messages.encode import CommandEncoder
     from drill_twin.schedule import Command
@@ -155,6 +158,7 @@ def test_a_recorder_says_what_it_lost(bench, tmp_path):
     assert counted + int(lost.group(1)) <= 5001
 
 
+@pytest.mark.fault("disk full while recording", "the recorder ends with the reason; the bag keeps what it has")
 def test_a_recorder_that_cannot_write_any_more_says_so_and_keeps_what_it_has(bench, tmp_path):
     bag = tmp_path / "bag_0"
     # A limit on the size of a file fails writes in mid-run, as a full disk does.
@@ -173,6 +177,7 @@ def test_a_recorder_that_cannot_write_any_more_says_so_and_keeps_what_it_has(ben
     assert Bag(bag).topics[RIG_STATE].count > 100
 
 
+@pytest.mark.fault("simulator gone", "the analyzer says so within seconds and takes up the next run")
 def test_an_analyzer_reports_that_samples_stopped_coming(bench):
     simulator, analyzer = bench.start("simulator", wait_for_command=False), bench.start("analyzer")
     bench.until_status("analyzer", lambda status: int(status.values["samples"]) > 50, 90.0)

@@ -117,6 +117,7 @@ def test_what_is_not_a_bag_is_refused(refusal, tmp_path):
     assert str(file) in refusal("replayer", *_set(bag=file))
 
 
+@pytest.mark.fault("a second simulator in the domain", "it refuses to start; the first one runs on")
 def test_a_second_simulator_in_a_domain_is_refused(bench):
     first = bench.start("simulator", wait_for_command=False)
     bench.until_ready("simulator")

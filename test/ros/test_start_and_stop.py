@@ -6,6 +6,9 @@ import time
 from pathlib import Path
 
 import pytest
+from std_msgs.msg import Float64
+
+from drill_twin.messages.topics import WOB_COMMAND
 
 NODES = ("simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin")
 
@@ -42,9 +45,12 @@ def test_a_signal_during_the_start_ends_it_too(bench, delay):
 
 def test_the_simulator_ends_by_itself_after_its_duration(bench):
     clock = bench.collect("/clock", latched=True)
-    process = bench.start("simulator", wait_for_command=False, pace="fast", duration=0.5)
-    assert process.wait(90.0) == 0, process.text
-    bench.spin(0.5)
+    process = bench.start("simulator", pace="fast", duration=0.5)
+    bench.until_ready("simulator")
+    bench.publisher(WOB_COMMAND).publish(Float64(data=10.0))
+    bench.until(lambda: process.code is not None, what="the simulator to end")
+    assert process.code == 0, process.text
+    bench.drain()
     assert len(clock) == 51  # the start, and 50 frames at 100 Hz
 
 

@@ -11,6 +11,8 @@ from drill_twin.bag.reader import Bag
 from drill_twin.messages.definitions import type_hash
 from drill_twin.messages.topics import MARKS_STATE, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
 from drill_twin.nodes.base import message_class
+from drill_twin.scene import load_scene
+from drill_twin.schedule import Schedule
 
 
 def _numbers(message):
@@ -59,8 +61,10 @@ def test_the_echo_says_revolutions(small_bag):
         ]
         for topic in (WOB_COMMAND, RPS_COMMAND)
     }
-    assert max(numbers[RPS_COMMAND]) == pytest.approx(2.0)
-    assert 0.0 < max(numbers[WOB_COMMAND]) < 1.0
+    planned = Schedule.from_scene(load_scene("pa6_bench")).at(0.5)  # at the 50th of 100 frames a second
+    assert numbers[RPS_COMMAND][49] == pytest.approx(planned.rotation / math.tau)
+    assert numbers[WOB_COMMAND][49] == pytest.approx(planned.weight_on_bit)
+    assert planned.weight_on_bit > 0.0
 
 
 def test_the_graph_has_the_types_of_the_contract(bench):
@@ -77,7 +81,8 @@ def test_the_graph_has_the_types_of_the_contract(bench):
             if topic.latched:
                 assert info.qos_profile.durability.name == "TRANSIENT_LOCAL"
     # Nothing else is published, but what every ROS node has.
-    ours = {name for name in found if not name.startswith(("/rosout", "/parameter_events"))}
+    of_ros = ("/rosout", "/parameter_events", "/simulator/transition_event")  # the last: of every lifecycle node
+    ours = {name for name in found if not name.startswith(of_ros)}
     assert ours == set(TOPICS)
     assert process.end() == 0
 

@@ -34,7 +34,7 @@ CASES = [
     ("bit_end: sliding", "bit_end: slidng", 12, 'did you mean "sliding"?'),
     ("radius: 90 mm", "radius: 90 N", 14, "hole.radius: expected a length"),
     ("hole:\n  radius: 90 mm", "hole: 90 mm", 13, "hole: expected a block with the keys radius, inclination"),
-    ("hole:\n  radius: 90 mm\n", "", 1, "hole: expected a block with the keys radius, inclination, found nothing"),
+    ("hole:\n  radius: 90 mm\n", "", 1, "the keys radius, inclination, intervals, survey, found nothing"),
     ("rig:", "rigg:", 15, 'found "rigg", did you mean "rig"?'),
     ("value: 40 N", "value: 40 rev/s", 16, "rig.weight_on_bit.value: expected a force"),
     ("value: 40 N, ", "", 16, 'rig.weight_on_bit.value: expected a force such as "40 N", found nothing'),

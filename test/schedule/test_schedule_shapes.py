@@ -17,14 +17,14 @@ def scene(overrides: Mapping[str, str]) -> Scene:
     return load_scene("pa6_bench", overrides=overrides)
 
 
-def test_the_paper_scene_ramps_up_smoothly_and_then_holds():
+def test_the_paper_scene_ramps_up_and_then_holds():
     schedule = Schedule.from_scene(load_scene("pa6_bench"))
     assert schedule.duration == 30.0
     assert schedule.record is None
     assert schedule.at(0.0) == Command(weight_on_bit=0.0, rotation=0.0)
-    assert schedule.at(7.5).weight_on_bit == pytest.approx(20.0)  # the cubic is at half in the middle
-    assert schedule.at(0.25).rotation == pytest.approx(2.0 * math.pi)
-    for time in (15.0, 30.0, 1e6):
+    assert schedule.at(4.3).weight_on_bit == pytest.approx(20.0)
+    assert schedule.at(2.0).rotation == pytest.approx(math.pi)
+    for time in (8.6, 30.0, 1e6):
         assert schedule.at(time) == Command(weight_on_bit=40.0, rotation=pytest.approx(4.0 * math.pi))
 
 

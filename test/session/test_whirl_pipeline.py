@@ -11,8 +11,9 @@ from drill_twin.errors import DrillTwinError
 from drill_twin.messages.decode import read_string
 from drill_twin.messages.encode import encode_string
 from drill_twin.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
-from drill_twin.messages.whirl_encode import decode_onset
+from drill_twin.messages.whirl_encode import decode_motion, decode_onset
 from drill_twin.pipeline import INPUTS, WAITING, WhirlPipeline
+from drill_twin.whirl import AnalysisError, BitMotion
 
 FOUND = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET)
 
@@ -120,3 +121,49 @@ def test_summary_without_a_scene_is_an_error(inputs):
     assert found == []
     with pytest.raises(DrillTwinError, match="expected the scene of the run on /twin/scene"):
         pipeline.summary()
+
+
+# --- streams that lack something
+
+
+def test_without_rig_states_the_spin_turns(inputs):
+    pipeline = WhirlPipeline(lacks=[RIG_STATE])
+    fed([row for row in inputs if row[0] != RIG_STATE], pipeline)
+    assert pipeline.findings.quality.accepted == 300
+    assert pipeline.summary().rotation_rev_s == pytest.approx(2.0, rel=0.05)
+    assert pipeline.findings.bit.value == "not observable"
+
+
+def test_without_marks_the_bit_is_all_there_is(inputs):
+    pipeline, found = fed([row for row in inputs if row[0] != MARKS_STATE], WhirlPipeline(lacks=[MARKS_STATE]))
+    assert pipeline.quality.accepted == 300
+    assert not pipeline.summary().observable
+    bit = pipeline.summary().bit
+    assert bit in {BitMotion.STEADY, BitMotion.VIBRATION}  # a start in half a second makes the rod ring
+    assert pipeline.motion == f"whirl not observable, bit: {bit.value}"
+    stamp, motions = decode_motion(next(raw for topic, raw in found if topic == WHIRL_MOTION))
+    assert stamp > 0
+    assert [(motion.subject, motion.state) for motion in motions] == [
+        ("string", "not observable"),
+        ("bit", "steady rotation"),  # as the first samples have it
+    ]
+
+
+def test_scene_without_marks_is_analysed_for_the_bit(inputs, bench_scene):
+    bare = bench_scene.model_copy(update={"string": bench_scene.string.model_copy(update={"marks": ()})})
+    pipeline, _ = fed(inputs[1:], WhirlPipeline(bare))
+    assert (pipeline.malformed, pipeline.quality.accepted) == (0, 300)
+    assert not pipeline.summary().observable
+
+
+def test_motion_of_the_bit_is_on_the_topic(live):
+    motions = [decode_motion(raw)[1] for topic, raw in live if topic == WHIRL_MOTION]
+    assert all(motion[-1].subject == "bit" for motion in motions)
+    assert {motion[-1].state for motion in motions} <= {"steady rotation", "torsional vibration"}
+
+
+def test_some_of_the_marks(inputs):
+    pipeline, _ = fed(inputs, WhirlPipeline(marks=["mark_3"]))
+    assert pipeline.findings.marks == ("mark_3",)
+    with pytest.raises(AnalysisError, match="found mark_7"):
+        WhirlPipeline(pipeline.scene, marks=["mark_7"])

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Motion states: each of the paper's seven from labelled motion, with its criterion, hysteresis and confidence."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from kinematics import BENCH, MARKS, clock, growth, motion, play
@@ -102,24 +104,33 @@ def test_noise_about_a_threshold_does_not_flicker():
     assert len(analyzer.summary().motion) <= 4
 
 
+def pressed(moved):
+    """The same motion with a wall force all the time."""
+    return replace(moved, contact=np.ones_like(moved.spin))
+
+
 def test_contact_comes_from_the_force_where_it_is_given():
-    moved = motion(clock(100, 14), whirl=shaped([1.0], level=0.6))
-    pressed = type(moved)(
-        moved.marks,
-        moved.time,
-        moved.spin,
-        moved.top_speed,
-        moved.whirl,
-        moved.rest,
-        moved.noise,
-        np.ones_like(moved.spin),
-    )
-    _, found = play(pressed, force=True)
+    moved = motion(clock(100, 14), whirl=shaped([1.0], ratio=BENCH.rolling_ratio, level=0.6))
+    _, found = play(pressed(moved), force=True)
     assert found[-1].contact_fraction[0] == 1.0
     assert found[-1].motion is MotionState.ROLLING
-    _, found = play(pressed)
+    _, found = play(moved)
     assert found[-1].contact_fraction[0] == 0.0
-    assert found[-1].motion is MotionState.FORWARD_WHIRL
+    assert found[-1].motion is MotionState.REVERSE_WHIRL
+
+
+@pytest.mark.parametrize(("ratio", "state"), [(0.5, MotionState.FORWARD_WHIRL), (-0.5, MotionState.REVERSE_WHIRL)])
+def test_what_slides_along_the_wall_does_not_roll(ratio, state):
+    """Pure rolling is backward, at -r_o / clearance = -0.1 here."""
+    _, found = play(pressed(motion(clock(100, 14), whirl=shaped([1.0], ratio=ratio, level=1.0))), force=True)
+    assert found[-1].motion is state
+    assert "sliding along the wall, in contact 100 %" in found[-1].motion_criterion
+
+
+def test_any_backward_whirl_in_contact_rolls_where_the_rim_is_not_known():
+    mark = MarkInfo("m", 2.0, "centre", 0.0, 0.08175)
+    _, found = play(pressed(motion(clock(100, 14), marks=(mark,), whirl=shaped([1.0], ratio=-0.5))), force=True)
+    assert found[-1].motion is MotionState.ROLLING
 
 
 def test_phase_along_the_string():
@@ -128,3 +139,35 @@ def test_phase_along_the_string():
     )
     assert found[-1].phase - found[-1].phase[1] == pytest.approx([-0.8, 0.0, 0.8], abs=0.01)
     assert found[-1].planarity < 0.7
+
+
+def test_confidence_of_a_period_is_that_of_all_of_it():
+    analyzer, found = play(motion(clock(100, 30), bow=0.03, whirl=shaped([1.0])).with_noise(0.005, 2))
+    whirl = analyzer.summary().motion[-1]
+    assert whirl.state is MotionState.FORWARD_WHIRL
+    assert 0.9 < whirl.confidence <= 1.0
+    entered = next(f for f in found if f.motion is MotionState.FORWARD_WHIRL)
+    assert entered.motion_confidence < 0.9
+
+
+def test_words_are_those_of_the_settled_motion():
+    analyzer, found = play(motion(clock(100, 30), bow=0.1, whirl=shaped([1.0])).with_noise(0.005, 2))
+    fixed, whirl = analyzer.summary().motion
+    assert "asynchronous radius 0." in fixed.criterion
+    assert "synchronous 10." in fixed.criterion or "synchronous 9." in fixed.criterion
+    assert "radius 6" in whirl.criterion or "radius 7" in whirl.criterion
+    assert found[1].motion_criterion == "no rotation seen yet" or "less than a revolution" in found[20].motion_criterion
+
+
+def test_change_between_two_whirls_is_dated_to_when_it_came():
+    time = clock(100, 40)
+
+    def whirl(_t, angle):
+        begun = np.interp(20.0, time, angle)
+        turned = np.where(time < 20.0, 0.5 * angle, 0.5 * begun - 0.4 * (angle - begun))
+        return 0.6 / (1.0 + np.exp(-3.0 * (time - 6.0))) * np.exp(1j * turned)
+
+    analyzer, _ = play(motion(time, bow=0.02, whirl=whirl).with_noise(0.005, 3))
+    states = [(period.state, period.start_s) for period in analyzer.summary().motion]
+    assert [state for state, _ in states[-2:]] == [MotionState.FORWARD_WHIRL, MotionState.REVERSE_WHIRL]
+    assert states[-1][1] == pytest.approx(20.0, abs=0.3)

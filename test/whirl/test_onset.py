@@ -148,3 +148,23 @@ def test_rotor_in_a_hole(rotor):
     rate = np.polyfit(moved.time[end], np.unwrap(np.angle(moved.centre[end, 0])), 1)[0] / TURN
     assert summary.precession_ratio == pytest.approx(rate / rotor.speed, abs=0.03)
     assert summary.max_radius_m[BENCH.name] == pytest.approx(abs(moved.centre).max(), rel=1e-9)
+
+
+@pytest.mark.parametrize("wait", [2.0, 8.0, 16.0])
+def test_string_that_is_thrown_out_and_turns_later_has_whirled_since(wait):
+    """`wait` revolutions long it stands where it was thrown out, longer than the detector's patience."""
+    time = clock(100, 30)
+    thrown = 0.6 / (1.0 + np.exp(-np.clip(4.0 * (time - 8.0), -50.0, 50.0)))
+
+    def whirl(_time, angle):
+        begun = np.interp(8.0, time, angle) + 2.0 * np.pi * wait
+        return thrown * np.exp(1j * (0.2 * np.maximum(angle - begun, 0.0) + 0.4))
+
+    summary = assert_found(motion(time, bow=0.02, whirl=whirl).with_noise(0.003, 4))
+    assert summary.onset.detected_s - summary.onset.time_s > 0.4 * wait / 2.0
+
+
+def test_orbit_that_creeps_round():
+    """0.006 of the rotation: 30 degrees take 14 revolutions."""
+    moved = motion(clock(100, 30), bow=0.02, whirl=growth(8.0, 0.05, 2.0, 0.006))
+    assert_found(moved.with_noise(0.002, 5))

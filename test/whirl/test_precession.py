@@ -73,12 +73,27 @@ def test_two_motions_one_after_the_other_give_the_one_that_weighs_more():
     assert analyzer.summary().precession_ratio == pytest.approx(-0.1, abs=0.004)
 
 
-def test_too_few_samples_per_revolution_are_said_so():
-    analyzer, _ = play(motion(clock(20, 20), speed=6.0, whirl=growth(8.0, 0.05, 2.0, 0.5)))
+def test_few_samples_per_revolution_are_said_so():
+    analyzer, _ = play(motion(clock(27, 20), speed=6.0, whirl=growth(8.0, 0.05, 2.0, 0.5)))
     summary = analyzer.summary()
-    assert summary.quality.samples_per_revolution == pytest.approx(20 / 6, rel=0.02)
-    assert any("samples per revolution" in note for note in summary.notes)
+    assert summary.quality.samples_per_revolution == pytest.approx(27 / 6, rel=0.02)
+    assert any("times the rotation cannot be told from slower" in note for note in summary.notes)
     assert summary.precession_ratio == pytest.approx(0.5, rel=0.02)
+
+
+@pytest.mark.parametrize("rate", [7.0, 12.0, 20.0])
+def test_rate_too_low_for_the_rotation_gives_no_number(rate):
+    """At 20 samples in a second and 6 rev/s, whirl at -1.9 looks like whirl at 1.43."""
+    analyzer, found = play(motion(clock(rate, 25), speed=6.0, whirl=growth(8.0, 0.05, 2.0, -1.9)))
+    summary = analyzer.summary()
+    assert summary.whirl_frequency_hz is None
+    assert summary.precession_ratio is None
+    assert any("aliasing" in note for note in summary.notes)
+    assert all(np.isnan(f.ratio).all() for f in found if f.time_s > 3.0)
+    assert {period.state.value for period in summary.motion[1:]} <= {"not observable"}
+    if rate > 8.0:  # below, bins do not even hang together
+        assert found[-1].motion.value == "not observable"
+        assert "samples in a revolution" in found[-1].motion_criterion
 
 
 def test_summary_is_plain_json():

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from drill_twin.whirl import AnalysisError, centre_line, two_sided_spectrum
+from drill_twin.whirl import AnalysisError, centre_line, spectrum_over_time, two_sided_spectrum
 
 TIME = np.arange(0.0, 30.0, 0.01)
 
@@ -51,3 +51,16 @@ def test_bad_records_are_refused():
         two_sided_spectrum(TIME[:10], orbit(0.1, 1.0)[:10])
     with pytest.raises(AnalysisError, match="rise"):
         two_sided_spectrum(TIME[::-1], orbit(0.1, 1.0))
+
+
+def test_spectrum_over_time_follows_a_change():
+    z = np.where(TIME < 15.0, orbit(0.05, 1.0), orbit(0.03, -0.6))
+    time, frequency, radius = spectrum_over_time(TIME, z, 3.0)
+    assert radius.shape == (frequency.size, time.size)
+    assert (time[0], time[-1]) == pytest.approx((1.5, 28.5), abs=0.02)
+    for when, line, size in ((6.0, 1.0, 0.05), (24.0, -0.6, 0.03)):
+        column = radius[:, np.argmin(np.abs(time - when))]
+        assert frequency[np.argmax(column)] == pytest.approx(line, abs=0.1)
+        assert column.max() == pytest.approx(size, rel=0.05)
+    with pytest.raises(AnalysisError, match="at least 60 s"):
+        spectrum_over_time(TIME, z, 60.0)

@@ -94,3 +94,20 @@ def test_no_false_onset_in_as_many_revolutions_as_four_marks_see_in_a_day(rate):
     assert summary.quality.accepted == hours * 3600 * rate
     assert summary.onset is None
     assert set(summary.mark_onset_s.values()) == {None}
+
+
+@pytest.mark.parametrize("rate", [20, 100])
+def test_string_that_swings_in_a_plane_does_not_whirl(rate):
+    """It passes the middle again and again; its angle jumps, but it sweeps no area."""
+    swing = 0.3 * np.sin(2.0 * np.pi * 0.7 * clock(rate, 60)) * np.exp(0.4j)
+    moved = motion(clock(rate, 60), bow=0.03, whirl=lambda _t, _a: swing * (clock(rate, 60) > 10.0))
+    assert_no_whirl(moved.with_noise(0.005, seed=8))
+
+
+def test_string_that_bounces_on_the_low_side_from_the_start():
+    """The fall of an inclined hole: it leaves the axis at once and bounces for seconds."""
+    time = clock(100, 30)
+    bounce = 0.3 * np.exp(-time / 2.0) * np.abs(np.cos(2.0 * np.pi * 1.3 * time))
+    roll = np.exp(0.15j * np.sin(2.0 * np.pi * 0.9 * time) * np.exp(-time / 3.0))
+    lean = (1.0 - np.exp(-time / 0.1)) * (1.0 - bounce) * roll
+    assert_no_whirl(motion(time, bow=0.02, offset=lean[:, None]).with_noise(0.005, seed=9))

@@ -74,7 +74,7 @@ def test_duplicate_late_and_incomplete_samples_are_counted_and_skipped():
     assert dirty.summary().onset == clean.summary().onset
     notes = " ".join(dirty.summary().notes)
     assert f"{n} duplicate" in notes
-    assert f"{n} late" in notes
+    assert f"{n} samples from before" in notes
     assert f"{2 * n} incomplete" in notes
 
 

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin watch`: the page in the browser, of a running twin or of a bag."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def watch(
+    bag: Annotated[
+        Path | None,
+        typer.Argument(metavar="[BAG]", help="A bag to play; without one, the twin that runs. Needs rclpy."),
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: a free one.")] = 8000,
+    host: Annotated[str, typer.Option(help="Address to listen on; others than this host can command through it.")] = (
+        "127.0.0.1"
+    ),
+    browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
+) -> None:
+    """Watch in the browser: the string in the hole, the orbits, the motion, and sliders that command.
+
+    A running twin is found by ROS_DOMAIN_ID; its set-points are commanded through the rig driver where there is one.
+    """
+    if bag is not None:
+        _play(bag, host, port, browser=browser)
+        return
+    from drill_twin.nodes.start import start
+
+    words = ["--host", host, "--port", str(port), *([] if browser else ["--no-browser"])]
+    raise typer.Exit(start("watch", words))
+
+
+def _play(bag: Path, host: str, port: int, *, browser: bool) -> None:
+    from drill_twin.cli.show import err
+    from drill_twin.report.locate import bag_in
+    from drill_twin.watch.player import Player
+    from drill_twin.watch.server import PageServer
+
+    with err().status("reading the bag"):
+        player = Player(bag_in(bag))
+    server = PageServer(player.picture, player.asked, host=host, port=port)
+    over = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: over.set())
+    print(f"{bag} at {server.url}", flush=True)
+    if browser:
+        webbrowser.open(server.url)
+    over.wait()
+    server.close()
+    player.close()

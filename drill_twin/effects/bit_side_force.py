@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A force across the string, or a bending moment, at the bit: pads of a steerable tool, a bent housing."""
+
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+
+import numpy as np
+
+from drill_twin.effects.block import Block
+from drill_twin.rod.jit import kernel
+from drill_twin.rod.mesh import Rod
+from drill_twin.rod.site import Site
+from drill_twin.rod.types import Array
+from drill_twin.units import Angle, Force, Time, Torque, Within
+
+
+class BitSideForce(Block):
+    """A constant lateral force and a bending moment at the bit, standing still or turning with the bit."""
+
+    needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    slides: ClassVar[tuple[str, ...]] = ("sliding", "free", "stabilised")
+    """Ends of the string at which a force can move the bit."""
+    tilts: ClassVar[tuple[str, ...]] = ("pinned", "free", "stabilised")
+    """Ends of the string at which a moment can tilt the bit."""
+
+    force: Annotated[Force, Within(at_least="-10 MN", at_most="10 MN")] = 0.0
+    """Force on the bit, across the axis of the hole [N]."""
+    moment: Annotated[Torque, Within(at_least="-1e8 N m", at_most="1e8 N m")] = 0.0
+    """Moment on the bit, about the axis normal to `angle`; positive bends the string as the force does [N m]."""
+    angle: Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg")] = 0.0
+    """Direction of the force from +x, the low side [rad]; turning with the bit, from the spin's zero."""
+    turns: Literal["with_hole", "with_bit"] = "with_hole"
+    """`with_hole`: fixed in space, as the pads of a rotary steerable tool push; `with_bit`: as a bent housing does."""
+    ramp: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
+    """How long it takes to come up, along a cubic, from the start of the run [s]; 0 s = at once."""
+
+
+class Parameters(NamedTuple):
+    """Force [N], moment [N m], their direction [rad], 1 if that turns with the bit, time to come up [s]."""
+
+    force: float
+    moment: float
+    angle: float
+    turning: float
+    ramp: float
+
+
+def parameters(block: BitSideForce, site: Site) -> Parameters:
+    """Nothing to prepare."""
+    return Parameters(block.force, block.moment, block.angle, float(block.turns == "with_bit"), block.ramp)
+
+
+@kernel
+def end(
+    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+) -> None:
+    """A dead force F and a moment m, both normal to the axis of the hole.
+
+    The moment works on the turning t x t_dot + omega t of the material (`drill_twin.rod.section`), so that it is the
+    force (m x a) / g^2 on a = r' and, for a bent string, the couple m.t on the spin.
+    """
+    law, bit = parameters.bit_side_force, ends[0]
+    share = min(time / law.ramp, 1.0) if law.ramp > 0.0 else 1.0
+    share *= share * (3.0 - 2.0 * share)
+    angle = law.angle + law.turning * u[0, 6]
+    cos, sin = np.cos(angle), np.sin(angle)
+    force, moment = share * law.force, share * law.moment
+    turning = h2 * law.turning
+    bit[0, 7] -= force * cos
+    bit[1, 7] -= force * sin
+    bit[0, 6] += turning * force * sin
+    bit[1, 6] -= turning * force * cos
+    ax, ay, az = u[0, 3], u[0, 4], u[0, 5]
+    g2 = ax * ax + ay * ay + az * az
+    g = np.sqrt(g2)
+    mx, my = moment * sin / g2, -moment * cos / g2
+    fx, fy, fz = my * az, -mx * az, mx * ay - my * ax
+    couple, fold = (mx * ax + my * ay) * g, max(g * (g + az), 1e-12)
+    bit[3, 7] -= fx + couple * ay / fold
+    bit[4, 7] -= fy - couple * ax / fold
+    bit[5, 7] -= fz
+    bit[6, 7] -= couple
+    for i in range(3):
+        f = fx if i == 0 else (fy if i == 1 else fz)
+        for j in range(3):
+            bit[3 + i, 3 + j] += 2.0 * h2 * f * u[0, 3 + j] / g2
+    bit[3, 5] -= h2 * my
+    bit[4, 5] += h2 * mx
+    bit[5, 3] += h2 * my
+    bit[5, 4] -= h2 * mx
+    # the couple by r', where the string is bent in the plane of the moment, in which it is zero
+    for j in range(2):
+        slope = h2 * g * (mx if j == 0 else my)
+        bit[3, 3 + j] -= slope * ay / fold
+        bit[4, 3 + j] += slope * ax / fold
+        bit[6, 3 + j] -= slope
+    # turning by d psi, (m_x, m_y) goes to (-m_y, m_x)
+    bit[3, 6] -= turning * mx * az
+    bit[4, 6] -= turning * my * az

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A seeded random force across the string: what cuttings, flow and an uneven hole do to it, lumped."""
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from drill_twin.effects.block import Block, Seed
+from drill_twin.effects.harmonics import generator, normal_strata, phases
+from drill_twin.rod.jit import kernel
+from drill_twin.rod.mesh import Rod
+from drill_twin.rod.point import Point
+from drill_twin.rod.site import Site
+from drill_twin.rod.types import Array
+from drill_twin.units import ForcePerLength, Length, Time, Within
+
+WAVES, HARMONICS = 16, 32  # shapes along the string, and harmonics in time of each
+
+
+class RandomForce(Block):
+    """Lateral force per length, Gaussian in arc length and time: mean zero, no direction preferred.
+
+    Its correlation is rms^2 exp(-(s / l)^2 / 2 - (t / tau)^2 / 2). It is a function of place and time, hence the same
+    for any mesh, step and frame rate.
+    """
+
+    rms: Annotated[
+        ForcePerLength, Within(at_least="0 N/m", at_most="1e6 N/m", reason="200 times the weight of a heavy collar")
+    ]
+    """Root mean square of the force per length, both directions together [N/m]."""
+    correlation_time: Annotated[Time, Within(at_least="1 us", at_most="1e6 s", reason="shorter than any step")]
+    """Time tau after which its correlation has fallen to exp(-1/2) [s]; there is little above a frequency 1/(2 tau)."""
+    correlation_length: Annotated[Length, Within(above="0 m", at_most="20 km", reason="the longest string")]
+    """Length l along the string after which its correlation has fallen to exp(-1/2) [m]."""
+    seed: Seed = 1
+    """The same seed is the same force."""
+
+
+class Parameters(NamedTuple):
+    """The force as sum over shapes m of exp(i k_m s) times sum over j of exp(i (w_mj t + phi_mj)), x + i y."""
+
+    shape: Array  # rms exp(i k s) / sqrt(all), real and imaginary part [N/m], (2 n, WAVES, 2)
+    frequency: Array  # [rad/s], (WAVES, HARMONICS)
+    phase: Array  # [rad], (WAVES, HARMONICS)
+    swing: Array  # the sums over j at the time below, (WAVES, 2)
+    now: Array  # the time they hold for [s], (1,)
+
+
+def parameters(block: RandomForce, site: Site) -> Parameters:
+    """Draw wave numbers, frequencies and phases (`drill_twin.effects.harmonics`)."""
+    random = generator(site, block.seed, "random_force")
+    number = WAVES * HARMONICS
+    waves = normal_strata(random, WAVES) / block.correlation_length
+    turns = block.rms / np.sqrt(number) * np.exp(1j * np.multiply.outer(site.places, waves))
+    return Parameters(
+        shape=np.stack([turns.real, turns.imag], -1),
+        frequency=(normal_strata(random, number) / block.correlation_time).reshape(WAVES, HARMONICS),
+        phase=phases(random, number).reshape(WAVES, HARMONICS),
+        swing=np.zeros((WAVES, 2)),
+        now=np.full(1, np.nan),
+    )
+
+
+@kernel
+def swing_to(law: Parameters, time: float) -> None:
+    """Bring the sums over the harmonics to a time: once for all points of a step."""
+    law.now[0] = time
+    for m in range(law.frequency.shape[0]):
+        real, imaginary = 0.0, 0.0
+        for j in range(law.frequency.shape[1]):
+            angle = law.frequency[m, j] * time + law.phase[m, j]
+            real += np.cos(angle)
+            imaginary += np.sin(angle)
+        law.swing[m, 0] = real
+        law.swing[m, 1] = imaginary
+
+
+@kernel
+def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+    """Force at this place and time."""
+    law = parameters.random_force
+    if here.time != law.now[0]:
+        swing_to(law, here.time)
+    for m in range(law.swing.shape[0]):
+        real, imaginary = law.shape[here.place, m, 0], law.shape[here.place, m, 1]
+        load[0] += real * law.swing[m, 0] - imaginary * law.swing[m, 1]
+        load[1] += real * law.swing[m, 1] + imaginary * law.swing[m, 0]

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rock under the bit that is not drilled: it carries a weight set at the top, and the bit may lift off it."""
+
+from typing import Annotated, Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from drill_twin.effects.block import Block
+from drill_twin.rod.bit import carried, carry, rock_height
+from drill_twin.rod.jit import kernel
+from drill_twin.rod.mesh import Rod
+from drill_twin.rod.site import Site
+from drill_twin.rod.types import Array, Pair
+from drill_twin.units import Damping, Stiffness, Within
+
+
+class RockFloor(Block):
+    """One-sided spring and damper under the bit, for `rig.weight_on_bit.at: top`; its force is the weight on bit."""
+
+    needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+
+    stiffness: Annotated[Stiffness, Within(above="0 N/m", at_most="1e12 N/m", reason="the whole string has 1e6")]
+    """Stiffness of rock and bit face [N/m]."""
+    damping: Annotated[Damping, Within(at_least="0 N s/m", at_most="1e9 N s/m")] = 0.0
+    """Damping; the rock only pushes, never pulls [N s/m]."""
+
+
+class Parameters(NamedTuple):
+    """Stiffness [N/m], damping [N s/m], and height of the rock [m] with a flag whether it has been found."""
+
+    stiffness: float
+    damping: float
+    memory: Array
+
+
+def parameters(block: RockFloor, site: Site) -> Parameters:
+    """The rock's height follows at the first step, from where the bit is."""
+    return Parameters(block.stiffness, block.damping, np.zeros(2))
+
+
+@kernel
+def push(rock: Parameters, place: float, rate: float) -> Pair:
+    """Force of the rock up at a height [m] and velocity [m/s] of the bit, and its slope by the place [N/m]."""
+    force = rock.stiffness * (rock.memory[0] - place) - rock.damping * rate
+    return (force, rock.stiffness) if force > 0.0 else (0.0, 0.0)
+
+
+@kernel
+def end(
+    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+) -> None:
+    """W = max(0, K d + C d_dot) on the depth d of the bit below the rock's surface."""
+    rock, bit = parameters.rock_floor, parameters.drive.bit
+    if rock.memory[1] == 0.0:
+        rock.memory[0] = rock_height(bit, rock.stiffness)
+        rock.memory[1] = 1.0
+    force, slope = push(rock, u[0, 2], v[0, 2])
+    carry(bit, force, h2 * slope + (rock.damping if slope > 0.0 else 0.0), ends)
+
+
+@kernel
+def done(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+    """Count what the rock carried."""
+    rock, bit = parameters.rock_floor, parameters.drive.bit
+    carried(bit, push(rock, 0.5 * (bit.start[2] + u[0, 2]), bit.rate[2])[0], step)

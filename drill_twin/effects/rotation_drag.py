@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Torque that it takes to turn the string in viscous mud."""
+
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from drill_twin.effects.block import Block
+from drill_twin.effects.mud import hole_radius
+from drill_twin.rod.jit import kernel
+from drill_twin.rod.mesh import Rod
+from drill_twin.rod.point import Point
+from drill_twin.rod.site import Site
+from drill_twin.rod.types import Array
+
+
+class RotationDrag(Block):
+    """Laminar Couette flow between string and hole: torque 4 pi mu omega r_o^2 R^2 / (R^2 - r_o^2) per length.
+
+    Exact for a string in the middle of the hole with the mud in its bore turning along (Bird, Stewart and Lightfoot
+    2002, example 3.6-3). Beyond omega^2 r_o (R - r_o)^3 = 1708 (mu / rho)^2 in a narrow gap (Taylor 1923) vortices add
+    to it.
+    """
+
+    needs: ClassVar[tuple[str, ...]] = ("mud",)
+
+
+class Parameters(NamedTuple):
+    """Torque per length and spin rate [N s], shape (2 n,)."""
+
+    rotary: Array
+
+
+def parameters(block: RotationDrag, site: Site) -> Parameters:
+    """Torque per length and spin rate of each Gauss point's section."""
+    outer, hole = site.at_places(site.rod.outer_radius) ** 2, hole_radius(site) ** 2
+    return Parameters(4.0 * np.pi * site.fluid_viscosity * outer * hole / (hole - outer))
+
+
+@kernel
+def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+    """Couple against the spin."""
+    rotary = parameters.rotation_drag.rotary[here.place]
+    load[3] -= rotary * here.spin_rate
+    stiff[3, 3] += rotary

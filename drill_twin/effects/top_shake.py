@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Shaking of the top: the rig moves its clamp sideways."""
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from drill_twin.effects.block import Block, Seed
+from drill_twin.effects.harmonics import generator, normal_strata, phases
+from drill_twin.rod.jit import kernel
+from drill_twin.rod.mesh import Rod
+from drill_twin.rod.site import Site
+from drill_twin.rod.types import Array
+from drill_twin.units import Angle, Frequency, Length, Within
+
+HARMONICS = 64
+
+
+class TopShake(Block):
+    """Sideways motion A sin(2 pi f t) of the top clamp, or a random one of the same mean square around f."""
+
+    amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
+    """Amplitude A [m]; of a random motion sqrt(2) times the root mean square."""
+    frequency: Annotated[Frequency, Within(at_least="0 Hz", at_most="1 kHz", reason="above, no frame would show it")]
+    """Frequency f [Hz]; of a random motion the middle of its band."""
+    direction: Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg", reason="a turn")] = 0.0
+    """Direction across the hole, from +x towards +y [rad]."""
+    bandwidth: Annotated[Frequency, Within(at_least="0 Hz", at_most="1 kHz", reason="as for the frequency")] = 0.0
+    """Width of a Gaussian spectrum around the frequency (standard deviation) [Hz]; 0 Hz = one sine."""
+    seed: Seed = 1
+    """Of a random motion: seed."""
+
+
+class Parameters(NamedTuple):
+    """Velocity as a sum of harmonics speed_j cos(frequency_j t + phase_j) along a direction."""
+
+    speed: Array  # [m/s], (m,)
+    frequency: Array  # [rad/s], (m,)
+    phase: Array  # [rad], (m,)
+    along_x: float
+    along_y: float
+
+
+def parameters(block: TopShake, site: Site) -> Parameters:
+    """One sine, or as many as a random motion needs."""
+    hertz, phase, amplitude = np.full(1, block.frequency), np.zeros(1), block.amplitude
+    if block.bandwidth > 0.0:
+        random = generator(site, block.seed, "top_shake")
+        hertz = block.frequency + block.bandwidth * normal_strata(random, HARMONICS)
+        phase, amplitude = phases(random, HARMONICS), block.amplitude / np.sqrt(HARMONICS)
+    omega = 2.0 * np.pi * hertz
+    return Parameters(amplitude * omega, omega, phase, float(np.cos(block.direction)), float(np.sin(block.direction)))
+
+
+def start(block: TopShake, site: Site, u: Array, v: Array) -> None:
+    """The top moves from the first instant."""
+    shake = parameters(block, site)
+    speed = float(np.sum(shake.speed * np.cos(shake.phase)))
+    v[-1, 0] += speed * shake.along_x
+    v[-1, 1] += speed * shake.along_y
+
+
+@kernel
+def top_speed(shake: Parameters, time: float) -> float:
+    """Velocity of the top along its direction at a time [m/s]."""
+    speed = 0.0
+    for j in range(shake.speed.shape[0]):
+        speed += shake.speed[j] * np.cos(shake.frequency[j] * time + shake.phase[j])
+    return speed
+
+
+@kernel
+def guide(parameters: Any, rod: Rod, time: float, trial: Array) -> None:
+    """Hold the top at its velocity in mid-step."""
+    speed, last = top_speed(parameters.top_shake, time), trial.shape[0] - 1
+    trial[last, 0] = speed * parameters.top_shake.along_x
+    trial[last, 1] = speed * parameters.top_shake.along_y
+
+
+@kernel
+def done(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+    """Its velocity at the end of the step, which the midpoint rule alone would let ring."""
+    speed, last = top_speed(parameters.top_shake, time), v.shape[0] - 1
+    v[last, 0] = speed * parameters.top_shake.along_x
+    v[last, 1] = speed * parameters.top_shake.along_y

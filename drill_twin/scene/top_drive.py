@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The top drive: how the string is turned when its speed is not simply prescribed."""
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import core_schema
+
+from drill_twin.scene.part import Part, refuse_at
+from drill_twin.units import Dimensionless, Inertia, Quantity, RotationalDamping, Torque, Within
+from drill_twin.units.dimension import ROTATIONAL_DAMPING, ROTATIONAL_STIFFNESS
+
+SLOWER = 10.0
+"""The integral part tuned by `auto` turns over at this part of the string's first torsional frequency."""
+
+
+class _OrAuto:
+    """Annotation of a field that may also be the word `auto`."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:
+            return value if value == "auto" else inner(value)
+
+        return core_schema.no_info_wrap_validator_function(check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {"anyOf": [{"const": "auto"}, handler(schema)]}
+
+
+class TopDrive(Part):
+    """How the top of the string is turned; the command is `rig.rotation`."""
+
+    model: Literal["prescribed", "speed_controller", "impedance"] = "prescribed"
+    """`prescribed`: turns as commanded, whatever the torque; `speed_controller`: motor torque proportional + integral
+    in the error of speed; `impedance`: the same, tuned to swallow torsional waves (soft torque)."""
+    inertia: Annotated[Inertia, Within(at_least="0 kg m^2", at_most="1e6 kg m^2", reason="top drives have 1e3")] = 0.0
+    """Moment of inertia of drive and motor about the string's axis [kg m^2]."""
+    damping: Annotated[RotationalDamping, Within(at_least="0 N m s/rad", at_most="1e9 N m s/rad")] = 0.0
+    """Viscous friction of bearings and gears [N m s/rad]."""
+    torque_limit: Annotated[Torque, Within(above="0 N m", at_most="1e9 N m")] | None = None
+    """Largest torque of the motor [N m]; without it the motor gives any torque."""
+    proportional_gain: Annotated[
+        float | Literal["auto"],
+        Quantity(ROTATIONAL_DAMPING),
+        Within(at_least="0 N m s/rad", at_most="1e12 N m s/rad", reason="above, the turn is as good as prescribed"),
+        _OrAuto(),
+    ] = "auto"
+    """Motor torque per error of speed [N m s/rad]; `auto` (for `impedance` only) takes it from `reflection`."""
+    integral_gain: Annotated[
+        float | Literal["auto"],
+        Quantity(ROTATIONAL_STIFFNESS),
+        Within(at_least="0 N m/rad", at_most="1e12 N m/rad", reason="above, the turn is as good as prescribed"),
+        _OrAuto(),
+    ] = "auto"
+    """Motor torque per error of angle [N m/rad]; 0 N m/rad lets the speed droop under torque. `auto` (for `impedance`
+    only) holds the speed at a tenth of the string's first torsional frequency and below."""
+    reflection: Annotated[Dimensionless, Within(above="-1", below="1", reason="-1 is a held top, 1 a free one")] = 0.0
+    """Share of a torsional wave's velocity that the top sends back [-]; with `impedance` and gains of `auto`."""
+
+    @model_validator(mode="after")
+    def _takes_what_is_given(self) -> Self:
+        unused: tuple[str, ...] = ()
+        if self.model == "prescribed":
+            unused = ("inertia", "damping", "torque_limit", "proportional_gain", "integral_gain", "reflection")
+        elif self.model == "speed_controller" or self.proportional_gain != "auto":
+            unused = ("reflection",)
+        for key in unused:
+            if key in self.model_fields_set and getattr(self, key) != type(self).model_fields[key].default:
+                why = " and a `proportional_gain` of its own" if self.model == "impedance" else ""
+                raise refuse_at((key,), f'expected no `{key}` with model "{self.model}"{why}, found one')
+        if self.model == "speed_controller":
+            for key in ("proportional_gain", "integral_gain"):
+                if getattr(self, key) == "auto":
+                    raise refuse_at(
+                        (key,), 'expected a number with model "speed_controller", found "auto": only "impedance" tunes'
+                    )
+        return self
+
+    def gains(self, impedance: float, delay: float) -> tuple[float, float]:
+        """Proportional [N m s/rad] and integral gain [N m/rad] of the motor.
+
+        A drive of impedance Z at the end of a line of impedance Z_0 sends back r = (Z_0 - Z) / (Z_0 + Z) of a wave's
+        velocity (textbook line theory; for drillstrings Halsey, Kyllingstad and Kylling 1988), so Z = Z_0 (1 - r) /
+        (1 + r).
+
+        Args:
+            impedance: Z_0 = J sqrt(G rho) of the string at the top [N m s/rad].
+            delay: Time of a torsional wave from top to bit [s]; the first frequency is a quarter of its inverse.
+        """
+        if self.model == "prescribed":
+            return 0.0, 0.0
+        tuned = impedance * (1.0 - self.reflection) / (1.0 + self.reflection)
+        proportional = tuned if self.proportional_gain == "auto" else float(self.proportional_gain)
+        slow = 2.0 * math.pi / (4.0 * delay) / SLOWER
+        integral = proportional * slow if self.integral_gain == "auto" else float(self.integral_gain)
+        return proportional, integral

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One run of a scene at one resolution: the motion of its marks, what it cost, and keeping both on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin import __version__
+from drill_twin.errors import DrillTwinError
+from drill_twin.scene import Scene, load_scene
+from drill_twin.schedule import Schedule
+from drill_twin.study.trial import nudge
+from drill_twin.twin import Twin
+from drill_twin.whirl import Analyzer
+from drill_twin.wiring import mark_infos
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A run, T frames and m marks."""
+
+    time: Array
+    """Times of the frames [s], shape (T,)."""
+    centre: Array
+    """Lateral place of the centre line at the marks [m], shape (T, m, 2)."""
+    contact: Array
+    """Share of nodes at the wall [-], shape (T,)."""
+    clearance: Array
+    """Clearance at the marks [m], shape (m,)."""
+    onset: float
+    """Onset of whirl [s]; nan if there was none."""
+    frequency: float
+    """Dominant whirl after it, positive = forward [Hz]; nan if there was none."""
+    cost: float
+    """Processor time of the physics per simulated second [s/s]."""
+    frame_p95: float
+    """Processor time that 95 % of the frames stayed below [s]."""
+    compile_seconds: float
+    """Wall-clock time until the first frame was there, which holds compiling if it had to be [s]."""
+    iterations: float
+    """Newton iterations per simulated second [1/s]."""
+    elements: int
+    step: float
+
+    def save(self, path: Path) -> None:
+        """Write it; a half-written file is never seen."""
+        part = path.with_suffix(".part.npz")
+        arrays: dict[str, Any] = {name: np.asarray(value) for name, value in self.__dict__.items()}
+        np.savez(part, **arrays)
+        part.replace(path)
+
+    @staticmethod
+    def load(path: Path) -> Motion:
+        """Read one that was saved."""
+        with np.load(path, allow_pickle=False) as file:
+            plain = {name: file[name] if file[name].ndim else file[name].item() for name in file.files}
+        return Motion(**plain)
+
+
+def run_motion(scene: Scene, seed: int | None = None) -> Motion:
+    """Run a scene to its end.
+
+    Args:
+        scene: What to run.
+        seed: Of a small random lateral velocity at time zero; None: start as the scene says.
+
+    Raises:
+        RunError: The motion could not be followed.
+    """
+    schedule = Schedule.from_scene(scene)
+    period = 1.0 / scene.numerics.frame_rate
+    began = time.perf_counter()
+    Twin(scene).step(schedule.at(period), period)
+    compiled = time.perf_counter() - began
+    twin = Twin(scene)
+    if seed is not None:
+        nudge(twin, seed)
+    infos = mark_infos(scene)
+    analyzer = Analyzer(infos)
+    frames = max(1, round(schedule.duration / period))
+    times, spent, contact = (np.empty(frames) for _ in range(3))
+    centre = np.empty((frames, len(infos), 2))
+    iterations = 0
+    for k in range(frames):
+        command = schedule.at((k + 1) * period)
+        began = time.process_time()
+        frame = twin.step(command, period)
+        spent[k] = time.process_time() - began
+        times[k], centre[k] = frame.time, frame.marks.centre[:, :2]
+        contact[k] = np.mean(frame.wall_force > 0.0)
+        iterations += frame.stats.iterations
+        marks = frame.marks
+        analyzer.push(round(frame.time * 1e9), marks.position, marks.spin, frame.rig.top_drive_speed, marks.wall_force)
+    found = analyzer.summary()
+    return Motion(
+        time=times,
+        centre=centre,
+        contact=contact,
+        clearance=np.array([info.clearance for info in infos]),
+        onset=np.nan if found.onset_s is None else found.onset_s,
+        frequency=np.nan if found.whirl_frequency_hz is None else found.whirl_frequency_hz,
+        cost=float(spent.sum()) / schedule.duration,
+        frame_p95=float(np.quantile(spent, 0.95)),
+        compile_seconds=compiled,
+        iterations=iterations / schedule.duration,
+        elements=twin.elements,
+        step=twin.step_size,
+    )
+
+
+def kept_run(scene: str, overrides: dict[str, str], seed: int | None, folder: Path) -> Motion | str:
+    """The run of a scene from the folder, or made now and put there; or why there is none.
+
+    The name of its file is a hash of the resolved scene, the seed and the version, so that a study that was broken off
+    goes on where it was and a changed scene is run anew.
+    """
+    try:
+        described = load_scene(scene, overrides=overrides)
+        key = hashlib.sha256(f"{described.to_yaml()}{seed}{__version__}".encode()).hexdigest()[:16]
+        path = folder / f"{key}.npz"
+        if path.is_file():
+            return Motion.load(path)
+        motion = run_motion(described, seed)
+        motion.save(path)
+    except DrillTwinError as error:
+        return str(error)
+    return motion

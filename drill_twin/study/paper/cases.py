@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The runs of the paper: which loads at which speeds, and the scene of each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from drill_twin.scene import Scene
+
+
+class Case(NamedTuple):
+    """One run of the bench."""
+
+    weight_on_bit: float
+    """[N]"""
+    speed: float
+    """[rev/s]"""
+
+    def __str__(self) -> str:
+        return f"{self.weight_on_bit:g} N, {self.speed:g} rev/s"
+
+
+LOADS = (20.0, 40.0, 60.0, 80.0, 100.0, 150.0, 200.0, 250.0, 300.0)
+"""Weights on bit of the paper's Table 2 [N]."""
+SPEEDS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 6.5)
+"""Speeds of the paper's Table 2 [rev/s]."""
+LOAD, SPEED = 40.0, 2.0
+"""The load of the sweep over speeds [N], and the speed of the sweep over loads [rev/s]."""
+REFERENCE = Case(LOAD, SPEED)
+MATRIX = (*(Case(LOAD, speed) for speed in SPEEDS), *(Case(load, SPEED) for load in LOADS if load != LOAD))
+"""All runs of the bench, each once."""
+
+
+def scene_of(scene: Scene, case: Case, changes: Mapping[str, float | str] | None = None) -> Scene:
+    """The scene with a case's load and speed, and with other numbers changed.
+
+    Args:
+        scene: The bench.
+        case: Load and speed.
+        changes: Values in SI by their place in the scene, as `effects.drag.linear`.
+    """
+    wanted: dict[str, float | str] = {
+        "rig.weight_on_bit.value": case.weight_on_bit,
+        "rig.rotation.value": case.speed * math.tau,
+        **(changes or {}),
+    }
+    for place, value in wanted.items():
+        scene = changed(scene, place, value)
+    return scene
+
+
+def changed(part: Any, place: str, value: float | str) -> Any:
+    """A copy of a scene, or of a part of it, with one value changed; `place` as `effects.bow.amplitude`.
+
+    Values are not checked again: it is for numbers that a study moves within bounds of its own.
+    """
+    name, _, rest = place.partition(".")
+    old = getattr(part, name)
+    return part.model_copy(update={name: changed(old, rest, value) if rest else value})
+
+
+def value_at(scene: Scene, place: str) -> Any:
+    """The value at a place of a scene."""
+    value: Any = scene
+    for name in place.split("."):
+        value = getattr(value, name)
+    return value

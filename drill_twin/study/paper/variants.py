@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the paper leaves open and cannot be a number: the bench read in other ways, everything else as it is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from drill_twin.study.paper.cases import Case
+
+CASES = (Case(20.0, 2.0), Case(40.0, 2.0), Case(150.0, 2.0), Case(300.0, 2.0))
+"""Runs made of each variant."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One other reading."""
+
+    name: str
+    changes: dict[str, float | str] = field(default_factory=dict)
+    """Values in SI by their place in the scene."""
+
+
+VARIANTS = (
+    Variant("as calibrated: bit slides, load counted at the bit, vertical, R is the radius, straight ramp"),
+    Variant("bit guided on the axis, as on the bench", {"string.bit_end": "guided"}),
+    Variant("load counted at the top, as in the simulation", {"rig.weight_on_bit.at": "top"}),
+    Variant("R = 90 mm is the diameter", {"hole.radius": 0.045}),
+    Variant("hole tilted by 10 degrees", {"hole.inclination": math.radians(10.0)}),
+    Variant("load as a STEP of ADAMS of the same duration", {"rig.weight_on_bit.shape": "step"}),
+    Variant(
+        "the other side of the trade-off: more friction, which hardly falls with slip",
+        {
+            "effects.wall_friction.coefficient": 0.34,
+            "effects.wall_friction.decay": 0.05,
+            "effects.bit_friction.coefficient": 0.03,
+        },
+    ),
+)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin analyze` on a part of a bag, and what it says of options that are none."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from drill_twin.cli.app import app
+from drill_twin.errors import BagError
+
+
+def ran(*arguments):
+    return CliRunner().invoke(app, ["analyze", *map(str, arguments)])
+
+
+def test_marks_and_time(bench_run):
+    result = ran(bench_run.bag, "--marks", "mark_3,mark_1", "--from", "1", "--to", "2.5", "--json")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    assert list(found["mark_motion"]) == ["mark_1", "mark_3"]
+    assert found["duration_s"] == 2.5
+    assert found["samples"] == 151
+
+
+def test_every_mark_has_its_timeline(bench_run):
+    result = ran(bench_run.bag)
+    assert result.exit_code == 0, result.output
+    assert all(result.stdout.count(f"mark_{k}") >= 2 for k in range(1, 5))
+    assert "what decided it" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--map", "/marks"), "--map: expected THEIRS=OURS"),
+        (("--map", "/their/marks=/marks/state"), "expected the topic /their/marks"),
+        (("--from", "3", "--to", "2"), "expected a start before the end"),
+        (("--clearance", "3 N"), "--clearance: expected a length"),
+        (("--marks", "mark_9"), "found mark_9"),
+    ],
+)
+def test_options_that_are_none(bench_run, options, words):
+    result = ran(bench_run.bag, *options)
+    assert result.exit_code != 0
+    assert isinstance(result.exception, BagError)
+    assert words in str(result.exception)

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Wall friction at one place: its direction on the true slip, its size, and the tangent that Newton's method is given.
+
+The kernels are called as the time loop calls them, in a straight and in a curved hole.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hole_scenes import ON_THE_WALL, bend, with_parts
+from scenes import DIAMETER, LINE_MASS
+
+from drill_twin.effects import wall, wall_friction
+from drill_twin.rod.point import Point
+from drill_twin.scene import Scene
+from drill_twin.schedule.command import Command
+from drill_twin.twin import Twin
+
+PLACE, H2, CLEARANCE = 17, 1e-3, 0.01
+
+
+class Both(NamedTuple):
+    wall: wall.Parameters
+    wall_friction: wall_friction.Parameters
+
+
+def scene_of(hole: str, friction: dict[str, float]) -> Scene:
+    radius = CLEARANCE + DIAMETER / 2
+    holes = {"straight": {"radius": radius}, "curved": bend(40.0, 20.0, 0.3, 0.8, hole=radius)}
+    effects = ON_THE_WALL | {"wall": {"stiffness": 1e7, "restitution": 0.6}, "wall_friction": friction}
+    return with_parts(effects=effects, length=20.0, elements=20, step=2 * H2, hole=holes[hole])
+
+
+def made(scene: Scene) -> tuple[Both, Twin]:
+    twin = Twin(scene)
+    effects = scene.effects
+    return Both(
+        wall.parameters(effects.wall, twin.site), wall_friction.parameters(effects.wall_friction, twin.site)
+    ), twin
+
+
+def evaluate(both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, times: int = 2) -> tuple[np.ndarray, ...]:
+    """Load and tangent after so many iterations at the same state; rates of x, y, z and spin."""
+    for count in range(times):
+        load, stiff = np.zeros(4), np.zeros((4, 4))
+        seen = dict.fromkeys(Point._fields, 0.0) | dict(zip("xyz", place, strict=True))
+        seen |= dict(zip(("vx", "vy", "vz", "spin_rate"), rate, strict=True))
+        seen |= {"element": PLACE // 2, "place": PLACE, "tz": 1.0, "fresh": count == 0, "iteration": float(count)}
+        here = Point(**seen)
+        wall_friction.point(both, twin.rod, here, H2, load, stiff)
+    return load, stiff
+
+
+def on_the_wall(twin: Twin, depth: float, angle: float) -> tuple[np.ndarray, np.ndarray]:
+    """A place in contact, and the directions round the hole, along it and outward there, as rows."""
+    axis = twin.site.bore.axis
+    centre, t = (np.array([0.0, 0.0, -9.0]), np.array([0.0, 0.0, 1.0])) if axis is None else (
+        axis.centre[PLACE], axis.tangent[PLACE]
+    )  # fmt: skip
+    first = np.cross(t, [0.3, 0.5, 0.1])
+    first /= np.linalg.norm(first)
+    n = np.cos(angle) * first + np.sin(angle) * np.cross(t, first)
+    return centre + (CLEARANCE + depth) * n, np.array([np.cross(t, n), t, n])
+
+
+@pytest.mark.parametrize("hole", ["straight", "curved"])
+@pytest.mark.parametrize(("around", "along"), [(0.3, 0.0), (0.0, -0.2), (0.3, 0.4), (-0.05, 0.6)])
+def test_friction_opposes_the_slip(hole: str, around: float, along: float) -> None:
+    """mu N / (1 + delta s) against the slip v.c + r psi_dot around and v.t along, and its couple on the spin."""
+    mu, delta, spin = 0.3, 2.0, 5.0
+    both, twin = made(scene_of(hole, {"coefficient": mu, "decay": delta}))
+    place, (c, t, n) = on_the_wall(twin, 1e-4, 0.7)
+    r = DIAMETER / 2
+    rate = np.append((around - r * spin) * c + along * t, spin)
+    load, _ = evaluate(both, twin, place, rate)
+    slip = np.hypot(around, along)
+    limit = mu / (1.0 + delta * slip) * 1e7 * 1e-4**1.5
+    assert load[:3] == pytest.approx(-limit / slip * (around * c + along * t), rel=1e-6, abs=1e-9)
+    assert load[3] == pytest.approx(-r * limit * around / slip, rel=1e-6, abs=1e-12)
+    assert abs(load[:3] @ n) < 1e-9
+
+
+@pytest.mark.parametrize("hole", ["straight", "curved"])
+@pytest.mark.parametrize("slip", [(0.3, 0.4), (1e-7, 2e-7), (0.05, 0.0)])
+def test_the_tangent_is_the_derivative(hole: str, slip: tuple[float, float]) -> None:
+    """Minus d load / d v minus h2 d load / d u, to 1e-3 of its largest entry, sliding and sticking, moving outward."""
+    both, twin = made(scene_of(hole, {"coefficient": 0.3, "decay": 1.0}))
+    place, (c, t, n) = on_the_wall(twin, 2e-4, -1.1)
+    spin, r = 3.0, DIAMETER / 2
+    rate = np.append((slip[0] - r * spin) * c + slip[1] * t + 0.01 * n, spin)
+    _, stiff = evaluate(both, twin, place, rate)
+    small = 1e-5 * max(np.hypot(*slip), 1e-7)
+    for j in range(4):
+        change = np.zeros(4)
+        change[j] = small
+        ahead, _ = evaluate(both, twin, place + H2 * change[:3], rate + change)
+        behind, _ = evaluate(both, twin, place - H2 * change[:3], rate - change)
+        assert stiff[:, j] == pytest.approx((behind - ahead) / (2.0 * small), abs=1e-3 * np.abs(stiff).max())
+
+
+def test_rotation_frees_axial_sliding() -> None:
+    """A string that lies in a horizontal hole carries a pull to the hook less mu w per metre; turned, it carries all.
+
+    The friction of a turning string points round the hole; along it, a slow slide meets hardly any.
+    """
+    mu, length, pull = 0.3, 20.0, 40.0
+    effects = ON_THE_WALL | {
+        "gravity": {"magnitude": 9.81}, "drag": {"linear": 1.0}, "wall_friction": {"coefficient": mu},
+        "internal_damping": {"bending_time": 0.02, "stretch_time": 2e-3, "torsion_time": 2e-3},
+        "wall": {"stiffness": 1e7},
+    }  # fmt: skip
+
+    def hookload(speed: float) -> tuple[float, float]:
+        scene = with_parts(
+            effects=effects, length=length, elements=40, step=5e-3, radius=CLEARANCE + DIAMETER / 2,
+            inclination=np.pi / 2,
+        )  # fmt: skip
+        twin = Twin(scene)
+        for k in range(200):
+            share = min((k + 1) / 100.0, 1.0) if speed else max((k - 99) / 100.0, 0.0)
+            frame = twin.step(Command(weight_on_bit=-pull * share, rotation=speed), 0.02)
+        return frame.rig.hookload, frame.wall_force.sum()
+
+    dragged, normal = hookload(0.0)
+    assert normal == pytest.approx(LINE_MASS * 9.81 * length, rel=0.12)  # the ends carry the rest
+    assert dragged == pytest.approx(pull - mu * normal, rel=0.02)
+    assert hookload(10.0)[0] == pytest.approx(pull, rel=2e-3)

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Damaged scenes, tables, bags and checkpoints: read, or refused in one line, soon and without taking much memory.
+
+300 inputs here, 10 000 with `make fuzz` (DRILL_TWIN_FUZZ says how many). A seed and a number make each input again.
+"""
+
+import json
+import os
+import resource
+import shutil
+import signal
+import sqlite3
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from mutate import mutated
+
+from drill_twin.bag.reader import Bag
+from drill_twin.checkpoint import Checkpoint
+from drill_twin.errors import DrillTwinError
+from drill_twin.pipeline import WhirlPipeline
+from drill_twin.scene import load_scene
+from drill_twin.scene.paths import config_dir
+from drill_twin.schedule.tables import read_table
+from drill_twin.session import Session
+from drill_twin.twin import Twin
+from drill_twin.watch.feed import INPUTS, Feed
+
+SEED = 20261121
+COUNT = int(os.environ.get("DRILL_TWIN_FUZZ", "300"))
+SLOW = 5  # s
+MUCH = 300 * 1024  # kB
+KINDS = (*(("scene", "csv", "mcap", "metadata", "sqlite3", "message", "checkpoint") * 6), "mat")
+
+
+@pytest.fixture(scope="module")
+def material(bench_scene, tmp_path_factory):
+    """What is damaged: a good file of each kind."""
+    folder = tmp_path_factory.mktemp("good")
+
+    bag = (
+        Session(load_scene("pa6_bench", overrides={"duration": "0.1", "numerics.elements": "8"}))
+        .run(folder / "bag_0")
+        .bag
+    )
+    time = np.arange(0.0, 2.0, 0.02)
+    rows = [f"{t:.2f},{20.0 + t},{60.0 + 5.0 * t}" for t in time]
+    (folder / "table.csv").write_text("time (s),WOB (N),rpm\n" + "\n".join(rows) + "\n", "utf-8")
+    savemat(folder / "table.mat", {"time": time, "wob": 20.0 + time, "rpm": 60.0 + time})
+    twin = Twin(bench_scene)
+    Checkpoint.of(twin, Session(bench_scene).schedule.at(0.0)).save(folder / "run.npz")
+    _as_sqlite3(bag, folder / "sql_0")
+    return folder, bag
+
+
+def _as_sqlite3(bag, target):
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store, good = get_typestore(Stores.ROS2_JAZZY), Bag(bag)
+    with Writer(target, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        connections = {
+            name: writer.add_connection(name, topic.type_name, typestore=store) for name, topic in good.topics.items()
+        }
+        for name, stamp, raw in good.messages():
+            writer.write(connections[name], stamp, raw)
+    assert sqlite3.connect(next(target.glob("*.db3"))).execute("select count(*) from messages").fetchone()[0] > 50
+
+
+def _read_bag(path):
+    """As the command line does: all messages, the analysis, the page."""
+    pipeline, feed = WhirlPipeline(), Feed()
+    for topic, _, raw in Bag(path).messages():
+        pipeline.take(topic, raw)
+        if topic in INPUTS:
+            feed.take(topic, raw)
+    json.dumps(feed.picture(), allow_nan=False)
+
+
+def _damage_file(source, target, random, *, text):
+    target.write_bytes(mutated(source.read_bytes(), random, text=text))
+
+
+def _damage_in_bag(source, target, name, random, *, text):
+    shutil.copytree(source, target)
+    file = next(target.glob(name))
+    file.write_bytes(mutated(file.read_bytes(), random, text=text))
+
+
+def _attempt(kind, material, place, random):
+    """Damage a copy and read it."""
+    folder, bag = material
+    if kind == "scene":
+        source = sorted((config_dir() / "scenes").glob("*.yaml"))[int(random.integers(3))]
+        _damage_file(source, place / "scene.yaml", random, text=True)
+        load_scene(place / "scene.yaml").to_yaml()
+    elif kind in {"csv", "mat"}:
+        _damage_file(folder / f"table.{kind}", place / f"table.{kind}", random, text=kind == "csv")
+        read_table(place / f"table.{kind}")
+    elif kind == "mcap":
+        _damage_in_bag(bag, place / "bag_0", "*.mcap", random, text=False)
+        _read_bag(place / "bag_0")
+    elif kind == "metadata":
+        _damage_in_bag(bag, place / "bag_0", "metadata.yaml", random, text=True)
+        _read_bag(place / "bag_0")
+    elif kind == "sqlite3":
+        _damage_in_bag(
+            folder / "sql_0", place / "sql_0", ("*.db3", "metadata.yaml")[int(random.integers(2))], random, text=False
+        )
+        _read_bag(place / "sql_0")
+    elif kind == "checkpoint":
+        _damage_file(folder / "run.npz", place / "run.npz", random, text=False)
+        Checkpoint.load(place / "run.npz")
+    else:
+        pipeline, feed = WhirlPipeline(), Feed()
+        for topic, _, raw in Bag(bag).messages():
+            sent = mutated(raw, random, text=False) if random.random() < 0.2 else raw
+            pipeline.take(topic, sent)
+            feed.take(topic, sent)
+        json.dumps(feed.picture(), allow_nan=False)
+
+
+@pytest.mark.timeout(7200)
+def test_damaged_input_is_read_or_refused_in_one_line(material, tmp_path):
+    def too_slow(number, frame):
+        raise TimeoutError
+
+    failures: list[str] = []
+    before, refused, slowest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, 0, 0.0
+    handler = signal.signal(signal.SIGALRM, too_slow)
+    try:
+        for number in range(COUNT):
+            kind, random = KINDS[number % len(KINDS)], np.random.default_rng((SEED, number))
+            place = tmp_path / "now"
+            place.mkdir()
+            begun = time.monotonic()
+            signal.alarm(SLOW)
+            try:
+                _attempt(kind, material, place, random)
+            except DrillTwinError as error:
+                refused += 1
+                text = str(error)
+                if not text.strip() or "\n" in text or len(text) > 2000:
+                    failures.append(f"input {number} ({kind}): no error of one line: {text[:200]!r}")
+            except Exception as error:  # noqa: BLE001 - whatever it is, it must not reach a user
+                failures.append(f"input {number} ({kind}): {type(error).__name__}: {str(error)[:200]}")
+            finally:
+                signal.alarm(0)
+            slowest = max(slowest, time.monotonic() - begun)
+            shutil.rmtree(place)
+            grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+            assert grown < MUCH, (kind, number, grown)
+    finally:
+        signal.signal(signal.SIGALRM, handler)
+    print(f"{COUNT} damaged inputs: {refused} refused in one line, {COUNT - refused} read; slowest {slowest:.2f} s")
+    assert not failures, f"seed {SEED}, {len(failures)} failures:\n" + "\n".join(failures[:40])
+    assert refused > COUNT // 4  # the damage is real

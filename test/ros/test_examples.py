@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The examples of the rig guide do what it says they do, and the guide's table and commands are those of the code."""
+
+import math
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from std_msgs.msg import Float64
+
+from drill_twin.cli.ros import rig_table
+from drill_twin.messages.topics import MARKS_STATE, RIG_STATE, TOPICS, WHIRL_STATE
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "docs" / "examples"
+GUIDE = (ROOT / "docs" / "rig.md").read_text("utf-8")
+
+
+def test_an_own_driver_and_an_own_analyzer_take_part(bench, joints):
+    states, marks, largest = bench.collect(RIG_STATE), bench.collect(MARKS_STATE), []
+    bench.node.create_subscription(Float64, "/own/largest_offset", largest.append, 1000)
+    simulator = bench.start("simulator", pace="lockstep", duration=3.0)
+    bench.until_ready("simulator")
+    analyzer = bench.command("own_analyzer", [sys.executable, str(EXAMPLES / "own_analyzer.py")])
+    bench.until(lambda: bench.node.count_publishers("/own/largest_offset") == 1, what="the analyzer")
+    bench.until(lambda: bench.node.count_subscribers(MARKS_STATE) == 2)
+    driver = bench.command("own_driver", [sys.executable, str(EXAMPLES / "own_driver.py")])
+    bench.until(lambda: simulator.code is not None, what="the run to end")
+    assert simulator.code == 0, bench.logs()
+    bench.drain()
+    for sample in joints(states):
+        share = min(sample.stamp * 1e-9 / 2.0, 1.0)
+        assert sample.effort[sample.index("bit")] == pytest.approx(40.0 * share)
+        assert sample.velocity[sample.index("top_drive")] == pytest.approx(4.0 * math.pi * share)
+    assert len(states) == 300
+    wanted = [
+        max(math.hypot(*sample.position.reshape(-1, 4)[k, :2]) for k in range(len(sample.names) // 4))
+        for sample in joints(marks)
+    ]
+    bench.until(lambda: len(largest) > 0 and largest[-1].data == pytest.approx(wanted[-1]), 10.0)
+    assert analyzer.end() == 0, analyzer.text
+    assert driver.end() == 0, driver.text
+    assert "mark_1 " in analyzer.text
+    assert "Traceback" not in analyzer.text + driver.text
+
+
+def test_the_guide_shows_the_contract_and_the_examples_as_they_are():
+    assert rig_table() in GUIDE
+    for name in ("own_driver.py", "own_analyzer.py"):
+        assert (EXAMPLES / name).read_text("utf-8").split('"""\n', 1)[1].strip() in GUIDE
+
+
+def test_topics_types_and_services_that_the_guide_names_exist():
+    for topic, kind in re.findall(r"ros2 topic pub (?:-\S+ (?:\d+ )?)*(/\S+) (\S+)", GUIDE):
+        assert TOPICS[topic].type_name == kind
+    for topic in re.findall(r"ros2 topic (?:echo|hz) (/\S+)", GUIDE):
+        assert topic in TOPICS
+    services = set(re.findall(r"ros2 service call /simulator/(\w+) std_srvs/srv/Trigger", GUIDE))
+    assert services >= {"pause", "resume", "step", "reset", "save_checkpoint", "load_checkpoint"}
+    from drill_twin.nodes.security import RIGHTS
+
+    assert {f"~/{name}" for name in services} <= {*RIGHTS["simulator"].reply, "~/ready"}
+    from drill_twin.nodes.rig_driver import RigDriver
+    from drill_twin.nodes.simulator import Simulator
+
+    live = {
+        (make.NAME, parameter.name)
+        for make in (RigDriver, Simulator)
+        for parameter in make.PARAMETERS
+        if parameter.live
+    }
+    said = set(re.findall(r"ros2 param set /(\w+) (\w+)", GUIDE))
+    assert said
+    assert said <= live
+
+
+@pytest.mark.long
+def test_nodes_on_several_machines_find_each_other_by_a_discovery_server(bench):
+    """Here on one machine, with discovery of its own switched off: without the server they do not meet."""
+    server = shutil.which("fast-discovery-server", path=f"{Path(sys.executable).parent}:/opt/ros/jazzy/bin")
+    if server is None:
+        pytest.skip("fast-discovery-server is in neither the virtual environment nor /opt/ros/jazzy")
+    port = 20000 + bench.domain
+    process = bench.command("server", [server, "-i", "0", "-l", "127.0.0.1", "-p", str(port)])
+    bench.environment |= {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
+    lonely = bench.start("analyzer")
+    bench.spin(1.0)
+    bench.environment |= {"ROS_DISCOVERY_SERVER": f"127.0.0.1:{port}"}
+    del bench.environment["ROS_AUTOMATIC_DISCOVERY_RANGE"]
+    recorded = bench.folder / "bag_0"
+    simulator = bench.start("simulator", duration=2.0, pace="lockstep")
+    recorder, analyzer = bench.start("recorder", bag=str(recorded)), bench.start("analyzer")
+    driver = bench.start("rig_driver", wait_for="simulator analyzer recorder")
+    bench.until(lambda: simulator.code is not None, what="the run to end")
+    assert simulator.code == 0, bench.logs()
+    for node in (driver, analyzer, recorder):
+        assert node.end() == 0, bench.logs()
+    assert "analysing" in analyzer.text
+    assert "analysing" not in lonely.text
+    from drill_twin.bag.reader import Bag
+
+    assert Bag(recorded).topics[WHIRL_STATE].count == 200
+    lonely.kill()
+    process.kill()

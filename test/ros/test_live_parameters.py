@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What can be set while nodes run takes effect at once, and what cannot be meant is refused and changes nothing."""
+
+import itertools
+import math
+
+import pytest
+from rcl_interfaces.srv import DescribeParameters
+
+from drill_twin.messages.encode import CommandEncoder
+from drill_twin.messages.topics import RIG_COMMAND, RIG_STATE
+from drill_twin.nodes.changeover import Changeover
+from drill_twin.schedule import Command
+
+
+def _applied(joints, raws):
+    return [(state.effort[state.index("bit")], state.velocity[state.index("top_drive")]) for state in joints(raws)]
+
+
+def test_a_changeover_begins_flat_ends_flat_and_does_not_jump():
+    plan = Changeover(Command(40.0, 12.0), lambda time: Command(60.0 + time, 6.0), 10.0, 2.0)
+    assert plan(9.0) == plan(10.0) == Command(40.0, 12.0)
+    assert plan(11.0) == Command(pytest.approx(55.5), pytest.approx(9.0))
+    assert plan(12.0) == Command(72.0, 6.0)
+    path = [plan(10.0 + 0.01 * k).weight_on_bit for k in range(201)]
+    assert max(b - a for a, b in itertools.pairwise(path)) < 0.3
+    assert path[1] - path[0] < 0.01
+    assert Changeover(Command(1.0, 1.0), lambda _: Command(2.0, 2.0), 5.0, 0.0)(5.0) == Command(2.0, 2.0)
+
+
+def test_set_points_of_the_driver_are_live(bench, joints):
+    simulator = bench.start("simulator", pace="realtime")
+    states = bench.collect(RIG_STATE)
+    steady = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
+    driver = bench.start("rig_driver", wait_for="simulator test", overrides=steady, change_time=0.5)
+    bench.until(lambda: _applied(joints, states[-1:]) == [(40.0, pytest.approx(4.0 * math.pi))], 60.0)
+    assert bench.set_parameter("rig_driver", "weight_on_bit", "55 N").successful
+    assert bench.set_parameter("rig_driver", "rotation", "60 rpm").successful
+    bench.until(lambda: _applied(joints, states[-1:]) == [(55.0, pytest.approx(2.0 * math.pi))], 30.0)
+    weights = [weight for weight, _ in _applied(joints, states)]
+    late = weights[weights.index(40.0) :]
+    assert max(abs(b - a) for a, b in itertools.pairwise(late)) < 2.0  # a change, no jump
+    refused = bench.set_parameter("rig_driver", "weight_on_bit", "55 rpm")
+    assert not refused.successful
+    assert "55 rpm" in refused.reason
+    assert not bench.set_parameter("rig_driver", "scene", "ufrj_rig").successful
+    assert _applied(joints, states[-1:])[0][0] == 55.0
+    for process in (driver, simulator):
+        assert process.end() == 0, process.text
+
+
+def test_limits_of_the_simulator_are_live_and_described(bench):
+    process = bench.start("simulator", command_timeout=3600.0)
+    bench.until_ready("simulator")
+    command, encoder = bench.publisher(RIG_COMMAND), CommandEncoder()
+    assert bench.set_parameter("simulator", "max_weight_on_bit", 50.0).successful
+    command.publish(encoder.command(0, Command(60.0, 6.0)))
+    bench.until_status("simulator", lambda status: status.values["commands_refused"] == "1")
+    assert bench.set_parameter("simulator", "max_weight_on_bit", 70.0).successful
+    command.publish(encoder.command(0, Command(60.0, 6.0)))
+    bench.until_status("simulator", lambda status: status.values["weight_on_bit"] == "60")
+    for name, value in (("command_timeout", -1.0), ("on_silence", "explode"), ("pace", "fast"), ("step_frames", 0)):
+        assert not bench.set_parameter("simulator", name, value).successful, name
+    # Silence counts by the new limit, and the ramp ends at the new safe set-point.
+    for name, value in (("safe_ramp_time", 0.2), ("on_silence", "ramp"), ("command_timeout", 0.3)):
+        assert bench.set_parameter("simulator", name, value).successful, name
+    bench.until_status("simulator", lambda status: "ramping to the safe set-point" in status.text)
+    request = DescribeParameters.Request(names=["command_timeout", "scene"])
+    live, fixed = bench.call("/simulator/describe_parameters", request, DescribeParameters).descriptors
+    assert not live.read_only
+    assert "[s]" in live.description
+    assert fixed.read_only
+    assert process.end() == 0, process.text
+
+
+@pytest.mark.long
+def test_quality_of_service_comes_from_a_parameter_file(bench, tmp_path):
+    file = tmp_path / "quality.yaml"
+    file.write_text(
+        "/**:\n  ros__parameters:\n    qos_overrides:\n      /rig/state:\n        publisher:\n"
+        "          reliability: best_effort\n      /rig/command:\n        subscription:\n          depth: 3\n",
+        "utf-8",
+    )
+    process = bench.start("simulator", "--params-file", str(file))
+    bench.until(lambda: bench.node.get_publishers_info_by_topic(RIG_STATE) != [], what="the simulator")
+    offered = bench.node.get_publishers_info_by_topic(RIG_STATE)[0].qos_profile
+    assert offered.reliability.name == "BEST_EFFORT"
+    assert process.end() == 0, process.text
+    for name, value, words in (
+        ("/rig/state.publisher.reliability", "perhaps", "reliable or best_effort"),
+        ("/rig/stat.publisher.depth", 3, "did you mean qos_overrides./rig/state.publisher.depth"),
+    ):
+        process = bench.start("simulator", **{f"qos_overrides.{name}": value})
+        assert process.wait(60.0) == 2, process.text
+        assert words in process.text
+        assert "Traceback" not in process.text

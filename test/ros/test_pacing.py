@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Real time is kept: frames at their times, overruns caught up and counted, and no rush after a long stop."""
+
+import time
+
+import numpy as np
+import pytest
+
+from drill_twin.messages.stamps import unpack_stamp
+from drill_twin.messages.topics import CLOCK_TOPIC
+from drill_twin.nodes import pacing
+from drill_twin.nodes.pacing import Pacer
+
+
+@pytest.fixture
+def wall(monkeypatch):
+    """A wall clock of the test's own; sleeping moves it."""
+
+    class Wall:
+        now = 1000.0
+
+        def monotonic(self):
+            return self.now
+
+        def sleep(self, seconds):
+            self.now += seconds
+
+    wall = Wall()
+    monkeypatch.setattr(pacing, "time", wall)
+    return wall
+
+
+def test_frames_come_at_their_times_whatever_they_cost(wall):
+    pacer = Pacer(0.01)
+    cost = np.random.default_rng(1).uniform(0.0, 0.009, 6000)
+    start = wall.now
+    for seconds in cost:
+        wall.now += seconds
+        pacer.wait()
+    assert wall.now - start == pytest.approx(60.0 + cost[0], abs=1e-6)  # the first frame sets the beat
+    assert pacer.overruns == 0
+    assert pacer.given_up == 0.0
+
+
+def test_a_late_frame_is_counted_and_made_up_for(wall):
+    pacer = Pacer(0.01)
+    pacer.wait()
+    start = wall.now
+    for k in range(100):
+        wall.now += 0.045 if k == 20 else 0.001
+        pacer.wait()
+    assert wall.now - start == pytest.approx(1.0)
+    assert 1 <= pacer.overruns <= 5
+    assert pacer.given_up == 0.0
+
+
+def test_a_machine_that_is_too_slow_falls_behind_without_a_rush(wall):
+    pacer = Pacer(0.01)
+    times = []
+    for _ in range(1000):
+        wall.now += 0.02  # each frame costs twice its time
+        pacer.wait()
+        times.append(wall.now)
+    assert times[-1] - times[0] == pytest.approx(999 * 0.02)
+    assert pacer.overruns >= 999
+    assert pacer.given_up == pytest.approx(10.0, abs=0.3)
+    # Once frames are cheap again, they come at their pace at once: nothing is caught up that was given up.
+    since = wall.now
+    for _ in range(100):
+        wall.now += 0.001
+        pacer.wait()
+    assert wall.now - since >= 1.0 - 0.21
+
+
+@pytest.mark.long
+def test_simulated_time_drifts_less_than_a_millisecond_a_minute(bench):
+    """By the earliest arrivals of each second: what is late says how busy the machine is, not how the pacing is."""
+    arrivals = []
+    bench.listen(CLOCK_TOPIC, lambda raw: arrivals.append((unpack_stamp(raw, 4) * 1e-9, time.monotonic())))
+    simulator = bench.start("simulator", wait_for_command=False)
+    bench.until(lambda: len(arrivals) > 6000, 120.0, "a minute of real time")
+    status = bench.until_status("simulator", bool)
+    assert simulator.end() == 0
+    stamps, walls = np.array(arrivals).T
+    delay = walls - stamps
+    seconds = stamps.astype(int)
+    earliest = np.array([delay[seconds == k].min() for k in range(2, 59)])
+    drift = np.polyfit(np.arange(earliest.size), earliest, 1)[0] * 60.0
+    print(f"drift {drift * 1e3:+.3f} ms a minute, {status.values['overruns']} overruns")
+    assert float(status.values["time_given_up"]) == 0.0
+    assert abs(drift) < 1e-3

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page in a real browser (headless Chromium): what it shows is what the topics say, and its sliders command."""
+
+import base64
+import http.client
+import json
+import math
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import ExitStack, suppress
+
+import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from drill_twin.messages.decode import JointStateReader
+from drill_twin.messages.topics import RIG_STATE
+
+BROWSERS = ("chromium", "chromium-headless-shell", "chromium-browser", "google-chrome")
+STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
+
+
+class Browser:
+    """One page in headless Chromium, driven through its DevTools protocol."""
+
+    def __init__(self, folder, url):
+        found = next(filter(None, map(shutil.which, BROWSERS)), None)
+        if found is None:
+            pytest.skip(f"needs a browser: none of {', '.join(BROWSERS)} is installed")
+        log = folder / "browser.log"
+        words = ["--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0", "--window-size=1400,860"]
+        with log.open("wb") as stream:
+            self._process = subprocess.Popen(
+                [found, *words, f"--user-data-dir={folder / 'browser'}", url],
+                stdout=stream,
+                stderr=stream,
+                start_new_session=True,
+            )
+        self._open = ExitStack()
+        try:
+            self._connect(log, url)
+        except BaseException:
+            self.close()
+            raise
+
+    def _connect(self, log, url):
+        text = _until(lambda: re.search(r"ws://([\d.:]+)/", log.read_text("utf-8", "replace")), "the browser")
+
+        def pages():
+            return [page for page in json.loads(_get(text[1], "/json")[1]) if page["url"].startswith(url)]
+
+        target = _until(pages, "the page")[0]["webSocketDebuggerUrl"]
+        self._socket = self._open.enter_context(connect(target, max_size=None))
+        self._number = 0
+        _until(lambda: self.value("typeof now !== 'undefined' && now !== null"), "the first picture")
+
+    def _ask(self, method, **given):
+        self._number += 1
+        self._socket.send(json.dumps({"id": self._number, "method": method, "params": given}))
+        while (answer := json.loads(self._socket.recv(timeout=30.0))).get("id") != self._number:
+            pass
+        assert "error" not in answer, answer
+        return answer["result"]
+
+    def value(self, expression):
+        """Value of an expression on the page."""
+        answer = self._ask("Runtime.evaluate", expression=expression, returnByValue=True)
+        assert "exceptionDetails" not in answer, answer
+        return answer["result"].get("value")
+
+    def text(self, name):
+        return self.value(f"document.getElementById('{name}').textContent")
+
+    def slide(self, name, value):
+        """Move a slider as a hand does."""
+        self.value(
+            f"(s => {{ s.value = {value}; s.dispatchEvent(new Event('input')); }})(document.getElementById('{name}'))"
+        )
+
+    def drawn(self, name):
+        """Share of a canvas that is drawn on."""
+        return self.value(
+            f"(c => {{ const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0;"
+            f"for (let i = 3; i < d.length; i += 4) n += d[i] > 0; return n / (c.width * c.height); }})"
+            f"(document.getElementById('{name}'))"
+        )
+
+    def screenshot(self, path):
+        path.write_bytes(base64.b64decode(self._ask("Page.captureScreenshot")["data"]))
+
+    def close(self):
+        self._open.close()
+        with suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)  # it has many children
+        self._process.wait()
+
+
+def _get(place, path, **headers):
+    """Status and content of a path at HOST:PORT."""
+    connection = http.client.HTTPConnection(place, timeout=10.0)
+    connection.request("GET", path, headers=headers)
+    answer = connection.getresponse()
+    return answer.status, answer.read()
+
+
+def _until(happened, what, seconds=40.0):
+    end = time.monotonic() + seconds
+    while not (found := happened()):
+        assert time.monotonic() < end, f"waited {seconds} s for {what}"
+        time.sleep(0.05)
+    return found
+
+
+@pytest.fixture
+def browse(tmp_path):
+    browsers = []
+
+    def begin(url):
+        browsers.append(Browser(tmp_path, url))
+        return browsers[-1]
+
+    yield begin
+    for browser in browsers:
+        browser.close()
+
+
+def _served(process):
+    return _until(lambda: re.search(r"http://[\d.]+:\d+/", process.text), f"the page:\n{process.text}")[0]
+
+
+@pytest.mark.long
+def test_the_page_of_a_running_twin_shows_it_and_commands_it(bench, browse, tmp_path):
+    states = bench.collect(RIG_STATE)
+    page = bench.start_with(["--port", "0", "--no-browser"], "watch")
+    simulator, analyzer = bench.start("simulator"), bench.start("analyzer")
+    driver = bench.start("rig_driver", wait_for="simulator analyzer test", overrides=STEADY, change_time=0.2)
+    bench.until(lambda: len(states) > 200, what="the string to move")
+    browser = browse(_served(page))
+    bench.until(lambda: browser.value("now.time > 2.0 && now.scene !== null"), 40.0, "the picture")
+    assert browser.text("name") == "pa6_bench"
+    assert browser.text("wob") == "40.0 N"
+    assert browser.text("rps") == "2.00 rev/s"
+    assert "x real time" in browser.text("factor")
+    bench.until(lambda: browser.text("motion") not in {"", "unknown"}, 20.0, "the motion")
+    for canvas, least in (("string", 0.01), ("orbit_mark_1", 0.004), ("orbit_mark_2", 0.004)):
+        bench.until(lambda c=canvas, n=least: browser.drawn(c) > n, 20.0, canvas)
+
+    def applied():
+        sample = JointStateReader().read(bytes(states[-1]))
+        return sample.effort[sample.index("bit")], sample.velocity[sample.index("top_drive")] / math.tau
+
+    browser.slide("wob_slider", 55)
+    browser.slide("rps_slider", 3)
+    bench.until(
+        lambda: applied() == (pytest.approx(55.0), pytest.approx(3.0)), 20.0, "the plan of the driver to change"
+    )
+    status = bench.until_status("simulator", bool)
+    assert status.values["commands_from_others"] == "0"
+    # Without a driver the sliders are the single set-points.
+    assert driver.end() == 0
+    bench.until(lambda: bench.node.count_publishers("/rig/command") == 0)
+    browser.slide("wob_slider", 20)
+    bench.until(lambda: applied()[0] == pytest.approx(20.0), 20.0, "the single set-point")
+    browser.screenshot(tmp_path / "page.png")
+    assert (tmp_path / "page.png").stat().st_size > 20_000
+    for process in (page, analyzer, simulator):
+        assert process.end() == 0, process.text
+        assert "Traceback" not in process.text
+
+
+def test_the_page_of_a_bag_plays_stops_and_goes_to_a_time(bench, browse, small_bag):
+    command = [sys.executable, "-m", "drill_twin.cli", "watch", str(small_bag), "--port", "0", "--no-browser"]
+    page = bench.command("page", command)
+    browser = browse(_served(page))
+    _until(lambda: browser.value("now.nodes.length > 0"), "the picture")
+    assert browser.value("document.getElementById('rig').hidden") is True
+    assert browser.text("name") == "pa6_bench"
+    _until(lambda: browser.text("play") == "play", "the end of the recording")
+    assert browser.text("time") == "t = 0.50 s"
+    browser.slide("seek", 0.1)
+    _until(lambda: browser.value("0.0 < now.time && now.time < 0.3"), "an earlier time")
+    assert page.end() == 0
+    assert "Traceback" not in page.text
+
+
+def test_nobody_from_elsewhere_commands_through_the_page(bench, small_bag):
+    command = [sys.executable, "-m", "drill_twin.cli", "watch", str(small_bag), "--port", "0", "--no-browser"]
+    url = _served(bench.command("page", command))
+    live = url.replace("http", "ws") + "live"
+    with connect(live) as socket:
+        assert "scene" in json.loads(socket.recv(timeout=10.0))
+    with pytest.raises(InvalidStatus, match="403"), connect(live, origin="http://elsewhere.example"):
+        pass
+    place = url.split("/")[2]
+    assert _get(place, "/")[0] == 200
+    assert _get(place, "/", Host="elsewhere.example:80")[0] == 403
+    assert _get(place, "/etc/passwd")[0] == 404
+    with connect(live) as socket:
+        for rubbish in ("[", '{"play": "yes"}', '{"seek": NaN}', '{"wob": 5}', "[" * 4000, b"\xff"):
+            socket.send(rubbish)
+        errors = []
+        while len(errors) < 6:
+            said = json.loads(socket.recv(timeout=10.0))
+            errors += [said["error"]] if "error" in said else []
+        assert all(text.startswith("expected ") for text in errors)

@@ -1,0 +1,13 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The exact checks: buckling, frequencies, statics, waves, and what the two forms of the string have in common."""
+
+from holding import cases_of, check
+
+from drill_twin.study.verify import TOPICS, Case
+
+ELSEWHERE = {"conserved", "symmetry", "order"}  # test/invariant, test/order
+
+
+@cases_of(*(topic for topic in TOPICS if topic not in ELSEWHERE))
+def test_exact(case: Case) -> None:
+    check(case)
