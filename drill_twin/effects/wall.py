@@ -49,7 +49,7 @@ class Parameters(NamedTuple):
     bore: Bore
     lever: Array  # radius of the string's surface that meets the wall [m], shape (2 n,)
     stiffness: float  # [N/m^2.5], or [N/m^2] of a linear wall
-    linear: bool
+    linear: float  # 1: force K d; 0: K d^1.5
     damping: float  # chi [s/m]
 
 
@@ -59,7 +59,7 @@ def parameters(block: Wall, site: Site) -> Parameters:
         bore=site.bore,
         lever=site.contact_radius,
         stiffness=block.stiffness or block.linear_stiffness or 0.0,
-        linear=block.stiffness is None,
+        linear=1.0 if block.stiffness is None else 0.0,
         damping=loss(block.restitution) / block.reference_speed,
     )
 
@@ -115,17 +115,26 @@ def press(wall: Parameters, here: Point, h2: float) -> Touch:
     radius = np.sqrt(square)
     nx, ny, nz = off.x / radius, off.y / radius, off.z / radius
     depth = radius - clearance
+    # no branches from here on: numba would then count references to the arrays at every place, on the wall or off it
     factor = max(1.0 + wall.damping * (nx * here.vx + ny * here.vy + nz * here.vz), 0.0)
-    gradient = wall.stiffness if wall.linear else 1.5 * wall.stiffness * np.sqrt(depth)
-    spring = gradient * depth if wall.linear else gradient * depth / 1.5
-    loss_slope = spring * wall.damping if factor > 0.0 else 0.0
-    slope = h2 * gradient * factor + loss_slope
+    root = wall.linear + (1.0 - wall.linear) * np.sqrt(depth)
+    spring = wall.stiffness * depth * root
+    loss_slope = spring * wall.damping
+    slope = h2 * (1.5 - 0.5 * wall.linear) * wall.stiffness * root * factor + loss_slope
     around = (
         (off.ty * nz - off.tz * ny) * here.vx + (off.tz * nx - off.tx * nz) * here.vy
         + (off.tx * ny - off.ty * nx) * here.vz
     )  # fmt: skip
     swing = h2 * loss_slope * around / radius
     return Touch(spring * factor, slope, swing, radius, nx, ny, nz, off.tx, off.ty, off.tz)
+
+
+@kernel
+def add_row(stiff: Array, i: int, at: Touch, on_n: float, on_c: float, cx: float, cy: float, cz: float) -> None:
+    """Add to a row of the tangent: so much on the normal and so much on c."""
+    stiff[i, 0] += on_n * at.nx + on_c * cx
+    stiff[i, 1] += on_n * at.ny + on_c * cy
+    stiff[i, 2] += on_n * at.nz + on_c * cz
 
 
 @kernel
@@ -139,7 +148,6 @@ def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff:
         # the normal turns with the point about the axis: c = t x n is the way round
         across = h2 * at.force / at.radius
         cx, cy, cz = at.ty * at.nz - at.tz * at.ny, at.tz * at.nx - at.tx * at.nz, at.tx * at.ny - at.ty * at.nx
-        n, c = (at.nx, at.ny, at.nz), (cx, cy, cz)
-        for i in range(3):
-            for j in range(3):
-                stiff[i, j] += n[i] * (at.slope * n[j] + at.swing * c[j]) + across * c[i] * c[j]
+        add_row(stiff, 0, at, at.slope * at.nx, at.swing * at.nx + across * cx, cx, cy, cz)
+        add_row(stiff, 1, at, at.slope * at.ny, at.swing * at.ny + across * cy, cx, cy, cz)
+        add_row(stiff, 2, at, at.slope * at.nz, at.swing * at.nz + across * cz, cx, cy, cz)

@@ -6,13 +6,15 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 import numpy as np
 
 from drill_twin.effects.block import Block
-from drill_twin.effects.wall import press
+from drill_twin.effects.wall import Touch, press
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.point import Point
 from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array, Pair
+from drill_twin.rod.types import Array, Pair, Triple
 from drill_twin.units import Dimensionless, InverseSpeed, Within
+
+Quad = tuple[float, float, float, float]
 
 
 class WallFriction(Block):
@@ -66,6 +68,20 @@ def dual(memory: Array, fresh: bool, count: float, across: float, along: float, 
 
 
 @kernel
+def row(
+    stiff: Array, i: int, at: Touch, own: Triple, slip: Triple, press_slope: Pair, swung: Triple, round_: Quad
+) -> None:
+    """Add a row of the tangent, written out as the compiler likes it; `own` is its part of c, t and n."""
+    on_c = slip[0] * own[0] + slip[1] * own[1] + swung[0] * own[0] + swung[1] * own[1] + swung[2] * own[2]
+    on_t = slip[1] * own[0] + slip[2] * own[1]
+    on_n = press_slope[0] * own[0] + press_slope[1] * own[1]
+    stiff[i, 0] += on_c * round_[0] + on_t * at.tx + on_n * at.nx
+    stiff[i, 1] += on_c * round_[1] + on_t * at.ty + on_n * at.ny
+    stiff[i, 2] += on_c * round_[2] + on_t * at.tz + on_n * at.nz
+    stiff[i, 3] += (slip[0] * own[0] + slip[1] * own[1]) * round_[3]
+
+
+@kernel
 def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     """Friction against the slip of the contact point, around v.c + r psi_dot and along v.t (paper Eq. 10).
 
@@ -94,17 +110,15 @@ def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff:
         scale = limit * at.force / size
         tt, zz = scale * (1.0 - dt * st), scale * (1.0 - dz * sz)
         mixed = -0.5 * scale * (dt * sz + dz * st)
-        if slip > law.creep:  # the limit falls with slip; within the creep the slope of the sign is all
-            fall = limit * at.force * law.decay / (falling * slip)
-            tt, zz, mixed = tt - fall * st * around, zz - fall * sz * along, mixed - fall * st * along
+        # the limit falls with slip (branchless, see `press`; within the creep this is nothing)
+        fall = limit * at.force * law.decay / (falling * max(slip, law.creep))
+        tt, zz, mixed = tt - fall * st * around, zz - fall * sz * along, mixed - fall * st * along
         # friction grows with the pressure: unsymmetric
         tn, zn = limit * at.slope * st, limit * at.slope * sz
         tc, zc, nc = limit * at.swing * st, limit * at.swing * sz, h2 * ft / at.radius
-        # rows and columns: force and velocity along x, y, z and about the axis, of which c takes r
-        c, t, n = (cx, cy, cz, r), (tx, ty, tz, 0.0), (at.nx, at.ny, at.nz, 0.0)
-        for i in range(4):
-            on_c, on_t, on_n = tt * c[i] + mixed * t[i], mixed * c[i] + zz * t[i], tn * c[i] + zn * t[i]
-            turned = tc * c[i] + zc * t[i] + nc * n[i]
-            for j in range(3):
-                stiff[i, j] += (on_c + turned) * c[j] + on_t * t[j] + on_n * n[j]
-            stiff[i, 3] += on_c * r
+        # a row each for the force along x, y, z and the couple about the axis, of which c takes r
+        swung = (tc, zc, nc)
+        row(stiff, 0, at, (cx, tx, at.nx), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+        row(stiff, 1, at, (cy, ty, at.ny), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+        row(stiff, 2, at, (cz, tz, at.nz), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+        row(stiff, 3, at, (r, 0.0, 0.0), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))

@@ -27,8 +27,6 @@ misses; the tests in `test/verify` run the same cases.
 
 {summary}
 """
-_COLUMNS = """| number | form | reference | expected | computed | error | tolerance | |
-| --- | --- | --- | --- | --- | --- | --- | --- |"""
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:
@@ -68,25 +66,35 @@ def to_page(outcomes: Sequence[Outcome], command: str) -> str:
         about = (import_module(f"drill_twin.study.verify.{topic}").__doc__ or topic).strip()
         parts.append(f"## {about.splitlines()[0].rstrip('.')}\n")
         for text, of_case in groupby(of_topic, key=lambda outcome: outcome.case.about):
-            parts += [" ".join(text.split()) + "\n", _COLUMNS, *_lines(list(of_case)), ""]
+            parts += [" ".join(text.split()) + "\n", *_table(list(of_case)), ""]
     parts.append("## Not validated\n")
     parts += [f"* **{what}**: {why}" for what, why in MISSING]
     return "\n".join(parts).rstrip() + "\n"
 
 
-def _lines(outcomes: Sequence[Outcome]) -> list[str]:
-    lines = []
+def _table(outcomes: Sequence[Outcome]) -> list[str]:
+    """Lines of the table of a case; a reference that all numbers share stands above it."""
+    references = {_reference(row) for outcome in outcomes for row in outcome.rows}
+    shared = len(references) == 1
+    columns = ["number", "form", *([] if shared else ["reference"]), "expected", "computed", "error", "tolerance", ""]
+    lines = [f"Reference: {references.pop()}.\n"] if shared else []
+    lines += [_line(*columns), _line(*["---"] * len(columns))]
     for outcome in outcomes:
         if outcome.failure:
-            lines.append(_line(outcome.case.name, outcome.case.form, outcome.failure, "", "", "", "", "**miss**"))
+            lines.append(_line(outcome.case.name, outcome.case.form, outcome.failure, *[""] * (len(columns) - 4),
+                               "**miss**"))  # fmt: skip
         lines += [
             _line(
-                f"{_variant(outcome)}{row.what}", outcome.case.form, f"{row.reference} ({row.source})",
+                f"{_variant(outcome)}{row.what}", outcome.case.form, *([] if shared else [_reference(row)]),
                 number(row.expected), computed(row), error(row), tolerance(row), "ok" if row.ok else "**miss**",
             )
             for row in outcome.rows
         ]  # fmt: skip
     return lines
+
+
+def _reference(row: Row) -> str:
+    return f"`{row.reference}` ({row.source})"
 
 
 def _variant(outcome: Outcome) -> str:
