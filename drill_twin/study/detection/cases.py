@@ -11,7 +11,6 @@ from drill_twin.study.detection.runs import Run, simulate
 from drill_twin.study.detection.signals import Record
 from drill_twin.study.detection.truth import truth_of
 
-SCENE = "pa6_bench"
 HEIGHTS = (4.4, 3.5, 2.5, 1.5, 0.5, 0.05)
 """Wall marks of these runs [m from the bit]: closer than half the pitch of a helix, and one at the bit."""
 CHOICES = {
@@ -69,7 +68,7 @@ def bench(number: int) -> Run:
     """One of the `BENCH` runs."""
     changes = BENCH[number]
     words = ", ".join(f"{key.rpartition('.')[2]} {value}" for key, value in changes.items())
-    return simulate(f"bench: {words}", SCENE, {"string.marks": _marks(), **changes})
+    return simulate(f"bench: {words}", {"string.marks": _marks(), **changes})
 
 
 def rattling(seed: int) -> Run:
@@ -80,7 +79,7 @@ def rattling(seed: int) -> Run:
         for key in ("string.bit_end", "rig.weight_on_bit.value", "effects.internal_damping.bending_time")
     }
     words = ", ".join(chosen.values())
-    return simulate(f"rattling {seed}: {words}", SCENE, {"string.marks": _marks(), **RAMPS, **RATTLING, **chosen})
+    return simulate(f"rattling {seed}: {words}", {"string.marks": _marks(), **RAMPS, **RATTLING, **chosen})
 
 
 def _marks() -> str:
@@ -99,7 +98,7 @@ def simulated(seed: int) -> Run:
     """The run of a seed."""
     overrides = drawn(seed)
     words = ", ".join(value for key, value in overrides.items() if key in CHOICES)
-    return simulate(f"drawn {seed}: {words}", SCENE, overrides)
+    return simulate(f"drawn {seed}: {words}", overrides)
 
 
 def recorded(run: Run, *, forces: bool) -> Record:

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.frame import Frame
-from drill_twin.scene import load_scene
+from drill_twin.scene import parse_scene
 from drill_twin.schedule import Schedule
+from drill_twin.study.detection.scene import BENCH_SCENE
 from drill_twin.twin import Twin
 from drill_twin.whirl import MarkInfo
 from drill_twin.wiring import mark_infos
@@ -53,14 +54,14 @@ class Run:
     """Whether the hole is vertical."""
 
 
-def simulate(name: str, scene_name: str, overrides: Mapping[str, str]) -> Run:
-    """Runs a scene from its start to its end and keeps everything.
+def simulate(name: str, overrides: Mapping[str, str]) -> Run:
+    """Runs the bench, with some things changed, from its start to its end and keeps everything.
 
     Raises:
         SceneError: An override does not fit the scene.
         RunError: The motion could not be followed.
     """
-    scene = load_scene(scene_name, overrides=dict(overrides))
+    scene = parse_scene(BENCH_SCENE, name=name, overrides=dict(overrides))
     schedule, twin = Schedule.from_scene(scene), Twin(scene)
     period = 1.0 / scene.numerics.frame_rate
     count = round(schedule.duration / period)
@@ -79,7 +80,7 @@ def simulate(name: str, scene_name: str, overrides: Mapping[str, str]) -> Run:
         _lateral(frames, "positions"),
         np.array([frame.spin for frame in frames]),
         np.array([scene.clearance_at(float(arc)) for arc in twin.rod.arc]),
-        math.isclose(scene.hole.inclination, 0.0),
+        math.isclose(scene.hole.top_inclination, 0.0),
     )
 
 

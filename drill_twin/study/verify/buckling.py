@@ -97,7 +97,7 @@ def heavy_string(bit_end: str, at: str, form: str) -> Iterator[Row]:
 
     exact = critical_bit_load(EI, WEIGHT, LENGTH, bit_end) - (WEIGHT * LENGTH if at == "top" else 0.0)
     yield Row(
-        what=f"buckling load at the {at} [N]",
+        what="buckling load, counted there [N]",
         reference="EI y''' + (F - w s) y' = c; as many combinations of Ai, Bi and an integral of them as ends hold",
         source="Lubinski 1950",
         expected=exact,

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The study of what accuracy costs in time."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from drill_twin.cli.app import app
+from drill_twin.scene import load_scene
+from drill_twin.study.cost import Rung, ladder
+from drill_twin.study.cost.curve import LATERAL, SPATIAL, converged, forms
+from drill_twin.study.cost.errors import compare, path_error, spread
+from drill_twin.study.cost.runs import Motion
+
+SWING = {
+    "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",
+    "effects.wall": "off", "effects.wall_friction": "off", "effects.bow": "off", "effects.internal_damping": "off",
+    "effects.bit_friction": "off", "effects.lateral_kick.velocity": "0.1 m/s", "effects.lateral_kick.shape": "hump",
+    "rig.weight_on_bit.value": "1 N",
+}  # fmt: skip
+"""A string that swings free: the same compiled effects as in the study of effects."""
+
+
+def motion(**changes) -> Motion:
+    time = np.linspace(0.01, 10.0, 1000)
+    centre = np.stack([np.cos(time), np.sin(time)], -1)[:, None, :] * 0.05
+    whole = Motion(
+        time=time, centre=centre, contact=np.zeros(1000), clearance=np.array([0.08]), onset=5.0, frequency=1.0,
+        cost=0.01, frame_p95=1e-4, compile_seconds=1.0, iterations=100.0, elements=16, step=1e-3,
+    )  # fmt: skip
+    return replace(whole, **changes)
+
+
+def test_the_path_counts_before_the_onset_only():
+    reference = motion()
+    off = reference.centre.copy()
+    off[reference.time > 5.0] += 1.0
+    assert path_error(motion(centre=off), reference) == 0.0
+    off[100] += 0.001
+    assert path_error(motion(centre=off), reference) == pytest.approx(0.001 * np.sqrt(2.0) / 0.05)
+    assert path_error(motion(centre=off), motion(onset=np.nan)) == pytest.approx(np.sqrt(2.0) / 0.05)
+
+
+def test_errors_are_relative_and_a_missing_onset_is_a_whole_one():
+    errors = compare(motion(onset=5.1, frequency=0.9), motion())
+    assert errors.onset == pytest.approx(0.02)
+    assert errors.frequency == pytest.approx(0.1)
+    assert errors.promised == pytest.approx(0.02)
+    assert compare(motion(onset=np.nan), motion()).onset == 1.0
+    assert compare(motion(onset=np.nan), motion(onset=np.nan)).onset is None
+    assert spread([motion(onset=5.1), motion(onset=4.9)], motion()).onset == pytest.approx(0.02)
+
+
+def test_a_motion_is_kept_as_it_was(tmp_path):
+    motion(onset=np.nan).save(tmp_path / "one.npz")
+    again = Motion.load(tmp_path / "one.npz")
+    assert np.isnan(again.onset)
+    assert again.elements == 16
+    np.testing.assert_array_equal(again.centre, motion().centre)
+
+
+def test_a_scene_that_needs_torsion_has_no_lateral_rung():
+    assert forms(load_scene("pa6_bench")) == [SPATIAL, LATERAL]
+    assert forms(load_scene("two_mass")) == [SPATIAL]
+    assert forms(load_scene("pa6_bench", overrides=SWING)) == [LATERAL]
+    rungs = ladder(load_scene("pa6_bench", overrides=SWING))
+    assert all(rung.form == LATERAL and rung.step <= 0.01 for rung in rungs)
+    exact = converged(rungs)
+    assert exact.elements > max(rung.elements for rung in rungs)
+    assert exact.step < min(rung.step for rung in rungs)
+    assert Rung(LATERAL, 8, 1e-3).overrides()["effects.torsion"] == "off"
+
+
+def test_the_command_measures_resumes_and_finds_the_order_of_the_scheme(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = [word for key, value in SWING.items() for word in ("--set", f"{key}={value}")]
+    command = [
+        "cost",
+        "pa6_bench",
+        *words,
+        "--duration",
+        "1 s",
+        "--coarse",
+        "--replicas",
+        "1",
+        "--out",
+        "made",
+        "--json",
+    ]
+    made = CliRunner().invoke(app, command)
+    assert made.exit_code == 0, made.output
+    found = json.loads(made.stdout)
+    folder = tmp_path / "made"
+    assert json.loads((folder / "cost.json").read_text("utf-8")) == found
+    assert (folder / "cost.png").stat().st_size > 10_000
+    rows = list(csv.DictReader((folder / "cost.csv").read_text("utf-8").splitlines()))
+    assert len(rows) == len(found["rungs"]) > 3
+    assert found["failures"] == []
+    finest = max(rung["rung"]["elements"] for rung in found["rungs"])
+    by_step = {
+        one["rung"]["step"]: one["errors"]["path"] for one in found["rungs"] if one["rung"]["elements"] == finest
+    }
+    steps = sorted(by_step)
+    order = np.log(by_step[steps[-1]] / by_step[steps[0]]) / np.log(steps[-1] / steps[0])
+    assert 1.7 < order < 2.5  # against a run of half the step
+    assert any(one["on_front"] for one in found["rungs"])
+    kept = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
+    again = CliRunner().invoke(app, command)
+    assert again.exit_code == 0, again.output
+    assert {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()} == kept
+    assert json.loads(again.stdout)["rungs"] == found["rungs"]
