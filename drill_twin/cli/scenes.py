@@ -95,10 +95,8 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     string = scene.string
     yield "string", f"{scene.length:g} m, {len(string.sections)} sections, bit end {string.bit_end}"
     yield "marks", ", ".join(f"{mark.name} ({mark.distance_from_bit:g} m)" for mark in string.marks)
-    yield (
-        "hole",
-        f"radius {scene.hole.radius * 1e3:g} mm, inclination {math.degrees(scene.hole.top_inclination):g} degrees at the top",
-    )
+    tilt = math.degrees(scene.hole.top_inclination)
+    yield "hole", f"radius {scene.hole.radius * 1e3:g} mm, inclined by {tilt:g} degrees at the top"
     yield "weight on bit", force
     yield "rotation", turn
     yield "duration", f"{scene.rig.duration:g} s"
