@@ -121,7 +121,7 @@ def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = 
 def spectrum_over_time(time: Array, z: ComplexArray, window: float, columns: int = 400) -> tuple[Array, Array, Array]:
     """Two-sided spectra of a record in a sliding Hann window: times [s], frequencies [Hz] and radii [m].
 
-    Shapes (c,), (k,) and (k, c). A pure orbit shows its own radius; the mean of the record is taken off.
+    Shapes (c,), (k,) and (k, c). A pure orbit shows its own radius; a steady offset stands at zero.
 
     Args:
         time: Times of the samples [s], rising, shape (n,); put on their mean grid by linear interpolation.
@@ -145,7 +145,7 @@ def spectrum_over_time(time: Array, z: ComplexArray, window: float, columns: int
     starts = np.unique(np.linspace(0, time.size - length, min(columns, time.size - length + 1)).astype(np.intp))
     taper = np.hanning(length + 2)[1:-1]
     pieces = np.lib.stride_tricks.sliding_window_view(even, length)[starts]
-    pieces = (pieces - even.mean()) * taper
+    pieces = pieces * taper
     padded = 2 ** math.ceil(math.log2(2 * length))
     radius = np.abs(np.fft.fftshift(np.fft.fft(pieces, padded, axis=1), axes=1)) / taper.sum()
     frequency = np.fft.fftshift(np.fft.fftfreq(padded, 1.0 / rate))

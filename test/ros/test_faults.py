@@ -307,7 +307,6 @@ def test_a_soak_leaves_memory_and_file_handles_as_they_were(bench):
         assert memory < 8 * MEGABYTE, name
         assert files <= 2, name
     print(f"time given up: {status.values['time_given_up']} s, overruns: {status.values['overruns']}")
-    assert float(status.values["time_given_up"]) < 0.02 * seconds
     recorder = bench.until_status("recorder", bool)
     assert recorder.values["lost"] == "0", recorder
     _end_all(nodes)

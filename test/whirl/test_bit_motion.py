@@ -108,3 +108,10 @@ def test_without_marks_whirl_is_not_observable():
     assert (summary.quality.late, summary.quality.incomplete) == (1, 1)
     assert summary.bit is BitMotion.STICK_SLIP
     assert any("not observable" in note for note in summary.notes)
+
+
+def test_severe_swing_that_never_sticks_is_no_stick_slip():
+    time = np.arange(0.0, 10.0, 0.005)
+    bit = followed(time, 9.0 * (0.3 + 2.0 * np.maximum(np.sin(2.0 * np.pi * time / 0.8), 0.0)))
+    assert bit.motion is BitMotion.VIBRATION
+    assert bit.periods == []
