@@ -14,14 +14,14 @@ from drill_twin.study.trial import Trial
 SWING = {
     "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",
     "effects.wall": "off", "effects.wall_friction": "off", "effects.bow": "off", "effects.internal_damping": "off",
-    "effects.drag.linear": "1e-9 N s/m^2", "effects.lateral_kick.velocity": "0.1 m/s", "numerics.elements": "8",
-    "rig.weight_on_bit.value": "1 N",
+    "effects.bit_friction": "off", "effects.drag.linear": "1e-9 N s/m^2", "effects.lateral_kick.velocity": "0.1 m/s",
+    "numerics.elements": "8", "rig.weight_on_bit.value": "1 N",
 }  # fmt: skip
 """A string that swings free: nothing happens without the kick, and nobody would miss the drag."""
 LIVELY = {
     "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",
-    "effects.wall_friction": "off", "effects.lateral_kick.velocity": "1e-9 m/s", "numerics.elements": "8",
-    "rig.weight_on_bit.duration": "1 s",
+    "effects.wall_friction": "off", "effects.bit_friction": "off", "effects.lateral_kick.velocity": "1e-9 m/s",
+    "numerics.elements": "8", "rig.weight_on_bit.duration": "1 s",
 }  # fmt: skip
 """Whirl that the bow seeds and the damping drives forward; the kick is too small to matter."""
 
