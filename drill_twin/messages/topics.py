@@ -114,7 +114,7 @@ _ROWS = (
         DIAGNOSTIC_ARRAY,
         "analyzer",
         "on change and 1 Hz",
-        "motion state of each mark and of the string, with the criterion that decided",
+        "motion state of each mark, of the string and of the bit (stick-slip), with the criterion that decided",
     ),
     Topic(
         WHIRL_ONSET,
