@@ -54,11 +54,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Take what a fault's marker says along to the report.
 
     Every test here waits for what it needs, yet a shared machine may stall a process for longer than any limit: such a
-    test has a second and a third try, and the summary counts them.
+    test is tried again, and the summary counts it.
     """
     for item in items:
         if Path(item.fspath).parent == Path(__file__).parent:
-            item.add_marker(pytest.mark.flaky(reruns=2, reruns_delay=1))
+            item.add_marker(pytest.mark.flaky(reruns=3, reruns_delay=3))
         for mark in item.iter_markers("fault"):
             item.user_properties.append(("fault", mark.args))
 
