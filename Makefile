@@ -30,7 +30,7 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo test test-long faults soak fuzz check clean
+.PHONY: help setup setup-test demo test test-long faults soak fuzz browser check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
@@ -39,6 +39,7 @@ help:
 	@echo 'make faults     what goes wrong on a rig, done to real processes; prints the table of what is survived'
 	@echo 'make soak       an hour of all nodes, memory and file handles looked at'
 	@echo 'make fuzz       10 000 damaged scenes, tables, bags and checkpoints'
+	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
 	@echo 'make check      lint, types, layers'
 	@echo 'make setup      the virtual environment in $(VENV) (the others call it)'
 	@echo 'make clean      removes what is generated, except $(VENV) and out/'
@@ -101,6 +102,9 @@ soak: setup-test
 
 fuzz: setup-test
 	@DRILL_TWIN_FUZZ=10000 $(PYTHON) -m pytest test/fuzz -q -s
+
+browser: setup-test
+	@DRILL_TWIN_BROWSER=1 ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest test/ros/test_watch.py -q -m 'long or not long'
 
 check: setup-test
 	@$(PYTHON) -m ruff check .
