@@ -8,26 +8,12 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import core_schema
 
+from drill_twin.scene.auto import OrAuto
 from drill_twin.scene.part import Part, refuse_at
 from drill_twin.units import Frequency, Quantity, Within, refuse, show
 from drill_twin.units.dimension import TIME
 
 FEWEST_ELEMENTS, MOST_ELEMENTS = 4, 4000
-
-
-class _OrAuto:
-    """Annotation of a field that may also be the word `auto`."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:
-            return value if value == "auto" else inner(value)
-
-        return core_schema.no_info_wrap_validator_function(check, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        return {"anyOf": [{"const": "auto"}, handler(schema)]}
 
 
 @dataclass(frozen=True)
@@ -56,10 +42,10 @@ class Numerics(Part):
     """Resolution in space and time; `auto` lets the twin choose."""
 
     elements: Annotated[
-        int | Literal["auto"], _Whole(FEWEST_ELEMENTS, MOST_ELEMENTS, 'a number of elements, or "auto",'), _OrAuto()
+        int | Literal["auto"], _Whole(FEWEST_ELEMENTS, MOST_ELEMENTS, 'a number of elements, or "auto",'), OrAuto()
     ] = "auto"
     """Number of elements of the string."""
-    step: Annotated[float | Literal["auto"], Quantity(TIME), Within(at_least="1 ns", at_most="0.1 s"), _OrAuto()] = (
+    step: Annotated[float | Literal["auto"], Quantity(TIME), Within(at_least="1 ns", at_most="0.1 s"), OrAuto()] = (
         "auto"
     )
     """Time step [s]; at most the time between two frames."""

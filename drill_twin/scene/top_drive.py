@@ -2,33 +2,17 @@
 """The top drive: how the string is turned when its speed is not simply prescribed."""
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
-from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import core_schema
+from pydantic import model_validator
 
+from drill_twin.scene.auto import OrAuto
 from drill_twin.scene.part import Part, refuse_at
 from drill_twin.units import Dimensionless, Inertia, Quantity, RotationalDamping, Torque, Within
 from drill_twin.units.dimension import ROTATIONAL_DAMPING, ROTATIONAL_STIFFNESS
 
 SLOWER = 10.0
 """The integral part tuned by `auto` turns over at this part of the string's first torsional frequency."""
-
-
-class _OrAuto:
-    """Annotation of a field that may also be the word `auto`."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:
-            return value if value == "auto" else inner(value)
-
-        return core_schema.no_info_wrap_validator_function(check, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        return {"anyOf": [{"const": "auto"}, handler(schema)]}
 
 
 class TopDrive(Part):
@@ -47,14 +31,14 @@ class TopDrive(Part):
         float | Literal["auto"],
         Quantity(ROTATIONAL_DAMPING),
         Within(at_least="0 N m s/rad", at_most="1e12 N m s/rad", reason="above, the turn is as good as prescribed"),
-        _OrAuto(),
+        OrAuto(),
     ] = "auto"
     """Motor torque per error of speed [N m s/rad]; `auto` (for `impedance` only) takes it from `reflection`."""
     integral_gain: Annotated[
         float | Literal["auto"],
         Quantity(ROTATIONAL_STIFFNESS),
         Within(at_least="0 N m/rad", at_most="1e12 N m/rad", reason="above, the turn is as good as prescribed"),
-        _OrAuto(),
+        OrAuto(),
     ] = "auto"
     """Motor torque per error of angle [N m/rad]; 0 N m/rad lets the speed droop under torque. `auto` (for `impedance`
     only) holds the speed at a tenth of the string's first torsional frequency and below."""
