@@ -17,22 +17,12 @@ An effect's file may define any of these functions; the loop calls those that ex
 * ``done(parameters, rod, command, time, step, u, v)``: after a step was taken, for effects that remember something.
 """
 
-import hashlib
-import importlib.util
-import inspect
-import os
-import platform
-import sys
-import tempfile
 from collections.abc import Callable
 from importlib import import_module
-from pathlib import Path
 from types import ModuleType
 from typing import cast
 
-import llvmlite
-import numba
-import numpy as np
+from drill_twin.solve import keep
 
 _FORMS = {
     "spatial": ("solve.work", "solve.spatial", "solve.assembly", "solve.blocks"),
@@ -41,22 +31,8 @@ _FORMS = {
 HOOKS = ("point", "section", "stretch", "end", "guide", "done")
 _SOURCES = (
     "rod.jit", "rod.types", "rod.point", "rod.hole", "rod.bit", "rod.mesh", "rod.section", "rod.stretch",
-    "solve.state", "solve.bit_frame", "solve.drive", "solve.midpoint", "solve.compose",
+    "solve.state", "solve.bit_frame", "solve.drive", "solve.midpoint", "solve.compose", "solve.keep",
 )  # fmt: skip
-
-
-def cache_folder() -> Path:
-    """Where compiled kernels are kept: ``$DRILL_TWIN_CACHE``, else the user's cache folder, else a temporary one."""
-    named = os.environ.get("DRILL_TWIN_CACHE")
-    base = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "drill_twin"
-    try:
-        base.mkdir(parents=True, exist_ok=True)
-        if os.access(base, os.W_OK):
-            return base
-    except OSError:
-        if named:
-            raise
-    return Path(tempfile.mkdtemp(prefix="drill_twin_kernels_"))
 
 
 def effect_module(name: str) -> ModuleType:
@@ -66,16 +42,7 @@ def effect_module(name: str) -> ModuleType:
 
 def fingerprint(effects: tuple[str, ...], form: str, hole: str) -> str:
     """Hash of all that decides the machine code: sources, kind of hole, versions, processor."""
-    digest = hashlib.sha256(hole.encode())
-    for name in (*_SOURCES, *_FORMS[form]):
-        digest.update(inspect.getsource(import_module(f"drill_twin.{name}")).encode())
-    for name in effects:
-        digest.update(name.encode() + inspect.getsource(effect_module(name)).encode())
-    for version in (platform.python_version(), numba.__version__, llvmlite.__version__, np.__version__):
-        digest.update(version.encode())
-    cpu = llvmlite.binding
-    digest.update(f"{cpu.get_host_cpu_name()} {sorted(cpu.get_host_cpu_features().items())}".encode())
-    return digest.hexdigest()[:16]
+    return keep.fingerprint((*_SOURCES, *_FORMS[form], *(f"effects.{name}" for name in effects)), hole)
 
 
 def source(effects: tuple[str, ...], form: str) -> str:
@@ -170,19 +137,4 @@ def compose(effects: tuple[str, ...], form: str = "spatial", hole: str = "straig
         form: "spatial", or "lateral" for a string that neither stretches nor twists.
         hole: "straight" or "curved": the types of the arguments decide what is compiled, and a module holds one kernel.
     """
-    name = f"drill_twin_kernel_{fingerprint(effects, form, hole)}"
-    if name in sys.modules:
-        return sys.modules[name]
-    path = cache_folder() / f"{name}.py"
-    if not path.exists():
-        # Several nodes may start at once: write beside, then rename, so that nobody reads half a file.
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".part", delete=False) as part:
-            part.write(source(effects, form))
-        Path(part.name).replace(path)
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"the composed kernel {path} cannot be loaded; remove the file and start again")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
+    return keep.kept(f"drill_twin_kernel_{fingerprint(effects, form, hole)}", source(effects, form))

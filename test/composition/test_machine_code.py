@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.solve import compose
+from drill_twin.solve import compose, keep
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -61,12 +61,12 @@ def test_a_kernel_is_named_by_its_own_sources(monkeypatch):
     before = {
         effects: compose.fingerprint(effects, "spatial", "straight") for effects in ((), ("drag",), ("bow", "drag"))
     }
-    real = compose.inspect.getsource
+    real = keep.inspect.getsource
 
     def edited(module):
         return real(module) + ("\n# edited" if module is bow else "")
 
-    monkeypatch.setattr(compose.inspect, "getsource", edited)
+    monkeypatch.setattr(keep.inspect, "getsource", edited)
     after = {effects: compose.fingerprint(effects, "spatial", "straight") for effects in before}
     assert after[()] == before[()]
     assert after[("drag",)] == before[("drag",)]
