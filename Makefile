@@ -30,7 +30,7 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo test test-long faults soak fuzz browser check clean
+.PHONY: help setup setup-test demo test test-long faults soak fuzz day random-scenes browser bench peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
@@ -39,7 +39,11 @@ help:
 	@echo 'make faults     what goes wrong on a rig, done to real processes; prints the table of what is survived'
 	@echo 'make soak       an hour of all nodes, memory and file handles looked at'
 	@echo 'make fuzz       10 000 damaged scenes, tables, bags and checkpoints'
+	@echo 'make random-scenes  10 000 random scenes: finite, bounded, repeatable, taken up bit for bit, mirrored'
+	@echo 'make day        a day of simulated rotation'
 	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
+	@echo 'make bench      speed of the kernel: by effect, by elements, and kept against earlier runs'
+	@echo 'make peers      drill_twin beside PyElastica, Exudyn and MuJoCo (installs them; half an hour)'
 	@echo 'make check      lint, types, layers'
 	@echo 'make setup      the virtual environment in $(VENV) (the others call it)'
 	@echo 'make clean      removes what is generated, except $(VENV) and out/'
@@ -80,6 +84,11 @@ $(STAMPS)/test-$(KIND): $(STAMPS)/run-$(KIND)
 	@$(PIP) --no-build-isolation --editable '.[test]'
 	@touch $@
 
+$(STAMPS)/bench-$(KIND): $(STAMPS)/run-$(KIND)
+	@echo 'installing what the benchmarks need, the peers included'
+	@$(PIP) --no-build-isolation --editable '.[bench]'
+	@touch $@
+
 setup: $(STAMPS)/run-$(KIND)
 
 setup-test: $(STAMPS)/test-$(KIND)
@@ -103,8 +112,23 @@ soak: setup-test
 fuzz: setup-test
 	@DRILL_TWIN_FUZZ=10000 $(PYTHON) -m pytest test/fuzz -q -s
 
+random-scenes: setup-test
+	@DRILL_TWIN_SCENES=10000 $(PYTHON) -m pytest test/hard/test_random_scenes.py -q -m 'long or not long'
+
+day: setup-test
+	@DRILL_TWIN_DAY=1 $(PYTHON) -m pytest test/hard/test_hard_scenes.py -q -k day
+
 browser: setup-test
 	@DRILL_TWIN_BROWSER=1 ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest test/ros/test_watch.py -q -m 'long or not long'
+
+bench: $(STAMPS)/bench-$(KIND)
+	@$(PYTHON) -m pytest benchmarks/test_kernel_speed.py -q --benchmark-autosave --benchmark-storage=file://.benchmarks
+	@$(PYTHON) -m benchmarks.kernel machine
+	@$(PYTHON) -m benchmarks.kernel growth
+	@$(PYTHON) -m benchmarks.kernel effects
+
+peers: $(STAMPS)/bench-$(KIND)
+	@$(PYTHON) -m benchmarks.peers
 
 check: setup-test
 	@$(PYTHON) -m ruff check .

@@ -60,7 +60,7 @@ setup(
             "ruff",
             "types-PyYAML",
         ],
-        "bench": ["pytest-benchmark"],
+        "bench": ["exudyn>=1.13.6", "mujoco>=4.0", "pyelastica>=1.0", "pytest", "pytest-benchmark>=5"],
     },
     zip_safe=False,
     author="The drill_twin contributors",

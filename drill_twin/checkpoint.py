@@ -176,6 +176,9 @@ def _array(data: bytes) -> NDArray[np.float64]:
     return np.frombuffer(content, kind).reshape(shape)
 
 
+_LONGEST = 200
+
+
 def _words(error: BaseException) -> str:
-    text = " ".join(str(error).split())
+    text = " ".join(str(error).split())[:_LONGEST]  # zipfile quotes headers whole
     return text if text and not isinstance(error, KeyError) else f"{type(error).__name__} {text}".strip()

@@ -9,6 +9,7 @@ values are SI, float64, and fresh copies that the receiver may keep.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,6 +76,50 @@ class StepStats:
     """Wall-clock time of the computation [s]."""
 
 
+@dataclass(frozen=True)
+class Intervention:
+    """A frame that the guard took back and had done again with a smaller step."""
+
+    time: float
+    """Simulated time of the last good frame before it [s]."""
+    kind: str
+    """What was violated: finite, newton, speed, strain, fold, slope, penetration or energy."""
+    node: int
+    """Node where it was worst."""
+    distance_from_bit: float
+    """Its distance from the bit [m]."""
+    text: str
+    """What happened, in words."""
+    tries: int
+    """How often the frame was done again."""
+    step: float
+    """Time step that at last was small enough [s]."""
+
+
+@dataclass(frozen=True)
+class EnergyBalance:
+    """Where the energy of the string has come from and gone to since the start of the run [J]."""
+
+    stored: Mapping[str, float]
+    """What the string holds now: kinetic, bending, stretch, torsion, gravity (since the start) and wall."""
+    work: Mapping[str, float]
+    """What each effect and the rig have done on the string: weight_on_bit, top_drive, top_clamp, and by effect. What
+    the wall gives back is in it, and so is what turns into heat, as negative work."""
+    dissipated: Mapping[str, float]
+    """What has turned into heat, by effect."""
+    residual: float
+    """Energy that nothing accounts for: gained if positive."""
+    scale: float
+    """Largest energy on the move so far, to judge the residual by: kinetic, change of the other stores, and heat."""
+    newton: float
+    """The part of the residual that the iteration's tolerance makes up."""
+
+    @property
+    def share(self) -> float:
+        """Residual over scale."""
+        return self.residual / self.scale
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """The string at one instant; n elements, n + 1 nodes."""
@@ -104,3 +149,7 @@ class Frame:
     """The rig."""
     stats: StepStats
     """The cost."""
+    intervention: Intervention | None = None
+    """What the guard did; None where nothing had to be done."""
+    energy: EnergyBalance | None = None
+    """The energy balance; None where the scene asks for no audit."""

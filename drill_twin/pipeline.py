@@ -29,6 +29,8 @@ INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
 """Topics that the analysis needs."""
 WAITING = 256
 """Samples of one topic that wait for their partner of the other, or for the scene."""
+STUCK = 200
+"""So many samples in order, all before one already seen, are a run of their own; 1 to 2 s."""
 
 Message = tuple[str, bytes]
 
@@ -177,6 +179,8 @@ class WhirlPipeline:
         self._analyzer = None if self.blind is not None else Analyzer(marks)
         self._encoder = FindingsEncoder(marks)
         self._layout = ()
+        self._newest = -1
+        self._behind: list[tuple[int, JointState, Rig]] = []
         self.scene, self.findings, self.trouble = scene, None, ""
         self.runs += 1
         return [self._encoder.before()]
@@ -231,6 +235,29 @@ class WhirlPipeline:
             force = np.hypot(push[:, 0], push[:, 1])
         self.findings = self._analyzer.push(stamp, place[:, :3], self._spin(place[:, 3]), rig[0], force, rig[1])
         yield from self._encoder.messages(self.findings)
+        if self._is_stuck(stamp, marks, rig):
+            yield from self._begin_again()
+
+    def _is_stuck(self, stamp: int, marks: JointState, rig: Rig) -> bool:
+        """Whether time has gone back for good: so many samples in order that are all before one already seen.
+
+        Single ones are late and turned away. But after a stamp from the future, or a clock set back, nothing would ever
+        count again.
+        """
+        if stamp >= self._newest:
+            self._newest = stamp
+            self._behind.clear()
+            return False
+        if self._behind and stamp <= self._behind[-1][0]:
+            self._behind.clear()
+        self._behind.append((stamp, marks, rig))
+        return len(self._behind) >= STUCK
+
+    def _begin_again(self) -> Iterator[Message]:
+        behind = list(self._behind)
+        yield from self._begin(self.scene)
+        for sample in behind:
+            yield from self._push(*sample)
 
     def _spin(self, spin: NDArray[np.float64]) -> NDArray[np.float64] | None:
         """The spin of the marks, or None in a stream that never had one."""

@@ -18,8 +18,10 @@ from pathlib import Path
 
 from drill_twin.bag.writer import BagWriter
 from drill_twin.cost import Cost
-from drill_twin.errors import RunError
+from drill_twin.drilled import Drilled
+from drill_twin.errors import RunError, StoppedError
 from drill_twin.frame import Frame
+from drill_twin.interventions import Interventions
 from drill_twin.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.messages.encode import CommandEncoder, TwinEncoder, encode_string
 from drill_twin.messages.stamps import NANOSECONDS, seconds
@@ -39,6 +41,7 @@ from drill_twin.omissions import Omissions
 from drill_twin.pipeline import WhirlPipeline
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command, Schedule
+from drill_twin.stop import keep_stop
 from drill_twin.twin import Twin
 from drill_twin.whirl import Findings, Summary
 from drill_twin.wiring import describe_run, string_geometry
@@ -97,7 +100,7 @@ class Session:
         self.scene = scene
         self.schedule = schedule or Schedule.from_scene(scene)
         self._period = round(NANOSECONDS / scene.numerics.frame_rate)
-        self._first = Command(scene.rig.weight_on_bit.initial, scene.rig.rotation.initial)
+        self._first = Command(*scene.rig.first)
         # A first frame of another twin compiles the kernel, so that the run's cost does not contain it.
         Twin(scene).step(self._first, seconds(self._period))
 
@@ -117,7 +120,8 @@ class Session:
 
         Raises:
             BagError: The folder exists or cannot be written.
-            RunError: The motion could not be followed to the end; the bag holds what came before.
+            RunError: The motion could not be followed to the end; the bag holds what came before, and the folder
+                with `_stop` behind its name the last good state.
         """
         began = time.monotonic()
         frames = max(1, math.ceil(self.schedule.duration * NANOSECONDS / self._period - 0.5))
@@ -131,8 +135,8 @@ class Session:
                     run.advance(stamp, self.schedule.at(seconds(stamp)), seconds(self._period))
                     progress(Progress(seconds(stamp), seconds(frames * self._period), run.findings, run.factor))
             except RunError as error:
-                run.report_health()
-                raise RunError(f"{error}; what came before is recorded in {bag.folder}") from error
+                kept = run.give_up(error)
+                raise RunError(f"{error}; what came before is recorded in {bag.folder}{kept}") from error
             run.report_health()
         return Outcome(
             bag.folder, seconds(done * self._period), done == frames, time.monotonic() - began, run.pipeline.summary()
@@ -146,11 +150,13 @@ class _Run:
         self.pipeline = WhirlPipeline()
         self._bag = bag
         self._twin = Twin(scene)
-        self._encoder = TwinEncoder(string_geometry(scene, self._twin.elements))
+        self._encoder = TwinEncoder(string_geometry(self._twin))
         self._commands = CommandEncoder()
         self._command = first
         self._cost = Cost()
+        self._drilled = Drilled(self._twin)
         self._omissions = Omissions(scene)
+        self._interventions = Interventions()
         self._stamp = self._frames = 0
         self._echo_due = self._picture_due = 0
         self._health_due = NANOSECONDS
@@ -178,6 +184,7 @@ class _Run:
         self._publish(frame)
         self._cost.add(duration, stepped - begin, time.perf_counter() - stepped, frame)
         self._omissions.look(frame)
+        self._interventions.look(frame)
         if stamp >= self._health_due:
             self._health_due += NANOSECONDS
             self.report_health()
@@ -216,20 +223,36 @@ class _Run:
             "simulated_time": f"{self._twin.time:.6f}",
             "frames": str(self._frames),
             **self._cost.values(),
+            **self._drilled.values(),
             "elements": str(self._twin.elements),
             "step_s": repr(float(self._twin.step_size)),
             "weight_on_bit": f"{self._command.weight_on_bit:g}",
             "speed_rev_s": f"{self._command.rotation / math.tau:g}",
             **self._omissions.values(),
+            **self._interventions.values(),
         }
         analyzer = {"samples": str(quality.accepted), "malformed": str(pipeline.malformed)}
         motion = self.findings.motion.value if self.findings else "unknown"
-        missing = self._omissions.found
         statuses = [
-            Status("simulator", Level.WARN, missing[-1], simulator)
-            if missing
-            else Status("simulator", Level.OK, self._cost.sentence(), simulator),
+            Status("simulator", *self._verdict(), simulator),
             Status("analyzer", Level.OK, f"motion: {motion}", analyzer),
         ]
         self._cost.next_window()
         self._bag.write(DIAGNOSTICS, self._stamp, encode_diagnostics(self._stamp, statuses))
+
+    def _verdict(self) -> tuple[Level, str]:
+        guard, missing = self._interventions, self._omissions.found
+        if guard.stopped:
+            return Level.ERROR, guard.stopped
+        if guard.last:
+            return Level.WARN, guard.last
+        return (Level.WARN, missing[-1]) if missing else (Level.OK, self._cost.sentence())
+
+    def give_up(self, error: RunError) -> str:
+        """The run cannot go on: say so in the bag and keep the last good state; returns where, in words."""
+        self._interventions.stopped = str(error)
+        self.report_health()
+        if not isinstance(error, StoppedError):
+            return ""
+        folder = self._bag.folder.with_name(f"{self._bag.folder.name}_stop")
+        return f"; {keep_stop(folder, self._twin, self._command, error)}"

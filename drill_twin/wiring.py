@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 import yaml
 
 from drill_twin import __version__
-from drill_twin.messages.markers import StringGeometry
+from drill_twin.messages.geometry import StringGeometry
 from drill_twin.messages.stamps import NANOSECONDS
 from drill_twin.messages.topics import WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.messages.whirl_encode import (
@@ -24,6 +24,7 @@ from drill_twin.messages.whirl_encode import (
     encode_onset,
 )
 from drill_twin.scene import Scene
+from drill_twin.solve.setting import survey_of
 from drill_twin.twin import Twin
 from drill_twin.whirl import BitMotion, MarkInfo, StickSlip
 from drill_twin.whirl.blind import NOT_OBSERVABLE
@@ -33,16 +34,20 @@ BIT = "bit"
 """Name under which `/whirl/motion` reports the rotation of the bit: steady, torsional vibration, stick-slip."""
 
 
-def string_geometry(scene: Scene, elements: int) -> StringGeometry:
+def string_geometry(twin: Twin) -> StringGeometry:
     """What the picture for RViz and Foxglove needs to know."""
+    scene = twin.scene
+    line = survey_of(scene)
     marks = scene.string.marks
     return StringGeometry(
-        node_count=elements + 1,
+        node_count=twin.elements + 1,
         mark_names=tuple(mark.name for mark in marks),
         mark_distances=tuple(mark.distance_from_bit for mark in marks),
         length=scene.length,
         outer_radius=max(0.5 * section.outer_diameter for section in scene.string.sections),
         hole_radius=scene.hole.radius,
+        node_distances=twin.rod.arc,
+        axis_at=None if line is None else line.at,
     )
 
 

@@ -19,6 +19,11 @@ ARGUMENTS = (
         "rate", default_value="1.0", description="Times as fast as recorded; 0.0: as fast as it goes."
     ),
     DeclareLaunchArgument(
+        "map",
+        default_value="",
+        description="Topics of the bag with other names than ours: /camera/marks=/marks/state, separated by spaces.",
+    ),
+    DeclareLaunchArgument(
         "loop", default_value="false", choices=["true", "false"], description="Begin again at the end."
     ),
     DeclareLaunchArgument(
@@ -40,6 +45,7 @@ def generate_launch_description() -> LaunchDescription:
         {
             "bag": ParameterValue(LaunchConfiguration("bag"), value_type=str),
             "rate": ParameterValue(LaunchConfiguration("rate"), value_type=float),
+            "map": ParameterValue(LaunchConfiguration("map"), value_type=str),
             "loop": ParameterValue(LaunchConfiguration("loop"), value_type=bool),
             "leave_out": ParameterValue(left_out, value_type=str),
         },

@@ -28,6 +28,9 @@ ARGUMENTS = (
         "wob", default_value="", description='Weight on bit with its unit, as "40 N"; scene\'s if empty.'
     ),
     DeclareLaunchArgument("rps", default_value="", description='Speed with its unit, as "2 rev/s"; scene\'s if empty.'),
+    DeclareLaunchArgument(
+        "accuracy", default_value="", description='Largest error before the onset, as "1 %"; chooses elements and step.'
+    ),
     DeclareLaunchArgument("table", default_value="", description="CSV or MAT table of measured set-points to play."),
     DeclareLaunchArgument("record", default_value="false", choices=["true", "false"], description="Record a bag."),
     DeclareLaunchArgument("bag", default_value="", description="New folder of the bag; named by date if empty."),
@@ -53,6 +56,7 @@ def generate_launch_description() -> LaunchDescription:
     state = {
         "scene": scene,
         "overrides": overrides,
+        "accuracy": _text("accuracy"),
         "pace": _text("pace"),
         "duration": duration,
         "checkpoint": _text("checkpoint"),

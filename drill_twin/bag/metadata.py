@@ -75,12 +75,18 @@ def contract_topic(name: str, qos: Sequence[Qos] | None = None) -> Recorded:
 
 
 def bag_information(
-    file_name: str, topics: Sequence[Recorded], start: int, end: int, custom_data: Mapping[str, str]
+    files: Sequence[tuple[str, int, int, int]], topics: Sequence[Recorded], custom_data: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Content of `rosbag2_bagfile_information` for a bag of one MCAP file; times [ns]."""
-    count = sum(topic.count for topic in topics)
+    """Content of `rosbag2_bagfile_information` for a bag of MCAP files.
 
-    def times() -> dict[str, Any]:  # afresh each time, or YAML would write references
+    Args:
+        files: Name, times of the first and the last message [ns] and number of messages of each file.
+        topics: With their counts over all files.
+        custom_data: Text by key.
+    """
+    times_of_all = [(start, end) for _, start, end, count in files if count] or [(0, 0)]
+
+    def times(start: int, end: int) -> dict[str, Any]:  # afresh each time, or YAML would write references
         return {
             "starting_time": {"nanoseconds_since_epoch": start},
             "duration": {"nanoseconds": max(end - start, 0)},
@@ -89,9 +95,9 @@ def bag_information(
     return {
         "version": 9,
         "storage_identifier": "mcap",
-        "relative_file_paths": [file_name],
-        **times(),
-        "message_count": count,
+        "relative_file_paths": [name for name, *_ in files],
+        **times(min(start for start, _ in times_of_all), max(end for _, end in times_of_all)),
+        "message_count": sum(topic.count for topic in topics),
         "topics_with_message_count": [
             {
                 "topic_metadata": {
@@ -107,7 +113,7 @@ def bag_information(
         ],
         "compression_format": "",
         "compression_mode": "",
-        "files": [{"path": file_name, **times(), "message_count": count}],
+        "files": [{"path": name, **times(start, end), "message_count": count} for name, start, end, count in files],
         "custom_data": dict(custom_data) or None,
         "ros_distro": "jazzy",
     }

@@ -36,8 +36,8 @@ class Bag:
             BagError: There is none, it is not a bag, it is empty, or it is not from this package.
         """
         self.path = Path(path)
-        self._files = _open_files(self.path)
-        self.damage: list[str] = [text for file in self._files for text in file.damage]
+        self._files, unbegun = _open_files(self.path)
+        self.damage: list[str] = [*(text for file in self._files for text in file.damage), *unbegun]
         self.topics: dict[str, Recorded] = _merged(self._files)
         starts = [file.start for file in self._files if file.start is not None]
         ends = [file.end for file in self._files if file.end is not None]
@@ -106,11 +106,12 @@ class Bag:
 BagFile = McapFile | RosbagsFile
 
 
-def _open_files(path: Path) -> list[BagFile]:
+def _open_files(path: Path) -> tuple[list[BagFile], list[str]]:
+    """The files of a bag; and in words those of a split bag whose writer was killed as it began them."""
     if not path.exists():
         raise BagError(f"{path}: expected a bag folder or file, found nothing there; check the path")
     if path.is_file():
-        return [_open_file(path)]
+        return [_open_file(path)], []
     try:
         files = sorted((file for file in path.iterdir() if file.suffix in _SUFFIXES), key=_natural)
     except OSError as error:
@@ -118,8 +119,10 @@ def _open_files(path: Path) -> list[BagFile]:
     if not files:
         raise BagError(f"{path}: expected a bag (.mcap or .db3) in this folder, found {_inside(path)}")
     if _needs_rosbags(path, files):
-        return [RosbagsFile(path)]
-    return [_open_file(file) for file in files]
+        return [RosbagsFile(path)], []
+    empty = [file for file in files[1:] if not file.stat().st_size]
+    unbegun = [f"{file.name} is empty: its writer was killed as it began" for file in empty]
+    return [_open_file(file) for file in files if file not in empty], unbegun
 
 
 def _open_file(path: Path) -> BagFile:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write a bag that survives its writer: whole chunks reach the file every 0.1 s, `metadata.yaml` comes last.
 
-A folder `run_0` holds `run_0.mcap` (any other folder `run` holds `run_0.mcap`), because `ros2 bag reindex`
-only finds files whose names end in a number.
+A folder `run` holds `run_0.mcap` and, where the bag is split, `run_1.mcap` and so on; a folder `run_0` holds
+`run_0.mcap`, `run_0_1.mcap`, ..., because `ros2 bag reindex` only finds files whose names end in a number.
 """
 
 from __future__ import annotations
@@ -10,23 +10,20 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
-from io import BufferedWriter
 from pathlib import Path
 from types import TracebackType
-from typing import Self
-
-from mcap.writer import CompressionType, Writer
+from typing import Any, Self
 
 from drill_twin import __version__
 from drill_twin.bag.metadata import Recorded, bag_information, contract_topic, to_yaml
+from drill_twin.bag.part import Part
 from drill_twin.errors import BagError
 from drill_twin.messages.topics import TOPICS
 
 FLUSH_INTERVAL = 0.1
 """Longest time [s] of data in an open chunk, which kill -9 would lose."""
 
-_CHUNK_SIZE = 256 * 1024
+_NANOSECONDS = 1e9
 
 
 class BagWriter:
@@ -42,6 +39,8 @@ class BagWriter:
         topics: Iterable[str | Recorded] = tuple(TOPICS),
         custom_data: Mapping[str, str] | None = None,
         flush_interval: float = FLUSH_INTERVAL,
+        largest: float = 0.0,
+        longest: float = 0.0,
     ) -> None:
         """Create the folder and start the file.
 
@@ -50,27 +49,30 @@ class BagWriter:
             topics: Topics to record: names from the contract, or whole descriptions.
             custom_data: Text by key, kept in `metadata.yaml`.
             flush_interval: Longest time [s] of data that kill -9 loses.
+            largest: A file of this size [bytes] is followed by another; 0: one file.
+            longest: A file of this many seconds of recording is followed by another; 0: one file.
 
         Raises:
             BagError: The folder exists or cannot be written.
         """
         self.folder = Path(folder)
-        self.file = self.folder / f"{_numbered(self.folder.name)}.mcap"
-        self._stream = _create(self.folder, self.file)
-        self._writer = Writer(self._stream, chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
-        self._writer.start(profile="ros2", library=f"drill_twin {__version__}")
         self._custom_data = {"drill_twin_version": __version__, **(custom_data or {})}
         self._flush_interval = flush_interval
-        self._flushed = time.monotonic()
-        self._topics: dict[str, Recorded] = {}
-        self._channels: dict[str, int] = {}
-        self._schemas: dict[str, int] = {}
-        self._first: int | None = None
-        self._last = 0
+        self._largest, self._longest = largest, longest
+        self._topics = {topic.name: topic for topic in (contract_topic(t) if isinstance(t, str) else t for t in topics)}
+        self._parts = [_first_part(self.folder, self._topics.values())]
         self._closed = False
-        for topic in topics:
-            self.add_topic(contract_topic(topic) if isinstance(topic, str) else topic)
         self.flush()
+
+    @property
+    def file(self) -> Path:
+        """The file that is being written."""
+        return self._parts[-1].path
+
+    @property
+    def files(self) -> int:
+        """Files so far."""
+        return len(self._parts)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -84,23 +86,13 @@ class BagWriter:
             BagError: The topic is there already, with another type.
         """
         known = self._topics.get(topic.name)
-        if known is not None:
-            if known.type_name != topic.type_name:
-                raise BagError(
-                    f"{self.folder}: expected {topic.name} as {known.type_name} throughout, found {topic.type_name}"
-                )
-            return
-        if topic.type_name not in self._schemas:
-            self._schemas[topic.type_name] = self._writer.register_schema(
-                topic.type_name, "ros2msg", topic.definition.encode()
+        if known is None:
+            self._topics[topic.name] = topic
+            self._parts[-1].add_topic(topic)
+        elif known.type_name != topic.type_name:
+            raise BagError(
+                f"{self.folder}: expected {topic.name} as {known.type_name} throughout, found {topic.type_name}"
             )
-        self._topics[topic.name] = topic
-        self._channels[topic.name] = self._writer.register_channel(
-            topic.name,
-            "cdr",
-            self._schemas[topic.type_name],
-            {"offered_qos_profiles": to_yaml(list(topic.qos)).strip(), "topic_type_hash": topic.type_hash},
-        )
 
     def write(self, topic: str, stamp: int, raw: bytes) -> None:
         """Record one message.
@@ -122,14 +114,15 @@ class BagWriter:
             )
         if stamp < 0:
             raise BagError(f"{self.folder}: expected a stamp of 0 ns or later on {topic}, found {stamp} ns")
-        self._first = stamp if self._first is None else min(self._first, stamp)
-        self._last = max(self._last, stamp)
-        recorded.count += 1
         try:
-            self._writer.add_message(self._channels[topic], stamp, raw, stamp, recorded.count)
-        except OSError as error:
-            raise self._broken(error) from error
-        self.flush_if_due()
+            if self._is_full(stamp):
+                self._begin_next()
+            recorded.count += 1
+            self._parts[-1].write(topic, stamp, raw, recorded.count)
+            self.flush_if_due()
+        except BagError:
+            self._closed = True
+            raise
 
     def flush_if_due(self) -> None:
         """Flush when the interval is over; `write` does it too, call it from an idle loop.
@@ -147,9 +140,10 @@ class BagWriter:
             BagError: The file cannot be written.
         """
         try:
-            self._writer.flush()  # type: ignore[no-untyped-call]
-        except OSError as error:
-            raise self._broken(error) from error
+            self._parts[-1].flush()
+        except BagError:
+            self._closed = True
+            raise
         self._flushed = time.monotonic()
 
     def close(self) -> None:
@@ -161,19 +155,40 @@ class BagWriter:
         if self._closed:
             return
         self._closed = True
-        information = bag_information(
-            self.file.name, list(self._topics.values()), self._first or 0, self._last, self._custom_data
-        )
+        information = self._information()
+        self._parts[-1].finish(information)
         try:
-            self._writer.flush()  # type: ignore[no-untyped-call]
-            self._writer.add_metadata("rosbag2", {"serialized_metadata": to_yaml(information).strip()})
-            self._writer.finish()  # type: ignore[no-untyped-call]
-            self._stream.close()
             unfinished = self.folder / "metadata.yaml.tmp"
             unfinished.write_text(to_yaml({"rosbag2_bagfile_information": information}), "utf-8")
             unfinished.replace(self.folder / "metadata.yaml")
         except OSError as error:
-            raise self._broken(error) from error
+            raise self._parts[-1].broken(error) from error
+
+    def _is_full(self, stamp: int) -> bool:
+        part = self._parts[-1]
+        if part.start is None:
+            return False
+        too_large = self._largest > 0.0 and part.size >= self._largest
+        return too_large or (self._longest > 0.0 and stamp - part.start >= self._longest * _NANOSECONDS)
+
+    def _begin_next(self) -> None:
+        self._parts[-1].finish(self._information())
+        stem = self._parts[0].path.stem
+        if not re.search(r"_\d+$", self.folder.name):
+            stem = self.folder.name
+        path = self.folder / f"{stem}_{len(self._parts)}.mcap"
+        try:
+            self._parts.append(Part(path, self._topics.values()))
+        except OSError as error:
+            raise BagError(
+                f"{path}: expected to go on in a new file of the bag, found {error.strerror or error}; "
+                "what was written so far can be read"
+            ) from error
+        self.flush()
+
+    def _information(self) -> dict[str, Any]:
+        files = [(part.path.name, part.start or 0, part.end, part.count) for part in self._parts]
+        return bag_information(files, list(self._topics.values()), self._custom_data)
 
     def __enter__(self) -> Self:
         return self
@@ -183,24 +198,12 @@ class BagWriter:
     ) -> None:
         self.close()
 
-    def _broken(self, error: OSError) -> BagError:
-        self._closed = True
-        with suppress(OSError):  # the same failure once more
-            self._stream.close()
-        return BagError(
-            f"{self.file}: expected to go on writing the bag, found {error.strerror or error}; "
-            "make room there or choose another folder; what was written so far can be read"
-        )
 
-
-def _numbered(name: str) -> str:
-    return name if re.search(r"_\d+$", name) else f"{name}_0"
-
-
-def _create(folder: Path, file: Path) -> BufferedWriter:
+def _first_part(folder: Path, topics: Iterable[Recorded]) -> Part:
+    name = folder.name if re.search(r"_\d+$", folder.name) else f"{folder.name}_0"
     try:
         folder.mkdir(parents=True)
-        return file.open("xb")
+        return Part(folder / f"{name}.mcap", topics)
     except FileExistsError as error:
         raise BagError(
             f"{folder}: expected a new folder for the bag, found one that exists; choose another or remove it"

@@ -12,8 +12,10 @@ from drill_twin.cli.bags import analyze, report
 from drill_twin.cli.cost import cost
 from drill_twin.cli.detection import analyzer_score
 from drill_twin.cli.effects import effects
+from drill_twin.cli.hard import hard
+from drill_twin.cli.load import load
 from drill_twin.cli.paper import calibrate, paper
-from drill_twin.cli.ros import demo, topics
+from drill_twin.cli.ros import demo, replay, topics
 from drill_twin.cli.run import run
 from drill_twin.cli.scenes import check, scenes, schema
 from drill_twin.cli.verify import verify
@@ -53,6 +55,7 @@ app.command(rich_help_panel=_RUN)(watch)
 app.command(rich_help_panel=_ASK)(cost)
 app.command(rich_help_panel=_ASK)(effects)
 app.command(rich_help_panel=_ASK)(verify)
+app.command(rich_help_panel=_ASK)(hard)
 app.command(rich_help_panel=_ASK)(paper)
 app.command(rich_help_panel=_ASK)(calibrate)
 app.command(rich_help_panel=_ASK)(analyzer_score)
@@ -64,4 +67,6 @@ app.command(
     add_help_option=False,
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []},
 )(demo)
+app.command(rich_help_panel=_ROS)(replay)
+app.command(rich_help_panel=_ROS)(load)
 app.command(rich_help_panel=_ROS)(topics)

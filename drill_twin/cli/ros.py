@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from json import dumps
 from typing import Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption
+from drill_twin.cli.options import BagArgument, JsonOption
 
 
 def demo(context: typer.Context) -> None:
@@ -16,6 +17,38 @@ def demo(context: typer.Context) -> None:
     from drill_twin.nodes.start import start
 
     raise typer.Exit(start("demo", context.args))
+
+
+def replay(
+    bag: BagArgument,
+    rate: Annotated[
+        float, typer.Option("--rate", help="Times as fast as recorded; 0: as fast as it goes.", min=0.0, max=1000.0)
+    ] = 1.0,
+    names: Annotated[
+        list[str],
+        typer.Option(
+            "--map",
+            metavar="THEIRS=OURS",
+            help='Publish a topic of the bag as one of ours, as "/camera/marks=/marks/state"; repeatable.',
+        ),
+    ] = [],  # noqa: B006  typer reads the default, nobody writes to it
+    leave_out: Annotated[
+        list[str], typer.Option("--leave-out", metavar="TOPIC", help="Do not publish this topic; repeatable.")
+    ] = [],  # noqa: B006
+    wait_for: Annotated[
+        list[str], typer.Option("--wait-for", metavar="NODE", help="Begin once this node is ready; repeatable.")
+    ] = [],  # noqa: B006
+    loop: Annotated[bool, typer.Option("--loop", help="Begin again at the end.")] = False,
+) -> None:
+    """Publish a bag again over DDS, with /clock, at any rate: the replayer node. Needs rclpy."""
+    from drill_twin.nodes.start import start
+
+    given = {
+        "bag": str(bag), "rate": rate, "loop": loop, "map": " ".join(names), "leave_out": " ".join(leave_out),
+        "wait_for": " ".join(wait_for),
+    }  # fmt: skip
+    words = [word for name, value in given.items() for word in ("-p", f"{name}:={dumps(value)}")]
+    raise typer.Exit(start("replayer", ["--ros-args", *words]))
 
 
 def topics(

@@ -30,6 +30,17 @@ def run(
     duration: Annotated[
         str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
     ] = "",
+    accuracy: Annotated[
+        str,
+        typer.Option(
+            "--accuracy",
+            metavar="SHARE",
+            help='Largest error before the onset, as "1 %"; it chooses elements and step (docs/accuracy.md).',
+        ),
+    ] = "",
+    rerun: Annotated[
+        bool, typer.Option("--check/--no-check", help="After a run with an accuracy, measure the error it has.")
+    ] = True,
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="New folder of the result.", show_default="out/SCENE")
@@ -48,12 +59,18 @@ def run(
     from drill_twin.schedule import Schedule
 
     console = err()
-    described = load_scene(scene, overrides=overrides(change, wob=wob, rps=rps, duration=duration))
+    described = load_scene(scene, overrides=overrides(change, wob=wob, rps=rps, duration=duration, accuracy=accuracy))
     schedule = Schedule.from_scene(described)
     folder = out or Path("out") / folder_name(described.name)
     moved = new_folder(folder, replace=replace)
     if moved:
         console.print(f"the older result is now {moved}", markup=False, soft_wrap=True)
+    plan = None
+    if described.numerics.accuracy is not None:
+        from drill_twin.cli.accuracy import planned
+
+        plan = planned(described)
+        described = plan.scene
     with console.status("compiling the effects of the scene (the first time: about 20 s)"):
         from drill_twin.session import Session
 
@@ -75,7 +92,11 @@ def run(
 
         recording = read_recording(outcome.bag)
         summary = summarise(recording)
-        write_file(folder / "summary.json", to_json(summary))
+    if plan is not None:
+        from drill_twin.cli.accuracy import checked
+
+        summary["accuracy"] = checked(plan, recording, rerun=rerun)
+    write_file(folder / "summary.json", to_json(summary))
     if with_report:
         from drill_twin.cli.bags import draw
 

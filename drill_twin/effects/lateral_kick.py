@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An initial lateral velocity of the string: a repeatable stand-in for a pluck."""
+"""A start off the axis or with a lateral velocity: a repeatable stand-in for a pluck, or a start on the wall."""
 
 from typing import Annotated, Literal
 
@@ -8,25 +8,42 @@ import numpy as np
 from drill_twin.effects.block import Block
 from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
-from drill_twin.units import Speed, Within
+from drill_twin.units import Length, Speed, Within
 
 
 class LateralKick(Block):
-    """Initial velocity in x."""
+    """Initial velocity, and initial displacement, in x."""
 
     velocity: Annotated[Speed, Within(at_least="-100 m/s", at_most="100 m/s", reason="no string is kicked harder")]
     """Velocity at mid-span at time zero [m/s]."""
+    offset: Annotated[Length, Within(at_least="-10 m", at_most="10 m", reason="the widest hole")] = 0.0
+    """Displacement at mid-span at time zero [m], bent without stretch; beyond the clearance the string starts in
+    contact. In a straight hole only."""
     shape: Literal["half_wave", "hump"] = "half_wave"
-    """`half_wave`: one half sine over the length; `hump`: its square, which suits clamped ends."""
+    """Of both. `half_wave`: one half sine over the length; `hump`: its square, which suits clamped ends."""
 
 
 def start(block: LateralKick, site: Site, u: Array, v: Array) -> None:
-    """Set the initial velocities of r and r' along x."""
-    arc, length = site.rod.arc, site.string_length
-    wave = np.pi / length
+    """Set the initial velocities of r and r' along x, and their displacements."""
+    arc = site.rod.arc
+    height, slope = wave(block, site, arc)
+    v[:, 0] += block.velocity * height
+    v[:, 3] += block.velocity * slope
+    if block.offset == 0.0:
+        return
+    u[:, 0] += block.offset * height
+    u[:, 3] += block.offset * slope
+    # a bent string of the same length is lower: by what the slope takes off the part above
+    fine = np.linspace(0.0, site.string_length, 10_001)
+    lost = 1.0 - np.sqrt(1.0 - (block.offset * wave(block, site, fine)[1]) ** 2)
+    below = np.concatenate([[0.0], np.cumsum(0.5 * (lost[1:] + lost[:-1]) * np.diff(fine))])
+    u[:, 2] += below[-1] - np.interp(arc, fine, below)
+    u[:, 5] = np.sqrt(u[:, 5] ** 2 - u[:, 3] ** 2)
+
+
+def wave(block: LateralKick, site: Site, arc: Array) -> tuple[Array, Array]:
+    """The shape, 1 at mid-span, and its slope by the arc length [1/m], shape (m,)."""
+    number = np.pi / site.string_length
     if block.shape == "half_wave":
-        v[:, 0] += block.velocity * np.sin(wave * arc)
-        v[:, 3] += block.velocity * wave * np.cos(wave * arc)
-    else:
-        v[:, 0] += block.velocity * np.sin(wave * arc) ** 2
-        v[:, 3] += block.velocity * wave * np.sin(2.0 * wave * arc)
+        return np.sin(number * arc), number * np.cos(number * arc)
+    return np.sin(number * arc) ** 2, number * np.sin(2.0 * number * arc)

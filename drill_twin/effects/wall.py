@@ -13,8 +13,10 @@ from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.point import Point
 from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.rod.types import Array, Pair
 from drill_twin.units import Dimensionless, HertzStiffness, LinearStiffness, Speed, Within
+
+SMALLEST = 1e-12  # distance from the axis at which a normal still has a direction [m]
 
 
 class Wall(Block):
@@ -77,8 +79,8 @@ def loss(restitution: float) -> float:
     def excess(a: float) -> float:
         return float(a * (1.0 + restitution) - np.log1p(a) + np.log1p(-restitution * a))
 
-    # positive from 0 up to the root, then falling to minus infinity at 1 / e
-    low, high = 0.0, 1.0 / restitution
+    # positive from 0 up to the root, then falling to minus infinity at 1 / e, which is not a number's to reach
+    low, high = 0.0, (1.0 - 1e-15) / restitution
     for _ in range(200):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if excess(middle) > 0.0 else (low, middle)
@@ -88,9 +90,9 @@ def loss(restitution: float) -> float:
 class Touch(NamedTuple):
     """Contact at a place: the normal force, and the directions of the hole there."""
 
-    force: float  # normal force per length [N/m], 0 off the wall
-    slope: float  # of the force by the normal velocity, plus h2 times that by the penetration [N s/m2]
-    swing: float  # h2 times the slope by moving round the hole: the normal velocity turns with the normal [N s/m2]
+    force: float  # normal force per length [N/m]
+    slope: float  # of the force by the velocity along the normal, which also moves the place by h2 [N s/m2]
+    swing: float  # of the force by the velocity round the hole [N s/m2]
     radius: float  # distance of the centre line from the hole's axis [m]
     nx: float  # outward normal
     ny: float
@@ -101,32 +103,81 @@ class Touch(NamedTuple):
 
 
 @kernel
+def mean_force(stiffness: float, linear: float, before: float, after: float) -> Pair:
+    """Force of the elastic wall over a step: the energy it takes up, per way; and its slope by the depth after.
+
+    (V(after) - V(before)) / (after - before), with V = 2/5 K d^2.5 or K d^2 / 2 on the wall and 0 off it, written
+    without differences of neighbours.
+
+    Args:
+        stiffness: K [N/m^2.5], or [N/m^2] of a linear wall.
+        linear: 1 for the linear wall, else 0.
+        before: Depth at the start of the step [m], negative off the wall.
+        after: Depth at its end [m]; one of the two is positive.
+    """
+    q, p = max(before, 0.0), max(after, 0.0)
+    a, b = np.sqrt(q), np.sqrt(p)
+    hertz = 0.4 * (q * q + q * a * b + q * p + p * a * b + p * p) / (a + b)
+    steeper = 0.2 * (2.0 * q * a + 4.0 * q * b + 6.0 * p * a + 3.0 * p * b) / ((a + b) * (a + b))
+    force = stiffness * (linear * 0.5 * (p + q) + (1.0 - linear) * hertz)
+    slope = stiffness * (linear * 0.5 + (1.0 - linear) * steeper)
+    if before <= 0.0 or after <= 0.0:  # part of the way is free
+        way = after - before
+        force *= (p - q) / way
+        slope = (stiffness * p * (linear + (1.0 - linear) * b) - force) / way
+    return force, slope
+
+
+@kernel
 def press(wall: Parameters, here: Point, h2: float) -> Touch:
-    """Normal force of the wall on the string per length; zero off the wall.
+    """Normal force of the wall on the string per length over a step; zero off the wall.
 
     N = K d^p (1 + chi d_dot), not negative (Hertz; Hunt and Crossley 1975). d is the penetration of the string's
     surface into the wall: the paper's Eq. 12 with the condition that its print lost, d > 0.
+
+    The elastic part is taken between the ends of the step, so that what the wall takes up and gives back is its energy
+    exactly, however long the step (Gonzalez 2000, Computer Methods in Applied Mechanics and Engineering 190): at
+    mid-step, a long step could enter the wall without loss and be thrown out with a gain. With h2 = 0 it is the force
+    at this instant.
     """
     off = aside(wall.bore.axis, here.place, here.x, here.y, here.z)
-    square = off.x * off.x + off.y * off.y + off.z * off.z
     clearance = wall.bore.clearance[here.place]
-    if square <= clearance * clearance:
+    away = off.tx * here.vx + off.ty * here.vy + off.tz * here.vz
+    wx, wy, wz = h2 * (here.vx - away * off.tx), h2 * (here.vy - away * off.ty), h2 * (here.vz - away * off.tz)
+    ax, ay, az = off.x - wx, off.y - wy, off.z - wz
+    bx, by, bz = off.x + wx, off.y + wy, off.z + wz
+    square, later = ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz
+    before, after = np.sqrt(square), np.sqrt(later)
+    if max(before, after) <= clearance:
         return Touch(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-    radius = np.sqrt(square)
+    radius = max(np.sqrt(off.x * off.x + off.y * off.y + off.z * off.z), SMALLEST)
     nx, ny, nz = off.x / radius, off.y / radius, off.z / radius
-    depth = radius - clearance
-    # no branches from here on: numba would then count references to the arrays at every place, on the wall or off it
-    factor = max(1.0 + wall.damping * (nx * here.vx + ny * here.vy + nz * here.vz), 0.0)
-    root = wall.linear + (1.0 - wall.linear) * np.sqrt(depth)
-    spring = wall.stiffness * depth * root
-    loss_slope = spring * wall.damping
-    slope = h2 * (1.5 - 0.5 * wall.linear) * wall.stiffness * root * factor + loss_slope
+    spring, steeper = mean_force(wall.stiffness, wall.linear, before - clearance, after - clearance)
+    # what the chord between the ends makes of the middle's normal
+    chord = 2.0 * radius / (before + after)
+    closing = chord * (nx * here.vx + ny * here.vy + nz * here.vz)
+    factor = max(1.0 + wall.damping * closing, 0.0)
+    lossy = wall.damping if factor > 0.0 else 0.0
+    force = spring * factor * chord
+    # the force grows along the normal at the end of the step and, through the chord, along the middle's
+    share = 2.0 * h2 / (before + after)
+    growth = chord * (2.0 * h2 * steeper * factor + spring * lossy) - share * force
+    along = (bx * nx + by * ny + bz * nz) / after
     around = (
-        (off.ty * nz - off.tz * ny) * here.vx + (off.tz * nx - off.tx * nz) * here.vy
-        + (off.tx * ny - off.ty * nx) * here.vz
-    )  # fmt: skip
-    swing = h2 * loss_slope * around / radius
-    return Touch(spring * factor, slope, swing, radius, nx, ny, nz, off.tx, off.ty, off.tz)
+        bx * (off.ty * nz - off.tz * ny) + by * (off.tz * nx - off.tx * nz) + bz * (off.tx * ny - off.ty * nx)
+    ) / after
+    return Touch(
+        force, growth * along + share * spring * factor, growth * around, radius, nx, ny, nz, off.tx, off.ty, off.tz
+    )
+
+
+@kernel
+def lost(parameters: Any, here: Point, h2: float) -> float:
+    """Power per length that goes into heat [W/m]: what the wall presses beyond its spring, times how fast it yields."""
+    wall = parameters.wall
+    at = press(wall, here, h2)
+    spring = press(Parameters(wall.bore, wall.lever, wall.stiffness, wall.linear, 0.0), here, h2).force
+    return float((at.force - spring) * (at.nx * here.vx + at.ny * here.vy + at.nz * here.vz))
 
 
 @kernel

@@ -11,10 +11,21 @@ from drill_twin.frame import Frame, RigState
 from drill_twin.messages.cdr import ClockTemplate, Float64Template, JointStateTemplate, PoseArrayTemplate
 from drill_twin.messages.decode import JointState
 from drill_twin.messages.definitions import message, serialize
-from drill_twin.messages.markers import MarkerArrayTemplate, StringGeometry, default_exaggeration
+from drill_twin.messages.finite import finite_number, finite_only
+from drill_twin.messages.geometry import StringGeometry, default_exaggeration
+from drill_twin.messages.markers import MarkerArrayTemplate
 from drill_twin.messages.pose import orientation
 from drill_twin.messages.stamps import stamp_ns
-from drill_twin.messages.topics import STRING
+from drill_twin.messages.topics import (
+    MARKS_STATE,
+    RIG_COMMAND,
+    RIG_STATE,
+    RPS_COMMAND,
+    STRING,
+    STRING_MARKERS,
+    STRING_POSES,
+    WOB_COMMAND,
+)
 from drill_twin.schedule.command import Command
 
 Array = NDArray[np.float64]
@@ -27,7 +38,11 @@ _TURN = 2.0 * np.pi
 
 
 class CommandEncoder:
-    """Set-points to `/rig/command`, `/rig/wob_command` and `/rig/rps_command`."""
+    """Set-points to `/rig/command`, `/rig/wob_command` and `/rig/rps_command`.
+
+    Raises:
+        MessageError: from any of them, for a set-point that is not finite.
+    """
 
     def __init__(self) -> None:
         self._both = JointStateTemplate(COMMAND_JOINTS)
@@ -35,20 +50,25 @@ class CommandEncoder:
 
     def command(self, stamp: int, command: Command) -> bytes:
         """Both set-points at a stamp [ns], as a JointState; what is not a set-point is NaN."""
-        unset = (np.nan, np.nan)
-        return self._both.fill(stamp, unset, (np.nan, command.rotation), (command.weight_on_bit, np.nan))
+        weight = finite_number(RIG_COMMAND, "weight on bit", command.weight_on_bit)
+        rotation = finite_number(RIG_COMMAND, "rotation", command.rotation)
+        return self._both.fill(stamp, (np.nan, np.nan), (np.nan, rotation), (weight, np.nan))
 
     def wob_command(self, command: Command) -> bytes:
         """Weight on bit [N] as a Float64."""
-        return self._one.fill(command.weight_on_bit)
+        return self._one.fill(finite_number(WOB_COMMAND, "weight on bit", command.weight_on_bit))
 
     def rps_command(self, command: Command) -> bytes:
         """Top-drive speed [rev/s] as a Float64."""
-        return self._one.fill(command.rotation / _TURN)
+        return self._one.fill(finite_number(RPS_COMMAND, "rotation", command.rotation) / _TURN)
 
 
 class TwinEncoder:
-    """Frames of one scene to the topics of the simulator; sizes are fixed by the geometry."""
+    """Frames of one scene to the topics of the simulator; sizes are fixed by the geometry.
+
+    Raises:
+        MessageError: from any of them, for a frame with a number that is not finite.
+    """
 
     def __init__(self, geometry: StringGeometry) -> None:
         self._geometry = geometry
@@ -65,6 +85,8 @@ class TwinEncoder:
     def poses(self, frame: Frame) -> bytes:
         """`/string/poses`."""
         turned = orientation(frame.tangents, frame.spin, self._quaternions)
+        finite_only(STRING_POSES, frame.positions)
+        finite_only(STRING_POSES, turned)
         return self._poses.fill(stamp_ns(frame.time), frame.positions, turned)
 
     def marks(self, frame: Frame) -> bytes:
@@ -75,17 +97,21 @@ class TwinEncoder:
         outwards = marks.centre[:, :2]
         radius = np.maximum(np.hypot(outwards[:, 0], outwards[:, 1]), np.finfo(float).tiny)
         effort[:, :2] = -(marks.wall_force / radius)[:, None] * outwards
+        finite_only(MARKS_STATE, self._mark_values)
         return self._mark_state.fill(stamp_ns(frame.time), *self._mark_values.reshape(3, -1))
 
     def rig_state(self, frame: Frame) -> bytes:
         """`/rig/state`."""
         rig = frame.rig
-        return self._rig.fill(
-            stamp_ns(frame.time),
-            (rig.top_drive_angle, rig.bit_angle, rig.block_position, rig.bit_angle),
-            (rig.top_drive_speed, rig.bit_speed, rig.block_velocity, rig.bit_speed),
-            (rig.top_drive_torque, rig.bit_force, rig.hookload, rig.bit_torque),
+        values = np.array(
+            (
+                (rig.top_drive_angle, rig.bit_angle, rig.block_position, rig.bit_angle),
+                (rig.top_drive_speed, rig.bit_speed, rig.block_velocity, rig.bit_speed),
+                (rig.top_drive_torque, rig.bit_force, rig.hookload, rig.bit_torque),
+            )
         )
+        finite_only(RIG_STATE, values)
+        return self._rig.fill(stamp_ns(frame.time), *values)
 
     def markers(self, frame: Frame, exaggeration: float | None = None) -> bytes:
         """`/string/markers`, lateral motion exaggerated by a factor (none: `default_exaggeration`)."""
@@ -93,6 +119,8 @@ class TwinEncoder:
         if self._picture is None or wanted != self._exaggeration:
             self._exaggeration = wanted
             self._picture = MarkerArrayTemplate(self._geometry, wanted)
+        for values in (frame.positions, frame.marks.position, frame.wall_force):
+            finite_only(STRING_MARKERS, values)
         return self._picture.fill(stamp_ns(frame.time), frame.positions, frame.marks.position, frame.wall_force)
 
     def clock(self, time: float) -> bytes:

@@ -9,7 +9,6 @@ contacts.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,13 +16,14 @@ from numpy.typing import NDArray
 
 from drill_twin.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.messages.definitions import message
+from drill_twin.messages.geometry import StringGeometry, Widened
 from drill_twin.messages.topics import FRAME_ID, MARKER_ARRAY
 
 Array = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
 
 _SPHERE, _CYLINDER, _LINE_STRIP, _LINE_LIST, _SPHERE_LIST, _TEXT = 2, 3, 4, 5, 7, 9
-_RING_SEGMENTS = 32
+_JOINTS = 25  # of the wall of a curved hole
 
 # Okabe and Ito's palette, told apart by colour-blind eyes too.
 _STEEL: Colour = (0.35, 0.35, 0.38, 1.0)
@@ -41,38 +41,11 @@ _LIGHT_TOUCH = np.array((0.94, 0.89, 0.26, 1.0), np.float32)
 _HARD_TOUCH = np.array((0.84, 0.15, 0.00, 1.0), np.float32)
 
 
-@dataclass(frozen=True)
-class StringGeometry:
-    """What the picture needs to know of a scene; lengths in metres."""
-
-    node_count: int
-    """Nodes of the string, n + 1."""
-    mark_names: tuple[str, ...]
-    """Names of the marks."""
-    mark_distances: tuple[float, ...]
-    """Distances of the marks from the bit [m]."""
-    length: float
-    """Length of the string [m]."""
-    outer_radius: float
-    """Outer radius of the string [m], the largest where it changes."""
-    hole_radius: float
-    """Radius of the hole [m]."""
-    contact_force: float = 10.0
-    """Wall force [N] whose colour is half way between a light and a hard touch."""
-
-
-def default_exaggeration(geometry: StringGeometry) -> float:
-    """Factor (1, 2 or 5 times a power of ten) that draws the hole about a tenth as wide as it is long."""
-    wanted = max(geometry.length / (20.0 * geometry.hole_radius), 1.0)
-    decade = 10.0 ** np.floor(np.log10(wanted))
-    return float(min((step * decade for step in (1.0, 2.0, 5.0, 10.0)), key=lambda step: abs(np.log(step / wanted))))
-
-
 class MarkerArrayTemplate:
     """visualization_msgs/MarkerArray of one string, drawn with one factor of lateral exaggeration."""
 
     def __init__(self, geometry: StringGeometry, exaggeration: float) -> None:
-        self._scale = np.array((exaggeration, exaggeration, 1.0))
+        self._widened = Widened(geometry, exaggeration)
         self._half_force = geometry.contact_force
         nodes, marks = geometry.node_count, len(geometry.mark_names)
         line, centres = sentinels(3 * nodes, 1), sentinels(3 * marks, 2)
@@ -81,7 +54,7 @@ class MarkerArrayTemplate:
         mark_size = max(1.5 * thickness, 0.01 * geometry.length)
         markers = [
             _marker("string", 0, _LINE_STRIP, _STEEL, (thickness, 0.0, 0.0), points=line),
-            *_hole(geometry, exaggeration),
+            *_hole(geometry, self._widened, exaggeration),
             *(
                 _marker("marks", i, _SPHERE, _MARKS[i % len(_MARKS)], (mark_size,) * 3, position=centre)
                 for i, centre in enumerate(centres.reshape(marks, 3))
@@ -105,9 +78,9 @@ class MarkerArrayTemplate:
             wall_force: Normal wall force at the nodes [N], shape (n + 1,). Nodes without any are drawn
                 transparent, at the top clamp, because the number of points is fixed.
         """
-        drawn = positions * self._scale
+        drawn = self._widened.nodes(positions)
         self._line[:] = drawn
-        for view, mark in zip(self._marks, mark_positions * self._scale, strict=True):
+        for view, mark in zip(self._marks, self._widened.marks(mark_positions), strict=True):
             view[:] = mark
         touching = wall_force > 0.0
         self._spots[:] = drawn * touching[:, None]
@@ -119,19 +92,20 @@ class MarkerArrayTemplate:
         return self._template.stamped(stamp)
 
 
-def _hole(geometry: StringGeometry, exaggeration: float) -> list[Any]:
-    """The wall: a transparent cylinder, and rings at both ends and at every mark."""
+def _hole(geometry: StringGeometry, widened: Widened, exaggeration: float) -> list[Any]:
+    """The wall: transparent, and rings at both ends and at every mark; where it is curved, a ring at every joint."""
     radius, length = exaggeration * geometry.hole_radius, geometry.length
-    middle = np.array((0.0, 0.0, -0.5 * length))
-    angle = np.linspace(0.0, 2.0 * np.pi, _RING_SEGMENTS + 1)
-    circle = np.stack((radius * np.cos(angle), radius * np.sin(angle), np.zeros_like(angle)), axis=1)
-    segments = np.stack((circle[:-1], circle[1:]), axis=1).reshape(-1, 3)
-    heights = sorted({0.0, -length, *(distance - length for distance in geometry.mark_distances)})
-    rings = np.concatenate([segments + np.array((0.0, 0.0, height)) for height in heights])
-    return [
-        _marker("hole", 0, _CYLINDER, _ROCK, (2.0 * radius, 2.0 * radius, length), position=middle),
-        _marker("hole", 1, _LINE_LIST, _RING, (0.05 * radius, 0.0, 0.0), points=rings.ravel()),
-    ]
+    depths = {0.0, length, *(length - distance for distance in geometry.mark_distances)}
+    if geometry.axis_at is None:
+        middle = np.array((0.0, 0.0, -0.5 * length))
+        wall = _marker("hole", 0, _CYLINDER, _ROCK, (2.0 * radius, 2.0 * radius, length), position=middle)
+    else:
+        along = np.linspace(0.0, length, _JOINTS)
+        depths |= set(along.tolist())
+        centres = geometry.axis_at(along).centre
+        wall = _marker("hole", 0, _LINE_STRIP, _ROCK, (2.0 * radius, 0.0, 0.0), points=centres.ravel())
+    rings = widened.rings(np.array(sorted(depths)))
+    return [wall, _marker("hole", 1, _LINE_LIST, _RING, (0.05 * radius, 0.0, 0.0), points=rings.ravel())]
 
 
 def _label(geometry: StringGeometry, exaggeration: float) -> Any:

@@ -139,7 +139,8 @@ _ROWS = (
         DIAGNOSTIC_ARRAY,
         "all nodes",
         "1 Hz",
-        "health of each node: real-time factor, step cost, guard events, age of the command, refused input",
+        "health of each node: real-time factor, step cost by effect, guard events, age of the command, refused input, "
+        "messages unread and dropped",
     ),
     Topic(
         CLOCK_TOPIC,

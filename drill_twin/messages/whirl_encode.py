@@ -16,7 +16,8 @@ from drill_twin.errors import MessageError
 from drill_twin.messages.cdr import JointStateTemplate
 from drill_twin.messages.decode import JointState
 from drill_twin.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics, exact
-from drill_twin.messages.topics import FRAME_ID
+from drill_twin.messages.finite import not_infinite
+from drill_twin.messages.topics import FRAME_ID, WHIRL_STATE
 
 Array = NDArray[np.float64]
 
@@ -89,10 +90,14 @@ class WhirlStateEncoder:
         confidence: ArrayLike,
     ) -> bytes:
         """CDR of `/whirl/state` at a stamp [ns]; radius [m], precession [rev/s], ratio, confidence, shape
-        (m,) each.
+        (m,) each; NaN where one is not known.
+
+        Raises:
+            MessageError: One is infinite.
         """
         for column, values in enumerate((orbit_radius, precession, ratio, confidence)):
             self._values[:, column] = values
+        not_infinite(WHIRL_STATE, self._values)
         return self._template.fill(stamp, self._values.ravel())
 
 

@@ -22,8 +22,9 @@ from drill_twin.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
-from drill_twin.nodes.base import TwinNode, run_node
+from drill_twin.nodes.base import TwinNode
 from drill_twin.nodes.parameters import Parameter, Value
+from drill_twin.nodes.running import run_node
 from drill_twin.nodes.start import StopRequest
 
 _DEPTH = 1000  # messages; 5 s at 200 Hz

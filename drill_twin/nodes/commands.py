@@ -3,23 +3,22 @@
 
 One source has the say. Whoever publishes `/rig/command` (both set-points, stamped) is followed; the single values on
 `/rig/wob_command` and `/rig/rps_command` are taken only while nobody does. The rig driver also echoes its set-points
-on the single-value topics. DDS does not tell a Python subscriber who sent a message, so an echo is known by its
-value: it is bit for bit one of the last commands. A single value that is none, while a driver has the say, comes from
-somebody else: it is counted and reported, not followed.
+on the single-value topics (`echoes`). A single value that is no echo, while a driver has the say, comes from somebody
+else: it is counted and reported, not followed.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+from drill_twin.nodes.echoes import Echoes
 from drill_twin.schedule.command import Command
 
-_REMEMBERED = 1000  # commands, 5 s at 200 Hz
-_GRACE = 0.5  # s for the command of an echo to arrive
+_RECENT = 5.0  # s; for so long a stray value is news
 _TURN = 2.0 * math.pi
 
 
@@ -75,8 +74,7 @@ class CommandDesk:
         self._applied = first
         self._last_time: float | None = None
         self._both_time: float | None = None
-        self._recent: deque[Command] = deque(maxlen=_REMEMBERED)
-        self._doubtful: deque[tuple[float, str, float]] = deque(maxlen=_REMEMBERED)
+        self._echoes = Echoes()
         self.last_stamp = -1
         """Stamp [ns] of the last `/rig/command`, followed or refused; what lockstep waits for."""
         self.accepted = 0
@@ -85,8 +83,6 @@ class CommandDesk:
         """Commands refused, by kind: not_finite, out_of_range, malformed."""
         self.last_refusal = ""
         """The last refusal, in words."""
-        self.from_others = 0
-        """Single values from somebody else while a driver had the say."""
 
     def rule(self, limits: Limits, silence: Silence) -> None:
         """Go by other limits from now on."""
@@ -103,27 +99,27 @@ class CommandDesk:
         """A `/rig/command` with its stamp [ns]."""
         self.last_stamp = stamp
         self._both_time = self._clock()
-        self._recent.append(command)
+        self._echoes.command(command)
         self._judge(command)
 
     def weight_on_bit(self, value: float, *, driver_present: bool) -> None:
         """A `/rig/wob_command` [N]."""
-        self._single("weight_on_bit", value, value, driver_present=driver_present)
+        if driver_present and not self._driver_is_silent():
+            self._echoes.weight_on_bit(self._clock(), value)
+        else:
+            self._judge(replace(self._good, weight_on_bit=value))
 
     def speed(self, value: float, *, driver_present: bool) -> None:
         """A `/rig/rps_command` [rev/s]."""
-        self._single("rotation", value, value * _TURN, driver_present=driver_present)
+        if driver_present and not self._driver_is_silent():
+            self._echoes.speed(self._clock(), value)
+        else:
+            self._judge(replace(self._good, rotation=value * _TURN))
 
     def malformed(self, reason: str) -> None:
         """A message that holds no command."""
         self.refused["malformed"] += 1
         self.last_refusal = reason
-
-    def _single(self, field: str, sent: float, value: float, *, driver_present: bool) -> None:
-        if driver_present and not self._driver_is_silent():
-            self._doubtful.append((self._clock(), field, sent))
-        else:
-            self._judge(replace(self._good, **{field: value}))
 
     def _driver_is_silent(self) -> bool:
         return self._both_time is not None and self._clock() - self._both_time > self._silence.timeout
@@ -176,15 +172,17 @@ class CommandDesk:
 
     def settle_doubts(self) -> None:
         """Decide which single values were echoes; call about once a second."""
-        echoes = {
-            "weight_on_bit": {command.weight_on_bit for command in self._recent},
-            "rotation": {command.rotation / _TURN for command in self._recent},
-        }
-        not_finite = any(not math.isfinite(c.weight_on_bit) or not math.isfinite(c.rotation) for c in self._recent)
-        while self._doubtful and self._clock() - self._doubtful[0][0] > _GRACE:
-            _, field, sent = self._doubtful.popleft()
-            if sent not in echoes[field] and not (not_finite and not math.isfinite(sent)):
-                self.from_others += 1
+        self._echoes.settle(self._clock())
+
+    @property
+    def from_others(self) -> int:
+        """Single values from somebody else while a driver had the say."""
+        return self._echoes.strangers
+
+    @property
+    def others_speak(self) -> bool:
+        """Whether somebody else spoke a moment ago, while a driver had the say."""
+        return self._clock() - self._echoes.last_stranger < _RECENT
 
 
 def _towards(value: float, target: float, distance: float) -> float:

@@ -9,13 +9,14 @@ from __future__ import annotations
 import argparse
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drill_twin.errors import BagError, DrillTwinError, RunError
+from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.nodes.demo_result import check_bag, draw_report
+from drill_twin.nodes.processes import processes
 from drill_twin.nodes.start import StopRequest
 
 _STARTING = 150.0  # s to compile and connect
@@ -71,7 +72,7 @@ def run_demo(options: DemoOptions, stop: StopRequest) -> None:
             f"stopped before it was over; the nodes ended in order, the bag so far is {options.out / 'bag_0'}"
         )
     check_bag(options.out / "bag_0")
-    _report(options.out, console)
+    draw_report(options.out, console)
 
 
 def prepare_folder(options: DemoOptions) -> None:
@@ -132,32 +133,6 @@ def _commands(options: DemoOptions, duration: float) -> dict[str, Mapping[str, o
     }
 
 
-@contextmanager
-def processes(
-    commands: Mapping[str, Mapping[str, object]], environment: Mapping[str, str], logs: Path
-) -> Iterator[dict[str, Any]]:
-    """The nodes as child processes; ended in order when the block is left, whatever ends it.
-
-    Raises:
-        RunError: On leaving without another error: a node ended with another exit code than 0.
-    """
-    from drill_twin.nodes.processes import Child
-
-    children = {
-        node: Child(node, parameters, environment, logs / f"{node}.log") for node, parameters in commands.items()
-    }
-    try:
-        yield children
-    finally:
-        codes = {node: child.end() for node, child in children.items()}
-    for node, code in codes.items():
-        if code:
-            raise RunError(
-                f"{node} ended with exit code {code}; its log, {children[node].log}, ends with\n"
-                f"{children[node].last_words()}"
-            )
-
-
 def _drill(options: DemoOptions, duration: float, console: Any, stop: StopRequest) -> None:
     """Run the nodes until the simulator is done."""
     environment = dict(os.environ, PYTHONUNBUFFERED="1")
@@ -174,7 +149,7 @@ def _watch(children: Mapping[str, Any], duration: float, console: Any, stop: Sto
     # Imported after the children were started: a fork must not meet the threads of DDS.
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    from drill_twin.nodes.base import initialised
+    from drill_twin.nodes.running import initialised
     from drill_twin.nodes.watcher import Watcher
 
     context = initialised([], stop)
@@ -224,63 +199,6 @@ class Patience:
         limit = _LOST_DRIVER if simulated else _STARTING
         if now - self._since > limit:
             raise RunError(f"simulated time has stood at {simulated:.2f} s for {limit:g} s; see the logs of the nodes")
-
-
-# --- the result -------------------------------------------------------------------------------------------------------
-
-
-def check_bag(folder: Path) -> None:
-    """See that the bag is whole and holds every topic of the contract.
-
-    Raises:
-        RunError: It does not.
-    """
-    from drill_twin.bag.reader import Bag
-    from drill_twin.messages.topics import TOPICS
-
-    try:
-        bag = Bag(folder)
-    except BagError as error:
-        raise RunError(str(error)) from error
-    missing = [name for name in TOPICS if name not in bag.topics or not bag.topics[name].count]
-    if missing:
-        raise RunError(f"{folder}: expected every topic of the contract, found no message on {', '.join(missing)}")
-    if bag.truncated:
-        raise RunError(f"{folder}: expected a whole bag, found {'; '.join(bag.damage)}")
-
-
-def _report(out: Path, console: Any) -> None:
-    import json
-
-    from rich.table import Table
-
-    from drill_twin.report import build_report
-
-    with console.status("drawing the report"):
-        build_report(out / "bag_0", out)
-    summary = json.loads((out / "summary.json").read_text("utf-8"))
-    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    for name, value in _findings(summary):
-        table.add_row(name, value)
-    console.print(table)
-    console.print(
-        f"[bold]{out / 'report.html'}[/]  (bag: {out / 'bag_0'}, figures: {out}/*.png, {out / 'summary.json'})"
-    )
-
-
-def _findings(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """The findings worth a line, in words."""
-
-    def number(key: str, form: str) -> str:
-        value = summary.get(key)
-        return "none" if value is None else form.format(value)
-
-    yield "onset of whirl", number("onset_s", "{:.2f} s")
-    yield "whirl frequency", number("whirl_frequency_hz", "{:+.3f} Hz")
-    yield "precession ratio", number("precession_ratio", "{:+.3f}")
-    for mark, radius in (summary.get("max_radius_m") or {}).items():
-        yield f"largest radius at {mark}", "none" if radius is None else f"{radius * 1e3:.1f} mm"
-    yield "real-time factor", number("realtime_factor", "{:.1f}")
 
 
 # --- the command ------------------------------------------------------------------------------------------------------

@@ -12,9 +12,10 @@ from drill_twin.messages.decode import JointStateReader, read_float64
 from drill_twin.messages.encode import read_command
 from drill_twin.messages.stamps import stamp_ns
 from drill_twin.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
-from drill_twin.nodes.base import TwinNode
+from drill_twin.nodes.base import NOT_NAMED_YET, TwinNode
 from drill_twin.nodes.commands import CommandDesk, Silence
 from drill_twin.nodes.limits import limits_for
+from drill_twin.nodes.wire import relative
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 
@@ -40,6 +41,7 @@ class Inbox:
         """
         self._node, self._scene, self._first, self._now = node, scene, first, now
         self._read_command = JointStateReader().read
+        self._drivers_topic = node.resolve_topic_name(relative(RIG_COMMAND))
         self._went_back = False
         self.desk = CommandDesk(*self._rules(), first)
 
@@ -61,10 +63,15 @@ class Inbox:
             self.desk.go_on_with(command)
 
     def sources(self) -> list[str]:
-        """Who commands: all publishers of `/rig/command`, and those of single values who are none of these."""
-        drivers = self._node.publishers_of(RIG_COMMAND)
-        singles = {*self._node.publishers_of(WOB_COMMAND), *self._node.publishers_of(RPS_COMMAND)} - set(drivers)
-        return [*drivers, *sorted(singles)]
+        """Who commands: all publishers of `/rig/command`, and those of single values who are none of these.
+
+        A driver announces `/rig/command` first, so it is asked for last: else one that comes in between would look
+        like somebody with single values.
+        """
+        of = self._node.publishers_of
+        singles = {*of(WOB_COMMAND), *of(RPS_COMMAND)}
+        drivers = of(RIG_COMMAND)
+        return [name for name in (*drivers, *sorted(singles - set(drivers))) if name != NOT_NAMED_YET]
 
     def _rules(self) -> tuple[Any, Silence]:
         settings: SimpleNamespace = self._node.settings
@@ -103,5 +110,4 @@ class Inbox:
         except MessageError as error:
             self.desk.malformed(str(error))
             return
-        topic = self._node.resolve_topic_name(RIG_COMMAND.lstrip("/"))
-        deliver(value, driver_present=self._node.count_publishers(topic) > 0)
+        deliver(value, driver_present=self._node.count_publishers(self._drivers_topic) > 0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Real-time pacing: frames at their wall-clock times, and what happens when the machine cannot keep up."""
+"""Wall time: frames at their times, what happens when the machine cannot keep up, and what is due once a while."""
 
 from __future__ import annotations
 
@@ -44,3 +44,19 @@ class Pacer:
             return
         while (left := self._deadline - time.monotonic()) > 0.0:
             time.sleep(min(left, _LONGEST_SLEEP))
+
+
+class Tick:
+    """True once every `period` seconds of wall time."""
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._next = time.monotonic()
+
+    def due(self) -> bool:
+        """Whether the period has passed since it was last due."""
+        now = time.monotonic()
+        if now < self._next:
+            return False
+        self._next = max(self._next + self._period, now)
+        return True

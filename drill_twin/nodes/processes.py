@@ -7,7 +7,8 @@ import ctypes
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from drill_twin.errors import RunError
@@ -90,3 +91,27 @@ def _yaml(value: object) -> str:
 
 def _end_with_parent() -> None:
     ctypes.CDLL(None, use_errno=True).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGTERM)
+
+
+@contextmanager
+def processes(
+    commands: Mapping[str, Mapping[str, object]], environment: Mapping[str, str], logs: Path
+) -> Iterator[dict[str, Child]]:
+    """The nodes as child processes; ended in order when the block is left, whatever ends it.
+
+    Raises:
+        RunError: On leaving without another error: a node ended with another exit code than 0.
+    """
+    children = {
+        node: Child(node, parameters, environment, logs / f"{node}.log") for node, parameters in commands.items()
+    }
+    try:
+        yield children
+    finally:
+        codes = {node: child.end() for node, child in children.items()}
+    for node, code in codes.items():
+        if code:
+            raise RunError(
+                f"{node} ended with exit code {code}; its log, {children[node].log}, ends with\n"
+                f"{children[node].last_words()}"
+            )

@@ -12,9 +12,11 @@ from rclpy.context import Context
 from drill_twin.messages.cdr import ClockTemplate
 from drill_twin.messages.diagnostics import Level, Status
 from drill_twin.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS, TWIN_SCENE
-from drill_twin.nodes.base import TwinNode, run_node
+from drill_twin.nodes.base import TwinNode
 from drill_twin.nodes.parameters import Parameter, ParameterError, Value
+from drill_twin.nodes.running import run_node
 from drill_twin.nodes.start import StopRequest
+from drill_twin.nodes.waiting import wait_for_nodes
 
 _DISCOVERY = 0.6  # s; a living node has been found by then
 _LONGEST_WAIT = 0.05  # s
@@ -38,6 +40,11 @@ class Replayer(TwinNode):
         ),
         Parameter("topics", "", 'topics to replay, separated by spaces; "": all of the contract that the bag holds'),
         Parameter(
+            "map",
+            "",
+            "topics of the bag that have other names than ours, as /camera/marks=/marks/state, separated by spaces",
+        ),
+        Parameter(
             "leave_out", "", "topics not to replay, as /whirl/state /whirl/motion /whirl/onset for a new analysis"
         ),
         Parameter(
@@ -57,12 +64,12 @@ class Replayer(TwinNode):
 
     def open(self) -> None:
         """Open the bag and announce its topics."""
-        from drill_twin.bag.reader import Bag
+        from drill_twin.bag.mapped import MappedBag, names_from
 
         settings = self.settings
         if not settings.bag:
             raise ParameterError("parameter bag: expected the path of a bag, found none; add -p bag:=PATH")
-        self._bag = Bag(settings.bag)
+        self._bag = MappedBag(settings.bag, names_from(settings.map.split(), "parameter map"))
         self._topics = self._chosen()
         for topic in self._topics:
             if topic != DIAGNOSTICS:  # announced by every node
@@ -96,7 +103,7 @@ class Replayer(TwinNode):
         discovered = time.monotonic() + _DISCOVERY
         while not stop and (time.monotonic() < discovered or self.readers_not_matched()):
             self.listen_for(0.05)
-        self.wait_for_nodes(self.settings.wait_for, self.settings.wait_timeout, stop)
+        wait_for_nodes(self, self.settings.wait_for, self.settings.wait_timeout, stop)
         self._turns = self._play()
         super().run(stop)
 

@@ -20,12 +20,14 @@ from drill_twin.messages.diagnostics import Level, Status
 from drill_twin.messages.encode import CommandEncoder
 from drill_twin.messages.stamps import NANOSECONDS, seconds
 from drill_twin.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
-from drill_twin.nodes.base import TwinNode, run_node
+from drill_twin.nodes.base import TwinNode
 from drill_twin.nodes.changeover import Changeover, Plan
 from drill_twin.nodes.pacing import Pacer
 from drill_twin.nodes.parameters import Parameter, Value
+from drill_twin.nodes.running import run_node
 from drill_twin.nodes.scenes import OVERRIDES, SCENE, scene_of
 from drill_twin.nodes.start import StopRequest
+from drill_twin.nodes.waiting import wait_for_nodes
 from drill_twin.schedule.command import Command
 
 _QUIET = 0.1  # s
@@ -112,7 +114,7 @@ class RigDriver(TwinNode):
 
     def run(self, stop: StopRequest) -> None:
         """Wait for the others, then drive: a set-point sent before its readers are connected is lost to them."""
-        self.wait_for_nodes(self.settings.wait_for, self.settings.wait_timeout, stop)
+        wait_for_nodes(self, self.settings.wait_for, self.settings.wait_timeout, stop)
         self.settle(_QUIET)  # who joins late is sent old times first
         super().run(stop)
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from types import SimpleNamespace
 
 from drill_twin.nodes.parameters import Parameter, ParameterError
@@ -19,19 +20,43 @@ _PAIR = re.compile(r"\s*(?P<key>[^=\s][^=]*?)\s*=\s*(?P<value>.+?)\s*", re.DOTAL
 
 
 def scene_of(settings: SimpleNamespace) -> Scene:
-    """The scene that the parameters scene, overrides and, where a node has them, weight_on_bit, rotation, table name.
+    """The scene that the parameters scene, overrides and, where a node has them, weight_on_bit, rotation,
+    accuracy and table name.
 
     Raises:
         SceneError: It cannot be loaded.
         ParameterError: The overrides are none.
     """
     changes = _pairs(settings.overrides)
-    for parameter, key in (("weight_on_bit", "wob"), ("rotation", "rps")):
+    for parameter, key in (("weight_on_bit", "wob"), ("rotation", "rps"), ("accuracy", "accuracy")):
         if value := getattr(settings, parameter, ""):
             changes[key] = value
     if table := getattr(settings, "table", ""):
         changes |= _playing(load_scene(settings.scene, overrides=changes), table)
     return load_scene(settings.scene, overrides=changes)
+
+
+def resolved(scene: Scene, duration: float, say: Callable[[str], object]) -> Scene:
+    """The scene with elements and step, chosen where it asks for an accuracy; says what to expect.
+
+    Args:
+        scene: The scene.
+        duration: Simulated time of the run [s]; 0: as the scene says.
+        say: Called with a line.
+
+    Raises:
+        SceneError: That accuracy cannot be promised.
+    """
+    if scene.numerics.accuracy is None:
+        return scene
+    from drill_twin.study.accuracy import resolve
+    from drill_twin.study.cost.promise import kept
+
+    if kept(scene) is None:
+        say("no cost curve of this scene yet: measuring a small one")
+    plan = resolve(scene, duration=duration or None)
+    say(plan.sentence)
+    return plan.scene
 
 
 def _pairs(text: str) -> dict[str, str]:

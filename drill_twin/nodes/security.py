@@ -28,6 +28,7 @@ from drill_twin.messages.topics import (
     WHIRL_STATE,
     WOB_COMMAND,
 )
+from drill_twin.nodes.simulation_interfaces import SERVICES
 
 _OWN_SERVICES = (
     "~/describe_parameters",
@@ -47,6 +48,9 @@ _LIFECYCLE = (
     "~/get_transition_graph",
 )
 _CONTROLS = ("~/load_checkpoint", "~/pause", "~/reset", "~/resume", "~/save_checkpoint", "~/step")
+_STANDARD = tuple(f"~/{name}" for name in SERVICES)
+WHERE_INSTALLED = {"tf2_msgs": ("/tf", "/tf_static"), "simulation_interfaces": _STANDARD}
+"""Topics and services that the simulator has where these packages are installed; the wheels have neither."""
 _OF_EVERY_NODE = ("/parameter_events", "/rosout", DIAGNOSTICS)
 
 
@@ -67,9 +71,12 @@ class Rights:
 _READY = ("analyzer/ready", "recorder/ready", "simulator/ready")
 RIGHTS: dict[str, Rights] = {
     "simulator": Rights(
-        (RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, CLOCK_TOPIC, "~/transition_event"),
+        (
+            *(RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, CLOCK_TOPIC, "~/transition_event"),
+            *WHERE_INSTALLED["tf2_msgs"],
+        ),
         (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND),
-        (*_LIFECYCLE, *_CONTROLS),
+        (*_LIFECYCLE, *_CONTROLS, *_STANDARD),
     ),
     "rig_driver": Rights((RIG_COMMAND, WOB_COMMAND, RPS_COMMAND), (CLOCK_TOPIC,), (), _READY),
     "analyzer": Rights((WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET), (TWIN_SCENE, MARKS_STATE, RIG_STATE)),

@@ -28,6 +28,8 @@ def health_values(
         "simulated_time": f"{stage.twin.time:.6f}",
         "frames": str(stage.frames),
         **stage.cost.values(),
+        **stage.effect_cost.values(stage.cost.iteration),
+        **stage.drilled.values(),
         "overruns": str(pacer.overruns),
         "time_given_up": f"{pacer.given_up:.3f}",
         "elements": str(stage.twin.elements),
@@ -42,6 +44,7 @@ def health_values(
         "command_sources": ", ".join(sources),
         "commands_from_others": str(desk.from_others),
         **stage.omissions.values(),
+        **stage.interventions.values(),
         "checkpoint_time": "" if keeper.kept is None else f"{keeper.kept:.6f}",
     }
 
@@ -50,9 +53,12 @@ def verdict(
     settings: SimpleNamespace, stage: Stage, desk: CommandDesk, keeper: Keeper, sources: Sequence[str], *, waiting: bool
 ) -> tuple[Level, str]:
     """Level and sentence; what most needs a hand comes first."""
+    guard = stage.interventions
+    if guard.stopped:
+        return Level.ERROR, guard.stopped
     if waiting and not desk.heard:
         return Level.OK, "waiting for the first command"
-    if len(sources) > 1 or desk.from_others:
+    if len(sources) > 1 or desk.others_speak:
         others = "" if len(sources) > 1 else f"; {desk.from_others} single values from others were not followed"
         return Level.WARN, f"more than one source of commands: {', '.join(sources)}{others}"
     if desk.silent:
@@ -63,6 +69,8 @@ def verdict(
         return Level.WARN, f"no checkpoint: {keeper.trouble}"
     if desk.refused:
         return Level.WARN, f"commands were refused; the last: {desk.last_refusal}"
+    if guard.last:
+        return Level.WARN, guard.last
     if stage.omissions.found:
         return Level.WARN, stage.omissions.found[-1]
     return Level.OK, stage.cost.sentence()

@@ -17,6 +17,11 @@ PARAMETERS = (
         choices=("realtime", "fast", "lockstep"),
     ),
     Parameter("frame_rate", 0.0, "published frames per simulated second; 0: as the scene says", "Hz", 0.0, 1000.0),
+    Parameter(
+        "accuracy",
+        "",
+        'largest error before the onset, as "1 %": chooses elements and step (docs/accuracy.md); "": as the scene says',
+    ),
     Parameter("duration", 0.0, "simulated time after which the node ends; 0: runs until stopped", "s", 0.0, 1e6),
     Parameter(
         "autostart", True, "whether to configure and activate itself; else a lifecycle manager does (ros2 lifecycle)"

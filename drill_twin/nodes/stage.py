@@ -6,11 +6,15 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 
+from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from drill_twin.checkpoint import Checkpoint
-from drill_twin.cost import Cost
+from drill_twin.cost import Cost, EffectCost
+from drill_twin.drilled import Drilled
+from drill_twin.errors import RunError
 from drill_twin.frame import Frame
+from drill_twin.interventions import Interventions
 from drill_twin.messages.encode import TwinEncoder, encode_string
 from drill_twin.messages.topics import (
     CLOCK_TOPIC,
@@ -20,6 +24,7 @@ from drill_twin.messages.topics import (
     STRING_POSES,
     TWIN_SCENE,
 )
+from drill_twin.nodes.transforms import Transforms, tf_message
 from drill_twin.omissions import Omissions
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
@@ -33,10 +38,11 @@ TOPICS_OF_STAGE = (RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SC
 class Stage:
     """A twin and its audience."""
 
-    def __init__(self, scene: Scene, period: float, pace: str, send: Mapping[str, Publisher]) -> None:
+    def __init__(self, node: Node, scene: Scene, period: float, pace: str, send: Mapping[str, Publisher]) -> None:
         """Compile and build the twin.
 
         Args:
+            node: Whose stage it is.
             scene: What is drilled.
             period: Simulated time of a frame [s].
             pace: Pace of the simulator, for the description of the run.
@@ -44,9 +50,10 @@ class Stage:
         """
         self.scene = scene
         self.period = period
-        self.first = Command(scene.rig.weight_on_bit.initial, scene.rig.rotation.initial)
+        self.first = Command(*scene.rig.first)
         self.cost = Cost()
         self.omissions = Omissions(scene)
+        self.interventions = Interventions()
         self.frame: Frame | None = None
         self.frames = 0
         self._pace = pace
@@ -54,7 +61,17 @@ class Stage:
         # A first frame of another twin compiles the kernel: time must not stand still once it runs.
         Twin(scene).step(self.first, period)
         self.twin = Twin(scene)
-        self._encoder = TwinEncoder(string_geometry(scene, self.twin.elements))
+        self.effect_cost = EffectCost(self.twin)
+        self.drilled = Drilled(self.twin)
+        geometry = string_geometry(self.twin)
+        self._encoder = TwinEncoder(geometry)
+        kind = tf_message()
+        self._transforms = None if kind is None else Transforms(node, kind, geometry, scene.hole.top_inclination)
+
+    def retire(self) -> None:
+        """Take back what is published beside the topics of the contract."""
+        if self._transforms is not None:
+            self._transforms.retire()
 
     def announce(self) -> None:
         """Publish the run's description and its time: of a new run, or of one that goes on from a checkpoint."""
@@ -64,8 +81,11 @@ class Stage:
     def reset(self) -> None:
         """Begin again at time zero."""
         self.twin = Twin(self.scene)
+        self.effect_cost = EffectCost(self.twin)
+        self.drilled = Drilled(self.twin)
         self.frame, self.frames = None, 0
         self.omissions = Omissions(self.scene)
+        self.interventions = Interventions()
         self.announce()
 
     def go_on_from(self, checkpoint: Checkpoint) -> None:
@@ -75,12 +95,22 @@ class Stage:
             CheckpointError: It is of another scene.
         """
         checkpoint.restore(self.twin)
+        self.interventions = Interventions()
+        self.drilled = Drilled(self.twin)
         self.frames = round(self.twin.time / self.period)
 
     def advance(self, command: Command, *, picture: bool, exaggeration: float) -> None:
-        """Take a frame and publish it."""
+        """Take a frame and publish it.
+
+        Raises:
+            RunError: It could not be done; the twin is at the last good frame.
+        """
         begin = time.perf_counter()
-        frame = self.twin.step(command, self.period)
+        try:
+            frame = self.twin.step(command, self.period)
+        except RunError as error:
+            self.interventions.stopped = str(error)
+            raise
         stepped = time.perf_counter()
         send, encoder = self._send, self._encoder
         send[RIG_STATE].publish(encoder.rig_state(frame))
@@ -88,9 +118,12 @@ class Stage:
         send[STRING_POSES].publish(encoder.poses(frame))
         if picture:
             send[STRING_MARKERS].publish(encoder.markers(frame, exaggeration or None))
+            if self._transforms is not None:
+                self._transforms.publish(frame)
         # Last: who answers the clock can rely on the frame being out.
         send[CLOCK_TOPIC].publish(encoder.clock(frame.time))
         self.frame = frame
         self.frames += 1
         self.cost.add(self.period, stepped - begin, time.perf_counter() - stepped, frame)
         self.omissions.look(frame)
+        self.interventions.look(frame)

@@ -17,6 +17,7 @@ from drill_twin.errors import DrillTwinError, RunError
 
 NODES = ("simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin", "demo", "watch")
 """What can be started."""
+_REMINDER = 0.02  # s until a signal that came in mid-import is looked at again
 
 
 class Stopped(BaseException):
@@ -29,6 +30,7 @@ class StopRequest:
     def __init__(self) -> None:
         self._asked = False
         self._at_once = False
+        self._reminded = False
 
     def __bool__(self) -> bool:
         return self._asked
@@ -39,26 +41,43 @@ class StopRequest:
 
     def install(self) -> None:
         """Take over both signals; only the main thread of a process can."""
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):  # the last one is our own reminder
             signal.signal(number, self._on_signal)
 
     @contextmanager
     def at_once(self) -> Iterator[None]:
         """Within this block a signal raises Stopped: for long work that has nothing to put in order."""
-        if self._asked:
-            raise Stopped
         self._at_once = True
         try:
+            if self._asked:
+                raise Stopped
             yield
         finally:
             self._at_once = False
+            if self._reminded:  # it must not ring once the interpreter is gone
+                signal.setitimer(signal.ITIMER_REAL, 0.0)
+                self._reminded = False
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:
-        del number, frame
+        del number
         self._asked = True
-        if self._at_once:
-            self._at_once = False
-            raise Stopped
+        if not self._at_once:
+            return
+        if _imports(frame):
+            self._reminded = True
+            signal.setitimer(signal.ITIMER_REAL, _REMINDER)
+            return
+        self._at_once = False
+        raise Stopped
+
+
+def _imports(frame: FrameType | None) -> bool:
+    """Whether a module is being imported: an exception there can leave the lock of all imports locked for ever."""
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def start(node: str, arguments: Sequence[str] | None = None) -> int:

@@ -13,10 +13,11 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 from drill_twin.nodes.analyzer import Analyzer
-from drill_twin.nodes.base import TwinNode, asks_for_help, initialised, run_in_order
+from drill_twin.nodes.base import TwinNode
 from drill_twin.nodes.parameters import Parameter
 from drill_twin.nodes.recorder import Recorder
 from drill_twin.nodes.rig_driver import RigDriver
+from drill_twin.nodes.running import asks_for_help, initialised, run_in_order
 from drill_twin.nodes.security import readable_refusal
 from drill_twin.nodes.simulator import Simulator
 from drill_twin.nodes.start import StopRequest

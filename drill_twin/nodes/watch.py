@@ -21,7 +21,8 @@ from drill_twin.errors import DrillTwinError
 from drill_twin.messages.diagnostics import Level, Status
 from drill_twin.messages.encode import CommandEncoder
 from drill_twin.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_COMMAND
-from drill_twin.nodes.base import TwinNode, initialised, run_in_order
+from drill_twin.nodes.base import TwinNode
+from drill_twin.nodes.running import initialised, run_in_order
 from drill_twin.nodes.security import readable_refusal
 from drill_twin.nodes.start import StopRequest
 from drill_twin.schedule.command import Command

@@ -32,6 +32,8 @@ class Watcher(TwinNode):
         """Motion state of the string."""
         self.realtime_factor = 0.0
         """How many times as fast as real time the physics runs."""
+        self.simulator: dict[str, str] = {}
+        """What the simulator last said of itself."""
         self._on_change = on_change
         self._troubles: set[str] = set()
         self.listen(CLOCK_TOPIC, lambda raw, _: self._on_clock(raw))
@@ -63,6 +65,7 @@ class Watcher(TwinNode):
         for status in statuses:
             if "realtime_factor" in status.values:
                 self.realtime_factor = float(status.values["realtime_factor"])
+                self.simulator = dict(status.values)
             if (
                 status.level in {Level.WARN, Level.ERROR}
                 and (trouble := f"{status.name}: {status.text}") not in self._troubles

@@ -6,6 +6,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drill_twin.rod.unroll import unrolled
+from drill_twin.scene import Scene
+from drill_twin.solve.setting import survey_of
+
 Array = NDArray[np.float64]
 
 FINEST = 100
@@ -16,6 +20,21 @@ def tangents(orientation: Array) -> Array:
     """Unit tangents of poses: z turned by unit quaternions x y z w, shape (..., 4) -> (..., 3)."""
     x, y, z, w = np.moveaxis(orientation, -1, 0)
     return np.stack((2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)), axis=-1)
+
+
+def along_hole(scene: Scene, curves: Array) -> Array:
+    """Curves as seen along the hole: x and y off its axis, z minus the measured depth; a straight hole is so already.
+
+    Args:
+        scene: What is drilled.
+        curves: Places of the frame `hole` from the bit up [m], shape (T, k, 3).
+    """
+    line = survey_of(scene)
+    if line is None or not curves.size:
+        return curves
+    steps = np.linalg.norm(np.diff(curves[0], axis=0), axis=1)
+    up = np.concatenate(([0.0], np.cumsum(steps)))
+    return unrolled(line.at(scene.length * (1.0 - up / up[-1])), curves)
 
 
 def smooth(position: Array, tangent: Array) -> Array:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from drill_twin.bag.reader import Bag
 from drill_twin.errors import BagError, MessageError
+from drill_twin.interventions import GuardRecord
 from drill_twin.messages.decode import JointState, JointStateReader, read_pose_array, read_string
 from drill_twin.messages.diagnostics import decode_diagnostics
 from drill_twin.messages.encode import RIG_JOINTS, read_command, read_rig_state
@@ -34,7 +35,7 @@ from drill_twin.messages.topics import (
 from drill_twin.messages.whirl_encode import OnsetMessage, decode_onset
 from drill_twin.omissions import omissions_of
 from drill_twin.pipeline import WhirlPipeline, columns, speeds
-from drill_twin.report.curve import smooth, tangents
+from drill_twin.report.curve import along_hole, smooth, tangents
 from drill_twin.report.locate import bag_in, finite_number, no_samples, no_scene, run_block
 from drill_twin.report.selection import Selection, described, lacking, open_bag
 from drill_twin.report.track import Array, Track
@@ -162,6 +163,7 @@ class Recording:
         self.live = Live()
         self.realtime_factor: float | None = None
         self.left_out: list[str] = []
+        self.guard = GuardRecord()
         self._every, self._seen = max(1, -(-self._pose_count // SHAPES)), 0
         self._decoders = {topic: JointStateReader().read for topic in (MARKS_STATE, RIG_STATE, RIG_COMMAND)}
         self._found: dict[int, bytes] = {}
@@ -249,6 +251,7 @@ class Recording:
                 factor = finite_number(status.values["realtime_factor"])
                 self.realtime_factor = self.realtime_factor if factor is None else factor
                 self.left_out = omissions_of(status.values)
+                self.guard.take(status.values)
 
     # --- what the others ask --------------------------------------------------------------------------------------
 
@@ -285,9 +288,9 @@ class Recording:
         return self._pipeline.trouble
 
     def shapes(self) -> Array:
-        """Curves of the string [m] at the times of the poses, shape (T, k, 3), from the bit up."""
+        """Curves of the string along the hole [m] at the times of the poses, shape (T, k, 3), from the bit up."""
         values = self.poses.values
-        return smooth(values[:, 0], values[:, 1])
+        return along_hole(self.scene, smooth(values[:, 0], values[:, 1]))
 
     def centre_lines(self) -> NDArray[np.complex128]:
         """Centre line z = x + i y at the marks [m], the spin of wall marks taken off, shape (T, m)."""

@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drill_twin.bag.metadata import Recorded
+from drill_twin.bag.mapped import MappedBag
 from drill_twin.bag.reader import Bag
 from drill_twin.errors import BagError, MessageError
 from drill_twin.messages.decode import JointStateReader
@@ -41,45 +41,6 @@ class Selection:
     def holds(self, stamp: int) -> bool:
         """Whether a header stamp [ns] is within the chosen time."""
         return self.begin <= stamp * 1e-9 <= self.end
-
-
-class MappedBag(Bag):
-    """A bag whose topics have other names than ours."""
-
-    def __init__(self, path: str | Path, topics: Mapping[str, str]) -> None:
-        """Opens a bag; `topics` says what a topic of the bag is called here.
-
-        Raises:
-            BagError: As `Bag`; or the bag has no such topic, or already one of the name it would get.
-        """
-        self._ours = dict(topics)
-        super().__init__(path)
-
-    def _check_topics(self) -> None:
-        self.topics = renamed(self.topics, self._ours, str(self.path))
-        super()._check_topics()
-
-    def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
-        """As `Bag.messages`, under our names."""
-        theirs = {ours: name for name, ours in self._ours.items()}
-        wanted = None if topics is None else [theirs.get(topic, topic) for topic in topics]
-        for name, stamp, raw in super().messages(wanted):
-            yield self._ours.get(name, name), stamp, raw
-
-
-def renamed(found: Mapping[str, Recorded], ours: Mapping[str, str], where: str) -> dict[str, Recorded]:
-    """The topics of a bag under our names.
-
-    Raises:
-        BagError: The bag has no such topic, or already one of the name it would get.
-    """
-    for name, wanted in ours.items():
-        if name not in found:
-            raise BagError(f"{where}: expected the topic {name} to read as {wanted}, found {', '.join(sorted(found))}")
-        if wanted in found and found[wanted].count and wanted not in ours:
-            raise BagError(f"{where}: expected no topic {wanted} beside {name} that is to be read as it, found one")
-    kept = {name: topic for name, topic in found.items() if name not in ours and name not in ours.values()}
-    return kept | {wanted: found[name] for name, wanted in ours.items()}
 
 
 def open_bag(path: Path, selection: Selection) -> Bag:

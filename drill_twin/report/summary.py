@@ -39,6 +39,9 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `bit`, `stick_slip`: motion of the bit at the end, and its stretches of stick-slip; `bit_spectral_peak_hz`:
           the highest line in the spectrum of its speed.
         * `realtime_factor`: simulated time over the time the physics took.
+        * `guard`: how many frames were taken back and done again with a smaller step, each in words, and why the run
+          was stopped if it was.
+        * `energy`: the energy balance at the end [J], where the scene asks for it; `residual` as a share of `scale_J`.
         * `scene`, `effects`, `elements`, `step_s`, `seed`, `version`, `pace`, `started`: what was run.
         * `duration_s`, `samples`, `quality`, `truncated`, `damage`, `notes`: what there was to analyse.
         * `live`: the findings recorded while the twin ran, and whether these are the same.
@@ -72,6 +75,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
         "realtime_factor": bag.realtime_factor,
+        "guard": bag.guard.summary(),
+        "energy": bag.guard.energy or None,
         "elements": run.get("elements", bag.nodes - 1 if bag.nodes else None),
         "step_s": run.get("step_s"),
         "effects": list(run.get("effects", bag.scene.effect_names if bag.scene_known else ())),
@@ -135,6 +140,10 @@ def to_json(summary: dict[str, Any]) -> str:
 
 def _notes(bag: Recording) -> list[str]:
     notes = list(bag.left_out)
+    if bag.guard.stopped:
+        notes.append(f"the run was stopped: {bag.guard.stopped}")
+    elif bag.guard.count:
+        notes.append(f"the guard had {bag.guard.count} frames done again with a smaller step; see `guard`")
     if bag.rotation_from_spin and bag.places:
         notes.append("the bag holds no rig states: the rotation is taken from the spin of the marks")
     if bag.runs > 1:

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks across the parts of a scene: does the string fit the hole, do the effects go together."""
 
+import math
 from collections.abc import Iterator
 
-from drill_twin.effects import BitFriction, Eccentricity
+from drill_twin.effects.bit_friction import BitFriction
+from drill_twin.effects.eccentricity import Eccentricity
 from drill_twin.scene.effects import Effects
 from drill_twin.scene.hole import Hole
 from drill_twin.scene.part import refuse_at
@@ -11,6 +13,9 @@ from drill_twin.scene.string import Section, String
 
 TOGETHER = ("stretch", "torsion")
 """Effects whose unknowns come and go together: the string in space, or its lateral motion only."""
+
+STEEPEST_START = 0.5
+"""Largest slope of a string that starts off the axis."""
 
 
 def check(string: String, hole: Hole, effects: Effects) -> None:
@@ -25,6 +30,7 @@ def check(string: String, hole: Hole, effects: Effects) -> None:
     _imperfections_are_small(string, hole, effects)
     _mud_is_viscous(effects)
     _bit_can_slide(string, hole, effects)
+    _start_is_in_the_hole(string, hole, effects)
 
 
 def _string_fits_the_hole(string: String, hole: Hole) -> None:
@@ -141,4 +147,18 @@ def _bit_can_slide(string: String, hole: Hole, effects: Effects) -> None:
         raise refuse_at(
             ("effects", "bit_friction", "radius"),
             f"expected at most the radius of the hole ({hole.radius:.6g} m), found {effects.bit_friction.radius:.6g} m",
+        )
+
+
+def _start_is_in_the_hole(string: String, hole: Hole, effects: Effects) -> None:
+    kick = effects.lateral_kick
+    if kick is None or kick.offset == 0.0:
+        return
+    most = min(hole.radius, STEEPEST_START * string.length / math.pi)
+    if abs(kick.offset) > most or hole.survey:
+        found = "one beside a survey" if hole.survey else f"{kick.offset:.6g} m"
+        raise refuse_at(
+            ("effects", "lateral_kick", "offset"),
+            f"expected at most the radius of a straight hole and a slope of {STEEPEST_START:g} ({most:.6g} m), "
+            f"found {found}",
         )

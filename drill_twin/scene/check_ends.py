@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks of what acts on the two ends of the string: does it go with how they are held and driven."""
 
-from drill_twin.effects import BitSideForce
+from drill_twin.effects.bit_side_force import BitSideForce
 from drill_twin.scene.effects import Effects
 from drill_twin.scene.hole import Hole
 from drill_twin.scene.part import refuse_at
@@ -12,6 +12,8 @@ TORQUES = ("bit_friction", "bit_cutting", "bit_torque_tanh", "bit_torque_stribec
 """Effects that each give the whole torque of the rock."""
 CARRIERS = ("rock_floor", "bit_cutting")
 """Effects that carry a weight set at the top."""
+LARGEST_STRAIN = 0.05
+"""Axial strain that no load may ask for: steel yields at 0.5 %, polyamide at 3 %."""
 
 
 def check_ends(string: String, hole: Hole, rig: Rig, effects: Effects) -> None:
@@ -20,11 +22,28 @@ def check_ends(string: String, hole: Hole, rig: Rig, effects: Effects) -> None:
     Raises:
         ValidationError: names the place and both sides of the contradiction.
     """
+    _string_carries_the_load(string, rig, effects)
     _top_can_turn(rig, effects)
     _one_law_of_each(effects)
     _rock_carries_what_is_set_at_the_top(rig, effects)
     _stabiliser_is_at_the_bit(string, hole, effects)
     _force_moves_the_bit(string, effects)
+
+
+def _string_carries_the_load(string: String, rig: Rig, effects: Effects) -> None:
+    gravity = effects.gravity.magnitude if effects.gravity is not None else 0.0
+    weight = gravity * sum(section.mass_per_length * section.length for section in string.sections)
+    number, weakest = min(enumerate(string.sections), key=lambda item: item[1].youngs_modulus * item[1].area)
+    stiffness = weakest.youngs_modulus * weakest.area
+    for key in ("value", "initial"):
+        load = abs(getattr(rig.weight_on_bit, key))
+        if load + weight > LARGEST_STRAIN * stiffness and load > 0.0:
+            raise refuse_at(
+                ("rig", "weight_on_bit", key),
+                f"expected at most {max(LARGEST_STRAIN * stiffness - weight, 0.0):.4g} N, found {load:.4g} N: with the "
+                f"string's own {weight:.4g} N it strains section {number + 1} (E A = {stiffness:.4g} N) by "
+                f"{100.0 * (load + weight) / stiffness:.3g} %, where nothing that strings are made of stays elastic",
+            )
 
 
 def _top_can_turn(rig: Rig, effects: Effects) -> None:

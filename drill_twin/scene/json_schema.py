@@ -34,7 +34,10 @@ def scene_json_schema() -> dict[str, Any]:
     return {
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "drill_twin scene",
-        **{key: value for key, value in schema.items() if key != "title"},
+        "description": schema.pop("description"),
+        "if": {"required": ["base"]},
+        "then": {"properties": {"base": _BASE}},
+        "else": {key: value for key, value in schema.items() if key != "title"},
         "definitions": definitions,
     }
 
@@ -51,6 +54,11 @@ def _models(annotation: Any) -> set[type[BaseModel]]:
     return {annotation}.union(*(_models(field.annotation) for field in annotation.model_fields.values()))
 
 
+_BASE = {
+    "type": "string",
+    "description": "Scene (a name, or a path from this file's folder) of which this one writes only what is different; "
+    "lists are given whole.",
+}
 _VALUE_UNLESS_TABLE = {
     "if": {"properties": {"shape": {"const": "table"}}, "required": ["shape"]},
     "else": {"required": ["value"]},

@@ -33,6 +33,8 @@ class Lines:
     """Line (from 1) of each key or list item."""
     overridden: set[Path] = field(default_factory=set)
     """Places set by an override, not by the text."""
+    inherited: dict[Path, str] = field(default_factory=dict)
+    """Places taken from the scene named as `base`, and where they are written."""
 
     def order(self, path: Path) -> int:
         """A number by which places sort as they were written; overrides come first."""
@@ -44,11 +46,28 @@ class Lines:
         place = self._known(path)
         if place in self.overridden:
             return f"{self.name}: override"
+        if place in self.inherited:
+            return self.inherited[place]
         return f"{self.name}:{self.lines[place]}" if place in self.lines else self.name
+
+    def inherit(self, base: "Lines") -> None:
+        """Take from another text what is not written here: blocks key by key, anything else (lists too) whole."""
+        self._inherit(self.data, base.data, base, ())
+
+    def _inherit(self, own: dict[str, Any], below: dict[str, Any], base: "Lines", path: Path) -> None:
+        for key, value in below.items():
+            place = (*path, key)
+            if key not in own:
+                own[key] = value
+                inside = [other for other in (*base.lines, *base.inherited) if other[: len(place)] == place]
+                self.inherited |= {other: base.where(other) for other in inside}
+            elif isinstance(own[key], dict) and isinstance(value, dict):
+                self._inherit(own[key], value, base, place)
 
     def _known(self, path: Path) -> Path:
         known = (path[:length] for length in range(len(path), -1, -1))
-        return next((place for place in known if place in self.overridden or place in self.lines), ())
+        places = (self.overridden, self.lines, self.inherited)
+        return next((place for place in known if any(place in some for some in places)), ())
 
 
 def read_lines(text: str, name: str) -> Lines:

@@ -13,12 +13,18 @@ from drill_twin.scene.paths import scene_path
 from drill_twin.scene.problems import scene_error
 from drill_twin.scene.schema import Scene
 
+DEEPEST_BASE = 8
+"""Most scenes that are one based on the other."""
+
 
 def load_scene(scene: str | Path, *, overrides: Mapping[str, str] | None = None) -> Scene:
     """The scene of a file or of an installed scene's name, such as `pa6_bench`.
 
     Overrides are dotted keys and values as a file would write them: `{"rig.rotation.value": "50 rpm"}`; `wob`, `rps`
     and `duration` are short for the keys most often set, and `{"effects.bow": "off"}` takes an effect out.
+
+    A file with a `base: pa6_bench` (a name, or a path from the file's folder) writes only what is different from that
+    scene; lists are given whole.
 
     Raises:
         SceneError: no such file, not YAML, or not a scene; names file, line, key, what was expected and what was found.
@@ -51,12 +57,33 @@ def _read(path: Path) -> str:
 
 
 def _build(lines: Lines, overrides: Mapping[str, str] | None, *, folder: Path) -> Scene:
+    _inherit(lines, folder)
     apply_overrides(lines, overrides or {})
     _anchor_table(lines, folder)
     try:
         return Scene.model_validate(lines.data, context={"text": True})
     except ValidationError as error:
         raise scene_error(error, lines, Scene) from None
+
+
+def _inherit(lines: Lines, folder: Path, depth: int = 0) -> None:
+    """Fill in what the scene named as `base` says."""
+    if "base" not in lines.data:
+        return
+    name = lines.data.pop("base")
+    place = lines.where(("base",))
+    if not isinstance(name, str) or not name:
+        raise SceneError(f"{place}: base: expected the name or the file of a scene, found {name!r}")
+    if depth == DEEPEST_BASE:
+        raise SceneError(f"{place}: base: expected at most {DEEPEST_BASE} scenes based on each other, found more")
+    try:
+        path = scene_path(folder / name if (folder / name).is_file() else name)
+    except SceneError as error:
+        raise SceneError(f"{place}: base: {error}") from None
+    base = read_lines(_read(path), str(path))
+    _inherit(base, path.resolve().parent, depth + 1)
+    _anchor_table(base, path.resolve().parent)
+    lines.inherit(base)
 
 
 def _anchor_table(lines: Lines, folder: Path) -> None:

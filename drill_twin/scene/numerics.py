@@ -10,7 +10,7 @@ from pydantic_core import core_schema
 
 from drill_twin.scene.auto import OrAuto
 from drill_twin.scene.part import Part, refuse_at
-from drill_twin.units import Frequency, Quantity, Within, refuse, show
+from drill_twin.units import Dimensionless, Frequency, Quantity, Within, refuse, show
 from drill_twin.units.dimension import TIME
 
 FEWEST_ELEMENTS, MOST_ELEMENTS = 4, 4000
@@ -49,12 +49,30 @@ class Numerics(Part):
         "auto"
     )
     """Time step [s]; at most the time between two frames."""
+    tolerance: Annotated[Dimensionless, Within(at_least="1e-10", at_most="1e-3")] = 1e-5
+    """Newton's method stops at changes below this share of the string's smallest radius, less on a hard wall, and of a
+    radian [-]."""
+    accuracy: Annotated[Dimensionless, Within(at_least="1e-6", at_most="0.5")] | None = None
+    """Instead of elements and step: the largest error of the marks' paths before the onset of whirl and of the onset
+    time [-], as "1 %"; `drill-twin run` and the simulator choose both from a cost curve (docs/accuracy.md)."""
     frame_rate: Annotated[Frequency, Within(at_least="1 Hz", at_most="2000 Hz")] = 100.0
     """Frames published per second of simulated time [Hz]."""
     seed: Annotated[int, _Whole(0, 2**63 - 1, "a whole number")] = 1
     """Seed of everything random."""
     scheme: Literal["midpoint"] = "midpoint"
     """Time scheme."""
+    audit: Literal["none", "energy"] = "none"
+    """`energy`: keep books of what each effect does to the string, published with the diagnostics; costs about as much
+    as two more Newton iterations a step, and nothing when it is `none`."""
+
+    @model_validator(mode="after")
+    def _one_says_how_finely(self) -> Self:
+        for key in ("elements", "step"):
+            if self.accuracy is not None and getattr(self, key) != "auto":
+                raise refuse_at(
+                    (key,), f'expected "auto" with an `accuracy`, which chooses it, found {getattr(self, key)}'
+                )
+        return self
 
     @model_validator(mode="after")
     def _steps_fit_frames(self) -> Self:

@@ -14,6 +14,7 @@ SHORTHANDS = {
     "wob": ("rig.weight_on_bit.value", "N"),
     "rps": ("rig.rotation.value", "rev/s"),
     "duration": ("rig.duration", "s"),
+    "accuracy": ("numerics.accuracy", ""),
 }
 """Short names, the key each stands for, and the unit of a bare number."""
 
@@ -24,9 +25,13 @@ _INDEX = re.compile(r"\[(\w+)\]")
 def apply_overrides(lines: Lines, overrides: Mapping[str, str]) -> None:
     """Set each override in the data; a list item is named by its number or its `name`: `string.marks.mark_1.on`.
 
+    `accuracy` takes the place of the elements and step that the data may name.
+
     Raises:
         SceneError: a key that leads nowhere, or a value that is not YAML.
     """
+    if "accuracy" in overrides:
+        overrides = {"numerics.elements": "auto", "numerics.step": "auto", **overrides}
     for key, text in overrides.items():
         place, value = _expand(key, text)
         _set(lines, key, place, _value(lines, key, value))
@@ -36,7 +41,7 @@ def _expand(key: str, text: str) -> tuple[str, str]:
     if key not in SHORTHANDS:
         return key, text
     place, unit = SHORTHANDS[key]
-    return place, f"{text} {unit}" if _BARE.fullmatch(text.strip()) else text
+    return place, f"{text} {unit}".rstrip() if _BARE.fullmatch(text.strip()) else text
 
 
 def _value(lines: Lines, key: str, text: str) -> Any:

@@ -30,6 +30,11 @@ def presets() -> dict[str, Path]:
     return {path.stem: path for path in sorted((config_dir() / "scenes").glob("*.yaml"))}
 
 
+def hard_scenes() -> dict[str, Path]:
+    """Names (`hard/...`) and files, sorted, of the scenes that are hard to compute; `drill-twin hard` runs them."""
+    return {f"hard/{path.stem}": path for path in sorted((config_dir() / "hard").glob("*.yaml"))}
+
+
 def scene_path(scene: str | Path) -> Path:
     """The file a user means by a path or by a preset's name.
 
@@ -40,8 +45,9 @@ def scene_path(scene: str | Path) -> Path:
     if path.is_file():
         return path
     known = presets()
-    if str(scene) in known:
-        return known[str(scene)]
+    for named in (known, hard_scenes()):
+        if str(scene) in named:
+            return named[str(scene)]
     if path.is_dir():
         raise SceneError(f"{scene}: expected a scene file, found a folder")
     for suffix in _SUFFIXES:

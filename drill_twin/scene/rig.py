@@ -110,6 +110,10 @@ class Rig(Part):
     """What turns the string so."""
     duration: Annotated[Time, Within(above="0 s", at_most="1e6 s")]
     """Simulated time [s]."""
+    start: Literal["axis", "equilibrium"] = "axis"
+    """How a run begins. `axis`: the string on the axis of the hole, at rest, set-points from their `initial`.
+    `equilibrium`: the set-points hold their `value` from the first instant; the string lies in static balance under
+    that weight, wound up by what brakes it, and turns as one."""
     table: RecordedTable | None = None
     """Record that set-points of shape `table` play."""
 
@@ -119,4 +123,15 @@ class Rig(Part):
             shape = getattr(self, key).shape
             if shape == "table" and self.table is None:
                 raise refuse_at((key, "shape"), 'expected `rig.table` with shape "table", found none')
+            if shape == "table" and self.start == "equilibrium":
+                raise refuse_at(
+                    ("start",),
+                    f'expected "axis" with a recorded `{key}`, found "equilibrium": a record has no final value',
+                )
         return self
+
+    @property
+    def first(self) -> tuple[float, float]:
+        """Weight on bit [N] and speed of the top drive [rad/s] at the first instant; 0 where a record will tell."""
+        load, turn = self.weight_on_bit, self.rotation
+        return (load.value, turn.value) if self.start == "equilibrium" else (load.initial, turn.initial)

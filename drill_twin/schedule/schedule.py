@@ -37,6 +37,8 @@ class Schedule:
 
         def function(name: str) -> SetPointAt:
             set_point = getattr(rig, name)
+            if rig.start == "equilibrium":
+                return lambda _: float(set_point.value)
             if set_point.shape != "table" or record is None:
                 return shape(set_point)
             return table(record.time, record.column(name), start)

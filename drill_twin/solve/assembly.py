@@ -19,7 +19,7 @@ from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.point import Point
 from drill_twin.rod.section import BEND_DAMP, TORQUE_RATE, elastic_resultants, section_forces, strain_at
-from drill_twin.rod.stretch import stretch_forces, stretch_rate
+from drill_twin.rod.stretch import stretch_forces, stretching
 from drill_twin.rod.types import Array, Triple
 from drill_twin.solve.work import Work
 
@@ -186,12 +186,14 @@ def bind(stretch_effects: Any, section_effects: Any, point_effects: Any) -> Call
             for end in range(2):
                 a = (u[e + end, 3], u[e + end, 4], u[e + end, 5])
                 da = (v[e + end, 3], v[e + end, 4], v[e + end, 5])
-                viscous = stretch_effects(parameters, e, axial, stretch_rate(a, da))
-                stretch_forces(axial, viscous[0], viscous[1], a, h2, work.force, work.saa)
+                strain = stretching(a, da, h2)
+                viscous = stretch_effects(parameters, e, axial, strain.rate)
+                stretch_forces(axial, viscous[0], viscous[1], a, strain, h2, work.force, work.saa)
                 add_stretch_at_node(rod, work, e, 1 + 2 * end)
             a, da = blend(rod.middle[e], work.ue), blend(rod.middle[e], work.ve)
-            viscous = stretch_effects(parameters, e, axial, stretch_rate(a, da))
-            stretch_forces(axial, viscous[0], viscous[1], a, h2, work.force, work.saa)
+            strain = stretching(a, da, h2)
+            viscous = stretch_effects(parameters, e, axial, strain.rate)
+            stretch_forces(axial, viscous[0], viscous[1], a, strain, h2, work.force, work.saa)
             add_stretch_at_middle(rod, work, e)
             own = rod.spin_mass[e] * rate
             dw0, dw1 = v[e, 6] - v_old[e, 6], v[e + 1, 6] - v_old[e + 1, 6]

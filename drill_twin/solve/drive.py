@@ -60,7 +60,7 @@ def make_drive(scene: Scene, hanging: float) -> Drive:
         inertia=top.inertia,
         damping=top.damping,
         memory=np.zeros(4),
-        bit=make_bit(scene.rig.weight_on_bit.initial + (hanging if from_top else 0.0)),
+        bit=make_bit(scene.rig.first[0] + (hanging if from_top else 0.0)),
     )
 
 

@@ -5,7 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drill_twin.effects.wall import Parameters as Wall
+from drill_twin.rod.hole import aside
 from drill_twin.rod.mesh import Rod
+from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
 
 
@@ -57,6 +60,34 @@ def energy(rod: Rod, u: Array, v: Array) -> Energy:
     simpson = (strain[:-1] ** 2 + 4.0 * mid_strain**2 + strain[1:] ** 2) / 6.0
     stretch = 0.5 * float(np.sum(rod.axial * rod.length * simpson))
     return Energy(float(kinetic), bending, stretch, torsion)
+
+
+def lateral_energy(rod: Rod, u: Array, v: Array) -> Energy:
+    """Energy of a string that only moves across the hole and turns as one, sampled as its kernel samples it.
+
+    Args:
+        rod: The string.
+        u: Node rows (r, r', psi), shape (n + 1, 7).
+        v: Their velocities, shape (n + 1, 7).
+    """
+    q, dq = element_unknowns(u)[:, :, :2], element_unknowns(v)[:, :, :2]
+    kinetic = 0.5 * np.einsum("eic,eij,ejc->", dq, rod.mass, dq) + 0.5 * float(rod.spin_mass.sum()) * v[-1, 6] ** 2
+    b = np.einsum("epi,eic->epc", rod.shape[:, :, 2], q)
+    bending = 0.25 * float(np.sum((rod.length * rod.bending)[:, None, None] * b**2))
+    return Energy(float(kinetic), bending, 0.0, 0.0)
+
+
+def wall_energy(site: Site, wall: Wall, u: Array) -> float:
+    """Energy in the wall's spring [J]: K d^(p + 1) / (p + 1) per length at the Gauss points."""
+    rod, bore = site.rod, site.bore
+    places = gauss_positions(rod, u)
+    if bore.axis is None:
+        off = np.hypot(places[:, 0], places[:, 1])
+    else:
+        off = np.array([np.linalg.norm(aside(bore.axis, k, *place)[:3]) for k, place in enumerate(places)])
+    depth = np.maximum(off - bore.clearance, 0.0)
+    power = 1.0 if wall.linear else 1.5
+    return float(np.sum(0.5 * site.at_places(rod.length) * wall.stiffness * depth ** (power + 1.0) / (power + 1.0)))
 
 
 def angular_momentum(rod: Rod, u: Array, v: Array) -> float:

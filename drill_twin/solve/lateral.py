@@ -19,13 +19,13 @@ from drill_twin.solve.lateral_blocks import NODE, factor_blocks, solve_blocks
 from drill_twin.solve.midpoint import Effects, Moves
 from drill_twin.solve.state import (
     BIT_IMPULSE,
-    HAS_MIDDLE,
+    FACTOR,
     HOOK_IMPULSE,
-    LAST_STEP,
     SPIN,
     TORQUE_IMPULSE,
     Limits,
     State,
+    foresee,
 )
 
 # Places in Work.lazy: half step of the factors (0: there are none), 1 if they must be renewed, steps for which they are
@@ -54,12 +54,12 @@ def begin(work: Work) -> None:
 @kernel
 def guess(fixed: Array, state: State, command: Array, step: float) -> None:
     """First guess of the mid-step velocity: straight on through the last one; held unknowns as they will be."""
-    growth = step / state.clock[LAST_STEP] if state.clock[HAS_MIDDLE] > 0.0 else 0.0
+    now, last_, before = foresee(state.clock, step)
     last = state.u.shape[0] - 1
     for i in range(last + 1):
         for k in range(NODE):
             c = column(k)
-            state.trial[i, c] = state.v[i, c] + growth * (state.v[i, c] - state.middle[i, c])
+            state.trial[i, c] = now * state.v[i, c] + last_ * state.middle[i, c] + before * state.earlier[i, c]
     for k in range(NODE):
         c = column(k)
         if fixed[0, c]:
@@ -103,9 +103,9 @@ def outdated(work: Work, h2: float, fresh: bool) -> bool:
     lazy = work.lazy
     if fresh:
         lazy[LAST_SIZE] = 0.0
-        if lazy[EAGER] > 0.0:
-            lazy[EAGER] -= 1.0
-            lazy[RENEW] = 1.0
+        lazy[EAGER] = max(lazy[EAGER] - 1.0, 0.0)
+    if lazy[EAGER] > 0.0:
+        lazy[RENEW] = 1.0
     other_step: bool = abs(lazy[HALF_STEP] - h2) > SAME_STEP * h2
     return other_step or lazy[RENEW] > 0.0
 
@@ -164,6 +164,7 @@ def accept(_fixed: Array, state: State, work: Work, counters: Array, command: Ar
             v = state.trial[i, c]
             state.u[i, c] += step * v
             state.v[i, c] = 2.0 * v - state.v[i, c]
+            state.earlier[i, c] = state.middle[i, c]
             state.middle[i, c] = v
     angle = state.u[last, SPIN] + step * state.trial[last, SPIN]
     for end in (0, last):
@@ -234,7 +235,10 @@ def bind(effects: Effects) -> Moves:
             firm = assemble(
                 parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v, tension, full
             )
-            if full or abs(firm - work.lazy[FIRM]) <= CHANGED * abs(work.lazy[FIRM]):
+            same = abs(firm - work.lazy[FIRM]) <= CHANGED * abs(work.lazy[FIRM])
+            if not same:
+                state.clock[FACTOR] = np.inf  # how fast Newton's method converged in free flight says nothing here
+            if full or same:
                 break
             full = True  # the string has come to the wall, or left it
             work.lazy[EAGER] = PATIENCE

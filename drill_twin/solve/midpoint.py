@@ -26,9 +26,11 @@ from drill_twin.solve.state import (
     CUTS,
     FACTOR,
     FAILED,
-    HAS_MIDDLE,
     ITERATIONS,
+    KNOWN,
     LAST_STEP,
+    LOOSE_STEPS,
+    STEP_BEFORE,
     STEPS,
     TIME,
     Limits,
@@ -37,6 +39,9 @@ from drill_twin.solve.state import (
 
 MOST_ITERATIONS = 12
 SURE = 0.1  # a next change foreseen below this share of the tolerance need not be computed
+# Where a place on the wall sticks and slips in turn from one iteration to the next, none settles: the changes stay
+# small, far below what matters. Such a step is taken, and counted.
+STEADY, STALLED, LOOSE = 3, 0.25, 10.0
 FORGET = 1e6  # largest remembered factor (a change of 1 would become a million)
 SMALLEST_SHARE = 1.0 / 4096.0  # of the nominal step, before the loop gives up
 
@@ -65,8 +70,27 @@ class Moves(NamedTuple):
     order: int  # of Newton's convergence: 2, or 1 where the tangent may be an older one
 
 
-def bind(moves: Moves, effects: Effects) -> Callable[..., int]:
-    """The time loop for one form of the string and a set of effects."""
+@kernel
+def no_audit(
+    parameters: Any, rod: Rod, work: Any, fixed: Array, state: State, command: Array, time: float, h2: float
+) -> None:
+    """Nobody asked for the books; nothing of this is left in the machine code."""
+
+
+@kernel
+def nothing_to_settle(parameters: Any, rod: Rod, state: State) -> None:
+    """As `no_audit`."""
+
+
+def bind(moves: Moves, effects: Effects, audit: Any = no_audit, settle: Any = nothing_to_settle) -> Callable[..., int]:
+    """The time loop for one form of the string and a set of effects.
+
+    Args:
+        moves: The form.
+        effects: The effects.
+        audit: Keeps the books of a step that was found, before it is taken (`drill_twin.solve.audit`).
+        settle: Completes them once it has been.
+    """
     begin, guess, build, solve, correct, accept, finish, order = moves
     guide_effects, done_effects = effects.guide, effects.done
 
@@ -81,12 +105,12 @@ def bind(moves: Moves, effects: Effects) -> Callable[..., int]:
         command: Array,
         time: float,
         h2: float,
-        count: float,
+        counters: Array,
     ) -> int:
         """Find the mid-step velocity in ``state.trial``; returns the iterations used, negative if it failed."""
         before = 1.0
         for iteration in range(MOST_ITERATIONS):
-            fresh, number = iteration == 0, count + iteration
+            fresh, number = iteration == 0, counters[ITERATIONS] + iteration
             build(parameters, rod, work, fixed, state, command, time, h2, fresh, number)
             if not solve(work):
                 return -1 - iteration
@@ -97,6 +121,9 @@ def bind(moves: Moves, effects: Effects) -> Callable[..., int]:
                 # the next change is a factor times a power of this one: remember the factor, forgetting slowly
                 state.clock[FACTOR] = max(size / before**order, 0.5 * min(state.clock[FACTOR], FORGET))
             if size < 1.0 or size**order * state.clock[FACTOR] < SURE:
+                return iteration + 1
+            if iteration >= STEADY and size < LOOSE and size > STALLED * before:
+                counters[LOOSE_STEPS] += 1
                 return iteration + 1
             before = size
         return -MOST_ITERATIONS
@@ -131,26 +158,26 @@ def bind(moves: Moves, effects: Effects) -> Callable[..., int]:
             set_points(command0, command1, (time + h2 - start) / (end - start), work.command)
             guess(fixed, state, work.command, step)
             guide_effects(parameters, rod, time + h2, state.trial)
-            used = newton(
-                parameters, rod, work, fixed, state, limits, work.command, time + h2, h2, counters[ITERATIONS]
-            )
+            used = newton(parameters, rod, work, fixed, state, limits, work.command, time + h2, h2, counters)
             counters[ITERATIONS] += abs(used)
             if used < 0:
                 counters[CUTS] += 1
-                state.clock[HAS_MIDDLE] = 0.0
+                state.clock[KNOWN] = min(state.clock[KNOWN], 1.0)
                 step *= 0.5
                 if step < SMALLEST_SHARE * nominal:
                     return FAILED
                 continue
+            audit(parameters, rod, work, fixed, state, work.command, time + h2, h2)
             time += step
             set_points(command0, command1, (time - start) / (end - start), work.command)
             accept(fixed, state, work, counters, work.command, step)
             counters[STEPS] += 1
-            state.clock[LAST_STEP] = step
-            state.clock[HAS_MIDDLE] = 1.0
+            state.clock[STEP_BEFORE], state.clock[LAST_STEP] = state.clock[LAST_STEP], step
+            state.clock[KNOWN] = min(state.clock[KNOWN] + 1.0, 2.0)
             to_bit(state.bit_frame, state.u[0], state.v[0])
             done_effects(parameters, rod, work.command, time, step, state.u, state.v)
             from_bit(state.bit_frame, state.u[0], state.v[0])
+            settle(parameters, rod, state)
             step = min(nominal, 2.0 * step)
         state.clock[TIME] = end
         finish(rod, state)

@@ -3,10 +3,13 @@
 
 import numpy as np
 
-from drill_twin.rod.mesh import Tube, tube_constants
+from drill_twin.effects.wall import Parameters as Wall
+from drill_twin.rod.mesh import Rod, Tube, tube_constants
 
 ELEMENTS_PER_PITCH = 8
 FEWEST, MOST = 16, 400
+IMPACT, OF_DEPTH = 0.1, 2e-3
+"""Speed of a gentle impact [m/s], and the share of its depth in the wall that Newton's method may leave undone."""
 
 
 def auto_elements(tubes: list[Tube], compression: float) -> int:
@@ -38,9 +41,40 @@ def auto_step(tubes: list[Tube], compression: float, speed: float, frame: float)
         speed: Fastest rotation expected [rad/s].
         frame: Time between two published frames [s].
     """
-    growth = min(
-        2.0 * np.sqrt(constants[1] * constants[3]) / max(compression, 1e-9)
-        for constants in (tube_constants(tube) for tube in tubes)
-    )
     turn = 2.0 * np.pi / max(abs(speed), 1e-9)
-    return float(min(0.1 * growth, 0.01 * turn, frame))
+    return float(min(0.1 * growth_time(tubes, compression), 0.01 * turn, frame))
+
+
+def growth_time(tubes: list[Tube], compression: float) -> float:
+    """Time 2 sqrt(EI m) / F in which the fastest buckling wave grows e-fold without damping [s], under a load [N]."""
+    least = min(constants[1] * constants[3] for constants in map(tube_constants, tubes))
+    return float(2.0 * np.sqrt(least) / max(compression, 1e-9))
+
+
+def newton_place(tolerance: float, rod: Rod, wall: Wall | None) -> float:
+    """Last change of a place with which Newton's method is content [m].
+
+    A share of the string's radius; on a hard wall no more than a share of the depth at which a slice that meets it
+    gently comes to rest: what is lost there is energy.
+
+    Args:
+        tolerance: The share of the radius, `numerics.tolerance`.
+        rod: The string.
+        wall: Its wall; None where the scene lists none.
+    """
+    place = tolerance * float(rod.outer_radius.min())
+    if wall is None:
+        return place
+    return min(place, OF_DEPTH * impact_depth(wall, float(rod.line_mass.min()), IMPACT))
+
+
+def impact_depth(wall: Wall, line_mass: float, speed: float) -> float:
+    """Depth at which a slice that meets the wall comes to rest, K d^(p+1) / (p+1) = m v^2 / 2 [m].
+
+    Args:
+        wall: Law of the wall.
+        line_mass: Mass per length m [kg/m].
+        speed: Towards the wall, v [m/s].
+    """
+    power = 1.0 if wall.linear else 1.5
+    return float((0.5 * (power + 1.0) * line_mass * speed**2 / wall.stiffness) ** (1.0 / (power + 1.0)))

@@ -17,13 +17,12 @@ from drill_twin.solve.drive import ROTATION
 from drill_twin.solve.midpoint import Effects, Moves
 from drill_twin.solve.state import (
     BIT_IMPULSE,
-    HAS_MIDDLE,
     HOOK_IMPULSE,
-    LAST_STEP,
     SPIN,
     TORQUE_IMPULSE,
     Limits,
     State,
+    foresee,
 )  # fmt: skip
 from drill_twin.solve.work import Work
 
@@ -75,11 +74,11 @@ def react(work: Work) -> None:
 @kernel
 def guess(fixed: Array, state: State, command: Array, step: float) -> None:
     """First guess of the mid-step velocity: straight on through the last one; held unknowns as they will be."""
-    growth = step / state.clock[LAST_STEP] if state.clock[HAS_MIDDLE] > 0.0 else 0.0
+    now, last_, before = foresee(state.clock, step)
     last = state.u.shape[0] - 1
     for i in range(last + 1):
         for c in range(NODE):
-            state.trial[i, c] = state.v[i, c] + growth * (state.v[i, c] - state.middle[i, c])
+            state.trial[i, c] = now * state.v[i, c] + last_ * state.middle[i, c] + before * state.earlier[i, c]
     turn_row(state.bit_frame, state.trial[0])
     for c in range(NODE):
         if fixed[0, c]:
@@ -119,6 +118,7 @@ def accept(fixed: Array, state: State, work: Work, counters: Array, command: Arr
             v = state.trial[i, c]
             state.u[i, c] += step * v
             state.v[i, c] = 2.0 * v - state.v[i, c]
+            state.earlier[i, c] = state.middle[i, c]
             state.middle[i, c] = v
     counters[TORQUE_IMPULSE] += work.reaction[1, SPIN] * step
     counters[HOOK_IMPULSE] += work.reaction[1, 2] * step

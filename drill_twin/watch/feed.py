@@ -26,7 +26,8 @@ from drill_twin.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.messages.whirl_encode import STRING_LEVEL, decode_motion, decode_onset, read_whirl_state
-from drill_twin.scene import parse_scene
+from drill_twin.report.curve import along_hole
+from drill_twin.scene import Scene, parse_scene
 
 Array = NDArray[np.float64]
 
@@ -64,6 +65,7 @@ class Feed:
     def _forget(self) -> None:
         self._time = 0.0
         self._scene: dict[str, Any] | None = None
+        self._hole: Scene | None = None
         self._nodes: list[list[float]] = []
         self._marks: dict[str, dict[str, Any]] = {}
         self._trail: dict[str, list[list[float]]] = {}
@@ -85,7 +87,10 @@ class Feed:
             poses = read_pose_array(raw)
             _refuse_rubbish(poses.position)
             self._time = seconds(poses.stamp)
-            self._nodes = poses.position.round(6).tolist()
+            nodes = poses.position
+            if self._hole is not None:
+                nodes = along_hole(self._hole, nodes[None])[0]
+            self._nodes = nodes.round(6).tolist()
         elif topic == MARKS_STATE:
             self._on_marks(raw)
         elif topic == RIG_STATE:
@@ -133,6 +138,7 @@ class Feed:
     def _on_scene(self, raw: bytes) -> None:
         scene = parse_scene(read_string(raw), name=TWIN_SCENE)
         self._forget()
+        self._hole = scene if scene.hole.survey else None
         marks = scene.string.marks
         self._scene = {
             "name": scene.name,

@@ -5,17 +5,47 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from drill_twin.bag.reader import Bag
 from drill_twin.errors import DrillTwinError
+from drill_twin.messages.stamps import unpack_stamp
 from drill_twin.messages.topics import STRING_POSES, TWIN_SCENE, WHIRL_ONSET
 from drill_twin.watch.feed import INPUTS, Feed
 
+Message = tuple[str, int, bytes]
+"""Topic, time [ns], CDR."""
+
 _MOMENT = 0.02  # s
+_STAMP_AT, _STAMPED = 4, 12  # bytes
 _HIGHEST_RATE = 64.0
+
+
+def in_simulated_time(messages: Iterable[Message]) -> Iterator[Message]:
+    """Messages with the simulated time [ns] of the frame they follow instead of that of their recording.
+
+    A run in lockstep, or as fast as possible, was recorded in no time; a paused one stood still. Where simulated time
+    goes back, as after a reset, it goes on from where it was. Ahead of the first frame its own time counts, and in a
+    bag without frames that of the recording.
+    """
+    early: list[Message] = []
+    last, back = None, 0
+    for topic, recorded, raw in messages:
+        if topic == STRING_POSES and len(raw) >= _STAMPED:
+            stamp = unpack_stamp(raw, _STAMP_AT)
+            if last is None:
+                yield from ((name, stamp, content) for name, _, content in early)
+                early.clear()
+            else:
+                back += max(last - stamp, 0)
+            last = stamp
+        if last is None:
+            early.append((topic, recorded, raw))
+        else:
+            yield topic, last + back, raw
+    yield from early
 
 
 class Player:
@@ -28,7 +58,7 @@ class Player:
             BagError: It is none.
         """
         bag = Bag(path)
-        self._messages = list(bag.messages(INPUTS))
+        self._messages = list(in_simulated_time(bag.messages(INPUTS)))
         # From the first frame on: before it, the nodes waited for each other.
         self._start = next((stamp for topic, stamp, _ in self._messages if topic == STRING_POSES), bag.start)
         self.length = ((self._messages[-1][1] if self._messages else bag.end) - self._start) * 1e-9

@@ -26,7 +26,7 @@ from drill_twin.bag.writer import BagWriter
 from drill_twin.messages.cdr import PoseArrayTemplate
 
 poses, begin = PoseArrayTemplate(2), time.monotonic()  # so small that no chunk is ever full
-writer = BagWriter(sys.argv[1])
+writer = BagWriter(sys.argv[1], longest=float(sys.argv[2]))
 for k in range(100_000):
     time.sleep(max(0.0, begin + 0.005 * k - time.monotonic()))
     stamp = int((time.monotonic() - begin) * 1e9)
@@ -35,10 +35,11 @@ for k in range(100_000):
 """
 
 
-@pytest.fixture
-def killed(tmp_path):
+@pytest.fixture(params=[0.0, 0.3], ids=["one_file", "split"])
+def killed(tmp_path, request):
     """A bag whose writer was killed with signal 9 while it wrote 200 messages a second, and its last one."""
-    process = subprocess.Popen([sys.executable, "-c", RECORDER, tmp_path / "run_0"], stdout=subprocess.PIPE, text=True)
+    command = [sys.executable, "-c", RECORDER, tmp_path / "run_0", str(request.param)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     lines = [process.stdout.readline()]
     begin = time.monotonic()
     while time.monotonic() - begin < 1.6:
@@ -59,6 +60,7 @@ def test_kill_9_loses_at_most_the_last_fifth_of_a_second(killed):
     numbers = poses.position[:, 0, 0]
     np.testing.assert_array_equal(numbers, np.arange(numbers.size))  # nothing missing in between
     assert number > 200
+    assert len(list(folder.iterdir())) == 1 or stamp > 0.3e9 * (len(list(folder.iterdir())) - 1) > 0.9e9
     assert stamp - poses.stamp[-1] < 0.2e9
 
 

@@ -40,6 +40,14 @@ def error_of(path):
     return text
 
 
+def test_a_file_that_a_killed_writer_had_just_made_is_left_out(write_bag, messages):
+    folder = write_bag("run_0", longest=0.2)
+    (folder / "run_0_9.mcap").touch()
+    bag = Bag(folder)
+    assert list(bag.messages()) == messages
+    assert bag.damage == ["run_0_9.mcap is empty: its writer was killed as it began"]
+
+
 def test_it_says_what_it_holds(write_bag, messages, scene):
     bag = Bag(write_bag())
     assert bag.scene() == scene

@@ -54,6 +54,34 @@ def written_by_rosbags(folder, messages):
     return folder
 
 
+@pytest.mark.parametrize("limit", [{"largest": 40_000.0}, {"longest": 0.1}], ids=["size", "time"])
+@pytest.mark.parametrize("name", ["run", "run_0"])
+def test_a_split_bag_is_one_bag(write_bag, messages, name, limit):
+    """For our reader, and for one that knows only rosbag2's metadata."""
+    folder = write_bag(name, flush_interval=0.0, **limit)
+    files = sorted(folder.glob("*.mcap"))
+    assert len(files) >= 3
+    assert {file.name for file in files} == {"run_0.mcap"} | {
+        f"{name}_{k}.mcap" for k in range(1, len(files))
+    }  # names that `ros2 bag reindex` finds, in this order
+    bag = Bag(folder)
+    assert not bag.truncated
+    assert list(bag.messages()) == messages
+    information = metadata_of(folder)
+    assert information["relative_file_paths"] == [file["path"] for file in information["files"]]
+    assert set(information["relative_file_paths"]) == {file.name for file in files}
+    assert sum(file["message_count"] for file in information["files"]) == len(messages)
+    with Reader(folder) as reader:
+        assert reader.message_count == len(messages)
+        assert sorted((c.topic, stamp, raw) for c, stamp, raw in reader.messages()) == sorted(messages)
+        assert {c.topic: c.digest for c in reader.connections} == {t: type_hash(TOPICS[t].type_name) for t in TOPICS}
+        assert all(c.ext.offered_qos_profiles for c in reader.connections)
+    for file in information["files"]:
+        assert file["starting_time"]["nanoseconds_since_epoch"] >= 0
+        assert file["duration"]["nanoseconds"] <= max(0.1e9, 1.0e9 * ("largest" in limit))
+    assert information["duration"]["nanoseconds"] == messages[-1][1]
+
+
 def test_every_message_comes_back(write_bag, messages):
     bag = Bag(write_bag())
     assert list(bag.messages()) == messages

@@ -9,8 +9,10 @@ from end_scenes import steel
 from pydantic import ValidationError
 from scenes import rod_scene
 
+from drill_twin.drilled import Drilled
 from drill_twin.effects.germ import MOST_SCATTER, germ
 from drill_twin.frame import RigState
+from drill_twin.scene import load_scene
 from drill_twin.schedule.command import Command
 from drill_twin.twin import Twin
 
@@ -66,6 +68,19 @@ def test_the_bit_lifts_off_and_comes_down_again():
     assert min(back) == 0.0
     # it comes down, cuts and bounces: what the rock gave is what the momentum took
     assert np.sum(back) * 0.02 - 60e3 * 2.0 == pytest.approx(momentum() - began, abs=0.01 * 60e3 * 2.0)
+
+
+def test_the_diagnostics_tell_depth_and_rate_of_penetration():
+    twin, _ = drill(60e3, at="top", seconds=0.2)
+    told, before = Drilled(twin), twin.drilled
+    twin.step(Command(60e3, SPEED), 0.5)
+    values = told.values()
+    assert float(values["drilled_m"]) == pytest.approx(twin.drilled, abs=1e-6)
+    rate = (twin.drilled - before) / 0.5
+    assert rate > 0.0
+    assert float(values["rate_of_penetration_m_h"]) == pytest.approx(3600.0 * rate, rel=1e-3)
+    assert float(told.values()["rate_of_penetration_m_h"]) == 0.0  # nothing since
+    assert Drilled(Twin(load_scene("pa6_bench"))).values() == {}
 
 
 def random_rate(drawn: np.ndarray, weight: float) -> float:

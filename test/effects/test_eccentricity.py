@@ -6,8 +6,7 @@ import pytest
 from quiet import quiet_scene
 from scenes import LINE_MASS
 
-from drill_twin.effects import Eccentricity
-from drill_twin.effects.eccentricity import offsets
+from drill_twin.effects.eccentricity import Eccentricity, offsets
 from drill_twin.schedule.command import Command
 from drill_twin.solve.energy import element_unknowns, energy
 from drill_twin.twin import Twin

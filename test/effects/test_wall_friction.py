@@ -40,15 +40,15 @@ def made(scene: Scene) -> tuple[Both, Twin]:
     ), twin
 
 
-def evaluate(both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, times: int = 2) -> tuple[np.ndarray, ...]:
-    """Load and tangent after so many iterations at the same state; rates of x, y, z and spin."""
-    for count in range(times):
+def evaluate(both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, h2: float = H2) -> tuple[np.ndarray, ...]:
+    """Load and tangent after two iterations at the same state, over a step or at an instant; rates of x, y, z, spin."""
+    for count in range(2):
         load, stiff = np.zeros(4), np.zeros((4, 4))
         seen = dict.fromkeys(Point._fields, 0.0) | dict(zip("xyz", place, strict=True))
         seen |= dict(zip(("vx", "vy", "vz", "spin_rate"), rate, strict=True))
         seen |= {"element": PLACE // 2, "place": PLACE, "tz": 1.0, "fresh": count == 0, "iteration": float(count)}
         here = Point(**seen)
-        wall_friction.point(both, twin.rod, here, H2, load, stiff)
+        wall_friction.point(both, twin.rod, here, h2, load, stiff)
     return load, stiff
 
 
@@ -73,7 +73,7 @@ def test_friction_opposes_the_slip(hole: str, around: float, along: float) -> No
     place, (c, t, n) = on_the_wall(twin, 1e-4, 0.7)
     r = DIAMETER / 2
     rate = np.append((around - r * spin) * c + along * t, spin)
-    load, _ = evaluate(both, twin, place, rate)
+    load, _ = evaluate(both, twin, place, rate, h2=0.0)
     slip = np.hypot(around, along)
     limit = mu / (1.0 + delta * slip) * 1e7 * 1e-4**1.5
     assert load[:3] == pytest.approx(-limit / slip * (around * c + along * t), rel=1e-6, abs=1e-9)

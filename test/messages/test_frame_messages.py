@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames and set-points come back from their bytes as they went in, under the names of the contract."""
 
-import dataclasses
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 from drill_twin.errors import MessageError
+from drill_twin.frame import RigState
 from drill_twin.messages.cdr import JointStateTemplate
 from drill_twin.messages.decode import read_clock, read_float64, read_joint_state, read_pose_array
 from drill_twin.messages.encode import CommandEncoder, TwinEncoder, read_command, read_rig_state
-from drill_twin.messages.markers import default_exaggeration
+from drill_twin.messages.geometry import default_exaggeration
 from drill_twin.messages.pose import orientation, spin_of
 from drill_twin.messages.stamps import seconds, stamp_ns
+from drill_twin.messages.whirl_encode import WhirlStateEncoder
 from drill_twin.schedule.command import Command
 
 
@@ -43,8 +45,8 @@ def test_marks(encoder, make_frame):
 
 def test_a_mark_on_the_axis_has_no_force(encoder, make_frame):
     frame = make_frame()
-    on_axis = dataclasses.replace(frame.marks, centre=np.zeros((4, 3)), wall_force=np.zeros(4))
-    state = read_joint_state(encoder.marks(dataclasses.replace(frame, marks=on_axis)))
+    on_axis = replace(frame.marks, centre=np.zeros((4, 3)), wall_force=np.zeros(4))
+    state = read_joint_state(encoder.marks(replace(frame, marks=on_axis)))
     np.testing.assert_array_equal(state.effort, 0.0)
 
 
@@ -136,5 +138,45 @@ def test_orientation_turns_z_into_the_tangent_after_the_spin():
 
 def test_the_hole_is_drawn_about_a_tenth_as_wide_as_long(make_geometry):
     for length, radius, factor in [(8.0, 0.09, 5.0), (500.0, 0.155, 200.0), (0.5, 0.09, 1.0), (18.0, 0.09, 10.0)]:
-        geometry = dataclasses.replace(make_geometry(), length=length, hole_radius=radius)
+        geometry = replace(make_geometry(), length=length, hole_radius=radius)
         assert default_exaggeration(geometry) == pytest.approx(factor)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_number_that_is_none_reaches_no_topic(encoder, make_frame, bad):
+    def with_bad(name, part=None):
+        frame = make_frame()
+        values = getattr(frame if part is None else getattr(frame, part), name)
+        values[values.shape[0] // 2] = bad
+        return frame
+
+    with pytest.raises(MessageError, match=r"/string/poses: expected finite numbers, found (nan|inf) at place 25"):
+        encoder.poses(with_bad("positions"))
+    for name in ("tangents", "spin"):
+        with pytest.raises(MessageError, match="/string/poses"), np.errstate(invalid="ignore"):
+            encoder.poses(with_bad(name))
+    for name in ("position", "velocity", "spin", "spin_rate", "wall_force", "centre"):
+        with pytest.raises(MessageError, match="/marks/state"), np.errstate(invalid="ignore"):
+            encoder.marks(with_bad(name, "marks"))
+    for field in fields(RigState):
+        frame = make_frame()
+        broken = replace(frame, rig=replace(frame.rig, **{field.name: bad}))
+        with pytest.raises(MessageError, match="/rig/state"):
+            encoder.rig_state(broken)
+    with pytest.raises(MessageError, match="/string/markers"):
+        encoder.markers(with_bad("wall_force"))
+    for command in (Command(bad, 1.0), Command(1.0, bad)):
+        with pytest.raises(MessageError, match=r"/rig/command: expected a finite (weight on bit|rotation)"):
+            CommandEncoder().command(0, command)
+    with pytest.raises(MessageError, match="/rig/wob_command"):
+        CommandEncoder().wob_command(Command(bad, 1.0))
+    with pytest.raises(MessageError, match="/rig/rps_command"):
+        CommandEncoder().rps_command(Command(1.0, bad))
+    assert encoder.poses(make_frame())
+
+
+def test_what_is_not_known_of_whirl_may_be_nan_but_nothing_is_infinite():
+    one = np.ones(1)
+    assert WhirlStateEncoder(["mark_1"]).encode(0, one, np.array([np.nan]), one, one)
+    with pytest.raises(MessageError, match="/whirl/state: expected finite numbers, or NaN"):
+        WhirlStateEncoder(["mark_1"]).encode(0, one, np.array([np.inf]), one, one)

@@ -34,8 +34,8 @@ from drill_twin.messages.decode import JointStateReader  # noqa: E402
 from drill_twin.messages.diagnostics import Status, decode_diagnostics  # noqa: E402
 from drill_twin.messages.topics import DIAGNOSTICS, TOPICS  # noqa: E402
 from drill_twin.nodes import discovery  # noqa: E402
-from drill_twin.nodes.base import message_class  # noqa: E402
 from drill_twin.nodes.readiness import missing_readers  # noqa: E402
+from drill_twin.nodes.wire import message_class  # noqa: E402
 from drill_twin.scene import load_scene  # noqa: E402
 from drill_twin.schedule import Command  # noqa: E402
 from drill_twin.twin import Twin  # noqa: E402
@@ -54,11 +54,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Take what a fault's marker says along to the report.
 
     Every test here waits for what it needs, yet a shared machine may stall a process for longer than any limit: such a
-    test is tried again, and the summary counts it.
+    test is tried once more, and the summary counts it.
     """
     for item in items:
         if Path(item.fspath).parent == Path(__file__).parent:
-            item.add_marker(pytest.mark.flaky(reruns=3, reruns_delay=3))
+            item.add_marker(pytest.mark.flaky(reruns=1, reruns_delay=3))
         for mark in item.iter_markers("fault"):
             item.user_properties.append(("fault", mark.args))
 
@@ -267,7 +267,10 @@ class Bench:
     def until_status(self, node: str, wanted: Callable[[Status], bool], seconds: float = 20.0) -> Status:
         """Until a node's diagnostics say something, from now on."""
         self.statuses.pop(node, None)
-        self.until(lambda: node in self.statuses and wanted(self.statuses[node]), seconds, f"a status of {node}")
+        try:
+            self.until(lambda: node in self.statuses and wanted(self.statuses[node]), seconds, f"a status of {node}")
+        except AssertionError as error:
+            raise AssertionError(f"{error}\nthe last one was {self.statuses.get(node)}") from error
         return self.statuses[node]
 
     def _answer_ready(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:

@@ -83,6 +83,18 @@ def test_the_echo_of_a_driver_is_no_second_source(desk, clock):
     assert desk.from_others == 0
 
 
+def test_an_echo_is_known_however_many_commands_follow_it(desk, clock):
+    """In lockstep a fast machine sends thousands of commands a second."""
+    for k in range(5000):
+        command = Command(0.05 * k, 12.0)
+        desk.both(k, command)
+        desk.weight_on_bit(command.weight_on_bit, driver_present=True)
+        clock.now += 1e-4
+    clock.now += 0.6
+    desk.settle_doubts()
+    assert desk.from_others == 0
+
+
 def test_another_voice_beside_a_driver_is_counted_and_not_followed(desk, clock):
     desk.both(1, Command(40.0, 12.0))
     desk.weight_on_bit(55.0, driver_present=True)
@@ -90,6 +102,9 @@ def test_another_voice_beside_a_driver_is_counted_and_not_followed(desk, clock):
     clock.now += 0.6
     desk.settle_doubts()
     assert desk.from_others == 1
+    assert desk.others_speak
+    clock.now += 10.0
+    assert not desk.others_speak  # once is no state of affairs
 
 
 def test_a_driver_that_fell_silent_loses_its_say(desk, clock):

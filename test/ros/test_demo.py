@@ -12,7 +12,8 @@ import pytest
 from drill_twin.bag.reader import Bag
 from drill_twin.errors import RunError
 from drill_twin.messages.topics import TOPICS
-from drill_twin.nodes.demo import Patience, check_bag
+from drill_twin.nodes.demo import Patience
+from drill_twin.nodes.demo_result import check_bag
 
 
 @pytest.fixture

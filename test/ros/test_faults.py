@@ -19,6 +19,7 @@ from drill_twin.bag.reader import Bag
 from drill_twin.messages.cdr import ClockTemplate
 from drill_twin.messages.decode import JointStateReader
 from drill_twin.messages.encode import CommandEncoder
+from drill_twin.messages.stamps import pack_stamp
 from drill_twin.messages.topics import (
     CLOCK_TOPIC,
     MARKS_STATE,
@@ -28,7 +29,8 @@ from drill_twin.messages.topics import (
     TOPICS,
     WHIRL_STATE,
 )
-from drill_twin.nodes.base import message_class
+from drill_twin.nodes.wire import message_class
+from drill_twin.pipeline import STUCK
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Command, Schedule
 
@@ -145,7 +147,7 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
     simulator = bench.start("simulator")
     bench.until_ready("simulator")
     flood = (
-        "import time; from drill_twin.nodes.base import initialised; from rclpy.node import Node;"
+        "import time; from drill_twin.nodes.running import initialised; from rclpy.node import Node;"
         "from drill_twin.nodes.start import StopRequest; from sensor_msgs.msg import JointState;"
         "from drill_twin.messages.encode import CommandEncoder; from drill_twin.schedule import Command;"
         "node = Node('flood', context=initialised([], StopRequest()));"
@@ -165,6 +167,7 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
     gone = float(status.values["simulated_time"]) - float(first.values["simulated_time"])
     assert gone == pytest.approx(passed, rel=0.1, abs=1.5)
     assert int(status.values["commands_accepted"]) > 5000
+    assert int(status.values["dropped"]) > 0  # nobody needs ten thousand; how many were left out is told
     assert float(status.values["weight_on_bit"]) == 40.0
     assert simulator.memory - memory < 10 * MEGABYTE
     flooder.wait(30.0)
@@ -177,7 +180,7 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
 def test_a_crowd_of_slow_subscribers_does_not_hold_up_time(bench):
     simulator = bench.start("simulator", wait_for_command=False)
     crowd = (
-        "import time; from drill_twin.nodes.base import initialised; from drill_twin.nodes.start import StopRequest;"
+        "import time; from drill_twin.nodes.running import initialised; from drill_twin.nodes.start import StopRequest;"
         "from rclpy.node import Node; from geometry_msgs.msg import PoseArray;"
         "node = Node('crowd', context=initialised([], StopRequest()));"
         "readers = [node.create_subscription(PoseArray, 'string/poses', print, 5, raw=True) for _ in range(10)]\n"
@@ -239,6 +242,38 @@ def test_jumps_of_the_clock_are_followed(bench):
     for process in (driver, analyzer):
         assert process.end() == 0, process.text
         assert "Traceback" not in process.text
+
+
+@pytest.mark.long
+@pytest.mark.fault("stamps of the samples jump ahead and back", "what is late is counted; soon the analysis goes on")
+def test_jumps_of_the_stamps_do_not_blind_the_analyzer(bench, small_bag):
+    analyzer = bench.start("analyzer", marks_scene="pa6_bench")
+    marks, rig = (bench.publisher(topic) for topic in (MARKS_STATE, RIG_STATE))
+    recorded = {
+        topic: [bytearray(raw) for name, _, raw in Bag(small_bag).messages((topic,)) if name == topic]
+        for topic in (MARKS_STATE, RIG_STATE)
+    }
+
+    def send(first, count):
+        for k in range(count):
+            for topic, publisher in ((MARKS_STATE, marks), (RIG_STATE, rig)):
+                raw = recorded[topic][k % len(recorded[topic])]
+                pack_stamp(raw, 4, first + k * FRAME)
+                publisher.publish(bytes(raw))
+            bench.spin(0.002)
+
+    send(FRAME, 60)
+    bench.until_status("analyzer", lambda status: int(status.values["samples"]) == 60)
+    send(3600 * 10**9, 5)
+    send(100 * FRAME, 50)
+    bench.until_status("analyzer", lambda status: int(status.values["late"]) == 50)
+    send(150 * FRAME, STUCK)
+    status = bench.until_status("analyzer", lambda status: int(status.values["runs"]) == 2)
+    assert status.level == 0, status
+    send((150 + STUCK) * FRAME, 50)
+    bench.until_status("analyzer", lambda status: int(status.values["samples"]) >= STUCK)
+    assert analyzer.end() == 0, analyzer.text
+    assert "Traceback" not in analyzer.text
 
 
 @pytest.mark.fault("a command stamped far ahead, in lockstep", "refused; time waits for the command of the next frame")

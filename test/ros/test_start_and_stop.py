@@ -2,6 +2,7 @@
 """Every node starts, and ends on SIGINT and SIGTERM with exit code 0 and no traceback, whenever the signal comes."""
 
 import signal
+import sys
 import time
 from pathlib import Path
 
@@ -31,6 +32,29 @@ def test_a_running_node_ends_when_asked(bench, small_bag, node, number):
     assert process.end(number) == 0, process.text
     assert "Traceback" not in process.text
     assert "rror" not in process.text
+
+
+def test_a_signal_in_the_middle_of_an_import_waits_for_its_end(bench):
+    """An exception there would be swallowed, or leave the lock of all imports locked: no thread could end any more."""
+    (bench.folder / "slow_module.py").write_text(
+        "import os, signal, time\nos.kill(os.getpid(), signal.SIGTERM)\ntime.sleep(0.3)\nwhole = True\n", "utf-8"
+    )
+    process = bench.command(
+        "stopped",
+        [
+            sys.executable,
+            "-c",
+            (
+                "import sys, time; from drill_twin.nodes.start import Stopped, StopRequest\n"
+                f"sys.path.insert(0, {str(bench.folder)!r}); stop = StopRequest(); stop.install()\n"
+                "try:\n"
+                "    with stop.at_once(): import slow_module; time.sleep(30.0)\n"
+                "except Stopped: print('stopped', slow_module.whole, bool(stop))"
+            ),
+        ],
+    )
+    assert process.wait(20.0) == 0, process.text
+    assert process.text == "stopped True True\n"
 
 
 @pytest.mark.parametrize("delay", [0.05, 0.4, 1.0, 2.0])

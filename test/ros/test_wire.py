@@ -10,7 +10,7 @@ from std_msgs.msg import Float64
 from drill_twin.bag.reader import Bag
 from drill_twin.messages.definitions import type_hash
 from drill_twin.messages.topics import MARKS_STATE, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
-from drill_twin.nodes.base import message_class
+from drill_twin.nodes.wire import message_class
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Schedule
 

@@ -75,6 +75,12 @@ def test_a_mistake_names_file_line_expected_and_found(refusal, old, new, line, w
     assert words in message
 
 
+def test_a_load_that_no_string_carries_is_refused_with_the_numbers(refusal):
+    message = refusal("value: 40 N", "value: 30 kN")
+    assert "rig.weight_on_bit.value: expected at most 2.458e+04 N, found 3e+04 N" in message
+    assert "E A = 4.918e+05 N) by 6.1 %" in message
+
+
 def test_a_bit_held_on_the_axis_cannot_rub_sideways(refusal):
     added = "coefficient: 0.1}\n  bit_friction: {coefficient: 0.2, radius: 8 mm}"
     message = refusal("coefficient: 0.1}", added, {"string.bit_end": "guided"})
@@ -94,7 +100,7 @@ def test_the_first_of_several_mistakes_is_told_and_the_others_counted(refusal):
 
 
 def test_a_sound_scene_is_not_refused(changed):
-    assert changed().effect_names == ["gravity", "stretch", "torsion", "bow", "eccentricity", "wall", "wall_friction"]
+    assert changed().effect_names == ["bow", "eccentricity", "gravity", "stretch", "torsion", "wall", "wall_friction"]
 
 
 @pytest.mark.parametrize(

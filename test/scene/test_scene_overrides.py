@@ -20,7 +20,7 @@ def test_short_names_take_bare_numbers_in_the_units_of_the_rig(changed):
     scene = changed(overrides={"wob": "60", "rps": "-3", "duration": "5"})
     assert (scene.rig.weight_on_bit.value, scene.rig.duration) == (60.0, 5.0)
     assert scene.rig.rotation.value == pytest.approx(-6.0 * math.pi)
-    assert changed(overrides={"wob": "60 kN"}).rig.weight_on_bit.value == 60e3
+    assert changed(overrides={"wob": "6 kN"}).rig.weight_on_bit.value == 6e3
 
 
 def test_items_of_a_list_are_named_by_number_or_name(changed):

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from drill_twin.effects import Gravity
+from drill_twin.effects.gravity import Gravity
 from drill_twin.scene import Scene, parse_scene
 
 
@@ -27,6 +27,7 @@ def scenes(draw: st.DrawFn) -> Scene:
     length = sum(section["length"] for section in sections)
     names = draw(st.lists(NAMES, max_size=4, unique=True))
     widest = max(section["outer_diameter"] for section in sections) / 2.0
+    weakest = min(s["youngs_modulus"] * (s["outer_diameter"] ** 2 - s["inner_diameter"] ** 2) for s in sections)
     narrowest = min(section["outer_diameter"] for section in sections) / 2.0
     effects: dict[str, Any] = {"stretch": {}, "torsion": {}}
     if draw(st.booleans()):
@@ -53,7 +54,7 @@ def scenes(draw: st.DrawFn) -> Scene:
             },
             "hole": {"radius": hole, "inclination": draw(between(0.0, 3.14))},
             "rig": {
-                "weight_on_bit": draw(set_points(1e8)),
+                "weight_on_bit": draw(set_points(min(1e8, 0.03 * weakest))),
                 "rotation": draw(set_points(600.0)),
                 "duration": draw(between(1e-3, 1e6)),
             },

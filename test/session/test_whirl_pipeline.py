@@ -10,9 +10,10 @@ from drill_twin.bag.reader import Bag
 from drill_twin.errors import DrillTwinError
 from drill_twin.messages.decode import read_string
 from drill_twin.messages.encode import encode_string
+from drill_twin.messages.stamps import pack_stamp
 from drill_twin.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.messages.whirl_encode import decode_motion, decode_onset
-from drill_twin.pipeline import INPUTS, WAITING, WhirlPipeline
+from drill_twin.pipeline import INPUTS, STUCK, WAITING, WhirlPipeline
 from drill_twin.whirl import AnalysisError, BitMotion
 
 FOUND = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET)
@@ -50,6 +51,26 @@ def test_order_of_arrival_between_the_topics_does_not_matter(inputs, live, seed)
         topic = choice.choice([name for name, queue in queues.items() if queue])
         mixed += [(topic, queues[topic].pop(0)) for _ in range(min(len(queues[topic]), choice.randint(1, 40)))]
     assert fed(mixed)[1] == live
+
+
+def test_after_a_stamp_from_the_future_the_analysis_goes_on(inputs, live):
+    """One sample of next year: without a new beginning every good one after it would be late for ever."""
+    scene, *samples = inputs
+    future = [(topic, restamped(raw, 10**15)) for topic, raw in samples[:2]]
+    pipeline, found = fed([scene, *future, *samples])
+    assert pipeline.runs == 2
+    assert pipeline.findings.quality.accepted == 300
+    assert found[-3:] == live[-3:]
+    again = WhirlPipeline()
+    late = [*samples[: 2 * STUCK], *samples[: 2 * STUCK - 2]]  # one too few to be a run of their own
+    fed([scene, *late, *samples[2 * STUCK :]], again)
+    assert again.runs == 1
+
+
+def restamped(raw, stamp):
+    patched = bytearray(raw)
+    pack_stamp(patched, 4, stamp)
+    return bytes(patched)
 
 
 def test_scene_may_come_after_the_first_samples(inputs, live):

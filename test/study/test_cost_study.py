@@ -30,7 +30,8 @@ def motion(**changes) -> Motion:
     centre = np.stack([np.cos(time), np.sin(time)], -1)[:, None, :] * 0.05
     whole = Motion(
         time=time, centre=centre, contact=np.zeros(1000), clearance=np.array([0.08]), onset=5.0, frequency=1.0,
-        cost=0.01, frame_p95=1e-4, compile_seconds=1.0, iterations=100.0, elements=16, step=1e-3,
+        cost=0.01, frame_p95=1e-4, spent=np.full(1000, 1e-4), compile_seconds=1.0, iterations=100.0,
+        elements=16, step=1e-3, tolerance=1e-5,
     )  # fmt: skip
     return replace(whole, **changes)
 

@@ -42,7 +42,10 @@ def string_shapes(recording: Recording) -> Figure:
     _paths(end, recording, since)
     figure.legend(*end.get_legend_handles_labels(), loc="upper right", bbox_to_anchor=(0.985, 0.995), ncols=6)
     for side, text in enumerate(
-        (f"{_SHAPES} shapes over the run", f"the last {last - since:.1f} s, and the marks' paths")
+        (
+            f"{_SHAPES} shapes over the run{', the curved hole drawn straight' if recording.scene.hole.survey else ''}",
+            f"the last {last - since:.1f} s, and the marks' paths",
+        )
     ):
         figure.text(0.275 + 0.465 * side, 0.905, text, ha="center", fontsize=11.5)
     bar = figure.add_axes((0.036, 0.3, 0.011, 0.4))

@@ -13,6 +13,7 @@ from typing import Any
 from drill_twin.errors import RunError, SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.study.cost.errors import Errors, compare, spread
+from drill_twin.study.cost.promise import Promise, from_motions
 from drill_twin.study.cost.runs import Motion, kept_run
 from drill_twin.twin import Twin
 
@@ -20,6 +21,8 @@ ELEMENTS = (0.375, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 """Elements of the rungs over those that `auto` chooses."""
 STEPS = (2.0, 1.0, 0.5, 0.25, 0.125)
 """Steps of the rungs over that which `auto` chooses; none is longer than a frame."""
+TOLERANCES = (1e-3, 1e-4, 1e-6)
+"""Tolerances of Newton's method that are tried beside the scene's own, at the resolution that `auto` chooses."""
 FINER = 2.0
 """Elements of the converged run over those of the finest rung; its step is as many times shorter."""
 FEWEST = 4
@@ -33,12 +36,23 @@ class Rung:
     form: str
     elements: int
     step: float
+    tolerance: float | None = None
+    """Of Newton's method; None: the scene's."""
+
+    @property
+    def words(self) -> str:
+        """For people."""
+        tolerance = "" if self.tolerance is None else f", tolerance {self.tolerance:.0e}"
+        return f"{self.form}, {self.elements} elements, {self.step * 1e3:.3g} ms{tolerance}"
 
     def overrides(self) -> dict[str, str]:
         """Changes to the scene that select it."""
-        numerics = {"numerics.elements": str(self.elements), "numerics.step": f"{self.step!r} s"}
+        numerics = {
+            "numerics.accuracy": "null", "numerics.elements": str(self.elements), "numerics.step": f"{self.step!r} s",
+        }  # fmt: skip
         off = {"effects.stretch": "off", "effects.torsion": "off"} if self.form == LATERAL else {}
-        return numerics | off
+        own = {} if self.tolerance is None else {"numerics.tolerance": repr(self.tolerance)}
+        return numerics | off | own
 
 
 @dataclass(frozen=True)
@@ -71,6 +85,8 @@ class Curve:
     onset_s: float | None
     """Onset of the converged run [s]."""
     rungs: tuple[Measured, ...]
+    promise: Promise
+    """The same for `accuracy`, in the scene's own form."""
     failures: tuple[str, ...] = ()
     """Rungs without a run, and why."""
 
@@ -86,13 +102,15 @@ class Curve:
 
 def ladder(scene: Scene, elements: tuple[float, ...] = ELEMENTS, steps: tuple[float, ...] = STEPS) -> list[Rung]:
     """The rungs to try: multiples of what `auto` chooses, in the scene's form and, if it may, in the lateral one."""
-    numerics = scene.numerics.model_copy(update={"elements": "auto", "step": "auto"})
+    numerics = scene.numerics.model_copy(update={"elements": "auto", "step": "auto", "accuracy": None})
     twin = Twin(scene.model_copy(update={"numerics": numerics}))
     sections = len(scene.string.sections)
     counts = sorted({max(FEWEST, sections, round(share * twin.elements)) for share in elements})
     frame = 1.0 / scene.numerics.frame_rate
     lengths = sorted({min(share * twin.step_size, frame) for share in steps}, reverse=True)
-    return [Rung(form, count, length) for form in forms(scene) for count in counts for length in lengths]
+    rungs = [Rung(form, count, length) for form in forms(scene) for count in counts for length in lengths]
+    plain = (rungs[0].form, max(FEWEST, sections, twin.elements), min(twin.step_size, frame))
+    return rungs + [Rung(*plain, tolerance) for tolerance in TOLERANCES]
 
 
 def forms(scene: Scene) -> list[str]:
@@ -153,18 +171,20 @@ def measure(
         for future in as_completed(futures):
             rung, seed = futures[future]
             done[rung, seed] = future.result()
-            progress(f"{rung.form}, {rung.elements} elements, {rung.step * 1e3:.3g} ms")
+            progress(rung.words)
     reference = done[exact, None]
     if isinstance(reference, str):
         raise RunError(f"the converged run of {described.name} failed: {reference}")
     others = [motion for seed in range(replicas) if isinstance(motion := done[exact, seed], Motion)]
-    measured, failures = [], []
+    measured, own, failures = [], [], []
     for rung in rungs:
         motion = done[rung, None]
         if isinstance(motion, str):
-            failures.append(f"{rung.form}, {rung.elements} elements, {rung.step:.3g} s: {motion}")
+            failures.append(f"{rung.words}: {motion}")
         else:
             measured.append(_measured(rung, motion, reference))
+            if rung.form == exact.form:
+                own.append(motion)
     if not measured:
         raise SceneError(f"none of the resolutions of {described.name} could be run; the first: {failures[0]}")
     return Curve(
@@ -174,6 +194,7 @@ def measure(
         noise=spread(others, reference),
         onset_s=None if reference.onset != reference.onset else reference.onset,
         rungs=tuple(_with_front(measured)),
+        promise=from_motions(described, reference, own),
         failures=tuple(failures),
     )
 
@@ -193,7 +214,7 @@ def _measured(rung: Rung, motion: Motion, reference: Motion) -> Measured:
 def _with_front(measured: list[Measured]) -> list[Measured]:
     best, result = float("inf"), []
     for one in sorted(measured, key=lambda rung: (rung.cost, rung.errors.promised)):
-        on_front = one.errors.promised < best
-        best = min(best, one.errors.promised)
+        on_front = one.rung.tolerance is None and one.errors.promised < best
+        best = one.errors.promised if on_front else best
         result.append(Measured(**{**one.__dict__, "on_front": on_front}))
     return result

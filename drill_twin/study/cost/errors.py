@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drill_twin.study.cost.runs import Motion
 
@@ -67,9 +68,14 @@ def path_error(motion: Motion, reference: Motion) -> float | None:
     early = reference.time <= end
     if not early.any() or reference.centre.shape[1] == 0:
         return None
-    apart = np.linalg.norm(motion.centre[early] - reference.centre[early], axis=-1)
-    largest = np.linalg.norm(reference.centre[early], axis=-1).max()
-    return float(apart.max() / largest) if largest > 0.0 else 0.0
+    path, true = (run.centre[early, :, 0] + 1j * run.centre[early, :, 1] for run in (motion, reference))
+    return largest_distance(path, true)
+
+
+def largest_distance(path: NDArray[np.complex128], true: NDArray[np.complex128]) -> float:
+    """Largest distance between paths x + i y, shape (T, m), over the largest deflection of the true ones [-]."""
+    largest = float(np.abs(true).max()) if true.size else 0.0
+    return float(np.abs(path - true).max()) / largest if largest > 0.0 else 0.0
 
 
 def spread(replicas: Sequence[Motion], reference: Motion) -> Errors:

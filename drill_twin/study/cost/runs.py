@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import time
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,8 @@ from drill_twin.whirl import Analyzer
 from drill_twin.wiring import mark_infos
 
 Array = NDArray[np.float64]
+FORMAT = 3
+"""Of kept runs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +48,22 @@ class Motion:
     """Processor time of the physics per simulated second [s/s]."""
     frame_p95: float
     """Processor time that 95 % of the frames stayed below [s]."""
+    spent: Array
+    """Processor time of the physics in each frame [s], shape (T,)."""
     compile_seconds: float
     """Wall-clock time until the first frame was there, which holds compiling if it had to be [s]."""
     iterations: float
     """Newton iterations per simulated second [1/s]."""
     elements: int
     step: float
+    tolerance: float
+    """Of Newton's method."""
+
+    def until(self, end: float) -> Motion:
+        """The motion up to a time [s]; onset and frequency are those of the whole."""
+        taken = self.time <= end
+        cut = {name: getattr(self, name)[taken] for name in ("time", "centre", "contact", "spent")}
+        return replace(self, **cut)
 
     def save(self, path: Path) -> None:
         """Write it; a half-written file is never seen."""
@@ -66,12 +80,22 @@ class Motion:
         return Motion(**plain)
 
 
-def run_motion(scene: Scene, seed: int | None = None) -> Motion:
+def run_motion(
+    scene: Scene,
+    seed: int | None = None,
+    *,
+    until: float = math.inf,
+    after_onset: float = math.inf,
+    progress: Callable[[float], None] = lambda _: None,
+) -> Motion:
     """Run a scene to its end.
 
     Args:
         scene: What to run.
         seed: Of a small random lateral velocity at time zero; None: start as the scene says.
+        until: When to stop [s], if that is before its end.
+        after_onset: How long after an onset was found to stop [s].
+        progress: Called with the simulated time [s] after every frame.
 
     Raises:
         RunError: The motion could not be followed.
@@ -86,11 +110,11 @@ def run_motion(scene: Scene, seed: int | None = None) -> Motion:
         nudge(twin, seed)
     infos = mark_infos(scene)
     analyzer = Analyzer(infos)
-    frames = max(1, round(schedule.duration / period))
-    times, spent, contact = (np.empty(frames) for _ in range(3))
+    frames = max(1, round(min(schedule.duration, until) / period))
+    times, spent, contact = (np.zeros(frames) for _ in range(3))
     centre = np.empty((frames, len(infos), 2))
-    iterations = 0
-    for k in range(frames):
+    iterations, k, found_at = 0, 0, math.inf
+    while k < frames and times[k - 1] < found_at + after_onset:
         command = schedule.at((k + 1) * period)
         began = time.process_time()
         frame = twin.step(command, period)
@@ -99,21 +123,30 @@ def run_motion(scene: Scene, seed: int | None = None) -> Motion:
         contact[k] = np.mean(frame.wall_force > 0.0)
         iterations += frame.stats.iterations
         marks = frame.marks
-        analyzer.push(round(frame.time * 1e9), marks.position, marks.spin, frame.rig.top_drive_speed, marks.wall_force)
+        live = analyzer.push(
+            round(frame.time * 1e9), marks.position, marks.spin, frame.rig.top_drive_speed, marks.wall_force
+        )
+        if live.onset is not None:
+            found_at = min(found_at, frame.time)
+        progress(frame.time)
+        k += 1
+    taken = slice(0, k)
     found = analyzer.summary()
     return Motion(
-        time=times,
-        centre=centre,
-        contact=contact,
+        time=times[taken],
+        centre=centre[taken],
+        contact=contact[taken],
         clearance=np.array([info.clearance for info in infos]),
         onset=np.nan if found.onset_s is None else found.onset_s,
         frequency=np.nan if found.whirl_frequency_hz is None else found.whirl_frequency_hz,
-        cost=float(spent.sum()) / schedule.duration,
-        frame_p95=float(np.quantile(spent, 0.95)),
+        cost=float(spent.sum()) / (k * period),
+        frame_p95=float(np.quantile(spent[taken], 0.95)),
+        spent=spent[taken],
         compile_seconds=compiled,
-        iterations=iterations / schedule.duration,
+        iterations=iterations / (k * period),
         elements=twin.elements,
         step=twin.step_size,
+        tolerance=scene.numerics.tolerance,
     )
 
 
@@ -125,7 +158,7 @@ def kept_run(scene: str, overrides: dict[str, str], seed: int | None, folder: Pa
     """
     try:
         described = load_scene(scene, overrides=overrides)
-        key = hashlib.sha256(f"{described.to_yaml()}{seed}{__version__}".encode()).hexdigest()[:16]
+        key = hashlib.sha256(f"{described.to_yaml()}{seed}{__version__}{FORMAT}".encode()).hexdigest()[:16]
         path = folder / f"{key}.npz"
         if path.is_file():
             return Motion.load(path)

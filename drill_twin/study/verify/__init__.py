@@ -31,6 +31,7 @@ TOPICS = {
     "symmetry": "walled",
     "order": "quiet",
     "forms": "walled",
+    "fifty": "quiet",
 }
 """Modules with cases, in the order of the page, and the set of effects that (nearly) all of their scenes have: cases
 with the same one run the same compiled code, so one process should run them."""

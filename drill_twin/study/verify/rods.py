@@ -73,6 +73,7 @@ def rod_scene(
     marks: Sequence[float] = (2.5,),
     frame_rate: float = 100.0,
     form: str = "spatial",
+    tolerance: float = 1e-5,
 ) -> Scene:
     """The PA6 rod with the given effects; `weight_on_bit` acts from the first instant.
 
@@ -91,6 +92,7 @@ def rod_scene(
         marks: Distances from the bit of marks on the centre line [m].
         frame_rate: Published frames [Hz]; at least one step each.
         form: "spatial", or "lateral": without stretch and torsion.
+        tolerance: Of Newton's method; what is kept to round-off by the scheme is kept to this.
     """
     rod = {
         "name": "rod", "length": length, "outer_diameter": DIAMETER, "inner_diameter": 0.0,
@@ -114,7 +116,7 @@ def rod_scene(
             "duration": 10.0,
         },
         "effects": (BARE if form == "spatial" else {}) | effects,
-        "numerics": {"elements": elements, "step": step, "frame_rate": frame_rate},
+        "numerics": {"elements": elements, "step": step, "frame_rate": frame_rate, "tolerance": tolerance},
     })  # fmt: skip
 
 

@@ -6,7 +6,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.special import ellipk
 
+from drill_twin.scene import Scene
+from drill_twin.schedule.command import Command
 from drill_twin.study.verify.case import FORMS, case
 from drill_twin.study.verify.rods import EA, EI, LENGTH, LINE_MASS, quiet_scene
 from drill_twin.study.verify.row import Row
@@ -14,6 +17,9 @@ from drill_twin.study.verify.signals import AT_REST, settle
 from drill_twin.twin import Twin
 
 SETTLING = {"bending_time": 0.02, "stretch_time": 2e-3, "torsion_time": 2e-3}
+HEAVY = {"gravity": {"magnitude": 9.81}}
+WEIGHT = LINE_MASS * 9.81 * LENGTH
+EULER_LOAD = 4.0 * np.pi**2 * EI / LENGTH**2
 SAGGING = 0.1  # [m/s2], so that slopes stay small
 INCLINATION = np.pi / 3
 
@@ -97,3 +103,60 @@ def arc_of_a_bowed_rod() -> Iterator[Row]:
               float(place.real), 1e-4)  # fmt: skip
     yield Row("bit off the clamp's tangent, across it [m]", "0", "geometry", 0.0, float(place.imag), 1e-8,
               relative=False)  # fmt: skip
+
+
+@case(forms=FORMS, at=("bit", "top"))
+def hanging_from_the_first_instant(at: str, form: str) -> Iterator[Row]:
+    """A rod that starts in equilibrium hangs as it must under its weight and 10 N on the bit, and does not stir.
+
+    Cubic elements hold the quadratic displacement exactly.
+    """
+    scene = in_equilibrium(quiet_scene(HEAVY, weight_on_bit=8.0 if at == "bit" else 8.0 - WEIGHT, at=at, form=form))
+    twin = Twin(scene)
+    u, v = twin.unknowns
+    if form == "spatial":
+        stretch = (0.5 * WEIGHT - 8.0) * LENGTH / EA
+        yield Row("elongation [m]", "(w L / 2 - F) L / EA", "Hooke 1678", stretch, float(u[-1, 2] - u[0, 2]) - LENGTH,
+                  1e-6)  # fmt: skip
+        middle = twin.elements // 2
+        yield Row("axial force at mid-span [N]", "w L / 2 - F", "balance", 0.5 * WEIGHT - 8.0,
+                  EA * (float(u[middle, 5]) - 1.0), 1e-6)  # fmt: skip
+    frames = [twin.step(Command(*scene.rig.first), 0.01) for _ in range(50)]
+    yield Row("hookload after 0.5 s [N]", "w L - F", "balance", WEIGHT - 8.0, frames[-1].rig.hookload, 1e-6)
+    yield Row("axial speed at the free end after 0.5 s [m/s]", "0", "balance", 0.0,
+              float(np.abs(v[:, 2]).max()), 1e-9, relative=False)  # fmt: skip
+
+
+@case(share=(1.05, 1.2))
+def elastica(share: float) -> Iterator[Row]:
+    """A weightless column between guided ends starts in equilibrium above its buckling load.
+
+    Four quarters of the elastica. The axial strain of 4e-5 moves the buckling load, and the deflection just above it
+    the more.
+    """
+    load = share * EULER_LOAD
+    scene = in_equilibrium(quiet_scene({}, weight_on_bit=load, elements=32))
+    u, _ = Twin(scene).unknowns
+    modulus = _modulus(0.25 * LENGTH * np.sqrt(load / EI))
+    yield Row(
+        what="deflection at mid-span [m]",
+        reference="4 k sqrt(EI / F), K(k) = L / 4 sqrt(F / EI)",
+        source="Timoshenko and Gere 1961, section 2.7",
+        expected=float(4.0 * modulus * np.sqrt(EI / load)),
+        computed=float(np.hypot(u[u.shape[0] // 2, 0], u[u.shape[0] // 2, 1])),
+        tolerance=1e-3,
+    )
+
+
+def in_equilibrium(scene: Scene) -> Scene:
+    """The scene with its string in static balance at the first instant."""
+    return scene.model_copy(update={"rig": scene.rig.model_copy(update={"start": "equilibrium"})})
+
+
+def _modulus(quarter: float) -> float:
+    """Modulus k with K(k) = quarter, by bisection [-]."""
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if ellipk(middle**2) < quarter else (low, middle)
+    return low

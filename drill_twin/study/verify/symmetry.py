@@ -21,7 +21,7 @@ SYMMETRY = "symmetry"
 
 def lively(form: str = "spatial", **effects: Any) -> Scene:
     """A scene that whirls into the wall and rubs there within a second."""
-    return quiet_scene(ROLLING | effects, of=WALLED, radius=0.04, step=2e-3, elements=16, form=form)
+    return quiet_scene(ROLLING | effects, of=WALLED, radius=0.04, step=2e-3, elements=16, form=form, tolerance=1e-6)
 
 
 def turned(

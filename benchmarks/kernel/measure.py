@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Processor time of the time loop by itself."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from drill_twin.scene import Scene
+from drill_twin.schedule import Schedule
+from drill_twin.twin import Twin
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a piece of a run cost."""
+
+    elements: int
+    steps: int
+    iterations: int
+    seconds: float
+    """Processor time [s]."""
+
+    @property
+    def per_step(self) -> float:
+        """Of one element in one step [ns]."""
+        return self.seconds / self.steps / self.elements * 1e9
+
+    @property
+    def per_iteration(self) -> float:
+        """Of one element in one Newton iteration [ns]."""
+        return self.seconds / self.iterations / self.elements * 1e9
+
+
+def least_cost(scene: Scene, settle: float = 0.4, repeats: int = 5) -> Cost:
+    """The cheapest of a few frames after the motion has begun: the one least disturbed by others on the machine.
+
+    A frame of these scenes holds a hundred steps, so that set-points and reading of the state do not count.
+
+    Args:
+        scene: What to run; it is compiled first, outside the cost.
+        settle: Simulated time to leave out at the beginning [s].
+        repeats: Frames to choose from.
+    """
+    schedule = Schedule.from_scene(scene)
+    period = 1.0 / scene.numerics.frame_rate
+    twin = Twin(scene)
+    for frame in range(1, max(1, round(settle / period)) + 1):
+        twin.step(schedule.at(frame * period), period)
+    costs = []
+    for _ in range(repeats):
+        began = time.process_time()
+        stats = twin.step(schedule.at(twin.time + period), period).stats
+        costs.append(Cost(twin.elements, stats.steps, stats.iterations, time.process_time() - began))
+    return min(costs, key=lambda cost: cost.per_iteration)

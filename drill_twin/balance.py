@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run that begins in balance: the loaded shape at rest, then wound up and turning as one (`rig.start: equilibrium`).
+
+Friction, torque of the rock and whatever shakes the string have no part in the shape; what it takes to turn the string
+as it lies winds it up. A buckled string that turns in a straight vertical hole has no balance at all: its way from here
+into whirl is the run's business.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+
+from drill_twin.rod.types import Array
+from drill_twin.scene import Scene
+from drill_twin.schedule.command import Command
+from drill_twin.solve.equilibrium import AtRest, settle, torques, wind_up
+from drill_twin.solve.hang import axial_weight
+from drill_twin.solve.resolution import growth_time
+from drill_twin.solve.setting import sections_of
+from drill_twin.solve.state import SPIN
+
+STILL: dict[str, dict[str, float]] = {
+    "wall_friction": {"coefficient": 0.0},
+    "bit_friction": {"coefficient": 0.0},
+    "lateral_kick": {"velocity": 0.0},
+    "random_force": {"rms": 0.0},
+    "top_shake": {"amplitude": 0.0},
+}
+"""What the effects that move or hold a string are set to while its shape is sought; the kernel stays the same."""
+SMALLEST_LOAD = 1e-3  # by which the balance of a string without weight or load is judged [N]
+TOLERANCE = 1e-6  # of Newton's method while the balance is sought, as the scene's own
+INSTANT = 1e-3  # of the time that a torsional wave takes through an element
+
+
+class Turning(AtRest, Protocol):
+    """A twin at its first instant (`drill_twin.twin.Twin`)."""
+
+    form: str
+    scene: Scene
+    site: Any
+
+    def begin(self, u: Array, v: Array, command: Command) -> None:
+        """Take up a state."""
+
+    def step(self, command: Command, seconds: float) -> Any:
+        """Move on."""
+
+
+def at_rest(scene: Scene) -> Scene:
+    """The scene with its load on and nothing that turns, shakes or rubs, starting from the axis."""
+    rig, effects = scene.rig, scene.effects
+    listed = {
+        key: getattr(effects, key).model_copy(update=change)
+        for key, change in STILL.items()
+        if getattr(effects, key) is not None
+    }
+    weight = rig.weight_on_bit.model_copy(update={"initial": rig.weight_on_bit.value})
+    turn = rig.rotation.model_copy(update={"initial": 0.0, "value": 0.0})
+    still = rig.model_copy(update={"weight_on_bit": weight, "rotation": turn, "start": "axis"})
+    numerics = scene.numerics.model_copy(update={"tolerance": min(scene.numerics.tolerance, TOLERANCE)})
+    return scene.model_copy(
+        update={"rig": still, "effects": effects.model_copy(update=listed), "numerics": numerics},
+    )
+
+
+def turning(scene: Scene) -> Scene:
+    """The scene at its final set-points from the first instant, as its string is wound up, starting from the axis."""
+    rig = scene.rig
+    points = {key: getattr(rig, key) for key in ("weight_on_bit", "rotation")}
+    begun = {key: point.model_copy(update={"initial": point.value}) for key, point in points.items()}
+    return scene.model_copy(update={"rig": rig.model_copy(update={**begun, "start": "axis"})})
+
+
+def begin_in_balance(twin: Turning, make: Callable[[Scene], Turning]) -> None:
+    """Put a twin into static balance under its first command, turning as one.
+
+    Args:
+        twin: The twin at its first instant.
+        make: Makes a twin of a scene.
+
+    Raises:
+        RunError: There is no balance, or none was found.
+    """
+    scene = twin.scene
+    weight, rotation = scene.rig.first
+    hanging = float(np.abs(axial_weight(scene, twin.site)).sum())
+    growth = growth_time(sections_of(scene), max(abs(weight), 1.0))
+    still = make(at_rest(scene))
+    settle(still, growth, max(abs(weight), hanging, SMALLEST_LOAD), scene.numerics.seed)
+    u, v = still.unknowns
+    v[:, SPIN] = rotation
+    command = Command(weight, rotation)
+    if scene.effects.torsion is not None:
+        u[:, SPIN] += _wound_up(make(turning(scene)), u, v, command)
+    twin.begin(u, v, command)
+
+
+def _wound_up(twin: Turning, u: Array, v: Array, command: Command) -> Array:
+    """Spin by which the torques on the turning string twist it [rad]: in an instant they show as acceleration."""
+    rod = twin.rod
+    waves = np.sqrt(rod.torsion * rod.length / rod.spin_mass)
+    instant = INSTANT * float((rod.length / waves).min())
+    twin.begin(u, v, command)
+    twin.step(command, instant)
+    acceleration = (twin.unknowns[1][:, SPIN] - v[:, SPIN]) / instant
+    torque = torques(rod, acceleration)
+    body = twin.scene.effects.bit_mass
+    if body is not None:
+        torque[0] += body.inertia * acceleration[0]
+    return wind_up(rod, torque)

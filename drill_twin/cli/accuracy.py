@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin run --accuracy`: what is said before the run and checked after it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drill_twin.report.recording import Recording
+    from drill_twin.scene import Scene
+    from drill_twin.study.accuracy import Plan
+
+
+def planned(scene: Scene) -> Plan:
+    """Choose the resolution, with a progress bar where a curve has to be measured, and say what to expect."""
+    from rich.progress import Progress
+
+    from drill_twin.cli.show import err
+    from drill_twin.study.accuracy import resolve
+    from drill_twin.study.cost.promise import kept
+
+    console = err()
+    if kept(scene) is None:
+        console.print("no cost curve of this scene yet: measuring a small one", markup=False, soft_wrap=True)
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("looking for the cost curve", total=1.0)
+        plan = resolve(scene, progress=lambda line, share: bar.update(task, completed=share, description=line))
+    console.print(plan.sentence, markup=False, soft_wrap=True)
+    return plan
+
+
+def checked(plan: Plan, recording: Recording, *, rerun: bool) -> dict[str, Any]:
+    """Compare the run with what was expected of it, and say so; for the summary."""
+    from rich.progress import Progress
+
+    from drill_twin.cli.show import err
+    from drill_twin.study.accuracy import check
+
+    console = err()
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("checking: the part before the onset again, more finely", total=recording.duration)
+        outcome = check(plan, recording, rerun=rerun, progress=lambda time: bar.update(task, completed=time))
+    actual = "not checked" if outcome.actual is None else f"{outcome.actual * 100:.2g} %"
+    console.print(
+        f"error before the onset: {actual}, expected {outcome.expected * 100:.2g} %, asked {outcome.asked * 100:g} %; "
+        f"computing: {outcome.actual_seconds:.2g} s by the clock, {outcome.expected_seconds:.2g} s of a core expected",
+        markup=False,
+        soft_wrap=True,
+    )
+    return outcome.to_dict()

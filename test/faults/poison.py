@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An effect that breaks the string on purpose, brought into the composition from outside: no scene can list it.
+
+``python poison.py START END LONGEST PUSH NODE ...`` starts a node with it (`drill_twin.nodes`).
+"""
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+from drill_twin.rod.jit import kernel
+from drill_twin.rod.mesh import Rod
+from drill_twin.rod.point import Point
+from drill_twin.rod.types import Array
+
+
+@dataclass(frozen=True)
+class Poison:
+    """From a time to a time [s], in steps longer than a limit [s], a lateral force per length [N/m]; NaN is one too."""
+
+    start: float
+    end: float
+    longest: float
+    push: float
+    needs: ClassVar[tuple[str, ...]] = ()
+
+
+class Parameters(NamedTuple):
+    start: float
+    end: float
+    longest: float
+    push: float
+
+
+def parameters(block: Poison, site: Any) -> Parameters:
+    return Parameters(block.start, block.end, block.longest, block.push)
+
+
+@kernel
+def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+    dose = parameters.poison
+    if dose.start <= here.time < dose.end and 2.0 * h2 > dose.longest and here.element == 2:
+        load[0] += dose.push
+
+
+def install(dose: Poison) -> None:
+    """Have every scene of this process list it."""
+    import drill_twin.effects
+    from drill_twin.scene.effects import Effects, EffectsBase
+
+    name = "drill_twin.effects.poison"
+    if name not in sys.modules:
+        spec = importlib.util.spec_from_file_location(name, Path(__file__))
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[name] = module
+        spec.loader.exec_module(module)
+        drill_twin.effects.poison = module
+    Effects.poison = dose
+    if not hasattr(EffectsBase, "unpoisoned"):
+        EffectsBase.unpoisoned = EffectsBase.names
+        EffectsBase.names = property(lambda self: [*self.unpoisoned, "poison"])
+
+
+def remove() -> None:
+    """Have no scene list it any more."""
+    from drill_twin.scene.effects import EffectsBase
+
+    if hasattr(EffectsBase, "unpoisoned"):
+        EffectsBase.names = EffectsBase.unpoisoned
+        del EffectsBase.unpoisoned
+
+
+@contextmanager
+def poisoned(*dose: float) -> Iterator[None]:
+    """Within this block."""
+    install(Poison(*dose))
+    try:
+        yield
+    finally:
+        remove()
+
+
+if __name__ == "__main__":
+    install(Poison(*map(float, sys.argv[1:5])))
+    from drill_twin.nodes.start import start
+
+    sys.exit(start(sys.argv[5], sys.argv[6:]))

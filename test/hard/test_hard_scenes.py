@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Hard scenes are followed, no deeper into the wall than its law explains; what goes wrong is told."""
+
+import json
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from drill_twin.cli.app import app
+from drill_twin.frame import EnergyBalance
+from drill_twin.scene import hard_scenes, load_scene
+from drill_twin.schedule import Schedule
+from drill_twin.study import hard
+from drill_twin.study.hard.bound import deepest_allowed
+from drill_twin.study.hard.judge import Watch, judge
+from drill_twin.twin import Twin
+
+QUICK = (
+    "weight_jumps", "wall_1e12", "start_at_rest", "start_in_contact", "start_on_the_opposite_wall", "restitution_0",
+    "friction_2", "elements_5", "commands_jump",
+)  # fmt: skip
+"""Scenes of the same kernels that are done in a second."""
+CASES = [case for case in hard.all_hard_cases() if not case.long]
+
+
+def result_of(name):
+    return hard.run_case(next(case for case in hard.all_hard_cases() if case.name == name))
+
+
+def test_every_scene_says_why_it_is_hard():
+    assert len(hard_scenes()) >= 30
+    for name in hard_scenes():
+        scene = load_scene(name)
+        assert f"hard/{scene.name}" == name
+        assert scene.description != load_scene("pa6_bench").description
+
+
+@pytest.mark.parametrize("case", [c for c in CASES if c.name.partition("[")[0] in QUICK], ids=lambda case: case.name)
+def test_a_hard_scene_is_in_order(case):
+    result = hard.run_case(case)
+    assert result.ok, result.verdict
+    assert result.reached == pytest.approx(case.seconds)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("case", [c for c in CASES if c.name.partition("[")[0] not in QUICK], ids=lambda c: c.name)
+def test_a_slower_hard_scene_is_in_order(case):
+    result = hard.run_case(case)
+    assert result.ok, result.verdict
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["near_critical[spatial]", "near_critical[lateral]", "steady_hour[lateral]"])
+def test_a_long_run_is_in_order(name):
+    result = result_of(name)
+    assert result.ok, result.verdict
+    assert result.interventions == 0
+
+
+@pytest.mark.skipif("DRILL_TWIN_DAY" not in os.environ, reason="a day of rotation: make day")
+def test_a_day_of_rotation_is_in_order():
+    scene = load_scene("hard/steady_hour", overrides={"duration": "86400"})
+    twin, watch = Twin(scene), Watch()
+    schedule = Schedule.from_scene(scene)
+    for k in range(864_000):
+        watch.see(twin.step(schedule.at(0.1 * (k + 1)), 0.1))
+    case = next(case for case in hard.all_hard_cases() if case.name == "steady_hour[spatial]")
+    allowed = deepest_allowed(twin, watch.speed) + 0.5 * twin.step_size * watch.speed
+    assert judge(case, watch, "", allowed) == "ok"
+
+
+def test_what_is_wrong_is_told(make_frame):
+    case = next(case for case in CASES if case.name == "load_300_n[spatial]")
+    folds = next(case for case in CASES if case.name == "folds[spatial]")
+    watch = Watch()
+    watch.see(make_frame())
+    assert judge(case, watch, "", 0.0) == "ok"
+    watch.depth = 2e-3
+    assert "2 mm into the wall" in judge(case, watch, "", 1e-3)
+    assert judge(case, watch, "no step", 1.0) == "stopped: no step"
+    assert judge(folds, watch, "at node 3 folded back on itself", 1.0).startswith("ok, stopped")
+    assert judge(folds, watch, "no step", 1.0) == "stopped: no step"
+    assert "followed to the end" in judge(folds, watch, "", 1.0)
+    broken = make_frame()
+    broken.velocities[3, 1] = np.nan
+    watch.see(broken)
+    assert judge(case, watch, "", 1.0) == "a state that is no number"
+
+
+def test_heat_cannot_come_back(make_frame):
+    case, watch = next(case for case in CASES if case.name == "load_300_n[spatial]"), Watch()
+    for heat in (0.5, -0.1):
+        books = EnergyBalance({}, {}, {"drag": heat}, residual=-2e-3, scale=1.0, newton=0.0)
+        watch.see(replace(make_frame(), energy=books))
+        assert judge(case, watch, "", 1.0) == (
+            "ok" if heat > 0.0 else "drag gave the string energy, where it can only take it"
+        )
+    assert watch.energy == pytest.approx(2e-3)
+    lost = EnergyBalance({}, {}, {}, residual=0.3, scale=1.0, newton=0.0)
+    (watch := Watch()).see(replace(make_frame(), energy=lost))
+    assert judge(case, watch, "", 1.0) == "30% of the energy is not accounted for"
+
+
+@pytest.mark.long
+def test_the_energy_of_a_hard_scene_is_accounted_for():
+    case = next(case for case in CASES if case.name == "restitution_1[lateral]")
+    assert hard.run_case(case).energy is None
+    result = hard.run_case(case, energy=True)
+    assert result.ok, result.verdict
+    assert 0.0 < result.energy < 0.05
+
+
+def test_the_depth_allowed_is_that_of_an_impact():
+    """Without load and weight, the Hertz depth (5 m v^2 / 4 K)^(2/5)."""
+    scene = load_scene("hard/load_300_n", overrides={"wob": "0", "effects.gravity": "off"})
+    twin = Twin(scene)
+    mass = scene.string.sections[0].mass_per_length
+    assert deepest_allowed(twin, 2.0) == pytest.approx((5.0 * mass * 4.0 / 4e7) ** 0.4, rel=1e-6)
+
+
+def test_the_command_tells_and_ends_with_one_where_a_case_is_not_in_order(tmp_path, monkeypatch):
+    page = tmp_path / "hard.md"
+    said = CliRunner().invoke(app, ["hard", "--only", "start_at_rest[spatial]", "--json", "--page", str(page)])
+    assert said.exit_code == 0, said.output
+    found = json.loads(page.with_suffix(".json").read_text("utf-8"))
+    assert [case["name"] for case in found["cases"]] == ["start_at_rest[spatial]"]
+    assert "| start_at_rest | spatial |" in page.read_text("utf-8")
+    good = result_of("start_at_rest[spatial]")
+    bad = type(good)(**{**good.__dict__, "verdict": "stopped: here"})
+    monkeypatch.setattr(hard, "run_hard", lambda *_, **__: [bad])
+    said = CliRunner().invoke(app, ["hard", "--only", "start_at_rest[spatial]"])
+    assert said.exit_code == 1
+    assert "stopped: here" in said.output
+    assert CliRunner().invoke(app, ["hard", "--only", "no such"]).exit_code != 0

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A curved hole is drawn curved: what lies on its axis stays there, what lies off it is widened about it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from drill_twin.messages.definitions import deserialize
+from drill_twin.messages.geometry import StringGeometry, Widened
+from drill_twin.messages.markers import MarkerArrayTemplate
+from drill_twin.messages.topics import MARKER_ARRAY
+from drill_twin.report.curve import along_hole
+from drill_twin.rod.hole import along, aside
+from drill_twin.rod.survey import survey
+from drill_twin.rod.unroll import across, rolled, seen, unrolled
+from drill_twin.scene import load_scene
+
+FACTOR = 20.0
+DEPTHS = np.array([0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0])
+
+
+@pytest.fixture(scope="module")
+def line():
+    """Straight down, then a build with a turn, then a straight tangent."""
+    return survey(np.array([0.0, 40.0, 110.0, 200.0]), np.radians([0.0, 0.0, 35.0, 35.0]), np.radians([0.0, 0, 40, 40]))
+
+
+@pytest.fixture(scope="module")
+def off(line):
+    """Places beside the axis and a little along it."""
+    random = np.random.default_rng(3)
+    return line.at(DEPTHS).centre + random.uniform(-0.5, 0.5, (DEPTHS.size, 3))
+
+
+def test_places_are_seen_as_the_contact_sees_them(line, off):
+    axis = line.at(DEPTHS)
+    here = seen(axis, off)
+    for k, place in enumerate(off):
+        foot = aside(axis, k, *place)
+        np.testing.assert_allclose(here.off[k], [foot.x, foot.y, foot.z], atol=1e-9)
+        np.testing.assert_allclose(here.tangent[k], [foot.tx, foot.ty, foot.tz], atol=1e-12)
+        assert here.along[k] == pytest.approx(along(axis, k, *place), abs=1e-9)
+
+
+def test_what_is_unrolled_can_be_rolled_again(line, off):
+    axis = line.at(DEPTHS)
+    flat = unrolled(axis, off)
+    np.testing.assert_allclose(rolled(axis, flat), off, atol=1e-9)
+    np.testing.assert_allclose(np.hypot(flat[:, 0], flat[:, 1]), np.linalg.norm(seen(axis, off).off, axis=1), atol=1e-9)
+    ex, ey = across(axis.tangent)
+    np.testing.assert_allclose(np.cross(ex, ey), axis.tangent, atol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def geometry(line):
+    marks = (50.0, 120.0)
+    return StringGeometry(7, ("low", "high"), marks, 180.0, 0.1, 0.15, node_distances=180.0 - DEPTHS, axis_at=line.at)
+
+
+def test_lateral_motion_is_widened_about_the_axis(line, off, geometry):
+    widened = Widened(geometry, FACTOR)
+    axis = line.at(DEPTHS)
+    np.testing.assert_allclose(widened.nodes(axis.centre), axis.centre, atol=1e-9)
+    wide, narrow = seen(axis, widened.nodes(off)), seen(axis, off)
+    np.testing.assert_allclose(wide.off, FACTOR * narrow.off, atol=1e-6)
+    np.testing.assert_allclose(wide.along, narrow.along, atol=1e-6)
+    at_marks = line.at(np.array([130.0, 60.0]))
+    on_axis = np.stack((np.zeros(2), np.zeros(2), at_marks.along), axis=1)
+    np.testing.assert_allclose(widened.marks(on_axis), at_marks.centre, atol=1e-6)
+
+
+def test_the_wall_and_its_rings_follow_the_hole(line, geometry):
+    axis = line.at(DEPTHS)
+    picture = MarkerArrayTemplate(geometry, FACTOR)
+    raw = picture.fill(0, axis.centre, np.array([[0.0, 0.0, -130.0], [0.0, 0.0, -60.0]]), np.zeros(7))
+    markers = {(marker.ns, marker.id): marker for marker in deserialize(raw, MARKER_ARRAY).markers}
+    wall = np.array([[p.x, p.y, p.z] for p in markers["hole", 0].points])
+    assert np.linalg.norm(wall - line.at(np.linspace(0.0, 180.0, len(wall))).centre, axis=1).max() < 1e-9
+    ring = np.array([[p.x, p.y, p.z] for p in markers["hole", 1].points]).reshape(-1, 64, 3)
+    for circle in (ring[0], ring[-1]):
+        centre = circle.mean(axis=0)
+        np.testing.assert_allclose(np.linalg.norm(circle - centre, axis=1), FACTOR * 0.15, rtol=1e-9)
+    np.testing.assert_allclose(ring[-1].mean(axis=0), axis.centre[-1], atol=1e-9)
+    np.testing.assert_allclose((ring[-1] - axis.centre[-1]) @ axis.tangent[-1], 0.0, atol=1e-9)
+
+
+def test_a_report_sees_the_string_along_the_hole():
+    scene = load_scene("pa6_bench")
+    curves = np.zeros((2, 5, 3))
+    assert along_hole(scene, curves) is curves  # a straight hole is so already
+    length = scene.length
+    stations = [SimpleNamespace(depth=d, inclination=i, azimuth=0.0) for d, i in ((0.0, 0.0), (length, 0.4))]
+    bent = scene.model_copy(update={"hole": scene.hole.model_copy(update={"survey": stations})})
+    line = survey(np.array([0.0, length]), np.array([0.0, 0.4]), np.zeros(2))
+    centres = line.at(np.linspace(length, 0.0, 5)).centre
+    flat = along_hole(bent, centres[None])
+    np.testing.assert_allclose(flat[0, :, :2], 0.0, atol=1e-9)
+    np.testing.assert_allclose(flat[0, :, 2], -np.linspace(length, 0.0, 5), atol=1e-3)

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the nodes take of a processor: measured from the kernel's books, with nodes that really run."""
+
+import json
+import os
+import sys
+import time
+
+import pytest
+
+from drill_twin.nodes.load import _processor_time
+
+
+def test_processor_time_is_that_of_the_process():
+    before, own = _processor_time(os.getpid()), time.process_time()
+    while time.process_time() - own < 0.3:
+        pass
+    assert _processor_time(os.getpid()) - before == pytest.approx(time.process_time() - own, abs=0.05)
+
+
+@pytest.mark.long
+def test_every_node_is_measured_while_it_works(bench):
+    words = ["load", "--seconds", "3", "--elements", "16", "--rate", "100", "--json"]
+    process = bench.command("load", ["env", "-u", "ROS_DOMAIN_ID", sys.executable, "-m", "drill_twin.cli", *words])
+    assert process.wait(120.0) == 0, process.text
+    told = json.loads(process.text[process.text.index("{") :])
+    shares = {row["node"]: row for row in told["nodes"]}
+    assert set(shares) == {"simulator", "rig_driver", "analyzer", "recorder"}
+    assert all(row["processor"] > 0.0 and row["memory"] > 2**24 for row in shares.values())
+    assert int(told["simulator"]["frames"]) > 200
+    assert told["simulator"]["elements"] == "16"

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The share of the cost that goes with each effect: sampled without touching the run."""
+
+import numpy as np
+import pytest
+
+from drill_twin.cost import EffectCost
+from drill_twin.scene import load_scene
+from drill_twin.schedule import Command
+from drill_twin.twin import Twin
+
+
+def test_sampling_the_cost_of_effects_leaves_the_run_as_it_is():
+    """The bit's friction remembers whether it sticks: timed on the run's own memory, the run would be another one."""
+    scene = load_scene("two_mass")
+    watched, alone = Twin(scene), Twin(scene)
+    cost = EffectCost(watched)
+    for k in range(20):
+        command = Command(scene.rig.weight_on_bit.initial, 0.2 * k)
+        frames = [twin.step(command, 0.02) for twin in (watched, alone)]
+        values = {name: float(text) for name, text in cost.values(1.0).items()}
+    np.testing.assert_array_equal(frames[0].spin, frames[1].spin)
+    for name, memory in watched.checkpoint().items():
+        np.testing.assert_array_equal(memory, alone.checkpoint()[name])
+    assert set(values) == {f"step_cost_{name}" for name in (*watched.effects, "rod_and_solution")}
+    assert sum(values.values()) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_shares_are_of_what_an_iteration_costs():
+    twin = Twin(load_scene("two_mass"))
+    twin.step(Command(0.0, 1.0), 0.02)
+    cost = EffectCost(twin)
+    assert cost.values(0.0) == {}  # nothing to put it in relation to
+    price = twin.meter()("bit_torque_stribeck")
+    assert price > 0.0
+    dear, cheap = (float(cost.values(k * price)["step_cost_bit_torque_stribeck"]) for k in (10.0, 1000.0))
+    assert dear > 10.0 * cheap > 0.0
