@@ -179,7 +179,7 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
         "accuracy": log(1e3, 1e8),
     },
     "rock_floor": {
-        "stiffness": lambda s: log(1e3 * s.load / s.length, 1e7 * s.load / s.length),
+        "stiffness": lambda s: log(1e3 * s.load / s.length, min(1e7 * s.load / s.length, 1e12)),
         "damping": lambda s: or_zero(1e-3 * s.mass * s.frequency, 100.0 * s.mass * s.frequency),
     },
     "bit_cutting": {
@@ -217,7 +217,7 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
     },
     "bit_stabiliser": {
         "gauge": lambda s: between(1.0, 2.0 - 1e-3).map(lambda share: share * s.hole),
-        "stiffness": lambda s: log(10.0 * s.load / s.length, 1e7 * s.load / s.length),
+        "stiffness": lambda s: log(10.0 * s.load / s.length, min(1e7 * s.load / s.length, 1e12)),
         "damping": lambda s: or_zero(1e-3 * s.mass * s.frequency, 10.0 * s.mass * s.frequency),
         "friction": or_zero(1e-3, 2.0),
         "tilt_stiffness": lambda s: or_zero(1e-3 * s.load * s.length, 1e3 * s.load * s.length),

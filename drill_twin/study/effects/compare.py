@@ -8,11 +8,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import stats
 
 from drill_twin.study.trial import Trial
 
-SURE = 2.0
-"""Standard errors beyond which a difference is no chance."""
+SURE = 0.95
+"""Confidence with which a difference is no chance."""
 RELATIVE = ("onset_s", "whirl_frequency_hz")
 """Quantities measured by their own size; the others are shares already."""
 NAMES = {
@@ -71,11 +72,20 @@ def _quantity(before: list[float], after: list[float], tolerance: float, relativ
     noise = math.sqrt(_square_error(before) + _square_error(after))
     scale = tolerance * (abs(one) if relative else 1.0)
     difference = abs(other - one)
-    return Quantity(one, other, noise, difference / max(scale, 1e-300), difference > max(scale, SURE * noise))
+    return Quantity(one, other, noise, difference / max(scale, 1e-300), difference > max(scale, _chance(before, after)))
 
 
 def _mean(values: list[float]) -> float | None:
     return float(np.mean(values)) if values else None
+
+
+def _chance(before: list[float], after: list[float]) -> float:
+    """Difference of two means that chance alone could make (Welch 1947): far above its standard error after few runs."""
+    errors = (_square_error(before), _square_error(after))
+    freedom = sum(e**2 / (len(runs) - 1) for e, runs in zip(errors, (before, after), strict=True) if e > 0.0)
+    if freedom == 0.0:
+        return 0.0
+    return float(stats.t.ppf(0.5 + 0.5 * SURE, sum(errors) ** 2 / freedom)) * math.sqrt(sum(errors))
 
 
 def _square_error(values: list[float]) -> float:
