@@ -80,7 +80,7 @@ def _mean(values: list[float]) -> float | None:
 
 
 def _chance(before: list[float], after: list[float]) -> float:
-    """Difference of two means that chance alone could make (Welch 1947): far above its standard error after few runs."""
+    """Difference of two means that chance could make (Welch 1947): far above its standard error after few runs."""
     errors = (_square_error(before), _square_error(after))
     freedom = sum(e**2 / (len(runs) - 1) for e, runs in zip(errors, (before, after), strict=True) if e > 0.0)
     if freedom == 0.0:

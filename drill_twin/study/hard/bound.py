@@ -39,7 +39,7 @@ def deepest_allowed(twin: Twin, speed: float) -> float:
 
     def sinks_on(depth: float) -> bool:
         pushed = 0.5 * mass * speed**2 + pressed * depth + 0.5 * NEIGHBOURS * helix * depth**2
-        return stiffness * depth ** (power + 1.0) / (power + 1.0) < pushed
+        return bool(stiffness * depth ** (power + 1.0) / (power + 1.0) < pushed)
 
     low, high, longest = 0.0, 1e-9, float(twin.rod.arc[-1])
     while sinks_on(high):
