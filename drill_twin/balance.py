@@ -60,7 +60,7 @@ def at_rest(scene: Scene) -> Scene:
     weight = rig.weight_on_bit.model_copy(update={"initial": rig.weight_on_bit.value})
     turn = rig.rotation.model_copy(update={"initial": 0.0, "value": 0.0})
     still = rig.model_copy(update={"weight_on_bit": weight, "rotation": turn, "start": "axis"})
-    numerics = scene.numerics.model_copy(update={"tolerance": min(scene.numerics.tolerance, TOLERANCE)})
+    numerics = scene.numerics.model_copy(update={"tolerance": min(scene.tolerance, TOLERANCE)})
     return scene.model_copy(
         update={"rig": still, "effects": effects.model_copy(update=listed), "numerics": numerics},
     )

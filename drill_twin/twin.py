@@ -111,8 +111,8 @@ class Twin:
         self._state = state.make_state(self.elements)
         self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
         self._wall: Any = getattr(self._parameters, "wall", None)
-        place = newton_place(numerics.tolerance, rod, self._wall)
-        self._limits = state.Limits(self.step_size, place, numerics.tolerance)
+        place = newton_place(scene.tolerance, rod, self._wall)
+        self._limits = state.Limits(self.step_size, place, scene.tolerance)
         self._counters = np.zeros(state.COUNTERS)
         self._places = self.site.places
         marks = scene.string.marks

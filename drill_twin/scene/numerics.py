@@ -11,7 +11,7 @@ from pydantic_core import core_schema
 from drill_twin.scene.auto import OrAuto
 from drill_twin.scene.part import Part, refuse_at
 from drill_twin.units import Dimensionless, Frequency, Quantity, Within, refuse, show
-from drill_twin.units.dimension import TIME
+from drill_twin.units.dimension import DIMENSIONLESS, TIME
 
 FEWEST_ELEMENTS, MOST_ELEMENTS = 4, 4000
 
@@ -49,9 +49,11 @@ class Numerics(Part):
         "auto"
     )
     """Time step [s]; at most the time between two frames."""
-    tolerance: Annotated[Dimensionless, Within(at_least="1e-10", at_most="1e-3")] = 1e-5
+    tolerance: Annotated[
+        float | Literal["auto"], Quantity(DIMENSIONLESS), Within(at_least="1e-10", at_most="1e-3"), OrAuto()
+    ] = "auto"
     """Newton's method stops at changes below this share of the string's smallest radius, less on a hard wall, and of a
-    radian [-]."""
+    radian [-]; `auto`: 1e-5, and 1e-6 where no effect takes energy, so that what is left undone adds up."""
     accuracy: Annotated[Dimensionless, Within(at_least="1e-6", at_most="0.5")] | None = None
     """Instead of elements and step: the largest error of the marks' paths before the onset of whirl and of the onset
     time [-], as "1 %"; `drill-twin run` and the simulator choose both from a cost curve (docs/accuracy.md)."""

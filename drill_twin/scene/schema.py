@@ -15,6 +15,11 @@ from drill_twin.scene.rig import Rig
 from drill_twin.scene.string import String
 from drill_twin.scene.write import yaml_text
 
+LOSSLESS = {"bow", "eccentricity", "gravity", "lateral_kick", "stretch", "torsion"}
+"""Effects that take no energy from the string."""
+TOLERANCE, LOSSLESS_TOLERANCE = 1e-5, 1e-6
+"""What `auto` stands for with an effect that takes energy, and without [-]."""
+
 
 class MarkPlace(NamedTuple):
     """A mark with what an analysis needs to know of its place."""
@@ -76,6 +81,13 @@ class Scene(Part):
     def effect_names(self) -> list[str]:
         """Keys of the effects that are on."""
         return self.effects.names
+
+    @property
+    def tolerance(self) -> float:
+        """Newton's tolerance, `numerics.tolerance` or what `auto` makes of it [-]."""
+        if self.numerics.tolerance != "auto":
+            return self.numerics.tolerance
+        return TOLERANCE if set(self.effect_names) - LOSSLESS else LOSSLESS_TOLERANCE
 
     @property
     def mark_table(self) -> tuple[MarkPlace, ...]:

@@ -90,3 +90,11 @@ def test_a_table_file_counts_from_the_scene_or_from_where_the_user_stands(
 def test_a_value_that_is_no_yaml_is_refused(good):
     with pytest.raises(SceneError, match=r"override: numerics\.seed: expected a value"):
         load_scene("pa6_bench", overrides={"numerics.seed": "[1"})
+
+
+def test_newton_is_asked_for_more_where_nothing_takes_energy():
+    assert load_scene("pa6_bench").tolerance == 1e-5
+    losing = ("internal_damping", "drag", "wall_friction", "bit_friction")
+    free = {f"effects.{name}": "off" for name in (*losing, "wall")}
+    assert load_scene("pa6_bench", overrides=free).tolerance == 1e-6
+    assert load_scene("pa6_bench", overrides=free | {"numerics.tolerance": "1e-4"}).tolerance == 1e-4

@@ -102,7 +102,7 @@ def _actual(
     progress: Callable[[float], None],
 ) -> float:
     numerics = plan.scene.numerics
-    finer = at(plan.scene, 2 * int(numerics.elements), 0.5 * float(numerics.step), 0.1 * numerics.tolerance)
+    finer = at(plan.scene, 2 * int(numerics.elements), 0.5 * float(numerics.step), 0.1 * plan.scene.tolerance)
     motion = run_motion(finer, after_onset=AFTER, progress=progress)
     common = min(time.size, motion.time.size)
     true = motion.centre[:common, :, 0] + 1j * motion.centre[:common, :, 1]

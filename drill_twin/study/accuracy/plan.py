@@ -54,7 +54,7 @@ class Plan:
         onset = "no onset is expected" if self.onset_s is None else f"onset expected at {self.onset_s:.2f} s"
         return (
             f"accuracy {self.asked * 100:g} %: {numerics.elements} elements, {float(numerics.step) * 1e3:.3g} ms, "
-            f"tolerance {numerics.tolerance:.0e} ({self.source} curve); error {self.expected * 100:.2g} % and "
+            f"tolerance {self.scene.tolerance:.0e} ({self.source} curve); error {self.expected * 100:.2g} % and "
             f"{self.seconds:.2g} s of a core expected, {onset}"
         )
 

@@ -146,7 +146,7 @@ def run_motion(
         iterations=iterations / (k * period),
         elements=twin.elements,
         step=twin.step_size,
-        tolerance=scene.numerics.tolerance,
+        tolerance=scene.tolerance,
     )
 
 
