@@ -29,7 +29,7 @@ if HIDE:
             sys.modules[name] = None
 twin = Twin(scene)
 twin.step(Command(1.0, 1.0), 0.01)
-(text,) = twin._kernel.advance.inspect_asm().values()
+(text,) = twin.machine.kernel.advance.inspect_asm().values()
 # Instructions and registers; names hold running numbers of all functions that numba has met in the process.
 lines = [line for line in text.splitlines() if re.match(r"\\t[a-z]", line)]
 code = [" ".join(re.findall(r"^[a-z0-9]+|%[a-z0-9]+", line.strip())) for line in lines]

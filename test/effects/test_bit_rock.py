@@ -54,7 +54,7 @@ def test_the_bit_lifts_off_and_comes_down_again():
     lifted = [twin.step(Command(-20e3, SPEED), 0.02).rig for _ in range(10)]
     assert lifted[-1].bit_force == 0.0
     assert lifted[-1].bit_torque == 0.0
-    assert twin.unknowns[0][0, 2] > twin._parameters.bit_cutting.memory[0] + 1e-3
+    assert twin.unknowns[0][0, 2] > twin.machine.parameters.bit_cutting.memory[0] + 1e-3
     high = twin.drilled
     twin.step(Command(60e3, SPEED), 0.02)
 
@@ -97,7 +97,7 @@ def random_rate(drawn: np.ndarray, weight: float) -> float:
 def test_one_draw_of_the_random_law(seed, at):
     """F = A^1/2 G A^1/2 (x, w) with A = diag(W / x, T / w) of the mean law: rate and torque as the draw says."""
     twin, rig = drill(100e3, at=at, dispersion=0.1, seed=seed, seconds=2.0)
-    law = twin._parameters.bit_cutting
+    law = twin.machine.parameters.bit_cutting
     drawn = np.array([[law.axial, law.mixed], [law.mixed, law.turning]])
     assert not np.allclose(drawn, np.eye(2), atol=1e-3)
     before = twin.drilled

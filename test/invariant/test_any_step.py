@@ -106,8 +106,8 @@ def test_no_friction_and_no_damping_can_blow_up(effects):
 def test_whatever_the_damping_time():
     """Beyond what a scene may say, a thousand seconds: the string is then a dead weight."""
     twin = twin_of({"internal_damping": {"bending_time": 10.0}, "lateral_kick": {"velocity": 0.5, "shape": "hump"}})
-    damping = twin._parameters.internal_damping._replace(bending=1e3)
-    twin._parameters = twin._parameters._replace(internal_damping=damping)
+    damping = twin.machine.parameters.internal_damping._replace(bending=1e3)
+    twin.machine.parameters = twin.machine.parameters._replace(internal_damping=damping)
     seen = [energy(twin.step(STILL, STEP)) for _ in range(40)]
     assert seen[-1] <= seen[0]
     assert np.isfinite(seen).all()

@@ -109,7 +109,7 @@ def test_a_force_that_is_not_accounted_for_is_caught():
     for _ in range(100):
         frame = twin.step(Command(0.0, 0.0), 0.02)
     braked = frame.energy.work["drag"]
-    books = twin._books
+    books = twin.books
     books._books[WORK, EFFECTS + books._effects.index("drag")] = 0.0
     forged, grown = books.balance(*twin.unknowns)
     assert braked < -0.02 * forged.scale
@@ -135,7 +135,7 @@ def test_the_books_do_not_touch_the_motion():
         one, other = (twin.step(Command(15.0, 6.0), 0.02) for twin in (with_books, without))
         assert np.allclose(one.positions, other.positions, atol=1e-7)
     assert other.energy is None
-    assert "ledger" not in without._kernel.Parameters._fields
+    assert "ledger" not in without.machine.kernel.Parameters._fields
     assert "audit" not in compose.source(("drag",), "lateral")
 
 

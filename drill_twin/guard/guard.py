@@ -3,26 +3,23 @@
 
 Before each frame the guard keeps the twin's memory in arrays of its own; after it, a compiled pass looks at the state.
 What cannot be meant is taken back and done again with half the step, up to `TRIES` times; the step grows back by
-doubling, each time after `CALM` good frames. The bounds are wide on purpose: they tell a motion that has broken down,
-not one that is inaccurate.
+doubling, each time after `CALM` good frames.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from drill_twin.effects.wall import Parameters as Wall
 from drill_twin.frame import EnergyBalance, Intervention
+from drill_twin.guard.bounds import Bounds
+from drill_twin.guard.violation import NO_MATTER_OF_STEP, Violation
 from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
-from drill_twin.scene import Scene
 from drill_twin.solve import vitals
-from drill_twin.solve.hang import axial_weight
-from drill_twin.solve.resolution import impact_depth
-from drill_twin.solve.setting import sections_of
+from drill_twin.solve.midpoint import SMALLEST_SHARE
 
 TRIES = 6
 """How often a frame is done again, each time with half the step."""
@@ -32,104 +29,10 @@ CALM = 10
 """Good frames after which a halved step doubles."""
 LARGEST_STRAIN = 0.5
 """Largest strain in size; the elastic law is not meant for a tenth of it."""
-FOLDED, ACROSS = 1.99, 0.8
-"""Most that 1 - t_z may be: in space 172 degrees, as a string folded back has no twist; and in the
-lateral form, which is for small slopes."""
-NO_MATTER_OF_STEP = {"fold", "slope"}
-"""What no smaller step mends: one try has to do."""
-LEAST_SPEED = 1000.0
-"""Speed that no string is refused [m/s]."""
-DEEPER = 10.0
-"""Times the depth that the contact law gives for the impact and the load at hand."""
 ENERGY_SHARE = 0.2
 """Share of the energy on the move that a frame may lose track of, where the scene asks for the audit."""
 
 SHARE, GOOD = 0, 1  # places in Guard.memory: share of the nominal step, good frames since it was halved
-
-REMEDIES = {
-    "finite": "look at the parameters of the effect that is named",
-    "newton": "try a lower load (the string may have folded), a smaller numerics.step, more elements, or a softer wall",
-    "speed": "try a smaller numerics.step, or look at the parameters of the effect that is named",
-    "strain": "try a lower load; no drillstring is meant to be stretched or squeezed so far",
-    "fold": "try a lower load, or list `wall`, which keeps the string from folding",
-    "slope": "list `stretch` and `torsion` (the motion across the hole alone is meant for small slopes), or `wall`",
-    "penetration": "try a smaller numerics.step, a stiffer wall, or a lower load",
-    "energy": "try a smaller numerics.step or more elements",
-}
-
-
-@dataclass(frozen=True)
-class Violation:
-    """What a state cannot be."""
-
-    kind: str
-    """finite, newton, speed, strain, fold, slope, penetration or energy."""
-    node: int
-    """Where it is worst."""
-    text: str
-    """What was found there and what was expected, in words."""
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """What a state can be."""
-
-    speed: float
-    """Sound in the string, or `LEAST_SPEED` where it is softer than what strings are made of [m/s]."""
-    lean: float
-    """Most that 1 - t_z may be."""
-    lateral: bool
-    """Whether the string only moves across the hole."""
-    line_mass: float
-    """Largest mass per length, mud included [kg/m]."""
-    flexibility: float
-    """Largest clearance over 4 EI [1/(N m)]: with the load squared, how a helix presses on the wall [N/m]."""
-    weight: float
-    """Weight of the string [N]."""
-    line_weight: float
-    """Largest weight per length [N/m]."""
-    curvature: float
-    """Largest curvature of the hole [1/m]."""
-
-    def depth(self, wall: Wall, speed: float, load: float, step: float) -> float:
-        """Deepest that the string can be in the wall [m].
-
-        What the law gives for the hardest impact, K d^(p+1) / (p+1) = m v^2 / 2 per length, and for the load, the
-        helix's F^2 r / (4 EI) (Lubinski, Althouse and Logan 1962) with weight and curvature, `DEEPER` times both; and
-        as far as the string goes in a step, since a long step meets the wall only at its ends.
-
-        Args:
-            wall: Law of the wall.
-            speed: Fastest place of the string [m/s].
-            load: Weight on bit [N].
-            step: Time step [s].
-        """
-        power = 1.0 if wall.linear else 1.5
-        impact = impact_depth(wall, self.line_mass, speed)
-        axial = abs(load) + self.weight
-        pressed = ((axial**2 * self.flexibility + axial * self.curvature + self.line_weight) / wall.stiffness) ** (
-            1.0 / power
-        )
-        return float(DEEPER * (impact + pressed) + speed * step)
-
-
-def bounds_of(scene: Scene, site: Site, *, lateral: bool) -> Bounds:
-    """The bounds of a scene."""
-    rod, bore = site.rod, site.bore
-    weight = np.abs(axial_weight(scene, site))
-    gravity = 0.0 if scene.effects.gravity is None else scene.effects.gravity.magnitude
-    mud = site.fluid_density * 4.0 * np.pi * site.contact_radius.max() ** 2
-    clearance = bore.clearance.reshape(-1, 2).max(axis=1)
-    return Bounds(
-        speed=max(LEAST_SPEED, *(float(np.sqrt(tube.youngs_modulus / tube.density)) for tube in sections_of(scene))),
-        lean=ACROSS if lateral else FOLDED,
-        lateral=lateral,
-        line_mass=float(rod.line_mass.max() + mud),
-        flexibility=float(np.max(clearance / (4.0 * rod.bending))),
-        weight=float(weight.sum()),
-        line_weight=float(gravity * rod.line_mass.max()),
-        curvature=0.0 if bore.axis is None else float(bore.axis.curvature.max()),
-    )
 
 
 class Guard:
@@ -167,6 +70,10 @@ class Guard:
             np.copyto(kept, array)
         vitals.look(self._site.rod, u, v, self._vitals)
         self._speed = float(self._vitals[vitals.SPEED])
+
+    def gives_up(self, found: Violation, tries: int) -> bool:
+        """Whether a frame is not to be tried again after so many tries."""
+        return tries >= (1 if found.kind in NO_MATTER_OF_STEP else TRIES) or self.share <= SMALLEST
 
     def take_back(self, u: Array, v: Array) -> None:
         """Go back to what was kept, and remember the state that was not good."""
@@ -235,6 +142,22 @@ class Guard:
                     f"{allowed:.3g} m",
                 )  # fmt: skip
         return None
+
+    def not_followed(self, u: Array, v: Array, step: float) -> Violation:
+        """What it means that the equations had no solution.
+
+        Args:
+            u: Node rows (r, r', psi), shape (n + 1, 7).
+            v: Their velocities.
+            step: Nominal time step [s].
+        """
+        node = int(np.argmax(np.nan_to_num(np.linalg.norm(v[:, :3], axis=1), nan=np.inf)))
+        return Violation(
+            "newton", node,
+            f"the equations had no solution, even at a step of {step * self.share * SMALLEST_SHARE:.2g} s; fastest was "
+            f"{self.at(node)}, {np.hypot(u[node, 0], u[node, 1]):.3g} m off the axis at "
+            f"{np.linalg.norm(v[node, :3]):.3g} m/s",
+        )  # fmt: skip
 
     def unaccounted(self, energy: EnergyBalance, grown: float) -> Violation | None:
         """Whether a frame has lost track of too much energy.

@@ -9,10 +9,12 @@ into whirl is the run's business.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
+from drill_twin.errors import RunError
+from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
@@ -36,17 +38,16 @@ INSTANT = 1e-3  # of the time that a torsional wave takes through an element
 
 
 class Turning(AtRest, Protocol):
-    """A twin at its first instant (`drill_twin.twin.Twin`)."""
+    """A machine at its first instant (`drill_twin.twin.machine.Machine`)."""
 
-    form: str
     scene: Scene
-    site: Any
+    site: Site
 
     def begin(self, u: Array, v: Array, command: Command) -> None:
         """Take up a state."""
 
-    def step(self, command: Command, seconds: float) -> Any:
-        """Move on."""
+    def advance(self, target: Array, seconds: float) -> bool:
+        """Move on; False where that fails."""
 
 
 def at_rest(scene: Scene) -> Scene:
@@ -74,19 +75,19 @@ def turning(scene: Scene) -> Scene:
     return scene.model_copy(update={"rig": rig.model_copy(update={**begun, "start": "axis"})})
 
 
-def begin_in_balance(twin: Turning, make: Callable[[Scene], Turning]) -> None:
-    """Put a twin into static balance under its first command, turning as one.
+def begin_in_balance(machine: Turning, make: Callable[[Scene], Turning]) -> None:
+    """Put a machine into static balance under its first command, turning as one.
 
     Args:
-        twin: The twin at its first instant.
-        make: Makes a twin of a scene.
+        machine: The machine at its first instant.
+        make: Makes a machine of a scene.
 
     Raises:
         RunError: There is no balance, or none was found.
     """
-    scene = twin.scene
+    scene = machine.scene
     weight, rotation = scene.rig.first
-    hanging = float(np.abs(axial_weight(scene, twin.site)).sum())
+    hanging = float(np.abs(axial_weight(scene, machine.site)).sum())
     growth = growth_time(sections_of(scene), max(abs(weight), 1.0))
     still = make(at_rest(scene))
     settle(still, growth, max(abs(weight), hanging, SMALLEST_LOAD), scene.numerics.seed)
@@ -95,19 +96,23 @@ def begin_in_balance(twin: Turning, make: Callable[[Scene], Turning]) -> None:
     command = Command(weight, rotation)
     if scene.effects.torsion is not None:
         u[:, SPIN] += _wound_up(make(turning(scene)), u, v, command)
-    twin.begin(u, v, command)
+    machine.begin(u, v, command)
 
 
-def _wound_up(twin: Turning, u: Array, v: Array, command: Command) -> Array:
+def _wound_up(machine: Turning, u: Array, v: Array, command: Command) -> Array:
     """Spin by which the torques on the turning string twist it [rad]: in an instant they show as acceleration."""
-    rod = twin.rod
+    rod = machine.rod
     waves = np.sqrt(rod.torsion * rod.length / rod.spin_mass)
     instant = INSTANT * float((rod.length / waves).min())
-    twin.begin(u, v, command)
-    twin.step(command, instant)
-    acceleration = (twin.unknowns[1][:, SPIN] - v[:, SPIN]) / instant
+    machine.begin(u, v, command)
+    if not machine.advance(np.array([command.weight_on_bit, command.rotation]), instant):
+        raise RunError(
+            "rig.start: expected a turning string that can be followed for an instant, found no solution of "
+            "its equations. Start from the axis instead (rig.start: axis)"
+        )
+    acceleration = (machine.unknowns[1][:, SPIN] - v[:, SPIN]) / instant
     torque = torques(rod, acceleration)
-    body = twin.scene.effects.bit_mass
+    body = machine.scene.effects.bit_mass
     if body is not None:
         torque[0] += body.inertia * acceleration[0]
     return wind_up(rod, torque)
