@@ -118,6 +118,12 @@ class Process:
         return int(Path(f"/proc/{self.pid}/statm").read_text("utf-8").split()[1]) * resource.getpagesize()
 
     @property
+    def loop_time(self) -> float:
+        """Processor time of the main thread, which runs the loop of a node [s]."""
+        fields = Path(f"/proc/{self.pid}/task/{self.pid}/stat").read_text("utf-8").rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    @property
     def files(self) -> int:
         """Open file handles."""
         return sum(1 for _ in Path(f"/proc/{self.pid}/fd").iterdir())
@@ -165,6 +171,7 @@ class Bench:
         self.history: list[Status] = []
         self._heard_topics: list[Subscription] = []
         self._taken = 0
+        self.asked_ready = 0.0
         self.node.create_service(Trigger, "~/ready", self._answer_ready)
         self.listen(DIAGNOSTICS, self._on_diagnostics)
 
@@ -273,9 +280,26 @@ class Bench:
             raise AssertionError(f"{error}\nthe last one was {self.statuses.get(node)}") from error
         return self.statuses[node]
 
+    def simulated_time(self) -> float:
+        """What the simulator says of its time, from now on [s]."""
+        return float(self.until_status("simulator", bool).values["simulated_time"])
+
+    def keeps_real_time(self, simulator: Process, seconds: float) -> None:
+        """Watch a simulator for some seconds of its time: is a second of it cheap enough to be had in one of ours?
+
+        Judged by the processor time of its loop: a busy machine may give it less than it needs, for other reasons than
+        those of the test.
+        """
+        first, spent = self.simulated_time(), simulator.loop_time
+        end = first + seconds
+        last = self.until_status("simulator", lambda status: float(status.values["simulated_time"]) >= end, LONG)
+        gone = float(last.values["simulated_time"]) - first
+        assert simulator.loop_time - spent < 0.9 * gone, last
+
     def _answer_ready(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """As a node of ours answers: `wait_for="simulator test"` holds a driver until the test misses nothing."""
         del request
+        self.asked_ready = time.monotonic()
         late = [topic.topic_name for topic in self._heard_topics if not self._connected(topic)]
         response.success, response.message = not late, f"not yet connected to {', '.join(late)}" if late else ""
         return response
