@@ -44,8 +44,8 @@ class Watch(TwinNode):
         self.feed = Feed()
         self._encoder = CommandEncoder()
         self._asked: queue.Queue[tuple[str, float]] = queue.Queue()
-        self._pending: list[Any] = []
-        self._trouble = ""
+        self._pending: list[tuple[str, float, Any]] = []
+        self._refused = ""
         self._driver = self.create_client(SetParameters, "rig_driver/set_parameters")
 
     def open(self) -> None:
@@ -62,37 +62,54 @@ class Watch(TwinNode):
 
     def picture(self) -> Mapping[str, Any]:
         """What the page shows."""
-        return self.feed.picture()
+        return {**self.feed.picture(), "refused": self._refused}
 
     def asked(self, request: Mapping[str, Any]) -> None:
         """Command what the sliders say; from another thread, so it is only put down here.
 
         Raises:
-            DrillTwinError: It is no set-point, or the last one was refused.
+            DrillTwinError: It is no set-point.
         """
         for name, value in request.items():
             if name not in _ASKED or isinstance(value, bool):
                 raise DrillTwinError(f"expected a set-point wob or rps, found {name}")
             self._asked.put((name, float(value)))
-        if self._trouble:
-            trouble, self._trouble = self._trouble, ""
-            raise DrillTwinError(trouble)
 
     def work(self) -> None:
         """Hear what has come, and send what was asked for."""
         self.listen_for(0.02)
         while not self._asked.empty():
             self._command(*self._asked.get())
-        for answer in [answer for answer in self._pending if answer.done()]:
-            self._pending.remove(answer)
-            self._trouble = next((r.reason for r in answer.result().results if not r.successful), self._trouble)
+        if self._pending:
+            self._hear_answers()
 
     def _command(self, name: str, value: float) -> None:
-        parameter, unit, topic = _ASKED[name]
-        if self.publishers_of(RIG_COMMAND) and self._driver.service_is_ready():
+        parameter, unit, _ = _ASKED[name]
+        if self._driver_leads():
             change = RosParameter(parameter, value=f"{value!r} {unit}").to_parameter_msg()
-            self._pending.append(self._driver.call_async(SetParameters.Request(parameters=[change])))
-        elif topic == WOB_COMMAND:
+            answer = self._driver.call_async(SetParameters.Request(parameters=[change]))
+            self._pending.append((name, value, answer))
+        else:
+            self._publish(name, value)
+
+    def _hear_answers(self) -> None:
+        leads = self._driver_leads()
+        pending, self._pending = self._pending, []
+        for name, value, answer in pending:
+            if answer.done():
+                self._refused = next((r.reason for r in answer.result().results if not r.successful), "")
+            elif leads:
+                self._pending.append((name, value, answer))
+            else:  # it left without an answer; what was asked for still holds
+                self._driver.remove_pending_request(answer)
+                self._publish(name, value)
+
+    def _driver_leads(self) -> bool:
+        return bool(self.publishers_of(RIG_COMMAND)) and self._driver.service_is_ready()
+
+    def _publish(self, name: str, value: float) -> None:
+        topic = _ASKED[name][2]
+        if topic == WOB_COMMAND:
             self.outgoing[topic].publish(self._encoder.wob_command(Command(value, 0.0)))
         else:
             self.outgoing[topic].publish(self._encoder.rps_command(Command(0.0, value * _TURN)))

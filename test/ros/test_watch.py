@@ -59,19 +59,28 @@ class Browser:
         target = _until(pages, "the page")[0]["webSocketDebuggerUrl"]
         self._socket = self._open.enter_context(connect(target, max_size=None))
         self._number = 0
-        _until(lambda: self.value("typeof now !== 'undefined' && now !== null"), "the first picture")
+        _until(self._shows_a_picture, "the first picture")
+
+    def _shows_a_picture(self):
+        """While the page still loads, its context comes and goes, and a question may find none."""
+        answer = self._ask("Runtime.evaluate", expression="document.readyState === 'complete' && now !== null")
+        return answer.get("result", {}).get("result", {}).get("value") is True
 
     def _ask(self, method, **given):
         self._number += 1
         self._socket.send(json.dumps({"id": self._number, "method": method, "params": given}))
         while (answer := json.loads(self._socket.recv(timeout=30.0))).get("id") != self._number:
             pass
+        return answer
+
+    def _told(self, method, **given):
+        answer = self._ask(method, **given)
         assert "error" not in answer, answer
         return answer["result"]
 
     def value(self, expression):
         """Value of an expression on the page."""
-        answer = self._ask("Runtime.evaluate", expression=expression, returnByValue=True)
+        answer = self._told("Runtime.evaluate", expression=expression, returnByValue=True)
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 
@@ -93,7 +102,7 @@ class Browser:
         )
 
     def screenshot(self, path):
-        path.write_bytes(base64.b64decode(self._ask("Page.captureScreenshot")["data"]))
+        path.write_bytes(base64.b64decode(self._told("Page.captureScreenshot")["data"]))
 
     def close(self):
         self._open.close()
@@ -165,12 +174,36 @@ def test_the_page_of_a_running_twin_shows_it_and_commands_it(bench, browse, tmp_
     assert status.values["commands_from_others"] == "0"
     # Without a driver the sliders are the single set-points.
     assert driver.end() == 0
-    bench.until(lambda: bench.node.count_publishers("/rig/command") == 0)
+    bench.until_status("simulator", lambda status: "/rig_driver" not in status.values["command_sources"])
     browser.slide("wob_slider", 20)
     bench.until(lambda: applied()[0] == pytest.approx(20.0), 20.0, "the single set-point")
     browser.screenshot(tmp_path / "page.png")
     assert (tmp_path / "page.png").stat().st_size > 20_000
     for process in (page, analyzer, simulator):
+        assert process.end() == 0, process.text
+        assert "Traceback" not in process.text
+
+
+@pytest.mark.long
+def test_what_a_driver_refuses_is_told_and_what_it_leaves_undone_is_commanded_all_the_same(bench, joints):
+    states = bench.collect(RIG_STATE)
+    page = bench.start_with(["--port", "0", "--no-browser"], "watch")
+    simulator = bench.start("simulator")
+    driver = bench.start("rig_driver", wait_for="simulator watch test", overrides=STEADY)
+    bench.until(lambda: len(states) > 50, what="the string to move")
+    with connect(_served(page).replace("http", "ws") + "live") as socket:
+
+        def told():
+            return json.loads(socket.recv(timeout=10.0)).get("refused", "")
+
+        socket.send('{"rps": 1e9}')
+        _until(lambda: "rotation" in told(), "the refusal of the driver")
+        driver.send(signal.SIGSTOP)
+        socket.send('{"wob": 20}')
+        bench.spin(0.5)
+        driver.kill()
+        bench.until(lambda: joints(states[-1:])[0].effort[1] == pytest.approx(20.0), 40.0, "the single set-point")
+    for process in (page, simulator):
         assert process.end() == 0, process.text
         assert "Traceback" not in process.text
 
