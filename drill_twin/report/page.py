@@ -25,6 +25,9 @@ _CAPTIONS = {
     "left when it turns against it.",
     "string_shapes": "z = 0 is the top clamp; the bit is at the lower end. Lateral axes are stretched against z.",
 }
+_UNROLLED = (
+    "The hole is curved and drawn straight: x and y are the distances from its axis, z is minus the measured depth."
+)
 
 
 def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mapping[str, Path]) -> str:
@@ -46,7 +49,7 @@ def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mappin
         "</section><section>",
         _table(provenance(summary)),
         "</section></div>",
-        _view() if len(recording.poses) else "",
+        _view(curved=bool(scene.hole.survey)) if len(recording.poses) else "",
         "<h2>Over time</h2>",
         '<section class="stack">',
         *(_image(figures[name], name) for name in OVER_TIME),
@@ -123,9 +126,10 @@ def _image(path: Path, name: str) -> str:
     return f'<img alt="{escape(name.replace("_", " "))}" src="data:image/png;base64,{data}">'
 
 
-def _view() -> str:
+def _view(*, curved: bool) -> str:
     return (
         '<h2>The string in motion</h2><section id="view">'
+        f"{f'<p>{_UNROLLED}</p>' if curved else ''}"
         '<p class="wait">loading the interactive view ...</p>'
         '<p class="no">This browser cannot show the interactive view (it needs WebGL); the figures below show the '
         "same.</p>"

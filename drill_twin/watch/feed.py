@@ -144,6 +144,7 @@ class Feed:
             "name": scene.name,
             "length": scene.length,
             "hole": scene.hole.radius,
+            "curved": bool(scene.hole.survey),
             "pipe": max(0.5 * section.outer_diameter for section in scene.string.sections),
             "clearance": {mark.name: scene.clearance_at(mark.distance_from_bit) for mark in marks},
             "wob": scene.rig.weight_on_bit.value,

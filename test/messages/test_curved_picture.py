@@ -6,15 +6,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from drill_twin.messages.cdr import PoseArrayTemplate
 from drill_twin.messages.definitions import deserialize
+from drill_twin.messages.encode import encode_string
 from drill_twin.messages.geometry import StringGeometry, Widened
 from drill_twin.messages.markers import MarkerArrayTemplate
-from drill_twin.messages.topics import MARKER_ARRAY
+from drill_twin.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
 from drill_twin.report.curve import along_hole
 from drill_twin.rod.hole import along, aside
 from drill_twin.rod.survey import survey
 from drill_twin.rod.unroll import across, rolled, seen, unrolled
-from drill_twin.scene import load_scene
+from drill_twin.scene import load_scene, parse_scene
+from drill_twin.watch.feed import Feed
 
 FACTOR = 20.0
 DEPTHS = np.array([0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0])
@@ -97,3 +100,28 @@ def test_a_report_sees_the_string_along_the_hole():
     flat = along_hole(bent, centres[None])
     np.testing.assert_allclose(flat[0, :, :2], 0.0, atol=1e-9)
     np.testing.assert_allclose(flat[0, :, 2], -np.linspace(length, 0.0, 5), atol=1e-3)
+
+
+CURVED = """\
+base: pa6_bench
+hole:
+  survey:
+    - {depth: 0 m, inclination: 0 deg}
+    - {depth: 5 m, inclination: 20 deg}
+"""
+
+
+def test_the_page_of_watch_draws_the_string_along_the_hole_and_says_so():
+    feed = Feed()
+    scene = parse_scene(CURVED, name="curved")
+    feed.take(TWIN_SCENE, encode_string(scene.to_yaml()))
+    line = survey(np.array([0.0, 5.0]), np.radians([0.0, 20.0]), np.zeros(2))
+    nodes = line.at(np.linspace(5.0, 0.0, 11)).centre
+    assert np.abs(nodes[:, 0]).max() > 0.5  # far more than the hole is wide
+    feed.take(STRING_POSES, PoseArrayTemplate(11).fill(10**9, nodes, np.tile([0.0, 0.0, 0.0, 1.0], (11, 1))))
+    picture = feed.picture()
+    assert picture["scene"]["curved"] is True
+    np.testing.assert_allclose(np.array(picture["nodes"])[:, :2], 0.0, atol=1e-6)
+    np.testing.assert_allclose(np.array(picture["nodes"])[:, 2], -np.linspace(5.0, 0.0, 11), atol=1e-3)
+    feed.take(TWIN_SCENE, encode_string(load_scene("pa6_bench").to_yaml()))
+    assert feed.picture()["scene"]["curved"] is False

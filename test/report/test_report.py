@@ -17,8 +17,9 @@ from drill_twin.errors import BagError
 from drill_twin.report import build_report, read_recording, summarise
 from drill_twin.report.build import FIGURES
 from drill_twin.report.figures.style import STATE_COLOURS, styled
-from drill_twin.report.page import OVER_TIME
+from drill_twin.report.page import OVER_TIME, build_page
 from drill_twin.report.words import NOT_VALIDATED
+from drill_twin.scene import load_scene
 from drill_twin.whirl import MotionState
 
 
@@ -121,6 +122,15 @@ def test_text_of_a_scene_cannot_break_the_page(known_bag, tmp_path, monkeypatch)
     page = Page(build_report(recording, tmp_path).page.read_text("utf-8"))
     assert nasty in page.words
     assert "alert(1)" not in "".join(page.scripts.values())
+
+
+def test_page_says_that_a_curved_hole_is_drawn_straight(page, files, known_bag):
+    assert "drawn straight" not in page.words
+    recording = read_recording(known_bag)
+    curved = {"hole.survey": "[{depth: 0 m, inclination: 0 deg}, {depth: 5 m, inclination: 20 deg}]"}
+    recording.scene = load_scene("pa6_bench", overrides=curved)
+    summary = json.loads(files.summary.read_text("utf-8"))
+    assert "drawn straight" in Page(build_page(recording, summary, files.figures)).words
 
 
 @pytest.mark.parametrize("name", FIGURES)
