@@ -11,8 +11,6 @@ from drill_twin.scene import Scene
 KEY = "left_out"
 """Key in the simulator's diagnostics; several are set apart by `SEPARATOR`."""
 SEPARATOR = " | "
-CARRIERS = ("rock_floor", "bit_cutting")
-"""Effects that let go of a bit which is pulled."""
 
 
 def omissions_of(values: Mapping[str, str]) -> list[str]:
@@ -31,7 +29,7 @@ class Omissions:
         effects = scene.effects
         self.found: list[str] = []
         self._watch_wall = effects.wall is None
-        self._watch_bit = scene.rig.weight_on_bit.at == "top" and not any(getattr(effects, key) for key in CARRIERS)
+        self._watch_bit = scene.rig.weight_on_bit.at == "top" and not effects.giving("weight")
 
     def look(self, frame: Frame) -> None:
         """Take in one frame."""

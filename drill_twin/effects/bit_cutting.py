@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """A bit that drills: weight and torque by rate of penetration and speed, as mean law or as one random draw of it."""
 
+from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Seed
+from drill_twin.effects.block import Block, Misfit, Seed
 from drill_twin.effects.germ import MOST_SCATTER, germ
 from drill_twin.effects.harmonics import generator
 from drill_twin.rod.bit import BIT_TORQUE, DRILLED, SPIN, carried, carry, pressed, rock_height
@@ -34,6 +35,7 @@ class BitCutting(Block):
     """
 
     needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    gives = ("torque", "weight")
 
     threshold: Annotated[Speed, Within(at_least="0 m/s", at_most="1 m/s")] = 3.429e-3
     """a1 [m/s]: how far the rate of penetration falls short of proportional."""
@@ -56,6 +58,16 @@ class BitCutting(Block):
     """How far one draw of the random law scatters about the mean law [-]; 0 = the mean law."""
     seed: Seed = 1
     """Of the draw, which holds for the run; `numerics.seed` moves it too."""
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:
+        """Rock without stiffness under a weight set at the top, or with one under a weight that needs none."""
+        at, place = scene.rig.weight_on_bit.at, ("rock_stiffness",)
+        if at == "top" and self.rock_stiffness is None:
+            yield Misfit(place, 'expected a stiffness such as "25e6 N/m" with `rig.weight_on_bit.at: top`, found none')
+        if at == "bit" and self.rock_stiffness is not None:
+            yield Misfit(
+                place, "expected none with `rig.weight_on_bit.at: bit`, found one: such a weight needs no rock"
+            )
 
 
 class Parameters(NamedTuple):

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Friction of the spinning bit on the rock: sliding sideways, it is braked as if by a viscous damper."""
 
-from typing import Annotated, Any, ClassVar, NamedTuple
+from collections.abc import Iterator
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.block import Block, Misfit
 from drill_twin.rod.bit import BIT_TORQUE, SPIN, pressed
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
@@ -13,17 +14,35 @@ from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
 from drill_twin.units import Dimensionless, Length, Within
 
+SLIDING = ("sliding", "free")
+"""Ends of the string at which the bit can slide sideways and rub."""
+
 
 class BitFriction(Block):
     """Lateral spin-slide Coulomb friction of the bit under its weight; about mu P / (Omega radius) at low slip."""
 
-    bit_ends: ClassVar[tuple[str, ...]] = ("sliding", "free")
-    """Ends of the string at which the bit can slide sideways."""
+    gives = ("torque",)
+    work = "heat"
+    still = ("coefficient",)
 
     coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient of bit on rock [-]."""
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
     """Effective radius at which the bit rubs [m]; not above the hole's."""
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:
+        """A bit that cannot slide, or is wider than the hole."""
+        if scene.string.bit_end not in SLIDING:
+            yield Misfit(
+                (),
+                f"expected `string.bit_end` to be {' or '.join(SLIDING)}, found {scene.string.bit_end}: "
+                "a bit held on the axis does not slide",
+            )
+        if self.radius > scene.hole.radius:
+            yield Misfit(
+                ("radius",),
+                f"expected at most the radius of the hole ({scene.hole.radius:.6g} m), found {self.radius:.6g} m",
+            )
 
 
 class Parameters(NamedTuple):

@@ -1,26 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
 """A force across the string, or a bending moment, at the bit: pads of a steerable tool, a bent housing."""
 
+from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.block import Block, Misfit
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
 from drill_twin.units import Angle, Force, Time, Torque, Within
 
+SLIDING, TILTING = ("sliding", "free", "stabilised"), ("pinned", "free", "stabilised")
+"""Ends of the string at which a force can move the bit, and a moment tilt it."""
+
 
 class BitSideForce(Block):
     """A constant lateral force and a bending moment at the bit, standing still or turning with the bit."""
 
     needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
-    slides: ClassVar[tuple[str, ...]] = ("sliding", "free", "stabilised")
-    """Ends of the string at which a force can move the bit."""
-    tilts: ClassVar[tuple[str, ...]] = ("pinned", "free", "stabilised")
-    """Ends of the string at which a moment can tilt the bit."""
 
     force: Annotated[Force, Within(at_least="-10 MN", at_most="10 MN")] = 0.0
     """Force on the bit, across the axis of the hole [N]."""
@@ -32,6 +32,17 @@ class BitSideForce(Block):
     """`with_hole`: fixed in space, as the pads of a rotary steerable tool push; `with_bit`: as a bent housing does."""
     ramp: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
     """How long it takes to come up, along a cubic, from the start of the run [s]; 0 s = at once."""
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:
+        """An end that it cannot move."""
+        end = scene.string.bit_end
+        for key, size, ends in (("force", self.force, SLIDING), ("moment", self.moment, TILTING)):
+            if size != 0.0 and end not in ends:
+                yield Misfit(
+                    (key,),
+                    f"expected `string.bit_end` to be one of {', '.join(ends)}, found {end}: "
+                    f"a {key} cannot move such a bit",
+                )
 
 
 class Parameters(NamedTuple):

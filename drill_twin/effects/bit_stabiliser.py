@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """A stabiliser at the bit: it leaves the bit as much room as its gauge leaves in the hole."""
 
+from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.block import Block, Misfit
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.site import Site
@@ -29,6 +30,21 @@ class BitStabiliser(Block):
 
     creep: ClassVar[float] = 1e-3
     """Slip below which friction is taken as proportional to it [m/s]."""
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:
+        """A bit that is held by something else, or a gauge wider than the hole."""
+        end, diameter = scene.string.bit_end, 2.0 * scene.hole.radius
+        if end != "stabilised":
+            yield Misfit(
+                (),
+                "expected `string.bit_end: stabilised` and `effects.bit_stabiliser` together, "
+                f"found bit_end {end} with a bit_stabiliser",
+            )
+        if self.gauge > diameter:
+            yield Misfit(
+                ("gauge",),
+                f"expected at most the diameter of the hole ({diameter:.6g} m), found {self.gauge:.6g} m",
+            )
 
 
 class Parameters(NamedTuple):

@@ -19,6 +19,8 @@ class BitTorqueStribeck(Block):
     """T = R W (mu_c + (mu_s - mu_c) exp(-gamma |w|)) against the bit's spin (Navarro-Lopez and Suarez 2004)."""
 
     needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    gives = ("torque",)
+    work = "heat"
 
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
     """Radius at which the bit rubs, R [m]."""

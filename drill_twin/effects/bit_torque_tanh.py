@@ -18,6 +18,8 @@ class BitTorqueTanh(Block):
     """T = W a (tanh(b1 w) + b2 w / (1 + b3 w^2)): regularised law of Ritto, with Real's constants (2018)."""
 
     needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    gives = ("torque",)
+    work = "heat"
 
     arm: Annotated[Length, Within(at_least="0 m", at_most="2 m", reason="it is a share of the bit's radius")] = 0.0239
     """Torque per weight on bit at high speed, a [m]; 1.4 x 4170 N m / 244.2 kN in the source."""

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What every effect's block in a scene file has in common."""
 
-from typing import Annotated, Any, ClassVar
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
@@ -26,6 +27,17 @@ Seed = Annotated[int, BeforeValidator(_seed), Field(ge=0, le=LARGEST_SEED)]
 """Seed of what an effect draws at random: the same seed, the same run."""
 Flag = Annotated[bool, BeforeValidator(_flag)]
 """True or false."""
+Whole = Literal["torque", "weight"]
+Work = Literal["kept", "heat", "any"]
+
+
+class Misfit(NamedTuple):
+    """What in a block contradicts the rest of its scene."""
+
+    place: tuple[str | int, ...]
+    """Keys that lead to it; () for the whole block."""
+    text: str
+    """What was expected and what was found."""
 
 
 class Block(BaseModel):
@@ -35,3 +47,18 @@ class Block(BaseModel):
 
     needs: ClassVar[tuple[str, ...]] = ()
     """Keys of the effects that must be listed too."""
+    gives: ClassVar[tuple[Whole, ...]] = ()
+    """What it gives the whole of, so that a scene lists one such effect: the torque of the rock on the bit, and the
+    force with which the rock carries a weight set at the top."""
+    work: ClassVar[Work] = "any"
+    """What becomes of the energy it takes from the string: all can be had back, all is heat, or neither."""
+    still: ClassVar[tuple[str, ...]] = ()
+    """Fields that are set to nothing while the balance at rest is sought: of effects that move or hold the string."""
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:  # noqa: ARG002, the blocks of effects use it
+        """What contradicts the rest of the scene; each part of it has been checked by itself.
+
+        Args:
+            scene: The `drill_twin.scene.Scene` that lists the effect.
+        """
+        yield from ()

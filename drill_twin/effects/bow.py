@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Initial bow: a stress-free curvature fixed in the material, which turns with the spin."""
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from drill_twin.effects.block import Block, Seed
+from drill_twin.effects.block import Block, Misfit, Seed
 from drill_twin.effects.harmonics import generator, random_line
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
@@ -18,6 +19,8 @@ from drill_twin.units import Angle, Length, Within, refuse
 
 class Bow(Block):
     """A string that is not straight when at rest; the seed from which buckling and whirl grow."""
+
+    work = "kept"
 
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
     """Deflection of the stress-free string off the straight line [m], below the clearance: at mid-span, or its root
@@ -40,6 +43,12 @@ class Bow(Block):
             found = "none" if self.correlation_length is None else f'one with shape "{self.shape}"'
             raise refuse(f'expected a `correlation_length` with shape "random" and only there, found {found}')
         return self
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:
+        """A bow as wide as the hole."""
+        if self.amplitude >= scene.least_clearance:
+            expected = f"expected less than the clearance in the hole ({scene.least_clearance:.6g} m)"
+            yield Misfit(("amplitude",), f"{expected}, found {self.amplitude:.6g} m")
 
 
 class Parameters(NamedTuple):

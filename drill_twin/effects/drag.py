@@ -15,6 +15,8 @@ from drill_twin.units import LinearDrag, RotaryDrag, Within
 class Drag(Block):
     """Viscous drag per length of string, against lateral and axial motion and against spin."""
 
+    work = "heat"
+
     linear: Annotated[LinearDrag, Within(at_least="0 N s/m^2", at_most="1e6 N s/m^2", reason="a string in cold tar")]
     """Force per length and velocity [N s/m^2]."""
     rotary: Annotated[

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Imbalance: the mass centre of each cross-section lies off the centre line and turns with the spin."""
 
+from collections.abc import Iterator
 from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from drill_twin.effects.block import Block, Seed
+from drill_twin.effects.block import Block, Misfit, Seed
 from drill_twin.effects.harmonics import generator, random_line
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
@@ -30,6 +31,8 @@ class Imbalance(Block):
 
 class Eccentricity(Block):
     """Mass eccentricity: the same along the string, or section by section, and a random part that comes on top."""
+
+    work = "kept"
 
     offset: Offset | None = None
     """Distance of the mass centre from the centre line [m]; below the outer radius."""
@@ -57,6 +60,22 @@ class Eccentricity(Block):
         if self.rms == 0.0 and self.correlation_length is not None:
             raise refuse("expected an `rms` with `correlation_length`, found none")
         return self
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:
+        """A mass centre outside the string, or not one for each section."""
+        sections = scene.string.sections
+        if self.sections and len(self.sections) != len(sections):
+            yield Misfit(
+                ("sections",),
+                f"expected one item for each of the {len(sections)} sections of the string, found {len(self.sections)}",
+            )
+            return
+        for index, section in enumerate(sections):
+            offset = self.sections[index].offset if self.sections else self.offset or 0.0
+            radius, found = section.outer_diameter / 2.0, offset + self.rms
+            if found >= radius:
+                place = ("sections", index, "offset") if self.sections else ("offset" if offset else "rms",)
+                yield Misfit(place, f"expected less than the outer radius ({radius:.6g} m), found {found:.6g} m")
 
 
 class Parameters(NamedTuple):

@@ -21,6 +21,8 @@ class Gravity(Block):
     Axial forces and hookload are then the effective ones (Sparks 1984): they count the pressure of the mud.
     """
 
+    work = "kept"
+
     magnitude: Annotated[
         Acceleration, Within(at_least="0 m/s^2", at_most="1000 m/s^2", reason="a hundred times that of the Earth")
     ] = 9.81

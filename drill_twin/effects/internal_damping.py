@@ -15,6 +15,8 @@ from drill_twin.units import Time, Within
 class InternalDamping(Block):
     """Kelvin-Voigt damping: stress = E (strain + retardation time x strain rate), strain rate seen by the material."""
 
+    work = "heat"
+
     bending_time: Annotated[Time, Within(at_least="0 s", at_most="10 s", reason="longer, the material flows")]
     """Retardation time of bending [s]."""
     stretch_time: Annotated[Time, Within(at_least="0 s", at_most="10 s", reason="longer, the material flows")] = 0.0

@@ -1,18 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """A start off the axis or with a lateral velocity: a repeatable stand-in for a pluck, or a start on the wall."""
 
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.block import Block, Misfit
 from drill_twin.rod.site import Site
 from drill_twin.rod.types import Array
 from drill_twin.units import Length, Speed, Within
 
+STEEPEST = 0.5
+"""Largest slope of a string that starts off the axis."""
+
 
 class LateralKick(Block):
     """Initial velocity, and initial displacement, in x."""
+
+    work = "kept"
+    still = ("velocity",)
 
     velocity: Annotated[Speed, Within(at_least="-100 m/s", at_most="100 m/s", reason="no string is kicked harder")]
     """Velocity at mid-span at time zero [m/s]."""
@@ -21,6 +28,18 @@ class LateralKick(Block):
     contact. In a straight hole only."""
     shape: Literal["half_wave", "hump"] = "half_wave"
     """Of both. `half_wave`: one half sine over the length; `hump`: its square, which suits clamped ends."""
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:
+        """A start outside the hole, too steep for what the offset takes off the height, or in a curved hole."""
+        hole = scene.hole
+        most = min(hole.radius, STEEPEST * scene.length / np.pi)
+        if self.offset != 0.0 and (abs(self.offset) > most or hole.survey):
+            found = "one beside a survey" if hole.survey else f"{self.offset:.6g} m"
+            yield Misfit(
+                ("offset",),
+                f"expected at most the radius of a straight hole and a slope of {STEEPEST:g} ({most:.6g} m), "
+                f"found {found}",
+            )
 
 
 def start(block: LateralKick, site: Site, u: Array, v: Array) -> None:

@@ -18,6 +18,7 @@ class QuadraticDrag(Block):
     """Drag C_d rho r_o |v| v per length on the velocity across the string in still mud (Morison and others 1950)."""
 
     needs: ClassVar[tuple[str, ...]] = ("mud",)
+    work = "heat"
 
     coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="10", reason="a cylinder has 0.3 to 2")] = 1.0
     """Drag coefficient C_d of the cross-section, by the outer diameter [-]; 1.0 to 1.2 at Reynolds numbers 1e3 to

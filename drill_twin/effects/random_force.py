@@ -24,6 +24,8 @@ class RandomForce(Block):
     for any mesh, step and frame rate.
     """
 
+    still = ("rms",)
+
     rms: Annotated[
         ForcePerLength, Within(at_least="0 N/m", at_most="1e6 N/m", reason="200 times the weight of a heavy collar")
     ]

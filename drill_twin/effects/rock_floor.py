@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rock under the bit that is not drilled: it carries a weight set at the top, and the bit may lift off it."""
 
+from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.block import Block, Misfit
 from drill_twin.rod.bit import carried, carry, rock_height
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
@@ -18,11 +19,21 @@ class RockFloor(Block):
     """One-sided spring and damper under the bit, for `rig.weight_on_bit.at: top`; its force is the weight on bit."""
 
     needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    gives = ("weight",)
 
     stiffness: Annotated[Stiffness, Within(above="0 N/m", at_most="1e12 N/m", reason="the whole string has 1e6")]
     """Stiffness of rock and bit face [N/m]."""
     damping: Annotated[Damping, Within(at_least="0 N s/m", at_most="1e9 N s/m")] = 0.0
     """Damping; the rock only pushes, never pulls [N s/m]."""
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:
+        """A weight that needs no rock."""
+        if scene.rig.weight_on_bit.at == "bit":
+            yield Misfit(
+                (),
+                "expected `rig.weight_on_bit.at: top`, found bit: "
+                "a weight prescribed at the bit needs no rock to carry it",
+            )
 
 
 class Parameters(NamedTuple):

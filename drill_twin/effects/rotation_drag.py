@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Torque that it takes to turn the string in viscous mud."""
 
+from collections.abc import Iterator
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.block import Block, Misfit
 from drill_twin.effects.mud import hole_radius
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
@@ -23,6 +24,12 @@ class RotationDrag(Block):
     """
 
     needs: ClassVar[tuple[str, ...]] = ("mud",)
+    work = "heat"
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:
+        """Mud that takes no torque."""
+        if scene.effects.mud is not None and scene.effects.mud.viscosity == 0.0:
+            yield Misfit((), "expected a viscosity above 0 Pa s in `mud`, found 0 Pa s: the torque comes from it")
 
 
 class Parameters(NamedTuple):

@@ -6,3 +6,5 @@ from drill_twin.effects.block import Block
 
 class Stretch(Block):
     """Axial motion as unknowns of the twin, with stiffness E A."""
+
+    work = "kept"

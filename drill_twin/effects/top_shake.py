@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Shaking of the top: the rig moves its clamp sideways."""
 
+from collections.abc import Iterator
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Seed
+from drill_twin.effects.block import Block, Misfit, Seed
 from drill_twin.effects.harmonics import generator, normal_strata, phases
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.mesh import Rod
@@ -19,6 +20,8 @@ HARMONICS = 64
 class TopShake(Block):
     """Sideways motion A sin(2 pi f t) of the top clamp, or a random one of the same mean square around f."""
 
+    still = ("amplitude",)
+
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
     """Amplitude A [m]; of a random motion sqrt(2) times the root mean square."""
     frequency: Annotated[Frequency, Within(at_least="0 Hz", at_most="1 kHz", reason="above, no frame would show it")]
@@ -29,6 +32,12 @@ class TopShake(Block):
     """Width of a Gaussian spectrum around the frequency (standard deviation) [Hz]; 0 Hz = one sine."""
     seed: Seed = 1
     """Of a random motion: seed."""
+
+    def misfits(self, scene: Any) -> Iterator[Misfit]:
+        """A shake as wide as the hole."""
+        if self.amplitude >= scene.least_clearance:
+            expected = f"expected less than the clearance in the hole ({scene.least_clearance:.6g} m)"
+            yield Misfit(("amplitude",), f"{expected}, found {self.amplitude:.6g} m")
 
 
 class Parameters(NamedTuple):

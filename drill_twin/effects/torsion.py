@@ -6,3 +6,5 @@ from drill_twin.effects.block import Block
 
 class Torsion(Block):
     """Spin of each node as unknowns of the twin, with stiffness G J."""
+
+    work = "kept"

@@ -21,6 +21,8 @@ class WallFriction(Block):
     """Friction force 2 mu N arctan(xi v) / (pi (1 + delta |v|)) against the slip velocity v (the paper's Eq. 10)."""
 
     needs: ClassVar[tuple[str, ...]] = ("wall",)
+    work = "heat"
+    still = ("coefficient",)
 
     coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient mu at low slip speed [-]."""

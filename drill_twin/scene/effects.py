@@ -27,6 +27,10 @@ class EffectsBase(Part):
         """The blocks that are on."""
         return {key: getattr(self, key) for key in self.names}
 
+    def giving(self, what: str) -> list[str]:
+        """Keys of the effects that are on and give the whole `torque` or `weight` of the rock on the bit."""
+        return [key for key, block in self.blocks.items() if what in block.gives]
+
 
 def _on_or_off(value: Any) -> Any:
     """A key without a value, or `on`, is the effect with its defaults; `off` is no effect."""

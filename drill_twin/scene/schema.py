@@ -6,7 +6,6 @@ from typing import Annotated, NamedTuple, Self
 from pydantic import Field, model_validator
 
 from drill_twin.scene.check import check
-from drill_twin.scene.check_ends import check_ends
 from drill_twin.scene.effects import Effects
 from drill_twin.scene.hole import Hole
 from drill_twin.scene.numerics import Numerics
@@ -15,8 +14,6 @@ from drill_twin.scene.rig import Rig
 from drill_twin.scene.string import String
 from drill_twin.scene.write import yaml_text
 
-LOSSLESS = {"bow", "eccentricity", "gravity", "lateral_kick", "stretch", "torsion"}
-"""Effects that take no energy from the string."""
 TOLERANCE, LOSSLESS_TOLERANCE = 1e-5, 1e-6
 """What `auto` stands for with an effect that takes energy, and without [-]."""
 
@@ -59,8 +56,7 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        check(self.string, self.hole, self.effects)
-        check_ends(self.string, self.hole, self.rig, self.effects)
+        check(self)
         return self
 
     @property
@@ -78,6 +74,12 @@ class Scene(Part):
         return self.hole.radius_at(depth) - self.outer_radius_at(distance_from_bit)
 
     @property
+    def least_clearance(self) -> float:
+        """What the narrowest place of the hole leaves the widest of the string [m]."""
+        hole, widest = self.hole, max(piece.contact_diameter for piece in self.string.pieces) / 2.0
+        return min([hole.radius, *(i.radius for i in hole.intervals if i.top < self.length)]) - widest
+
+    @property
     def effect_names(self) -> list[str]:
         """Keys of the effects that are on."""
         return self.effects.names
@@ -87,7 +89,7 @@ class Scene(Part):
         """Newton's tolerance, `numerics.tolerance` or what `auto` makes of it [-]."""
         if self.numerics.tolerance != "auto":
             return self.numerics.tolerance
-        return TOLERANCE if set(self.effect_names) - LOSSLESS else LOSSLESS_TOLERANCE
+        return LOSSLESS_TOLERANCE if all(block.work == "kept" for block in self.effects.blocks.values()) else TOLERANCE
 
     @property
     def mark_table(self) -> tuple[MarkPlace, ...]:

@@ -6,7 +6,12 @@ module is written that calls their functions in turn, and nothing else; numba co
 beside it. The module's name is a hash of every source it is built from, of the versions and of the processor, so stale
 code cannot be met: an edit makes another name. Numbers, tables and sections are arguments, so they never compile.
 
-An effect's file may define any of these functions; the loop calls those that exist:
+An effect's file holds its block (`drill_twin.effects.Block`), and may define any of the following. Before the run:
+
+* ``Parameters`` and ``parameters(block, site)``: what its functions take as ``parameters.<key>``, arrays included;
+* ``start(block, site, u, v)``: changes the state that the run begins with.
+
+In the loop, which calls those that exist:
 
 * ``point(parameters, rod, here, h2, load, stiff)``: force per length on the string, at the Gauss points;
 * ``section(parameters, rod, strain, h2, resultants)``: bending and twist of the section;

@@ -24,14 +24,6 @@ from drill_twin.solve.resolution import growth_time
 from drill_twin.solve.setting import sections_of
 from drill_twin.solve.state import SPIN
 
-STILL: dict[str, dict[str, float]] = {
-    "wall_friction": {"coefficient": 0.0},
-    "bit_friction": {"coefficient": 0.0},
-    "lateral_kick": {"velocity": 0.0},
-    "random_force": {"rms": 0.0},
-    "top_shake": {"amplitude": 0.0},
-}
-"""What the effects that move or hold a string are set to while its shape is sought; the kernel stays the same."""
 SMALLEST_LOAD = 1e-3  # by which the balance of a string without weight or load is judged [N]
 TOLERANCE = 1e-6  # of Newton's method while the balance is sought, as the scene's own
 INSTANT = 1e-3  # of the time that a torsional wave takes through an element
@@ -53,17 +45,17 @@ class Turning(AtRest, Protocol):
 def at_rest(scene: Scene) -> Scene:
     """The scene with its load on and nothing that turns, shakes or rubs, starting from the axis."""
     rig, effects = scene.rig, scene.effects
-    listed = {
-        key: getattr(effects, key).model_copy(update=change)
-        for key, change in STILL.items()
-        if getattr(effects, key) is not None
+    stilled = {
+        key: block.model_copy(update=dict.fromkeys(block.still, 0.0))
+        for key, block in effects.blocks.items()
+        if block.still
     }
     weight = rig.weight_on_bit.model_copy(update={"initial": rig.weight_on_bit.value})
     turn = rig.rotation.model_copy(update={"initial": 0.0, "value": 0.0})
     still = rig.model_copy(update={"weight_on_bit": weight, "rotation": turn, "start": "axis"})
     numerics = scene.numerics.model_copy(update={"tolerance": min(scene.tolerance, TOLERANCE)})
     return scene.model_copy(
-        update={"rig": still, "effects": effects.model_copy(update=listed), "numerics": numerics},
+        update={"rig": still, "effects": effects.model_copy(update=stilled), "numerics": numerics},
     )
 
 

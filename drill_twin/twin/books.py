@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drill_twin.effects import BLOCKS
 from drill_twin.effects.wall import Parameters as Wall
 from drill_twin.frame import EnergyBalance
 from drill_twin.rod.site import Site
@@ -32,11 +33,7 @@ from drill_twin.solve.audit import (
 )
 from drill_twin.solve.energy import energy, lateral_energy, wall_energy
 
-DISSIPATIVE = frozenset({
-    "internal_damping", "drag", "quadratic_drag", "rotation_drag", "wall_friction", "bit_friction", "bit_torque_tanh",
-    "bit_torque_stribeck",
-})  # fmt: skip
-"""Effects whose work is all turned into heat."""
+HEAT = frozenset(key for key, block in BLOCKS.items() if block.work == "heat")
 SLOWEST = 1e-3
 """Speed below which no motion is worth an audit [m/s]: the energy of the whole string at it is the least scale."""
 
@@ -71,7 +68,7 @@ class Books:
         books = self._books
         now = self._stored(u, v)
         work = dict(zip((*ACCOUNTS, *self._effects), books[WORK].tolist(), strict=False))
-        lost = {name: -work[name] for name in self._effects if name in DISSIPATIVE}
+        lost = {name: -work[name] for name in self._effects if name in HEAT}
         if "wall" in self._effects:
             lost["wall"] = float(books[LOST, EFFECTS + self._effects.index("wall")])
         newton = work.pop(ACCOUNTS[NEWTON])

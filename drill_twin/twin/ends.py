@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.scene import Scene
-from drill_twin.scene.check_ends import CARRIERS
 
 # Which of (r, r', psi) an end holds: x, y, z, x', y', z', psi.
 BIT_ENDS = {
@@ -34,7 +33,7 @@ class Ends(NamedTuple):
     def of(cls, scene: Scene) -> "Ends":
         """The ends of a scene's string."""
         from_top = scene.rig.weight_on_bit.at == "top"
-        on_rock = from_top and not set(CARRIERS).isdisjoint(scene.effect_names)
+        on_rock = from_top and bool(scene.effects.giving("weight"))
         return cls(from_top, on_rock, scene.rig.top_drive.model != "prescribed")
 
     def held(self, bit_end: str) -> NDArray[np.bool_]:

@@ -36,8 +36,7 @@ SWITCHES: dict[str, dict[str, Any]] = {
 }
 """What each effect is when it is on; `stretch` stands for torsion too."""
 EXCLUSIVE = (
-    ("bit_friction", "bit_cutting", "bit_torque_tanh", "bit_torque_stribeck"),
-    ("rock_floor", "bit_cutting"),
+    *(tuple(key for key, block in BLOCKS.items() if what in block.gives) for what in ("torque", "weight")),
     ("bit_friction", "bit_stabiliser"),
 )
 """Effects of which a scene has at most one."""

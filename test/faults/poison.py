@@ -28,6 +28,12 @@ class Poison:
     longest: float
     push: float
     needs: ClassVar[tuple[str, ...]] = ()
+    gives: ClassVar[tuple[str, ...]] = ()
+    still: ClassVar[tuple[str, ...]] = ()
+    work: ClassVar[str] = "any"
+
+    def misfits(self, _: Any) -> tuple[()]:
+        return ()
 
 
 class Parameters(NamedTuple):
