@@ -31,7 +31,8 @@ class BitCutting(Block):
     """Tucker and Wang's law (2003) with the constants of Ritto, Soize and Sampaio (2009).
 
     Weight set at the bit: the rate of penetration follows and the string stays where it is; weight set at the top: the
-    string goes down with the bit, and what the rock gives is the weight on bit.
+    string goes down with the bit, and what the rock gives is the weight on bit. The cutters face the way of positive
+    speeds: a bit that turns backwards rubs and does not cut.
     """
 
     needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
@@ -117,7 +118,7 @@ def law(rock: Parameters, rate: float, speed: float) -> Cut:
 
     Mean law, with q = w^2 + e^2: weight x q / (a2 w^2) + (a1 - a3 sqrt(q)) / a2, not below the first term, and torque
     x a4 w / q + a5 w / sqrt(q) (Ritto, Soize and Sampaio 2009). It is a diagonal matrix A times (x, w); the random law
-    is A^1/2 G A^1/2 with the germ G, so that power is never won.
+    is A^1/2 G A^1/2 with the germ G, so that power is never won. Without torque A has no root to mix weight with.
     """
     w = speed if abs(speed) > SLOWEST else SLOWEST
     q = w * w + rock.regular * rock.regular
@@ -133,7 +134,7 @@ def law(rock: Parameters, rate: float, speed: float) -> Cut:
     dig = rock.digging * w / q
     torque = dig * rate + rock.rubbing * w / root
     torque_w = rate * rock.digging * (q - 2.0 * w * w) / (q * q) + rock.rubbing * rock.regular**2 / (q * root)
-    if rock.mixed == 0.0 or rate < NO_RATE or force <= 0.0:
+    if rock.mixed == 0.0 or rate < NO_RATE or force <= 0.0 or torque == 0.0:
         return Cut(rock.axial * force, rock.axial * steep, rock.axial * force_w,
                    rock.turning * torque, rock.turning * dig, rock.turning * torque_w)  # fmt: skip
     both = rock.mixed * np.sqrt(force * torque * w / rate)
@@ -151,13 +152,16 @@ def law(rock: Parameters, rate: float, speed: float) -> Cut:
 def rate_of_penetration(rock: Parameters, push: float, spring: float, speed: float) -> float:
     """Rate x at which the law's weight is push - spring x [m/s]; 0 where the push is too small to cut.
 
+    0 for a bit that turns backwards, too. The law's rate goes to nothing with w^2, and what is left of the torque is
+    that of rubbing, which is odd in w: weight, torque and their slopes go smoothly through w = 0 (mean law).
+
     Args:
         rock: The law.
         push: Weight that would be on the bit if it did not advance [N].
         spring: What an advance takes off that weight [N s/m].
         speed: Speed of the bit [rad/s].
     """
-    if push <= 0.0:
+    if push <= 0.0 or speed < 0.0:
         return 0.0
     rest = law(rock, 0.0, speed)
     fastest = (push - rest.weight) / (rest.weight_rate + spring)

@@ -47,6 +47,33 @@ def test_below_its_threshold_the_bit_rubs_and_does_not_drill():
     assert rig.bit_force == pytest.approx(20e3, rel=1e-3)
 
 
+@pytest.mark.parametrize("at", ["bit", "top"])
+@pytest.mark.parametrize("weight", [20e3, 100e3])
+def test_a_bit_that_turns_backwards_rubs_and_does_not_cut(at, weight):
+    """a5 Z against the turning, for 20 kN the share of it below the threshold; the weight is carried all the same."""
+    twin, rig = drill(weight, at=at, speed=-SPEED)
+    assert twin.drilled == 0.0
+    assert rig.bit_torque == pytest.approx(A5 * Z * min(weight / mean_law(0.0)[0], 1.0), rel=1e-3)
+    assert rig.bit_force == pytest.approx(weight, rel=1e-3)
+
+
+@pytest.mark.parametrize("at", ["bit", "top"])
+@pytest.mark.parametrize("law", [{}, {"dispersion": 0.1, "seed": 2}, {"dispersion": 0.1, "rubbing": 0, "digging": 0}])
+def test_a_bit_turns_back_and_forth_without_a_step_that_is_cut(at, law):
+    """Through rest the torque goes smoothly, and forwards alone it drills; a germ mixes nothing in where the law has no
+    torque."""
+    twin, _ = drill(100e3, at=at, seconds=0.3, **law)
+    depths = [twin.drilled]
+    for speed in (-SPEED, -SPEED, SPEED):
+        frames = [twin.step(Command(100e3, speed), 0.05) for _ in range(8)]
+        assert sum(frame.stats.cut_steps for frame in frames) == 0
+        assert frames[-1].rig.bit_torque * speed <= 0.0
+        depths.append(twin.drilled)
+    assert depths[0] > 0.0
+    assert depths[2] == depths[1]
+    assert depths[3] > depths[2]
+
+
 def test_the_bit_lifts_off_and_comes_down_again():
     """Pulled at the top the bit leaves the rock: no weight, no torque; the rock has no hands."""
     twin, _ = drill(60e3, at="top", seconds=0.2)

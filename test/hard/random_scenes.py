@@ -364,10 +364,13 @@ def scene(draw: Draw, names: frozenset[str]) -> dict[str, Any]:
 
 
 def mirrored(data: dict[str, Any]) -> dict[str, Any] | None:
-    """The scene seen in a mirror, y to -y: turning the other way; None where the schema cannot say it."""
+    """The scene seen in a mirror, y to -y: turning the other way; None where the schema cannot say it.
+
+    Cutters face one way, whatever the mirror shows.
+    """
     blocks = {key: dict(block) for key, block in data["effects"].items()}
     bow, lopsided = blocks.get("bow", {}), blocks.get("eccentricity", {})
-    if "random_force" in blocks or bow.get("shape") == "random" or lopsided.get("rms"):
+    if {"random_force", "bit_cutting"} & set(blocks) or bow.get("shape") == "random" or lopsided.get("rms"):
         return None
     for key, name in (
         ("bow", "angle"),
