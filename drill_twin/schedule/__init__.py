@@ -2,7 +2,8 @@
 """Set-points of the rig over time: constant, STEP, ramp, or a measured record."""
 
 from drill_twin.schedule.command import Command
+from drill_twin.schedule.extremes import extremes
 from drill_twin.schedule.schedule import Schedule
 from drill_twin.schedule.tables import Table, read_table
 
-__all__ = ["Command", "Schedule", "Table", "read_table"]
+__all__ = ["Command", "Schedule", "Table", "extremes", "read_table"]

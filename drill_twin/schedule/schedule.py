@@ -2,10 +2,13 @@
 """The set-points of a scene over time."""
 
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 from typing import Self
 
 from drill_twin.errors import TableError
 from drill_twin.scene import Scene
+from drill_twin.scene.rig import RecordedTable
 from drill_twin.schedule.command import Command
 from drill_twin.schedule.shapes import SetPointAt, shape, table
 from drill_twin.schedule.tables import Table, read_table
@@ -32,7 +35,7 @@ class Schedule:
             TableError: no record given, or one that cannot be played.
         """
         rig = scene.rig
-        record = _record(scene) if "table" in (rig.weight_on_bit.shape, rig.rotation.shape) else None
+        record = record_of(scene) if "table" in (rig.weight_on_bit.shape, rig.rotation.shape) else None
         start = rig.table.start if rig.table else 0.0
 
         def function(name: str) -> SetPointAt:
@@ -50,19 +53,36 @@ class Schedule:
         return Command(weight_on_bit=self.weight_on_bit(time), rotation=self.rotation(time))
 
 
-def _record(scene: Scene) -> Table:
+def record_of(scene: Scene) -> Table:
+    """The record that a scene's set-points of shape `table` play.
+
+    Raises:
+        TableError: no record given, or one that cannot be played.
+    """
     source = scene.rig.table
     if source is None or not source.file:
         raise TableError(
             f"scene {scene.name}: rig.table.file: expected the CSV or MAT file of the record to play, found none; "
             'give it as the override "rig.table.file=PATH" or write it into the scene'
         )
+    wanted = tuple(name for name in ("weight_on_bit", "rotation") if getattr(scene.rig, name).shape == "table")
+    file = Path(source.file)
+    there = file.stat() if file.is_file() else None
+    return _read(source, wanted, (there.st_mtime_ns, there.st_size) if there else None)
+
+
+@lru_cache(maxsize=1)  # a run asks three times: for its twins' resolution and for its set-points
+def _read(
+    source: RecordedTable,
+    wanted: tuple[str, ...],
+    stamp: tuple[int, int] | None,  # noqa: ARG001 - tells one content of the file from another
+) -> Table:
     return read_table(
         source.file,
         time=source.time,
         weight_on_bit=source.weight_on_bit,
         rotation=source.rotation,
-        wanted=[name for name in ("weight_on_bit", "rotation") if getattr(scene.rig, name).shape == "table"],
+        wanted=wanted,
         longest_gap=source.longest_gap,
         spike_window=source.spike_window,
     )

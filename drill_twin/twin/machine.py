@@ -10,7 +10,7 @@ from drill_twin.errors import SceneError
 from drill_twin.rod.mesh import Rod, build_rod
 from drill_twin.rod.types import Array
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
+from drill_twin.schedule import Command, extremes
 from drill_twin.solve import lateral_assembly, state, work
 from drill_twin.solve.audit import make_ledger
 from drill_twin.solve.bit_frame import bit_frame
@@ -47,6 +47,7 @@ class Machine:
 
         Raises:
             SceneError: The scene asks for an accuracy instead of elements and a step.
+            TableError: Elements or step are to be chosen for a record that cannot be played.
             RunError: It is to begin in balance, and none was found.
         """
         self.scene = scene
@@ -178,18 +179,19 @@ def form_of(scene: Scene) -> str:
 
 def _resolution(scene: Scene) -> tuple[int, float]:
     """Number of elements and time step [s], as written or sought."""
-    numerics, load, turn = scene.numerics, scene.rig.weight_on_bit, scene.rig.rotation
+    numerics = scene.numerics
     if numerics.accuracy is not None:
         raise SceneError(
             f"{scene.name}: expected numerics.elements and numerics.step, found numerics.accuracy, which only "
             "drill-twin run and the simulator node turn into them (drill_twin.study.accuracy.resolve)"
         )
-    tubes = sections_of(scene)
-    compression = max(abs(load.value), abs(load.initial), 1.0)
-    fastest = max(abs(turn.value), abs(turn.initial))
+    if "auto" not in (numerics.elements, numerics.step):
+        return int(numerics.elements), float(numerics.step)
+    tubes, most = sections_of(scene), extremes(scene)  # of a record too, which is read for it
+    compression = max(most.weight_on_bit, 1.0)
     elements = auto_elements(tubes, compression) if numerics.elements == "auto" else int(numerics.elements)
     if numerics.step == "auto":
-        return elements, auto_step(tubes, compression, fastest, 1.0 / numerics.frame_rate)
+        return elements, auto_step(tubes, compression, most.rotation, 1.0 / numerics.frame_rate)
     return elements, float(numerics.step)
 
 

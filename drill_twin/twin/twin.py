@@ -35,6 +35,7 @@ class Twin:
 
         Raises:
             SceneError: The scene asks for an accuracy instead of elements and a step.
+            TableError: Elements or step are to be chosen for a record that cannot be played.
             RunError: It is to begin in balance, and none was found.
         """
         self.scene = scene

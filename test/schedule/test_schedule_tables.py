@@ -14,8 +14,9 @@ from scipy.io import savemat
 from drill_twin.errors import TableError
 from drill_twin.scene import load_scene
 from drill_twin.scene.rig import Column
-from drill_twin.schedule import Schedule, read_table
+from drill_twin.schedule import Schedule, extremes, read_table
 from drill_twin.schedule.clean import find_spikes
+from drill_twin.twin import Twin
 
 RPM = math.pi / 30.0
 Write = Callable[..., Path]
@@ -261,3 +262,44 @@ def test_what_is_no_mat_file_is_one_clear_error(tmp_path, content):
     path.write_bytes(content)
     with pytest.raises(TableError, match="expected a MAT file"):
         read_table(path)
+
+
+def played(path: Path, **numerics: object):
+    """The paper's rod under a record: one second of it from 0.5 s on."""
+    data = load_scene("pa6_bench").model_dump(exclude_none=True)
+    data["rig"] |= {
+        "weight_on_bit": {"shape": "table"}, "rotation": {"shape": "table"}, "duration": 1.0,
+        "table": {"file": str(path), "start": 0.5, "spike_window": 0.0,
+                  "weight_on_bit": {"column": "WOB [N]", "unit": "N"}, "rotation": ROTATION.model_dump()},
+    }  # fmt: skip
+    data["numerics"] |= numerics
+    return type(load_scene("pa6_bench")).model_validate(data)
+
+
+def test_auto_looks_at_the_largest_set_points_of_a_whole_record(write):
+    """What comes before the record's part that is played, or after it, does not count; the sign does not either."""
+    time = np.arange(0.0, 2.01, 0.01)
+    load, speed = np.full(time.size, 10.0), np.full(time.size, 30.0)
+    load[[20, 80, 190]], speed[[20, 90, 190]] = (900.0, -120.0, 900.0), (900.0, -240.0, 900.0)
+    scene = played(write(csv(time, load, speed)))
+    most = extremes(scene)
+    assert (most.weight_on_bit, most.rotation) == (pytest.approx(120.0), pytest.approx(240.0 * RPM))
+    twin = Twin(scene)
+    constant = Twin(load_scene("pa6_bench", overrides={"wob": "120 N", "rig.rotation.value": "240 rpm"}))
+    assert (twin.elements, twin.step_size) == (constant.elements, pytest.approx(constant.step_size))
+    gentle = Twin(load_scene("pa6_bench", overrides={"wob": "10 N", "rig.rotation.value": "30 rpm"}))
+    assert twin.elements > gentle.elements
+    assert twin.step_size < gentle.step_size
+
+
+def test_a_record_that_changes_is_read_again_and_one_that_is_not_there_is_missed_only_where_it_tells(write):
+    time = np.arange(0.0, 2.0, 0.01)
+    for load in (20.0, 200.0):
+        scene = played(write(csv(time, np.full(time.size, load), np.full(time.size, 30.0))))
+        assert extremes(scene).weight_on_bit == pytest.approx(load)
+    gone = played(write("").with_name("gone.csv"))
+    with pytest.raises(TableError, match="nothing there"):
+        Twin(gone)
+    assert Twin(played(Path("gone.csv"), elements=10, step=1e-3)).elements == 10
+    unnamed = load_scene("ufrj_rig")
+    assert extremes(unnamed).weight_on_bit == extremes(unnamed).rotation == 0.0

@@ -5,12 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.scene import Scene
-from drill_twin.schedule import Schedule
+from drill_twin.schedule import extremes
 from drill_twin.twin import Twin
 
-SAMPLES = 1000
-"""Moments at which the schedule is asked for its largest load."""
 NEIGHBOURS = 2.0
 """A bent string rests on parts of its contact only: the peak of its force per length over the mean of the helix."""
 
@@ -34,7 +31,7 @@ def deepest_allowed(twin: Twin, speed: float) -> float:
     power = 1.5 if wall.stiffness is not None else 1.0
     stiffness = float(wall.stiffness or wall.linear_stiffness)
     mass = float(twin.rod.line_mass.max())
-    helix = largest_load(twin.scene) ** 2 / (4.0 * float(twin.rod.bending.min()))
+    helix = extremes(twin.scene).weight_on_bit ** 2 / (4.0 * float(twin.rod.bending.min()))
     pressed = NEIGHBOURS * (pressure(twin) + helix * float(twin.site.bore.clearance.max()))
 
     def sinks_on(depth: float) -> bool:
@@ -58,10 +55,3 @@ def pressure(twin: Twin) -> float:
     weight = effects.gravity.magnitude * float(twin.rod.line_mass.max()) if effects.gravity is not None else 0.0
     random = 6.0 * effects.random_force.rms if effects.random_force is not None else 0.0
     return weight + random
-
-
-def largest_load(scene: Scene) -> float:
-    """Largest weight on bit or pull of the schedule [N]."""
-    schedule = Schedule.from_scene(scene)
-    times = np.linspace(0.0, schedule.duration, SAMPLES)
-    return max(abs(schedule.at(float(time)).weight_on_bit) for time in times)

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The largest set-points that a schedule holds."""
+
+import numpy as np
+
+from drill_twin.scene import Scene
+from drill_twin.schedule.command import Command
+from drill_twin.schedule.schedule import record_of
+from drill_twin.schedule.shapes import table
+
+
+def extremes(scene: Scene) -> Command:
+    """Sizes of the largest weight on bit or pull [N] and of the fastest rotation [rad/s] of a scene's whole schedule.
+
+    A record that the scene does not name yet tells nothing: 0.
+
+    Raises:
+        TableError: a record that cannot be played.
+    """
+    rig = scene.rig
+    plays = "table" in (rig.weight_on_bit.shape, rig.rotation.shape)
+    record = record_of(scene) if plays and rig.table and rig.table.file else None
+
+    def largest(name: str) -> float:
+        set_point = getattr(rig, name)
+        if set_point.shape != "table":
+            return float(max(abs(set_point.value), abs(set_point.initial)))
+        if record is None or rig.table is None:
+            return 0.0
+        values = record.column(name)
+        played = table(record.time, values, rig.table.start)
+        since = record.time - record.time[0] - rig.table.start
+        inside = values[(since > 0.0) & (since < rig.duration)]
+        return float(np.abs([played(0.0), *inside, played(rig.duration)]).max())
+
+    return Command(largest("weight_on_bit"), largest("rotation"))
