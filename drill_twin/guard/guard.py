@@ -8,6 +8,7 @@ doubling, each time after `CALM` good frames.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -25,6 +26,8 @@ TRIES = 6
 """How often a frame is done again, each time with half the step."""
 SMALLEST = 2.0**-10
 """Of the nominal step, below which no frame is tried."""
+CUTS_A_STEP, CUTS_BESIDES = 50, 500
+"""How often the step may be cut within a frame: by nominal steps, and besides. Beyond it nobody would wait."""
 CALM = 10
 """Good frames after which a halved step doubles."""
 LARGEST_STRAIN = 0.5
@@ -33,6 +36,11 @@ ENERGY_SHARE = 0.2
 """Share of the energy on the move that a frame may lose track of, where the scene asks for the audit."""
 
 SHARE, GOOD = 0, 1  # places in Guard.memory: share of the nominal step, good frames since it was halved
+
+
+def most_cuts(seconds: float, step: float) -> int:
+    """How often the step may be cut within a frame of a length [s]; a smaller one than the nominal [s] needs fewer."""
+    return CUTS_BESIDES + CUTS_A_STEP * math.ceil(seconds / step)
 
 
 class Guard:
@@ -143,19 +151,24 @@ class Guard:
                 )  # fmt: skip
         return None
 
-    def not_followed(self, u: Array, v: Array, step: float) -> Violation:
-        """What it means that the equations had no solution.
+    def not_followed(self, u: Array, v: Array, step: float, cuts: int | None = None) -> Violation:
+        """What it means that the equations had no solution, or one only with steps that nobody waits for.
 
         Args:
             u: Node rows (r, r', psi), shape (n + 1, 7).
             v: Their velocities.
-            step: Nominal time step [s].
+            step: Time step that was tried [s].
+            cuts: How often it was cut, if that was too often.
         """
         node = int(np.argmax(np.nan_to_num(np.linalg.norm(v[:, :3], axis=1), nan=np.inf)))
+        why = (
+            f"the equations had no solution, even at a step of {step * SMALLEST_SHARE:.2g} s"
+            if cuts is None
+            else f"a step of {step:.2g} s was cut more than {cuts} times within a frame"
+        )
         return Violation(
             "newton", node,
-            f"the equations had no solution, even at a step of {step * self.share * SMALLEST_SHARE:.2g} s; fastest was "
-            f"{self.at(node)}, {np.hypot(u[node, 0], u[node, 1]):.3g} m off the axis at "
+            f"{why}; fastest was {self.at(node)}, {np.hypot(u[node, 0], u[node, 1]):.3g} m off the axis at "
             f"{np.linalg.norm(v[node, :3]):.3g} m/s",
         )  # fmt: skip
 

@@ -26,6 +26,7 @@ from drill_twin.solve.state import (
     CUTS,
     FACTOR,
     FAILED,
+    GROUND,
     ITERATIONS,
     KNOWN,
     LAST_STEP,
@@ -145,12 +146,14 @@ def bind(moves: Moves, effects: Effects, audit: Any = no_audit, settle: Any = no
         """Move the string from time `start` to `end`; the set-points go linearly from `command0` to `command1`.
 
         Returns:
-            0, or 1 if the step had to be cut below 1/4096 of the nominal one.
+            0, 1 if the step had to be cut below 1/4096 of the nominal one, or 2 if it was cut more often than the
+            limits allow.
         """
         pieces = max(1, int(np.ceil((end - start) / limits.step - 1e-9)))
         nominal = (end - start) / pieces
         step = nominal
         time = start
+        most = counters[CUTS] + limits.cuts
         begin(work)
         while time < end - 1e-9 * nominal:
             step = min(step, end - time)
@@ -166,6 +169,8 @@ def bind(moves: Moves, effects: Effects, audit: Any = no_audit, settle: Any = no
                 step *= 0.5
                 if step < SMALLEST_SHARE * nominal:
                     return FAILED
+                if counters[CUTS] > most:
+                    return GROUND
                 continue
             audit(parameters, rod, work, fixed, state, work.command, time + h2, h2)
             time += step

@@ -8,7 +8,7 @@ import numpy as np
 from drill_twin.rod.jit import kernel
 from drill_twin.rod.types import Array, Triple
 
-CONVERGED, FAILED = 0, 1
+CONVERGED, FAILED, GROUND = 0, 1, 2
 SPIN = 6  # place of psi in a node's row
 
 # Places in State.clock: time [s], last step and the one before it [s], how many of `middle` and `earlier` are known,
@@ -34,11 +34,12 @@ class State(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """What counts as converged, per kind of unknown, and the nominal step."""
+    """What counts as converged, per kind of unknown, the nominal step, and how much cutting of it is waited for."""
 
     step: float  # [s]
     place: float  # change of a node's place within a Newton step [m]
     angle: float  # change of slope and spin [rad]
+    cuts: int  # of the step within a frame
 
 
 def make_state(elements: int) -> State:

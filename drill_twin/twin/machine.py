@@ -24,6 +24,8 @@ from drill_twin.twin.balance import begin_in_balance
 from drill_twin.twin.ends import Ends
 
 SPATIAL, LATERAL = "spatial", "lateral"
+CUTS = 1000
+"""How often the step may be cut where nobody says."""
 
 
 class Machine:
@@ -40,6 +42,7 @@ class Machine:
         step: Nominal time step [s].
         command: Set-points last reached: weight on bit [N], rotation [rad/s].
         counters: See `drill_twin.solve.state`.
+        ground: Whether the last advance ended because the step was cut too often.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -65,8 +68,9 @@ class Machine:
         )
         self._held = self.ends.held(scene.string.bit_end)
         self._work = (work if self.form == SPATIAL else lateral_assembly).make_work(rod.length.size)
-        self._limits = state.Limits(self.step, newton_place(scene.tolerance, rod, self.wall), scene.tolerance)
+        self._limits = state.Limits(self.step, newton_place(scene.tolerance, rod, self.wall), scene.tolerance, CUTS)
         self._advance: Callable[..., int] | None = None  # once compiled
+        self.ground = False
         self._state = state.make_state(rod.length.size)
         self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
         self.counters = np.zeros(state.COUNTERS)
@@ -112,18 +116,19 @@ class Machine:
         yield from _named_arrays("effects", self.parameters)  # some of them remember
         yield from (("command", self.command), ("counters", self.counters))
 
-    def advance(self, target: Array, seconds: float, step: float | None = None) -> bool:
+    def advance(self, target: Array, seconds: float, step: float | None = None, cuts: int = CUTS) -> bool:
         """Move on; the set-points go linearly from `command`, which is left as it is, to `target`.
 
         Args:
             target: Weight on bit [N] and rotation [rad/s] to be reached at the end.
             seconds: How far to go [s].
             step: Time step [s]; the nominal one if not given.
+            cuts: How often it may be cut.
 
         Returns:
-            False where no step, however small, satisfies the equations.
+            False where no step, however small, satisfies the equations, or it was cut too often; then `ground` is true.
         """
-        limits = self._limits if step is None else self._limits._replace(step=step)
+        limits = self._limits._replace(step=self.step if step is None else step, cuts=cuts)
         advance = self._advance or self.kernel.advance
         start = self.time
         status = advance(
@@ -131,6 +136,7 @@ class Machine:
             self.command, target, start, start + seconds, self.counters,
         )  # fmt: skip
         self._advance = self._advance or entry(self.kernel)
+        self.ground = status == state.GROUND
         return status == state.CONVERGED
 
     def begin(self, u: Array, v: Array, command: Command) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from drill_twin.frame import EnergyBalance, Frame, Intervention
-from drill_twin.guard import Guard, Violation, bounds_of
+from drill_twin.guard import Guard, Violation, bounds_of, most_cuts
 from drill_twin.rod.bit import DRILLED
 from drill_twin.rod.mesh import Rod
 from drill_twin.rod.site import Site
@@ -145,8 +145,9 @@ class Twin:
     def _attempt(self, target: Array, seconds: float) -> Violation | None:
         """Move on by `seconds`, and look at what has become of the string."""
         machine, guard, step = self.machine, self._guard, self._step_now(seconds)
-        if not machine.advance(target, seconds, step if guard.share < 1.0 else None):
-            return guard.not_followed(*self.unknowns, self.step_size)
+        cuts = most_cuts(seconds, self.step_size)
+        if not machine.advance(target, seconds, step, cuts):
+            return guard.not_followed(*self.unknowns, step, cuts if machine.ground else None)
         depth, place = self._observer.look()
         load = max(abs(float(machine.command[0])), abs(float(target[0])))
         found = guard.find(*self.unknowns, depth, place, load, step)

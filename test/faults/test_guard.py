@@ -20,6 +20,7 @@ from drill_twin.report.summary import summarise
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.session import Session
+from drill_twin.solve.state import CUTS
 from drill_twin.study.verify.rods import rod_scene
 from drill_twin.twin import Twin
 
@@ -68,6 +69,21 @@ def test_a_step_that_newton_cannot_take_is_cut_within_the_frame_and_no_matter_fo
     assert all(frame.intervention is None for frame in seen)
     assert sum(frame.stats.cut_steps for frame in seen) > 0
     assert np.isfinite([frame.velocities for frame in seen]).all()
+
+
+def test_a_frame_that_grinds_is_given_up_in_a_bounded_time():
+    """Steps beyond 1/3000 of the nominal one fail, so that every other one is cut: Newton's method goes on, nobody
+    waits. The guard's smallest step is 1/64."""
+    with poisoned(0.1, EVER, STEP / 3000, NAN):
+        twin = Twin(scene())
+        for _ in range(10):
+            twin.step(TURNING, FRAME)
+        before = twin.checkpoint()["counters"][CUTS]
+        with pytest.raises(StoppedError, match="cut more than 600 times within a frame") as told:
+            twin.step(TURNING, FRAME)
+        assert twin.checkpoint()["counters"][CUTS] == before  # taken back
+    assert (told.value.kind, told.value.time) == ("newton", pytest.approx(0.1))
+    assert "a step of 7.8e-05 s was cut more" in str(told.value)
 
 
 @pytest.mark.parametrize(("push", "kind", "words"), [
