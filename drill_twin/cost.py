@@ -13,7 +13,7 @@ class Cost:
     def __init__(self) -> None:
         self._all = [0.0, 0.0, 0.0]
         self._window = [0.0, 0.0, 0.0]
-        self._steps = self._iterations = self._cut = 0
+        self._steps = self._iterations = self._cut = self._loose = 0
         self._window_iterations = 0
         self._slowest = 0.0
 
@@ -27,6 +27,7 @@ class Cost:
         self._iterations += frame.stats.iterations
         self._window_iterations += frame.stats.iterations
         self._cut += frame.stats.cut_steps
+        self._loose += frame.stats.loose_steps
         self._slowest = max(self._slowest, computing)
 
     def next_window(self) -> None:
@@ -59,6 +60,7 @@ class Cost:
             "steps": str(self._steps),
             "iterations": str(self._iterations),
             "cut_steps": str(self._cut),
+            "loose_steps": str(self._loose),
         }
 
     def sentence(self) -> str:

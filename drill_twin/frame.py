@@ -72,8 +72,14 @@ class StepStats:
     """Newton iterations of all of them."""
     cut_steps: int
     """Steps that had to be halved."""
+    loose_steps: int
+    """Steps taken within ten tolerances instead of one, as places on the wall only flickered between stick and slip."""
     wall_seconds: float
     """Wall-clock time of the computation [s]."""
+
+
+COUNTS = ("steps", "cut_steps", "loose_steps")
+"""Those of `StepStats` that diagnostics and summary give for a run."""
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from drill_twin.bag.reader import Bag
 from drill_twin.errors import BagError, MessageError
+from drill_twin.frame import COUNTS
 from drill_twin.interventions import GuardRecord
 from drill_twin.messages.decode import JointState, JointStateReader, read_pose_array, read_string
 from drill_twin.messages.diagnostics import decode_diagnostics
@@ -162,6 +163,7 @@ class Recording:
         """Orbit radius [m], precession [rev/s], ratio, confidence, shape (T, 4, m)."""
         self.live = Live()
         self.realtime_factor: float | None = None
+        self.steps: dict[str, int] = {}
         self.left_out: list[str] = []
         self.guard = GuardRecord()
         self._every, self._seen = max(1, -(-self._pose_count // SHAPES)), 0
@@ -250,6 +252,7 @@ class Recording:
             if status.name.rpartition("/")[2] in {"simulator", "twin"} and "realtime_factor" in status.values:
                 factor = finite_number(status.values["realtime_factor"])
                 self.realtime_factor = self.realtime_factor if factor is None else factor
+                self.steps |= {k: int(status.values[k]) for k in COUNTS if status.values.get(k, "").isdecimal()}
                 self.left_out = omissions_of(status.values)
                 self.guard.take(status.values)
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.bag.reader import Bag
+from drill_twin.frame import COUNTS
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
 
@@ -39,6 +40,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `bit`, `stick_slip`: motion of the bit at the end, and its stretches of stick-slip; `bit_spectral_peak_hz`:
           the highest line in the spectrum of its speed.
         * `realtime_factor`: simulated time over the time the physics took.
+        * `steps`, `cut_steps`, `loose_steps`: time steps taken, how often one was halved, and how many were taken while
+          places on the wall still flickered between stick and slip; None where nothing tells.
         * `guard`: how many frames were taken back and done again with a smaller step, each in words, and why the run
           was stopped if it was.
         * `energy`: the energy balance at the end [J], where the scene asks for it; `residual` as a share of `scale_J`.
@@ -75,6 +78,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
         "realtime_factor": bag.realtime_factor,
+        **{key: bag.steps.get(key) for key in COUNTS},
         "guard": bag.guard.summary(),
         "energy": bag.guard.energy or None,
         "elements": run.get("elements", bag.nodes - 1 if bag.nodes else None),

@@ -65,6 +65,9 @@ def provenance(summary: Summary) -> Iterator[Row]:
     yield "real-time factor", _number(summary["realtime_factor"], "{:.1f}")
     yield "elements", _text(summary["elements"])
     yield "time step", _number(summary["step_s"], "{:.3g} s")
+    if summary["steps"] is not None:
+        cut, loose = _text(summary["cut_steps"]), _text(summary["loose_steps"])
+        yield "steps", f"{summary['steps']}, {cut} cut steps, {loose} loose steps"
     yield "effects", ", ".join(summary["effects"])
     yield "seed", _text(summary["seed"])
     yield "pace", _text(summary["pace"])

@@ -62,7 +62,8 @@ class Observer:
         )  # fmt: skip
         stats = StepStats(
             steps=int(counted[state.STEPS]), iterations=int(counted[state.ITERATIONS]),
-            cut_steps=int(counted[state.CUTS]), wall_seconds=wall_seconds,
+            cut_steps=int(counted[state.CUTS]), loose_steps=int(counted[state.LOOSE_STEPS]),
+            wall_seconds=wall_seconds,
         )  # fmt: skip
         return Frame(
             time=self._machine.time, positions=u[:, 0:3].copy(), velocities=v[:, 0:3].copy(), tangents=sight.tangents,

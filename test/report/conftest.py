@@ -20,6 +20,7 @@ ROTATION, WHIRL = 2.0, -0.6  # rev/s, Hz
 BOW, ORBIT = 0.001, 0.030  # m
 BEGIN, END, RATE = 3.0, 12.0, 100.0  # s, s, Hz
 WEIGHT = 35.0  # N
+STEPS = {"steps": "6000", "cut_steps": "21", "loose_steps": "7"}
 RUN = "run: {version: 9.9.9, seed: 7, elements: 10, step_s: 0.002, effects: [gravity, wall], pace: realtime}\n"
 
 Message = tuple[str, int, bytes]
@@ -60,7 +61,7 @@ def known_messages(scene: Scene) -> Iterator[Message]:
         tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
         turned = orientation(tangents, np.full(11, spin), np.empty((11, 4)))
         yield STRING_POSES, stamp, poses.fill(stamp, nodes, turned)
-    cost = Status("simulator", Level.OK, "fine", {"realtime_factor": "12.500"})
+    cost = Status("simulator", Level.OK, "fine", {"realtime_factor": "12.500", **STEPS})
     yield DIAGNOSTICS, stamp, encode_diagnostics(stamp, [cost])
 
 
