@@ -7,6 +7,7 @@ was asked to stop. Messages come and go as CDR bytes (`messages`), never as Pyth
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -17,6 +18,7 @@ from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
@@ -29,8 +31,10 @@ from drill_twin.nodes.pacing import Tick
 from drill_twin.nodes.parameters import Parameter, Value, declare
 from drill_twin.nodes.readiness import connected_readers, readers_of
 from drill_twin.nodes.start import StopRequest
+from drill_twin.nodes.unheard import unheard
 from drill_twin.nodes.wire import message_class, quality, relative
 
+_AGAIN = 60.0  # s until a trouble that comes back is told on the console again
 _SENT_DEPTH = 1000  # messages kept until every reader has them; 5 s at 200 Hz
 
 NOT_NAMED_YET = "_NODE_NAMESPACE_UNKNOWN_/_NODE_NAME_UNKNOWN_"
@@ -55,6 +59,8 @@ class TwinNode(Node):
         self.settings: SimpleNamespace = declare(self, self.PARAMETERS, values=values, also_known=also_known)
         self._ears = Ears(self, context)
         self._by_hand = TakenByHand()
+        self._inputs: dict[str, tuple[str, QoSProfile]] = {}
+        self._told: dict[str, float] = {}
         self.outgoing: dict[str, Publisher] = {}
         self.services_while_configured: list[Service] = []
         self._readiness: Service | None = None
@@ -135,8 +141,19 @@ class TwinNode(Node):
         """Publish the diagnostics of this node now."""
         queues = self._ears.settle_queues()
         status = self.health()
+        if status.level == Level.OK and (trouble := unheard(self, self._inputs)):
+            status = replace(status, level=Level.WARN, text=trouble)
+        self._tell(status)
         named = replace(status, name=self.get_fully_qualified_name().lstrip("/"), values={**status.values, **queues})
         self._diagnostics.publish(encode_diagnostics(self.get_clock().now().nanoseconds, [named]))
+
+    def _tell(self, status: Status) -> None:
+        """On the console too, what is not well: not everybody looks at the diagnostics. Numbers in it may change."""
+        now, kind = time.monotonic(), re.sub(r"[-+\d.]+", "", status.text)
+        if status.level != Level.OK and now - self._told.get(kind, -_AGAIN) >= _AGAIN:
+            self.get_logger().warning(status.text)
+        if status.level != Level.OK:
+            self._told[kind] = now
 
     def offer_readiness(self) -> None:
         """Create the service `~/ready`, last of all: who sees it has seen all topics of this node."""
@@ -149,6 +166,7 @@ class TwinNode(Node):
             if service is not None:
                 self.destroy_service(service)
         self._ears.close()
+        self._inputs.clear()
         for topic in set(self.outgoing) - {DIAGNOSTICS}:
             self.destroy_publisher(self.outgoing.pop(topic))
         self._readiness = None
@@ -180,6 +198,7 @@ class TwinNode(Node):
                 qos_overriding_options=OVERRIDABLE,
                 raw=True,
             )
+        self._inputs[subscription.topic_name] = (row.type_name, subscription.qos_profile)
         several = topic in (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # publishers, whose numbers cannot be told apart
         self._ears.add(subscription, received, "" if several or depth == 1 or row.latched else topic)
         return subscription

@@ -42,12 +42,16 @@ class Parameter:
     choices: tuple[str, ...] = ()
     live: bool = False
     """Whether it can be changed while the node runs."""
+    such_as: str = ""
+    """A text that would do."""
 
     def expected(self) -> str:
         """What a value must be, in words."""
         if self.choices:
             return f"one of {', '.join(self.choices)}"
         text = _TYPE_NAMES[type(self.default)]
+        if self.such_as:
+            text += f' such as "{self.such_as}"'
         if self.low is not None and self.high is not None:
             text += f" from {self.low:g} to {self.high:g}"
         return f"{text} [{self.unit}]" if self.unit else text

@@ -36,7 +36,12 @@ class Recorder(TwinNode):
         Parameter(
             "max_bagfile_duration", 0.0, "a file of this length is followed by another; 0: one file", "s", 0.0, 1e6
         ),
-        Parameter("topics", "", 'topics to record, separated by spaces; "": all of the contract'),
+        Parameter(
+            "topics",
+            "",
+            'topics to record, separated by spaces; "": all of the contract',
+            such_as="/rig/state /marks/state",
+        ),
     )
 
     def __init__(

@@ -38,7 +38,12 @@ class Replayer(TwinNode):
             0.0,
             1000.0,
         ),
-        Parameter("topics", "", 'topics to replay, separated by spaces; "": all of the contract that the bag holds'),
+        Parameter(
+            "topics",
+            "",
+            'topics to replay, separated by spaces; "": all of the contract that the bag holds',
+            such_as="/rig/state /marks/state",
+        ),
         Parameter(
             "map",
             "",

@@ -44,14 +44,16 @@ class RigDriver(TwinNode):
         Parameter(
             "weight_on_bit",
             "",
-            'weight on bit in place of the scene\'s, with its unit, as "40 N"; "": the scene\'s',
+            "weight on bit in place of the scene's, with its unit; \"\": the scene's",
             live=True,
+            such_as="40 N",
         ),
         Parameter(
             "rotation",
             "",
-            'top-drive speed in place of the scene\'s, as "2 rev/s" or "120 rpm"; "": the scene\'s',
+            "top-drive speed in place of the scene's, with its unit; \"\": the scene's",
             live=True,
+            such_as="120 rpm",
         ),
         Parameter(
             "change_time", 1.0, "simulated time that a live change of a set-point takes", "s", 0.0, 3600.0, live=True
@@ -116,6 +118,7 @@ class RigDriver(TwinNode):
         """Wait for the others, then drive: a set-point sent before its readers are connected is lost to them."""
         wait_for_nodes(self, self.settings.wait_for, self.settings.wait_timeout, stop)
         self.settle(_QUIET)  # who joins late is sent old times first
+        self.get_logger().info(f"driving: {self._plays}, by the {self.settings.follow}")
         super().run(stop)
 
     def work(self) -> None:

@@ -43,17 +43,32 @@ def initialised(arguments: Sequence[str], stop: StopRequest) -> Context:
     Raises:
         DrillTwinError: The arguments are none that ROS knows.
     """
+    _refuse_misplaced(arguments)
     discovery.prepare()
     context = Context()
     try:
         with stop.at_once():
             rclpy.init(args=list(arguments), context=context, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy raises several classes of its own here, and RuntimeError
-        raise DrillTwinError(f"ROS arguments: {_first_line(error)}") from error
+        said = _first_line(error)
+        hint = "" if ".yaml" in said else "; write -p NAME:=VALUE, -r FROM:=TO or --params-file FILE.yaml"
+        raise DrillTwinError(f"ROS arguments: {said}{hint}") from error
     if left := remove_ros_args(["", *arguments])[1:]:
         context.try_shutdown()
         raise DrillTwinError(f"expected only --help or --ros-args ..., found {' '.join(left)!r}")
     return context
+
+
+def _refuse_misplaced(arguments: Sequence[str]) -> None:
+    """Without --ros-args, ROS takes NAME:=VALUE for a renaming; the parameter that was meant would keep its default."""
+    of_ros = False
+    for word, before in zip(arguments, ["", *arguments], strict=False):
+        of_ros = word == "--ros-args" or (of_ros and word != "--")
+        if ":=" in word and not (of_ros and before.startswith("-") and before != "--ros-args"):
+            remedy = "-p" if of_ros else "--ros-args -p"
+            raise DrillTwinError(
+                f"expected -p NAME:=VALUE or -r FROM:=TO after --ros-args, found {word!r}; write {remedy} {word}"
+            )
 
 
 def run_in_order(node: TwinNode, stop: StopRequest) -> None:

@@ -14,7 +14,8 @@ SCENE = Parameter("scene", "pa6_bench", "scene: an installed one by name, or the
 OVERRIDES = Parameter(
     "overrides",
     "",
-    'changes to the scene as KEY=VALUE, separated by ";", such as "hole.radius=80 mm; effects.bow=off"',
+    'changes to the scene as KEY=VALUE, separated by ";"',
+    such_as="hole.radius=80 mm; effects.bow=off",
 )
 _PAIR = re.compile(r"\s*(?P<key>[^=\s][^=]*?)\s*=\s*(?P<value>.+?)\s*", re.DOTALL)
 

@@ -117,6 +117,8 @@ class Simulation(TwinNode):
             if self._keep_due is not None:
                 self._keeper.keep(self._checkpoint(), self.settings.checkpoint)
                 self._keeper.finish()
+            if self._keeper.trouble:
+                self.get_logger().error(f"no checkpoint: {self._keeper.trouble}")
             self.report_health()
             self.flush()
             self.get_logger().info(f"{self._stage.twin.time:.2f} s simulated, {self._stage.cost.sentence()}")

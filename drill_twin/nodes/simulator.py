@@ -20,7 +20,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.lifecycle.node import LifecycleNodeMixin
 
 from drill_twin.errors import DrillTwinError
-from drill_twin.messages.topics import CLOCK_TOPIC, STRING_POSES
+from drill_twin.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, STRING_POSES, WOB_COMMAND
 from drill_twin.nodes.controls import offer
 from drill_twin.nodes.in_hand import InHand
 from drill_twin.nodes.lifecycle import answer_any_transition
@@ -30,6 +30,7 @@ from drill_twin.nodes.running import run_node
 from drill_twin.nodes.scenes import resolved, scene_of
 from drill_twin.nodes.simulation_interfaces import offer_where_installed
 from drill_twin.nodes.start import StopRequest
+from drill_twin.nodes.wire import relative
 
 _LEASE = 6.0  # s; a killed node has left the graph by then
 _DISCOVERY = 1.0  # s; a living node has been found by then
@@ -132,6 +133,9 @@ class Simulator(LifecycleNodeMixin, InHand):
             f"{scene.name}: {stage.twin.elements} elements, {stage.twin.step_size * 1e6:.0f} us steps, "
             f"{rate:g} frames/s, {settings.pace}"
         )
+        if self._waits_for_command():
+            topics = [self.resolve_topic_name(relative(name)) for name in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND)]
+            self.get_logger().info(f"time stands still until a command comes on {', '.join(topics)}")
 
     def _refuse_a_second_one(self) -> None:
         time.sleep(max(self._born + _DISCOVERY - time.monotonic(), 0.0))
@@ -139,8 +143,8 @@ class Simulator(LifecycleNodeMixin, InHand):
         while len(others := self.publishers_of(STRING_POSES)) > 1:
             if time.monotonic() > deadline:
                 raise DrillTwinError(
-                    f"expected to be the only simulator here, found {len(others) - 1} more that publishes "
-                    f"{STRING_POSES} in ROS_DOMAIN_ID={self.context.get_domain_id()}; stop it, or choose "
+                    f"expected to be the only simulator here, found {len(others) - 1} more, publishing "
+                    f"{STRING_POSES}, in ROS_DOMAIN_ID={self.context.get_domain_id()}; stop it, or choose "
                     "another domain or namespace"
                 )
             time.sleep(0.1)

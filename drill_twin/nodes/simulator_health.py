@@ -56,6 +56,8 @@ def verdict(
     guard = stage.interventions
     if guard.stopped:
         return Level.ERROR, guard.stopped
+    if waiting and not desk.heard and desk.refused:
+        return Level.WARN, f"waiting for the first good command; the last one was refused: {desk.last_refusal}"
     if waiting and not desk.heard:
         return Level.OK, "waiting for the first command"
     if len(sources) > 1 or desk.others_speak:

@@ -20,7 +20,8 @@ PARAMETERS = (
     Parameter(
         "accuracy",
         "",
-        'largest error before the onset, as "1 %": chooses elements and step (docs/accuracy.md); "": as the scene says',
+        'largest error before the onset: chooses elements and step (docs/accuracy.md); "": as the scene says',
+        such_as="1 %",
     ),
     Parameter("duration", 0.0, "simulated time after which the node ends; 0: runs until stopped", "s", 0.0, 1e6),
     Parameter(

@@ -4,7 +4,8 @@
 import math
 
 import pytest
-from std_msgs.msg import Float64
+from rclpy.qos import qos_profile_sensor_data
+from std_msgs.msg import Float32, Float64
 
 from drill_twin.messages.cdr import JointStateTemplate
 from drill_twin.messages.encode import COMMAND_JOINTS, CommandEncoder
@@ -76,6 +77,28 @@ def test_bad_commands_are_refused_counted_and_change_nothing(bench, simulator, j
     weight.publish(Float64(data=30.0))
     speed.publish(Float64(data=1.0))
     bench.until_status("simulator", lambda status: _set_points(status) == (30.0, 1.0))
+
+
+def test_who_commands_in_vain_is_told_why(bench, simulator):
+    assert "time stands still until a command comes on /rig/command" in simulator.text
+    bench.publisher(WOB_COMMAND).publish(Float64(data=1e9))
+    told = "waiting for the first good command; the last one was refused: weight on bit: expected 0 to 400 N"
+    bench.until_status("simulator", lambda status: status.text.startswith(told))
+    bench.until(lambda: told in simulator.text, 20.0, "the console to say so too")
+
+
+@pytest.mark.parametrize(
+    ("kind", "quality", "told"),
+    [
+        (Float32, 10, "expected std_msgs/msg/Float64, found std_msgs/msg/Float32 of /test"),
+        (Float64, qos_profile_sensor_data, "expected a reliable publisher, found /test as best_effort"),
+    ],
+)
+def test_a_publisher_that_cannot_be_heard_is_reported(bench, simulator, kind, quality, told):
+    bench.node.create_publisher(kind, WOB_COMMAND, quality)
+    status = bench.until_status("simulator", lambda status: told in status.text)
+    assert status.level == 1
+    assert "which is not heard; publish " in status.text
 
 
 def test_a_message_that_holds_no_command_is_counted(bench, simulator):

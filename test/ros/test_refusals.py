@@ -49,6 +49,7 @@ def _set(**parameters):
         ("simulator", {"scene": "no_such_scene"}, ["no_such_scene", "pa6_bench"]),
         ("rig_driver", {"scene": "no_such_scene"}, ["no_such_scene", "pa6_bench"]),
         ("rig_driver", {"weight_on_bit": "'40 rpm'"}, ["rig.weight_on_bit.value", "40 rpm"]),
+        ("rig_driver", {"weight_on_bit": "40"}, ["weight_on_bit", 'a text such as "40 N"', "found 40"]),
         ("rig_driver", {"at_end": "explode"}, ["at_end", "hold, stop"]),
         ("rig_driver", {"table": "/no/such/table.csv"}, ["/no/such/table.csv"]),
         ("analyzer", {"marks_scene": "no_such_scene"}, ["no_such_scene"]),
@@ -74,7 +75,10 @@ def test_a_whole_number_will_do_where_a_number_is_wanted(bench):
 
 def test_other_arguments_are_refused(refusal):
     assert "--fast" in refusal("simulator", "--fast")
-    assert "ROS arguments" in refusal("simulator", "--ros-args", "-p", "scene")
+    assert "write -p NAME:=VALUE" in refusal("simulator", "--ros-args", "-p", "scene")
+    # ROS itself would take it for a renaming, and run another scene than the one that was meant.
+    assert "write --ros-args -p scene:=two_mass" in refusal("simulator", "scene:=two_mass")
+    assert "write -p scene:=two_mass" in refusal("simulator", "--ros-args", "scene:=two_mass")
     assert "no_such_file.yaml" in refusal("simulator", "--ros-args", "--params-file", "no_such_file.yaml")
 
 
