@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How deep the law of the wall lets a string sink in."""
+"""How deep the law of the wall lets a string sink in.
+
+A judge of its own, tighter than the guard's bound (`drill_twin.guard.bounds`), which it must not share: what is
+wrong in one would pass the other.
+"""
 
 from __future__ import annotations
 
