@@ -11,6 +11,7 @@ from typing import Any
 from mcap.writer import CompressionType, Writer
 
 from drill_twin import __version__
+from drill_twin.bag.chunk_indices import pack_indices
 from drill_twin.bag.metadata import Recorded, to_yaml
 from drill_twin.errors import BagError
 
@@ -38,6 +39,7 @@ class Part:
         self.count = 0
         self._stream = path.open("xb")
         self._writer = Writer(self._stream, chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
+        pack_indices(self._writer)
         self._writer.start(profile="ros2", library=f"drill_twin {__version__}")
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
