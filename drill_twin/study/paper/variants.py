@@ -36,4 +36,17 @@ VARIANTS = (
             "effects.bit_friction.coefficient": 0.03,
         },
     ),
+    Variant(
+        "two branches: friction high at rest, low in sliding, under a rod of little damping",
+        {
+            "rig.weight_on_bit.duration": 12.0,
+            "rig.rotation.duration": 5.0,
+            "rig.rotation.shape": "step",
+            "effects.bow.amplitude": 1e-3,
+            "effects.internal_damping.bending_time": 12e-3,
+            "effects.wall_friction.coefficient": 0.35,
+            "effects.wall_friction.decay": 5.0,
+            "effects.bit_friction.coefficient": 0.0,
+        },
+    ),
 )
