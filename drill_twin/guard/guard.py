@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The guard: what no state of a string can be, and a way back to the last good frame.
 
-Before each frame the guard keeps the twin's memory in arrays of its own; after it, a compiled pass looks at the state.
+Before each frame the guard keeps a copy of the twin's memory; after it, a compiled pass looks at the state.
 What cannot be meant is taken back and done again with half the step, up to `TRIES` times; the step grows back by
 doubling, each time after `CALM` good frames.
 """
@@ -9,7 +9,6 @@ doubling, each time after `CALM` good frames.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from drill_twin.frame import EnergyBalance, Intervention
 from drill_twin.guard.bounds import Bounds
 from drill_twin.guard.violation import NO_MATTER_OF_STEP, Violation
 from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.rod.types import Array, Bytes
 from drill_twin.solve import vitals
 from drill_twin.solve.midpoint import SMALLEST_SHARE
 
@@ -57,8 +56,7 @@ class Guard:
         nodes = site.rod.arc.size
         self.suspect = np.zeros((2, nodes, 7))
         self._site, self._wall = site, wall
-        self._arrays: Sequence[Array] = ()
-        self._kept: list[Array] = []
+        self._block = self._kept = np.zeros(0, dtype=np.uint8)
         self._vitals = np.zeros(vitals.VITALS)
         self._speed = 0.0
 
@@ -67,15 +65,13 @@ class Guard:
         """Share of the nominal step that is taken at present."""
         return float(self.memory[SHARE])
 
-    def watch(self, arrays: Sequence[Array]) -> None:
-        """Say once which arrays are the twin's memory."""
-        self._arrays = arrays
-        self._kept = [array.copy() for array in arrays]
+    def watch(self, block: Bytes) -> None:
+        """Say once where the twin's memory is, bytes of shape (size,)."""
+        self._block, self._kept = block, block.copy()
 
     def keep(self, u: Array, v: Array) -> None:
         """Keep the twin's memory as it is now, the last good one; node rows u and v are part of it."""
-        for kept, array in zip(self._kept, self._arrays, strict=True):
-            np.copyto(kept, array)
+        np.copyto(self._kept, self._block)
         vitals.look(self._site.rod, u, v, self._vitals)
         self._speed = float(self._vitals[vitals.SPEED])
 
@@ -86,8 +82,7 @@ class Guard:
     def take_back(self, u: Array, v: Array) -> None:
         """Go back to what was kept, and remember the state that was not good."""
         self.suspect[0], self.suspect[1] = u, v
-        for kept, array in zip(self._kept, self._arrays, strict=True):
-            np.copyto(array, kept)
+        np.copyto(self._block, self._kept)
 
     def halve(self) -> None:
         """Take half the step from now on."""

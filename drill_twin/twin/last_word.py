@@ -7,7 +7,7 @@ from drill_twin.errors import StoppedError
 from drill_twin.guard import REMEDIES, Violation
 from drill_twin.rod.types import Array
 from drill_twin.solve.blame import Moment, blame
-from drill_twin.twin.machine import Machine, take
+from drill_twin.twin.machine import Machine
 
 
 def last_word(
@@ -29,9 +29,9 @@ def last_word(
         for u, v in states
         for time, command in ((machine.time + 0.5 * step, machine.command), (machine.time + seconds, target))
     ]
-    kept = {name: array.copy() for name, array in machine.memory()}  # to ask an effect may change what it remembers
+    kept = machine.block.copy()  # to ask an effect may change what it remembers
     effect, doing = blame(machine.parameters, machine.rod, machine.effects, moments)
-    take(machine.memory(), kept)
+    machine.block[:] = kept
     return StoppedError(
         f"the motion could not be followed past t = {machine.time:.6g} s, however often it was "
         f"taken back and the step halved, down to {step:.2g} s: {found.text}, under {target[0]:.6g} N and "

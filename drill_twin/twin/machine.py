@@ -21,6 +21,7 @@ from drill_twin.solve.meter import Meter
 from drill_twin.solve.resolution import auto_elements, auto_step, newton_place
 from drill_twin.solve.setting import axis_at, sections_of, site_of, tubes_of
 from drill_twin.twin.balance import begin_in_balance
+from drill_twin.twin.block import in_one_block, named_arrays
 from drill_twin.twin.ends import Ends
 
 SPATIAL, LATERAL = "spatial", "lateral"
@@ -43,6 +44,7 @@ class Machine:
         command: Set-points last reached: weight on bit [N], rotation [rad/s].
         counters: See `drill_twin.solve.state`.
         ground: Whether the last advance ended because the step was cut too often.
+        block: The bytes of all that decides how the motion goes on, shape (size,).
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -61,20 +63,20 @@ class Machine:
         self.effects = tuple(name for name in scene.effect_names if hasattr(effect_module(name), "parameters"))
         audit = scene.numerics.audit == "energy"
         self.kernel = compose(self.effects, self.form, self.hole, audit=audit)
-        self.parameters = self.kernel.Parameters(
+        parameters = self.kernel.Parameters(
             make_drive(scene, float(axial_weight(scene, self.site).sum())),
             *(effect_module(name).parameters(getattr(scene.effects, name), self.site) for name in self.effects),
             *([make_ledger(len(self.effects), rod, bit_held=self._bit_is_held)] if audit else []),
         )
         self._held = self.ends.held(scene.string.bit_end)
         self._work = (work if self.form == SPATIAL else lateral_assembly).make_work(rod.length.size)
-        self._limits = state.Limits(self.step, newton_place(scene.tolerance, rod, self.wall), scene.tolerance, CUTS)
         self._advance: Callable[..., int] | None = None  # once compiled
+        command, counters = np.array([scene.rig.first[0], 0.0]), np.zeros(state.COUNTERS)
+        memory, self.block = in_one_block((parameters, state.make_state(rod.length.size), command, counters))
+        self.parameters, self._state, self.command, self.counters = memory
         self.ground = False
-        self._state = state.make_state(rod.length.size)
         self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
-        self.counters = np.zeros(state.COUNTERS)
-        self.command = np.array([scene.rig.first[0], 0.0])
+        self._limits = state.Limits(self.step, newton_place(scene.tolerance, rod, self.wall), scene.tolerance, CUTS)
         self._set_off()
 
     def _set_off(self) -> None:
@@ -112,8 +114,8 @@ class Machine:
 
     def memory(self) -> Iterator[tuple[str, Array]]:
         """All that decides how the motion goes on: the arrays themselves, each with its name."""
-        yield from _named_arrays("state", self._state)
-        yield from _named_arrays("effects", self.parameters)  # some of them remember
+        yield from named_arrays("state", self._state)
+        yield from named_arrays("effects", self.parameters)  # some of them remember
         yield from (("command", self.command), ("counters", self.counters))
 
     def advance(self, target: Array, seconds: float, step: float | None = None, cuts: int = CUTS) -> bool:
@@ -199,12 +201,3 @@ def _resolution(scene: Scene) -> tuple[int, float]:
     if numerics.step == "auto":
         return elements, auto_step(tubes, compression, most.rotation, 1.0 / numerics.frame_rate)
     return elements, float(numerics.step)
-
-
-def _named_arrays(name: str, value: object) -> Iterator[tuple[str, Array]]:
-    """Arrays in nested named tuples, each with its dotted name."""
-    if isinstance(value, np.ndarray):
-        yield name, value
-    elif isinstance(value, tuple):
-        for field, item in zip(getattr(value, "_fields", map(str, range(len(value)))), value, strict=True):
-            yield from _named_arrays(f"{name}.{field}", item)

@@ -45,7 +45,7 @@ class Twin:
         if scene.numerics.audit == "energy":
             self.books = Books(machine.parameters.ledger, machine.effects, self.site, machine.wall, lateral=lateral)
         self._guard = Guard(bounds_of(scene, self.site, lateral=lateral), self.site, machine.wall)
-        self._guard.watch([array for _, array in machine.memory()])
+        self._guard.watch(machine.block)
         self._observer = Observer(machine)
         self._energy: EnergyBalance | None = None
         self._recent = Recent(self.rod.arc.size, scene.numerics.frame_rate)
