@@ -97,11 +97,21 @@ demo: setup
 	@$(PYTHON) -m drill_twin.nodes demo --out out/demo --replace
 
 # Field checks: a message refuses an int where a float belongs, which the wheels would send as rubbish.
+PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
+
+# Compiling takes most of the time, so two workers share the files; those of test/ros run processes of their own and
+# want the machine for themselves.
 test: setup-test
-	@ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
+	@found=0; \
+	$(PYTEST) -n 2 --dist loadfile --ignore=test/ros || found=$$?; \
+	$(PYTEST) test/ros || found=$$?; \
+	exit $$found
 
 test-long: setup-test
-	@ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest -m long
+	@found=0; \
+	$(PYTEST) -n 2 --dist loadfile --ignore=test/ros -m long || found=$$?; \
+	$(PYTEST) test/ros -m long || found=$$?; \
+	exit $$found
 
 faults: setup-test
 	@DRILL_TWIN_FAULTS=1 ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest test/ros -q -m 'fault and (long or not long)'

@@ -57,6 +57,7 @@ setup(
             "pytest",
             "pytest-rerunfailures",
             "pytest-timeout",
+            "pytest-xdist",
             "ruff",
             "types-PyYAML",
         ],
