@@ -39,8 +39,8 @@ class Bounds:
     """Largest clearance over 4 EI [1/(N m)]: with the load squared, how a helix presses on the wall [N/m]."""
     weight: float
     """Weight of the string [N]."""
-    line_weight: float
-    """Largest weight per length [N/m]."""
+    line_load: float
+    """Largest weight per length, and six times the rms of a random force [N/m]."""
     curvature: float
     """Largest curvature of the hole [1/m]."""
 
@@ -48,8 +48,8 @@ class Bounds:
         """Deepest that the string can be in the wall [m].
 
         What the law gives for the hardest impact, K d^(p+1) / (p+1) = m v^2 / 2 per length, and for the load, the
-        helix's F^2 r / (4 EI) (Lubinski, Althouse and Logan 1962) with weight and curvature, `DEEPER` times both; and
-        as far as the string goes in a step, since a long step meets the wall only at its ends.
+        helix's F^2 r / (4 EI) (Lubinski, Althouse and Logan 1962) with weight, random force and curvature, `DEEPER`
+        times both; and as far as the string goes in a step, since a long step meets the wall only at its ends.
 
         Args:
             wall: Law of the wall.
@@ -60,7 +60,7 @@ class Bounds:
         power = 1.0 if wall.linear else 1.5
         impact = impact_depth(wall, self.line_mass, speed)
         axial = abs(load) + self.weight
-        pressed = ((axial**2 * self.flexibility + axial * self.curvature + self.line_weight) / wall.stiffness) ** (
+        pressed = ((axial**2 * self.flexibility + axial * self.curvature + self.line_load) / wall.stiffness) ** (
             1.0 / power
         )
         return float(DEEPER * (impact + pressed) + speed * step)
@@ -71,6 +71,7 @@ def bounds_of(scene: Scene, site: Site, *, lateral: bool) -> Bounds:
     rod, bore = site.rod, site.bore
     weight = np.abs(axial_weight(scene, site))
     gravity = 0.0 if scene.effects.gravity is None else scene.effects.gravity.magnitude
+    random = 0.0 if scene.effects.random_force is None else scene.effects.random_force.rms
     mud = site.fluid_density * 4.0 * np.pi * site.contact_radius.max() ** 2
     clearance = bore.clearance.reshape(-1, 2).max(axis=1)
     return Bounds(
@@ -80,6 +81,6 @@ def bounds_of(scene: Scene, site: Site, *, lateral: bool) -> Bounds:
         line_mass=float(rod.line_mass.max() + mud),
         flexibility=float(np.max(clearance / (4.0 * rod.bending))),
         weight=float(weight.sum()),
-        line_weight=float(gravity * rod.line_mass.max()),
+        line_load=float(gravity * rod.line_mass.max()) + 6.0 * random,
         curvature=0.0 if bore.axis is None else float(bore.axis.curvature.max()),
     )

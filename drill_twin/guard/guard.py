@@ -25,7 +25,7 @@ TRIES = 6
 """How often a frame is done again, each time with half the step."""
 SMALLEST = 2.0**-10
 """Of the nominal step, below which no frame is tried."""
-CUTS_A_STEP, CUTS_BESIDES = 50, 500
+CUTS_A_STEP, CUTS_BESIDES = 200, 2000
 """How often the step may be cut within a frame: by nominal steps, and besides. Beyond it nobody would wait."""
 CALM = 10
 """Good frames after which a halved step doubles."""

@@ -79,7 +79,7 @@ def test_a_frame_that_grinds_is_given_up_in_a_bounded_time():
         for _ in range(10):
             twin.step(TURNING, FRAME)
         before = twin.checkpoint()["counters"][CUTS]
-        with pytest.raises(StoppedError, match="cut more than 600 times within a frame") as told:
+        with pytest.raises(StoppedError, match="cut more than 2400 times within a frame") as told:
             twin.step(TURNING, FRAME)
         assert twin.checkpoint()["counters"][CUTS] == before  # taken back
     assert (told.value.kind, told.value.time) == ("newton", pytest.approx(0.1))
@@ -238,3 +238,11 @@ def test_what_the_string_cannot_be_is_told():
     assert found(depth=2.7e-4) is None
     assert found(depth=3.2e-4) == ("penetration", 3)
     assert found(depth=3.2e-4, v=(2, 1, 0.1)) is None  # an impact goes deeper
+
+
+def test_a_random_force_may_press_the_string_into_the_wall():
+    """Ten times what six times its rms of 100 N/m presses into 10 kN/m2, without load, weight and motion."""
+    force = {"rms": 100.0, "correlation_time": 1.0, "correlation_length": 1.0}
+    effects = {"wall": {"linear_stiffness": 1e4}, "random_force": force}
+    guard = Twin(rod_scene(effects=effects, elements=8, radius=0.04))._guard
+    assert guard.bounds.depth(guard._wall, 0.0, 0.0, STEP) == pytest.approx(10.0 * 0.06)
