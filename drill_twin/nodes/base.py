@@ -59,7 +59,7 @@ class TwinNode(Node):
         self.settings: SimpleNamespace = declare(self, self.PARAMETERS, values=values, also_known=also_known)
         self._ears = Ears(self, context)
         self._by_hand = TakenByHand()
-        self._inputs: dict[str, tuple[str, QoSProfile]] = {}
+        self._listened: dict[str, tuple[str, QoSProfile]] = {}
         self._told: dict[str, float] = {}
         self.outgoing: dict[str, Publisher] = {}
         self.services_while_configured: list[Service] = []
@@ -141,7 +141,7 @@ class TwinNode(Node):
         """Publish the diagnostics of this node now."""
         queues = self._ears.settle_queues()
         status = self.health()
-        if status.level == Level.OK and (trouble := unheard(self, self._inputs)):
+        if status.level == Level.OK and (trouble := unheard(self, self._listened)):
             status = replace(status, level=Level.WARN, text=trouble)
         self._tell(status)
         named = replace(status, name=self.get_fully_qualified_name().lstrip("/"), values={**status.values, **queues})
@@ -166,7 +166,7 @@ class TwinNode(Node):
             if service is not None:
                 self.destroy_service(service)
         self._ears.close()
-        self._inputs.clear()
+        self._listened.clear()
         for topic in set(self.outgoing) - {DIAGNOSTICS}:
             self.destroy_publisher(self.outgoing.pop(topic))
         self._readiness = None
@@ -198,7 +198,7 @@ class TwinNode(Node):
                 qos_overriding_options=OVERRIDABLE,
                 raw=True,
             )
-        self._inputs[subscription.topic_name] = (row.type_name, subscription.qos_profile)
+        self._listened[subscription.topic_name] = (row.type_name, subscription.qos_profile)
         several = topic in (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # publishers, whose numbers cannot be told apart
         self._ears.add(subscription, received, "" if several or depth == 1 or row.latched else topic)
         return subscription
