@@ -54,10 +54,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Take what a fault's marker says along to the report.
 
     Every test here waits for what it needs, yet a shared machine may stall a process for longer than any limit: such a
-    test is tried once more, and the summary counts it.
+    test is tried once more, and the summary counts it. Not the soak, which may take an hour.
     """
     for item in items:
-        if Path(item.fspath).parent == Path(__file__).parent:
+        if Path(item.fspath).parent == Path(__file__).parent and "soak" not in item.name:
             item.add_marker(pytest.mark.flaky(reruns=1, reruns_delay=3))
         for mark in item.iter_markers("fault"):
             item.user_properties.append(("fault", mark.args))
