@@ -84,7 +84,8 @@ PARTS = {
              _fine(OURS, 128, 0.1, _UNTIL_CONTACT), _fine(EXUDYN, 128, 0.2, _UNTIL_CONTACT)),
         Part("hard", "300 N and 6.5 rev/s, wall and friction, 30 s", _tasks(_HARD, HARD), None, None),
         Part("steel", "500 m of steel, 160 kN, 50 rpm, wall and friction, 10 s",
-             (*_tasks(_STEEL, {}, scene="steel"), Task(OURS, 250, 0.0, "bha_full_size", options=_LOOSE)), None, None),
+             (*_tasks(_STEEL, {}, scene="steel"),
+              *(Task(OURS, 250, step, "bha_full_size", options=_LOOSE) for step in (0.0, 10.0 * MS))), None, None),
     )
 }  # fmt: skip
 """By name."""
