@@ -114,10 +114,10 @@ test-long: setup-test
 	exit $$found
 
 faults: setup-test
-	@DRILL_TWIN_FAULTS=1 ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest test/ros -q -m 'fault and (long or not long)'
+	@DRILL_TWIN_FAULTS=1 $(PYTEST) test/ros -q -m 'fault and (long or not long)'
 
 soak: setup-test
-	@DRILL_TWIN_SOAK=3600 ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest test/ros/test_faults.py -q -s -m 'long' -k soak
+	@DRILL_TWIN_SOAK=3600 $(PYTEST) test/ros/test_faults.py -q -s -m 'long' -k soak
 
 fuzz: setup-test
 	@DRILL_TWIN_FUZZ=10000 $(PYTHON) -m pytest test/fuzz -q -s
@@ -129,7 +129,7 @@ day: setup-test
 	@DRILL_TWIN_DAY=1 $(PYTHON) -m pytest test/hard/test_hard_scenes.py -q -k day
 
 browser: setup-test
-	@DRILL_TWIN_BROWSER=1 ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest test/ros/test_watch.py -q -m 'long or not long'
+	@$(PYTEST) test/ros/test_watch.py -q -m 'long or not long'
 
 bench: $(STAMPS)/bench-$(KIND)
 	@$(PYTHON) -m pytest benchmarks/test_kernel_speed.py -q --benchmark-autosave --benchmark-storage=file://.benchmarks
