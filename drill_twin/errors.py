@@ -42,6 +42,10 @@ class StoppedError(RunError):
         super().__init__(message)
         self.time, self.kind, self.node, self.effect = time, kind, node, effect
 
+    def saying(self, message: str) -> Self:
+        """The same with another text."""
+        return type(self)(message, self.time, self.kind, self.node, self.effect)
+
     def __reduce__(self) -> tuple[type[Self], tuple[str, float, str, int, str]]:
         """So that it gets from one process to another."""
         return type(self), (str(self), self.time, self.kind, self.node, self.effect)

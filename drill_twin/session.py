@@ -136,7 +136,8 @@ class Session:
                     progress(Progress(seconds(stamp), seconds(frames * self._period), run.findings, run.factor))
             except RunError as error:
                 kept = run.give_up(error)
-                raise RunError(f"{error}; what came before is recorded in {bag.folder}{kept}") from error
+                text = f"{error}; what came before is recorded in {bag.folder}{kept}"
+                raise (error.saying(text) if isinstance(error, StoppedError) else RunError(text)) from error
             run.report_health()
         return Outcome(
             bag.folder, seconds(done * self._period), done == frames, time.monotonic() - began, run.pipeline.summary()

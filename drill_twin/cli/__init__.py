@@ -30,10 +30,12 @@ def run_command(arguments: Sequence[str]) -> int:
     from typer.main import get_command
 
     from drill_twin.cli.app import app
-    from drill_twin.errors import DrillTwinError
+    from drill_twin.errors import DrillTwinError, StoppedError
 
     try:
         code = get_command(app).main(list(arguments) or ["--help"], prog_name="drill-twin", standalone_mode=False)
+    except StoppedError as error:
+        return _fail(str(error), code=1)  # nobody's mistake
     except DrillTwinError as error:
         return _fail(str(error))
     except KeyboardInterrupt:
@@ -48,6 +50,6 @@ def run_command(arguments: Sequence[str]) -> int:
     return int(code or 0)
 
 
-def _fail(message: str) -> int:
+def _fail(message: str, code: int = 2) -> int:
     print(f"drill-twin: error: {' '.join(message.split())}", file=sys.stderr)
-    return 2
+    return code

@@ -50,7 +50,7 @@ def cost(
     """
     from rich.progress import Progress
 
-    from drill_twin.cli.folder import folder_name, write_file
+    from drill_twin.cli.folder import folder_name, make_folder, write_file
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
     from drill_twin.report.summary import to_json
@@ -63,6 +63,7 @@ def cost(
     changes = overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)
     folder = out or Path("out") / f"cost_{folder_name(described.name)}"
+    make_folder(folder / "runs")
     with err().status("building the string"):
         rungs = ladder(described, *((ELEMENTS[1::2], STEPS[1::2]) if coarse else (ELEMENTS, STEPS)))
     with Progress(console=err(), transient=True) as progress:

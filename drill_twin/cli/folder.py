@@ -39,6 +39,20 @@ def new_folder(folder: Path, *, replace: bool) -> Path | None:
     return moved
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder that others may have put something into.
+
+    Raises:
+        BagError: It cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BagError(
+            f"{folder}: expected a place to write to, found {error.strerror or error}; choose another with --out"
+        ) from error
+
+
 def check_new(file: Path, *, replace: bool) -> None:
     """See that a file may be written.
 

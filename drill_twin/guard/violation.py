@@ -13,6 +13,7 @@ REMEDIES = {
     "speed": "try a smaller numerics.step, or look at the parameters of the effect that is named",
     "strain": "try a lower load; no drillstring is meant to be stretched or squeezed so far",
     "fold": "try a lower load, or list `wall`, which keeps the string from folding",
+    "fold in a hole": "try a lower load or speed: no wall keeps a string from kinking once it is wound up so far",
     "slope": "list `stretch` and `torsion` (the motion across the hole alone is meant for small slopes), or `wall`",
     "penetration": "try a smaller numerics.step, a stiffer wall, or a lower load",
     "energy": "try a smaller numerics.step or more elements",

@@ -69,7 +69,7 @@ class Numerics(Part):
 
     @model_validator(mode="after")
     def _one_says_how_finely(self) -> Self:
-        for key in ("elements", "step"):
+        for key in ("elements", "step", "tolerance"):
             if self.accuracy is not None and getattr(self, key) != "auto":
                 raise refuse_at(
                     (key,), f'expected "auto" with an `accuracy`, which chooses it, found {getattr(self, key)}'

@@ -25,13 +25,14 @@ _INDEX = re.compile(r"\[(\w+)\]")
 def apply_overrides(lines: Lines, overrides: Mapping[str, str]) -> None:
     """Set each override in the data; a list item is named by its number or its `name`: `string.marks.mark_1.on`.
 
-    `accuracy` takes the place of the elements and step that the data may name.
+    `accuracy` takes the place of the elements, step and tolerance that the data may name.
 
     Raises:
         SceneError: a key that leads nowhere, or a value that is not YAML.
     """
     if "accuracy" in overrides:
-        overrides = {"numerics.elements": "auto", "numerics.step": "auto", **overrides}
+        chosen = dict.fromkeys(("numerics.elements", "numerics.step", "numerics.tolerance"), "auto")
+        overrides = {**chosen, **overrides}
     for key, text in overrides.items():
         place, value = _expand(key, text)
         _set(lines, key, place, _value(lines, key, value))

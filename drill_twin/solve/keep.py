@@ -21,18 +21,27 @@ import llvmlite
 import numba
 import numpy as np
 
+from drill_twin.errors import RunError
+
 
 def cache_folder() -> Path:
-    """Where compiled kernels are kept: ``$DRILL_TWIN_CACHE``, else the user's cache folder, else a temporary one."""
+    """Where compiled kernels are kept: ``$DRILL_TWIN_CACHE``, else the user's cache folder, else a temporary one.
+
+    Raises:
+        RunError: The named folder cannot be made.
+    """
     named = os.environ.get("DRILL_TWIN_CACHE")
     base = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "drill_twin"
     try:
         base.mkdir(parents=True, exist_ok=True)
         if os.access(base, os.W_OK):
             return base
-    except OSError:
+    except OSError as error:
         if named:
-            raise
+            raise RunError(
+                f"DRILL_TWIN_CACHE: expected a folder that can be written to, found {named}: {error.strerror}; "
+                "name another, or unset it"
+            ) from error
     return Path(tempfile.mkdtemp(prefix="drill_twin_kernels_"))
 
 

@@ -32,10 +32,12 @@ def last_word(
     kept = machine.block.copy()  # to ask an effect may change what it remembers
     effect, doing = blame(machine.parameters, machine.rod, machine.effects, moments)
     machine.block[:] = kept
+    kind = "finite" if "no number" in doing else found.kind
+    remedy = REMEDIES["fold in a hole" if kind == "fold" and machine.wall is not None else kind]
     return StoppedError(
         f"the motion could not be followed past t = {machine.time:.6g} s, however often it was "
         f"taken back and the step halved, down to {step:.2g} s: {found.text}, under {target[0]:.6g} N and "
         f"{target[1]:.6g} rad/s{f'; {doing}' if doing else ''}. "
-        f"{REMEDIES['finite' if 'no number' in doing else found.kind].capitalize()}",
+        f"{remedy.capitalize()}",
         machine.time, found.kind, found.node, effect,
     )  # fmt: skip

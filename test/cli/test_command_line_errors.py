@@ -55,6 +55,8 @@ def field(inside, bench_run):
         (["run", "pa6_bench", "--out", "text.mcap"], "found one with a file in it"),
         (["run", "pa6_bench", "--out", "text.mcap/x"], "expected a place to write the result"),
         (["run", "ufrj_rig"], "rig.table.file"),
+        (["cost", "pa6_bench", "--out", "text.mcap"], "text.mcap/runs: expected a place to write to"),
+        (["run", "pa6_bench", "--accuracy", "1 %", "--set", "numerics.tolerance=1e-6"], "which chooses it"),
         (["run"], "Missing argument 'SCENE'; see `drill-twin run --help`"),
         (["run", "pa6_bench", "--bogus"], "No such option: --bogus"),
         (["frobnicate"], "No such command 'frobnicate'"),
@@ -85,6 +87,22 @@ def test_one_line_and_exit_code_2(call, field, arguments, words):
     assert said.err.startswith("drill-twin: error: ")
     assert words in said.err
     assert sorted((path, path.is_file() and path.read_bytes()) for path in field.rglob("*")) == before
+
+
+def test_a_run_that_the_guard_stops_ends_with_another_code(call, inside):
+    said = call("run", "pa6_bench", "--wob", "3000 N", "--rps", "100", "--duration", "9", "--out", "stopped")
+    assert said.code == 1
+    assert "could not be followed" in said.err
+    assert "list `wall`" not in said.err  # it is listed
+    assert (inside / "stopped" / "bag_0_stop" / "checkpoint.npz").is_file()
+
+
+def test_a_place_for_kernels_that_is_none_is_named(process, inside, monkeypatch):
+    (inside / "file").touch()
+    monkeypatch.setenv("DRILL_TWIN_CACHE", str(inside / "file" / "kernels"))
+    said = process("run", "pa6_bench", "--duration", "0.1")
+    assert said.code == 2
+    assert "DRILL_TWIN_CACHE: expected a folder that can be written to" in said.err
 
 
 def test_no_traceback_from_a_process_of_its_own(process):

@@ -159,7 +159,6 @@ def measure(
 
     described = load_scene(scene, overrides=dict(overrides))
     exact = converged(rungs)
-    folder.mkdir(parents=True, exist_ok=True)
     jobs: list[tuple[Rung, int | None]] = [(exact, None), *((exact, seed) for seed in range(replicas))]
     jobs += [(rung, None) for rung in rungs]
     done: dict[tuple[Rung, int | None], Motion | str] = {}

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -160,10 +161,18 @@ def kept_run(scene: str, overrides: dict[str, str], seed: int | None, folder: Pa
         described = load_scene(scene, overrides=overrides)
         key = hashlib.sha256(f"{described.to_yaml()}{seed}{__version__}{FORMAT}".encode()).hexdigest()[:16]
         path = folder / f"{key}.npz"
-        if path.is_file():
-            return Motion.load(path)
+        if (kept := _undamaged(path)) is not None:
+            return kept
         motion = run_motion(described, seed)
         motion.save(path)
     except DrillTwinError as error:
         return str(error)
     return motion
+
+
+def _undamaged(path: Path) -> Motion | None:
+    """A run that was kept; None where there is none, or one that a power cut has cut short: it is made again."""
+    try:
+        return Motion.load(path)
+    except (OSError, EOFError, ValueError, TypeError, BadZipFile):
+        return None
