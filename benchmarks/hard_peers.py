@@ -19,7 +19,7 @@ import typer
 
 from benchmarks.peers.parts import EXUDYN, MS, OURS, PYELASTICA
 from benchmarks.peers.rows import row
-from benchmarks.peers.run import Outcome, missing, run_apart
+from benchmarks.peers.run import Outcome, run_apart, usable
 from benchmarks.peers.tables import remark, speed
 from benchmarks.peers.task import Task
 from drill_twin.cli.show import err, grid, out
@@ -57,13 +57,7 @@ def main(
     folder: Annotated[Path, typer.Option("--out", help="Folder of the results.")] = Path("out/hard_peers"),
 ) -> None:
     """Run the cases by each tool that is installed; print a table, and write it as JSON and Markdown."""
-    tools = []
-    for tool in STEPS:
-        why = missing(tool)
-        if why is None:
-            tools.append(tool)
-        else:
-            err().print(why, style="yellow")
+    tools = usable(STEPS)
     folder.mkdir(parents=True, exist_ok=True)
     found = []
     with err().status("") as status:

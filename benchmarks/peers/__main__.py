@@ -12,7 +12,7 @@ import typer
 from benchmarks.peers.figure import draw
 from benchmarks.peers.parts import PARTS, Part
 from benchmarks.peers.rows import result
-from benchmarks.peers.run import TOOLS, missing, run_apart, run_rounds
+from benchmarks.peers.run import TOOLS, run_apart, run_rounds, usable
 from benchmarks.peers.summary import summary
 from benchmarks.peers.tables import markdown, terminal
 from drill_twin.cli.show import err, out
@@ -33,9 +33,9 @@ def main(
     wanted = [tool for tool in TOOLS if not tools or tool.lower() in tools.lower().split(",")]
     folder.mkdir(parents=True, exist_ok=True)
     if not show:
-        usable = _usable(wanted)
+        there = usable(wanted)
         for name in names:
-            text = json.dumps(_measure(PARTS[name], usable, rounds), indent=2)
+            text = json.dumps(_measure(PARTS[name], there, rounds), indent=2)
             (folder / f"{name}.json").write_text(text + "\n", encoding="utf-8")
     results = [json.loads(path.read_text()) for name in PARTS if (path := folder / f"{name}.json").is_file()]
     for each in results:
@@ -47,17 +47,6 @@ def main(
     if any(each["reference"] for each in results):
         draw(results, folder / "peers.png")
     err().print(f"{folder}: peers.md, peers.png, *.json", markup=False)
-
-
-def _usable(tools: list[str]) -> list[str]:
-    found = []
-    for tool in tools:
-        why = missing(tool)
-        if why is None:
-            found.append(tool)
-        else:
-            err().print(why, style="yellow")
-    return found
 
 
 def _measure(part: Part, tools: list[str], rounds: int) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module, metadata
 from importlib.util import find_spec
@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.peers.task import Motion, Task
+from drill_twin.cli.show import err
 
 
 class Tool(NamedTuple):
@@ -67,6 +68,18 @@ def missing(tool: str) -> str | None:
     if find_spec(TOOLS[tool].module):
         return None
     return f"{tool} is left out: it is not installed (pip install {TOOLS[tool].package}, or pip install -e '.[bench]')"
+
+
+def usable(tools: Iterable[str]) -> list[str]:
+    """Those that are there; of each other it is said how to install it."""
+    found = []
+    for tool in tools:
+        why = missing(tool)
+        if why is None:
+            found.append(tool)
+        else:
+            err().print(why, style="yellow")
+    return found
 
 
 def versions(tools: Sequence[str]) -> dict[str, str]:
