@@ -18,12 +18,13 @@ if TYPE_CHECKING:
 Processes = Annotated[
     int, typer.Option("--processes", min=0, metavar="N", help="Runs at once; 0: as many as there are cores.")
 ]
+BENCH = "pa6_calibrated"
 RESULT = ("paper.json", "paper.html", "paper.md")
-CALIBRATION = "calibration.json"
+CALIBRATION, TRADE_OFF = "calibration.json", "paper_trade_off.png"
 
 
 def paper(
-    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="The bench, by name or file.")] = "pa6_bench",
+    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="The bench, by name or file.")] = BENCH,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the result.")] = Path("out/paper"),
     processes: Processes = 0,
     only_bench: Annotated[
@@ -67,7 +68,7 @@ def paper(
 
 
 def calibrate(
-    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="The bench to start from.")] = "pa6_bench",
+    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="The bench to start from.")] = BENCH,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the result.")] = Path("out/calibration"),
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the search.")] = 1,
     population: Annotated[int, typer.Option("--population", min=5, max=512, help="Members of a generation.")] = 16,
@@ -80,8 +81,9 @@ def calibrate(
 ) -> None:
     """Seek what the paper leaves open (ramps, imperfection, damping, friction): set, uncertainty, residuals.
 
-    It starts from the scene, fits a part of the table on the lateral form and leaves the rest to judge by, with
-    `drill-twin paper`. The search is differential evolution; the same seed gives the same result.
+    It starts from the scene, fits a part of the table and leaves the rest to judge by, with `drill-twin paper`. A
+    figure shows which numbers exclude each other. The search is differential evolution; the same seed gives the same
+    result.
     """
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.cli.show import err, grid, print_json
@@ -89,17 +91,24 @@ def calibrate(
     from drill_twin.study.paper import report
     from drill_twin.study.paper.calibrate import calibrate as search
     from drill_twin.study.paper.matrix import cores
-    from drill_twin.study.paper.objective import lateral_bench
+    from drill_twin.study.paper.outcome import bench
     from drill_twin.study.paper.plain import json_text
 
-    described = lateral_bench(scene)
-    check_new(out / CALIBRATION, replace=replace)
+    described = bench(scene)
+    for name in (CALIBRATION, TRADE_OFF):
+        check_new(out / name, replace=replace)
     with _bar("calibration") as show:
         done = search(
             described, seed=seed, population=population, generations=generations, processes=processes or cores(),
             progress=lambda what, count, of, best: show(f"{what}, least loss {best:.3f}", count, of),
         )  # fmt: skip
     write_file(out / CALIBRATION, json_text(report.to_dict(done)))
+    with err().status("drawing"):
+        from drill_twin.report.figures.style import save, styled
+        from drill_twin.study.paper.trade_off import draw_trade_off
+
+        with styled():
+            save(draw_trade_off(done.tried, done.best), out / TRADE_OFF)
     if json:
         print_json(report.to_dict(done))
     else:
@@ -107,7 +116,7 @@ def calibrate(
         screen().print(grid(report.FOUND, report.found_rows(done), title="Numbers found", right=(1,)))
         screen().print(grid(report.RESIDUALS, report.residual_rows(done), title="Residuals", right=(1, 2, 3)))
         screen().print(grid(report.BOUNDS, report.bound_rows(), title="Bounds"))
-    err().print(f"{out / CALIBRATION}: written", markup=False)
+    err().print(f"{out}: {CALIBRATION} and {TRADE_OFF}", markup=False)
 
 
 def _print(done: Reproduction) -> None:

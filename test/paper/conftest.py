@@ -15,7 +15,7 @@ QUICK = {
 
 @pytest.fixture(scope="session")
 def quick_bench() -> Scene:
-    return load_scene("pa6_bench", overrides=QUICK)
+    return load_scene("pa6_calibrated", overrides=QUICK)
 
 
 @pytest.fixture

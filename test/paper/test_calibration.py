@@ -6,10 +6,11 @@ import pytest
 from drill_twin.scene import load_scene
 from drill_twin.study.paper import calibrate as module
 from drill_twin.study.paper.calibrate import calibrate
-from drill_twin.study.paper.objective import LARGEST, Loss, evaluate, lateral_bench, loss
+from drill_twin.study.paper.objective import FITTED, LARGEST, Loss, evaluate, lateral, loss
+from drill_twin.study.paper.trade_off import draw_trade_off, front, groups, point
 from drill_twin.study.paper.unknowns import UNKNOWNS, shares_of, with_shares
 
-WANTED = (0.3, 0.7, 0.5, 0.4, 0.6, 0.2, 0.8, 0.45, 0.55)
+WANTED = (0.3, 0.7, 0.5, 0.4, 0.6, 0.2, 0.8, 0.45, 0.55, 0.35)
 
 
 def bowl(_scene, shares):
@@ -50,10 +51,13 @@ def test_no_generations_examine_the_scene_as_it_is(quick_search, quick_bench):
 
 
 def test_numbers_and_shares_are_each_others_and_lie_within_the_bounds():
-    scene = load_scene("pa6_bench")
+    scene = load_scene("pa6_calibrated")
     shares = shares_of(scene)
     assert all(0.0 < share < 1.0 for share in shares), "a number of the scene lies outside its bounds"
-    assert shares_of(with_shares(scene, shares)) == pytest.approx(shares)
+    again = with_shares(scene, shares)
+    assert shares_of(again) == pytest.approx(shares)
+    damping = again.effects.internal_damping
+    assert damping.bending_time == damping.stretch_time == damping.torsion_time
     low, high = with_shares(scene, [0.0] * len(UNKNOWNS)), with_shares(scene, [1.0] * len(UNKNOWNS))
     assert low.effects.bow.amplitude == pytest.approx(1e-5)
     assert high.effects.drag.linear == pytest.approx(0.1)
@@ -67,4 +71,21 @@ def test_a_run_without_findings_costs_most_but_not_everything(quick_bench):
     nothing = loss({})
     assert set(nothing.deviations.values()) == {LARGEST}
     assert found.total < nothing.total
-    assert lateral_bench().effects.stretch is None
+    assert lateral(load_scene("pa6_calibrated")).effects.stretch is None
+
+
+def test_what_excludes_what_is_what_nothing_beats():
+    assert front([(3.0, 1.0), (1.0, 3.0), (2.0, 2.0), (2.5, 2.5), (1.0, 4.0), (3.0, 3.0)]) == [
+        (1.0, 3.0),
+        (2.0, 2.0),
+        (3.0, 1.0),
+    ]
+    fast, slow = groups()
+    assert {number.q for number in fast} == {"Q11", "Q12", "Q15"}
+    assert {number.q for number in slow} == {"Q16", "Q17"}
+    deviations = {number.name: 3.0 if number in slow else 0.5 for number in FITTED}
+    loss = Loss(1.0, deviations)
+    assert point(loss) == pytest.approx((0.5, 3.0))
+    labels = draw_trade_off([loss, Loss(1.0, dict.fromkeys(deviations, 1.0))], loss).axes[0]
+    assert all(number.name in labels.get_xlabel() for number in fast)
+    assert all(number.name in labels.get_ylabel() for number in slow)

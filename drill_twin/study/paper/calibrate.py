@@ -23,7 +23,7 @@ from scipy.stats import qmc
 
 from drill_twin.scene import Scene
 from drill_twin.study.paper.matrix import compile_for, pool
-from drill_twin.study.paper.objective import Loss, loss_at
+from drill_twin.study.paper.objective import Loss, lateral, loss_at
 from drill_twin.study.paper.unknowns import UNKNOWNS, Unknown, shares_of
 
 STEP = 0.03
@@ -70,11 +70,17 @@ class Calibration:
     evaluations: int
     seed: int
     found: tuple[Found, ...] = field(default=())
+    tried: tuple[Loss, ...] = field(default=())
+    """Every set that the search tried, in its order."""
 
     @property
     def changes(self) -> dict[str, float]:
         """The numbers found, in SI, by their place in the scene."""
-        return {u.place: u.value(share) for u, share in zip(UNKNOWNS, self.shares, strict=True)}
+        return {
+            place: u.value(share)
+            for u, share in zip(UNKNOWNS, self.shares, strict=True)
+            for place in (u.place, *u.also)
+        }
 
 
 Progress = Callable[[str, int, int, float], None]
@@ -87,6 +93,7 @@ class _Search:
     def __init__(self, scene: Scene, workers: ProcessPoolExecutor | None, progress: Progress, total: int) -> None:
         self.scene, self.workers, self.progress, self.total = scene, workers, progress, total
         self.count, self.best, self.shares = 0, math.inf, tuple[float, ...]()
+        self.tried: list[Loss] = []
 
     def losses(self, points: Iterable[Array]) -> list[Loss]:
         """The losses of some points, in their order."""
@@ -99,6 +106,7 @@ class _Search:
                 self.best, self.shares = value.total, tuple(shares)
             self.progress("search", self.count, self.total, self.best)
             found.append(value)
+        self.tried += found
         return found
 
     def map(self, _function: Callable[[Array], float], points: Iterable[Array]) -> list[float]:
@@ -117,14 +125,15 @@ def calibrate(
     """Search, then see how sharply each number is known and what it is needed for.
 
     Args:
-        scene: The bench in its lateral form, with its present numbers.
+        scene: The bench with its present numbers.
         seed: Of the search.
         population: Members of a generation.
         generations: How many generations after the first.
         processes: How many evaluations at once.
         progress: Told after each evaluation.
     """
-    compile_for(scene)
+    for form in (scene, lateral(scene)):
+        compile_for(form)
     first = qmc.Sobol(len(UNKNOWNS), seed=seed).random(population)
     first[0] = shares_of(scene)
     with pool(processes) if processes > 1 else nullcontext() as workers:
@@ -140,7 +149,7 @@ def calibrate(
         spent, shares = search.count, search.shares
         best, start = search.losses([np.array(shares), np.array(shares_of(scene))])
         found = _examine(search, np.array(shares), best)
-    return Calibration(start, best, shares, spent, seed, tuple(found))
+    return Calibration(start, best, shares, spent, seed, tuple(found), tuple(search.tried))
 
 
 def _examine(search: _Search, at: Array, best: Loss) -> list[Found]:

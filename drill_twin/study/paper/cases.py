@@ -51,7 +51,7 @@ def scene_of(scene: Scene, case: Case, changes: Mapping[str, float | str] | None
     return scene
 
 
-def changed(part: Any, place: str, value: float | str) -> Any:
+def changed(part: Any, place: str, value: float | str | None) -> Any:
     """A copy of a scene, or of a part of it, with one value changed; `place` as `effects.bow.amplitude`.
 
     Values are not checked again: it is for numbers that a study moves within bounds of its own.

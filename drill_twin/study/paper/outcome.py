@@ -158,6 +158,6 @@ def _words(case: Case) -> str:
     return str(case)
 
 
-def bench(name: str = "pa6_bench") -> Scene:
+def bench(name: str = "pa6_calibrated") -> Scene:
     """The bench as it ships."""
     return load_scene(name)

@@ -30,6 +30,8 @@ class Unknown:
     """Value that stands for leaving it out [unit]; None where that has no meaning."""
     reason: str
     """Why these bounds."""
+    also: tuple[str, ...] = ()
+    """Other places that take the same value."""
 
     def value(self, share: float) -> float:
         """The value [SI] at a share, 0 to 1, of the way between the bounds."""
@@ -50,16 +52,19 @@ UNKNOWNS = (
             "from a rod that is straight to the eye to one that hung on two supports"),
     Unknown("effects.eccentricity.offset", "eccentricity", "mm", 1e-3, 0.01, 1.0, 0.0,
             "from a turned rod to an eighth of the radius"),
-    Unknown("effects.internal_damping.bending_time", "retardation time of bending", "ms", 1e-3, 5.0, 40.0, 0.0,
-            "loss factor of polyamide, 0.03 to 0.25 at 1 Hz, dry to damp"),
+    Unknown("effects.internal_damping.bending_time", "retardation time of the material", "ms", 1e-3, 5.0, 50.0, 0.0,
+            "loss factor of polyamide, 0.03 to 0.3 at 1 Hz, dry to damp; stretch and twist are of the same material",
+            ("effects.internal_damping.stretch_time", "effects.internal_damping.torsion_time")),
     Unknown("effects.drag.linear", "drag", "N s/m^2", 1.0, 0.002, 0.1, 0.0,
             "air at 0.1 to 2 m/s on a round rod, 0.001 to 0.02; more where the bench rubs"),
     Unknown("effects.wall_friction.coefficient", "friction at the wall", "", 1.0, 0.02, 0.6, 0.0,
             "polyamide on steel or glass, oiled to dry"),
-    Unknown("effects.wall_friction.decay", "fall of friction with slip", "s/m", 1.0, 0.02, 20.0, 0.0,
+    Unknown("effects.wall_friction.decay", "fall of friction with slip", "s/m", 1.0, 0.01, 20.0, 0.0,
             "from Coulomb to a film that carries at 0.1 m/s; the delta of the paper's Eq. 10"),
     Unknown("effects.bit_friction.coefficient", "friction at the bit", "", 1.0, 0.003, 0.5, 0.0,
             "from a ball to a flat end on rock"),
+    Unknown("effects.bit_friction.radius", "radius at which the bit rubs", "mm", 1e-3, 2.0, 8.2, None,
+            "from a tip to the rim of the rod"),
 )  # fmt: skip
 """The numbers sought. The paper's own numbers, and what stands fixed in the scene, are not among them."""
 
@@ -72,5 +77,6 @@ def shares_of(scene: Scene) -> list[float]:
 def with_shares(scene: Scene, shares: list[float]) -> Scene:
     """The scene with the numbers that lie there."""
     for unknown, share in zip(UNKNOWNS, shares, strict=True):
-        scene = changed(scene, unknown.place, unknown.value(float(share)))
+        for place in (unknown.place, *unknown.also):
+            scene = changed(scene, place, unknown.value(float(share)))
     return scene

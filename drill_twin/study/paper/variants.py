@@ -29,11 +29,15 @@ VARIANTS = (
     Variant("hole tilted by 10 degrees", {"hole.inclination": math.radians(10.0)}),
     Variant("load as a STEP of ADAMS of the same duration", {"rig.weight_on_bit.shape": "step"}),
     Variant(
-        "the other side of the trade-off: more friction, which hardly falls with slip",
+        "friction that does not fall with slip, and a bit that rubs less: slow whirl at high load",
         {
-            "effects.wall_friction.coefficient": 0.34,
-            "effects.wall_friction.decay": 0.05,
+            "effects.internal_damping.bending_time": 30e-3,
+            "effects.internal_damping.stretch_time": 30e-3,
+            "effects.internal_damping.torsion_time": 30e-3,
+            "effects.wall_friction.coefficient": 0.27,
+            "effects.wall_friction.decay": 0.0,
             "effects.bit_friction.coefficient": 0.03,
+            "effects.bit_friction.radius": 3.5e-3,
         },
     ),
     Variant(
@@ -44,6 +48,8 @@ VARIANTS = (
             "rig.rotation.shape": "step",
             "effects.bow.amplitude": 1e-3,
             "effects.internal_damping.bending_time": 12e-3,
+            "effects.internal_damping.stretch_time": 1e-3,
+            "effects.internal_damping.torsion_time": 1e-3,
             "effects.wall_friction.coefficient": 0.35,
             "effects.wall_friction.decay": 5.0,
             "effects.bit_friction.coefficient": 0.0,
