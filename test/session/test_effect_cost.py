@@ -26,12 +26,15 @@ def test_sampling_the_cost_of_effects_leaves_the_run_as_it_is():
     assert sum(values.values()) == pytest.approx(1.0, abs=1e-3)
 
 
-def test_shares_are_of_what_an_iteration_costs():
+def test_shares_are_of_what_an_iteration_costs(monkeypatch):
     twin = Twin(load_scene("two_mass"))
     twin.step(Command(0.0, 1.0), 0.02)
-    cost = EffectCost(twin)
+    assert twin.meter()("bit_torque_stribeck") > 0.0
+    monkeypatch.setattr(twin, "meter", lambda: lambda _name: 2e-6)  # no reading of a busy clock
+    cost, number = EffectCost(twin), len(twin.effects)
     assert cost.values(0.0) == {}  # nothing to put it in relation to
-    price = twin.meter()("bit_torque_stribeck")
-    assert price > 0.0
-    dear, cheap = (float(cost.values(k * price)["step_cost_bit_torque_stribeck"]) for k in (10.0, 1000.0))
-    assert dear > 10.0 * cheap > 0.0
+    values = cost.values(8e-6 * number)
+    assert values.pop("step_cost_rod_and_solution") == "0.7500"
+    assert set(values) == {f"step_cost_{name}" for name in twin.effects}
+    assert sum(map(float, values.values())) == pytest.approx(0.25, abs=1e-3)
+    assert cost.values(1e-6)["step_cost_rod_and_solution"] == "0.0000"
