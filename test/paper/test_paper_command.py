@@ -59,6 +59,23 @@ def test_calibrate_examines_a_scene(quick_file, tmp_path):
     assert len(data["deviations"]) + len(data["judged"]) == 15
 
 
+def test_a_scene_without_what_is_sought_is_one_clear_error(quick_file, tmp_path):
+    bare = tmp_path / "bare.yaml"
+    bare.write_text(f"base: {quick_file}\nname: bare\neffects: {{bow: off}}\n", "utf-8")
+    done = command("calibrate", "--scene", bare, "--generations", "0", "--out", tmp_path / "x")
+    assert isinstance(done.exception, SceneError)
+    assert str(done.exception) == "bare: expected `effects.bow`, for its bow is sought, found none"
+    assert not (tmp_path / "x").exists()
+
+
+@pytest.mark.parametrize("name", ["paper", "calibrate"])
+def test_a_scene_without_the_marks_of_the_paper_is_one_clear_error(name, tmp_path):
+    done = command(name, "--scene", "two_mass", "--out", tmp_path / "x")
+    assert isinstance(done.exception, SceneError)
+    assert "expected the paper's marks mark_1, mark_2, mark_3 in string.marks, found" in str(done.exception)
+    assert not (tmp_path / "x").exists()
+
+
 @pytest.mark.parametrize("name", ["paper", "calibrate"])
 def test_an_unknown_scene_is_one_clear_error(name, tmp_path):
     done = command(name, "--scene", "no_such_bench", "--out", tmp_path / "x")

@@ -132,10 +132,11 @@ def calibrate(
         processes: How many evaluations at once.
         progress: Told after each evaluation.
     """
+    own = shares_of(scene)
     for form in (scene, lateral(scene)):
         compile_for(form)
     first = qmc.Sobol(len(UNKNOWNS), seed=seed).random(population)
-    first[0] = shares_of(scene)
+    first[0] = own
     with pool(processes) if processes > 1 else nullcontext() as workers:
         search = _Search(scene, workers, progress, population * (generations + 1))
         if generations:
@@ -147,7 +148,7 @@ def calibrate(
         else:
             search.map(_nowhere, first[:1])
         spent, shares = search.count, search.shares
-        best, start = search.losses([np.array(shares), np.array(shares_of(scene))])
+        best, start = search.losses([np.array(shares), np.array(own)])
         found = _examine(search, np.array(shares), best)
     return Calibration(start, best, shares, spent, seed, tuple(found), tuple(search.tried))
 

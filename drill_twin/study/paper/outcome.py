@@ -8,11 +8,13 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from drill_twin import __version__
+from drill_twin.errors import SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.study.paper import full_size
 from drill_twin.study.paper.cases import MATRIX, Case, scene_of
 from drill_twin.study.paper.full_size import Disorder, FullSizeRow
 from drill_twin.study.paper.matrix import compile_for, cores, pool, run_all
+from drill_twin.study.paper.published import published
 from drill_twin.study.paper.run import Measured, Run, measure
 from drill_twin.study.paper.similarity import Scale, similarity
 from drill_twin.study.paper.table import Row, Trend, rows, trends
@@ -159,5 +161,17 @@ def _words(case: Case) -> str:
 
 
 def bench(name: str = "pa6_calibrated") -> Scene:
-    """The bench as it ships."""
-    return load_scene(name)
+    """The bench: the one that ships, or another with the paper's marks.
+
+    Raises:
+        SceneError: There is no such scene, or it lacks a mark whose displacement is published.
+    """
+    scene = load_scene(name)
+    names = [mark.name for mark in scene.string.marks]
+    missing = sorted({number.mark for number in published().bench if number.mark and number.mark not in names})
+    if missing:
+        raise SceneError(
+            f"{scene.name}: expected the paper's marks {', '.join(missing)} in string.marks, "
+            f"found {', '.join(names) or 'none'}; begin the scene with `base: pa6_calibrated`"
+        )
+    return scene

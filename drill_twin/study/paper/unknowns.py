@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from drill_twin.errors import SceneError
 from drill_twin.scene import Scene
 from drill_twin.study.paper.cases import changed, value_at
 
@@ -70,7 +71,16 @@ UNKNOWNS = (
 
 
 def shares_of(scene: Scene) -> list[float]:
-    """Where the scene's own numbers lie between the bounds."""
+    """Where the scene's own numbers lie between the bounds.
+
+    Raises:
+        SceneError: The scene leaves out an effect whose numbers are sought.
+    """
+    for unknown in UNKNOWNS:
+        for place in (unknown.place, *unknown.also):
+            part = place.rpartition(".")[0]
+            if value_at(scene, part) is None:
+                raise SceneError(f"{scene.name}: expected `{part}`, for its {unknown.name} is sought, found none")
     return [unknown.share(float(value_at(scene, unknown.place))) for unknown in UNKNOWNS]
 
 
