@@ -135,7 +135,7 @@ def calibrate(
     own = shares_of(scene)
     for form in (scene, lateral(scene)):
         compile_for(form)
-    first = qmc.Sobol(len(UNKNOWNS), seed=seed).random(population)
+    first = qmc.Sobol(len(UNKNOWNS), seed=seed).random_base2((population - 1).bit_length())[:population]
     first[0] = own
     with pool(processes) if processes > 1 else nullcontext() as workers:
         search = _Search(scene, workers, progress, population * (generations + 1))
