@@ -57,4 +57,5 @@ def to_dict(done: Calibration) -> dict[str, Any]:
         "seed": done.seed, "evaluations": done.evaluations, "loss_at_start": done.start.total,
         "loss": done.best.total, "changes": done.changes, "deviations": done.best.deviations,
         "found": [found.to_dict() for found in done.found], "judged": [number.name for number in JUDGED],
+        "tried": [loss.deviations for loss in done.tried],
     }  # fmt: skip

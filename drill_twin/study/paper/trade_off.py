@@ -47,9 +47,9 @@ def draw_trade_off(tried: Sequence[Loss], best: Loss) -> Figure:
     """Every set tried, those that nothing beats, and the one found."""
     points = [point(loss) for loss in tried]
     best_of = front(points)
-    figure = blank(5.6)
+    figure = blank(5.8)
     head(figure, "What one set of parameters can do for the whirl at low and at high load")
-    panel = figure.add_axes((0.09, 0.11, 0.86, 0.76))
+    panel = figure.add_axes((0.09, 0.14, 0.86, 0.74))
     panel.plot(*zip(*points, strict=True), "o", color=GREY, markersize=3.5, alpha=0.6, label="a set tried")
     panel.plot(*zip(*best_of, strict=True), "o-", color=BLUE, drawstyle="steps-post", label="none is better at both")
     panel.plot(*point(best), "D", color=VERMILION, markersize=9, label="the set found, by all fitted numbers")
@@ -60,5 +60,5 @@ def draw_trade_off(tried: Sequence[Loss], best: Loss) -> Figure:
     panel.set_ylabel(f"{slow}\noff by, in 20 % (root mean square)")
     panel.set_xlim(0.0, LARGEST + 0.2)
     panel.set_ylim(0.0, LARGEST + 0.4)
-    panel.legend(loc="upper right")
+    panel.legend(loc="center")
     return figure
