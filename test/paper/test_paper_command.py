@@ -69,18 +69,17 @@ def test_a_scene_without_what_is_sought_is_one_clear_error(quick_file, tmp_path)
 
 
 @pytest.mark.parametrize("name", ["paper", "calibrate"])
-def test_a_scene_without_the_marks_of_the_paper_is_one_clear_error(name, tmp_path):
-    done = command(name, "--scene", "two_mass", "--out", tmp_path / "x")
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        ("no_such_bench", "no_such_bench"),
+        ("two_mass", "expected the paper's marks mark_1, mark_2, mark_3 in string.marks, found"),
+    ],
+)
+def test_a_scene_that_is_no_bench_is_one_clear_error(name, scene, words, tmp_path):
+    done = command(name, "--scene", scene, "--out", tmp_path / "x")
     assert isinstance(done.exception, SceneError)
-    assert "expected the paper's marks mark_1, mark_2, mark_3 in string.marks, found" in str(done.exception)
-    assert not (tmp_path / "x").exists()
-
-
-@pytest.mark.parametrize("name", ["paper", "calibrate"])
-def test_an_unknown_scene_is_one_clear_error(name, tmp_path):
-    done = command(name, "--scene", "no_such_bench", "--out", tmp_path / "x")
-    assert isinstance(done.exception, SceneError)
-    assert "no_such_bench" in str(done.exception)
+    assert words in str(done.exception)
     assert not (tmp_path / "x").exists()
 
 

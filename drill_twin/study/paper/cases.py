@@ -29,6 +29,8 @@ SPEEDS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 6.5)
 LOAD, SPEED = 40.0, 2.0
 """The load of the sweep over speeds [N], and the speed of the sweep over loads [rev/s]."""
 REFERENCE = Case(LOAD, SPEED)
+DAMPING = tuple(f"effects.internal_damping.{kind}_time" for kind in ("bending", "stretch", "torsion"))
+"""Places of the retardation time: one value for all three, for they are of one material."""
 MATRIX = (*(Case(LOAD, speed) for speed in SPEEDS), *(Case(load, SPEED) for load in LOADS if load != LOAD))
 """All runs of the bench, each once."""
 

@@ -60,5 +60,5 @@ def draw_trade_off(tried: Sequence[Loss], best: Loss) -> Figure:
     panel.set_ylabel(f"{slow}\noff by, in 20 % (root mean square)")
     panel.set_xlim(0.0, LARGEST + 0.2)
     panel.set_ylim(0.0, LARGEST + 0.4)
-    panel.legend(loc="center")
+    panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3)
     return figure

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from drill_twin.errors import SceneError
 from drill_twin.scene import Scene
-from drill_twin.study.paper.cases import changed, value_at
+from drill_twin.study.paper.cases import DAMPING, changed, value_at
 
 
 @dataclass(frozen=True)
@@ -53,9 +53,9 @@ UNKNOWNS = (
             "from a rod that is straight to the eye to one that hung on two supports"),
     Unknown("effects.eccentricity.offset", "eccentricity", "mm", 1e-3, 0.01, 1.0, 0.0,
             "from a turned rod to an eighth of the radius"),
-    Unknown("effects.internal_damping.bending_time", "retardation time of the material", "ms", 1e-3, 5.0, 50.0, 0.0,
+    Unknown(DAMPING[0], "retardation time of the material", "ms", 1e-3, 5.0, 50.0, 0.0,
             "loss factor of polyamide, 0.03 to 0.3 at 1 Hz, dry to damp; stretch and twist are of the same material",
-            ("effects.internal_damping.stretch_time", "effects.internal_damping.torsion_time")),
+            DAMPING[1:]),
     Unknown("effects.drag.linear", "drag", "N s/m^2", 1.0, 0.002, 0.1, 0.0,
             "air at 0.1 to 2 m/s on a round rod, 0.001 to 0.02; more where the bench rubs"),
     Unknown("effects.wall_friction.coefficient", "friction at the wall", "", 1.0, 0.02, 0.6, 0.0,

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from drill_twin.study.paper.cases import Case
+from drill_twin.study.paper.cases import DAMPING, Case
 
 CASES = (Case(20.0, 2.0), Case(40.0, 2.0), Case(150.0, 2.0), Case(300.0, 2.0))
 """Runs made of each variant."""
@@ -31,9 +31,7 @@ VARIANTS = (
     Variant(
         "friction that does not fall with slip, and a bit that rubs less: slow whirl at high load",
         {
-            "effects.internal_damping.bending_time": 30e-3,
-            "effects.internal_damping.stretch_time": 30e-3,
-            "effects.internal_damping.torsion_time": 30e-3,
+            **dict.fromkeys(DAMPING, 30e-3),
             "effects.wall_friction.coefficient": 0.25,
             "effects.wall_friction.decay": 0.0,
             "effects.bit_friction.coefficient": 0.04,
