@@ -73,7 +73,7 @@ def paths(done: Reproduction) -> Figure:
     for column, case in enumerate(cases):
         run = done.runs[case]
         place = run.point[:, run.index("mark_2")] * 1e3
-        flat = figure.add_axes((0.06 + 0.32 * column, 0.47, 0.27, 0.40))
+        flat = figure.add_axes((0.075 + 0.315 * column, 0.47, 0.27, 0.40))
         flat.add_patch(Circle((0, 0), wall, fill=False, edgecolor=INK, linewidth=1.6))
         flat.plot(place[:, 0], place[:, 1], color=BLUE, linewidth=0.35)
         flat.set_xlim(-1.08 * wall, 1.08 * wall)
