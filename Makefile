@@ -76,7 +76,7 @@ $(STAMPS)/run-$(KIND): $(STAMPS)/venv-$(KIND) requirements.txt constraints.txt s
 	@$(PIP) $(INSTEAD_OF_ROS)
 	@$(PIP) --no-build-isolation --editable .
 	@echo "compiling the physics of the paper's scene (half a minute)"
-	@$(PYTHON) -c "from drill_twin.scene import load_scene; from drill_twin.session import Session; Session(load_scene('pa6_bench'))"
+	@$(PYTHON) -c "from drill_twin.scene import load_scene; from drill_twin.runner import Session; Session(load_scene('pa6_bench'))"
 	@touch $@
 
 $(STAMPS)/test-$(KIND): $(STAMPS)/run-$(KIND)
@@ -94,7 +94,7 @@ setup: $(STAMPS)/run-$(KIND)
 setup-test: $(STAMPS)/test-$(KIND)
 
 demo: setup
-	@$(PYTHON) -m drill_twin.nodes demo --out out/demo --replace
+	@$(PYTHON) -m drill_twin.ros demo --out out/demo --replace
 
 # Field checks: a message refuses an int where a float belongs, which the wheels would send as rubbish.
 PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest

@@ -20,7 +20,7 @@ setup(
     name=PACKAGE,
     version="0.1.0",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "report/assets/*", "watch/*.html"]},
+    package_data={PACKAGE: ["py.typed", "report/assets/*", "live/*.html"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (SHARE, ["package.xml"]),
@@ -73,7 +73,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            *(f"{node} = {PACKAGE}.nodes.start:{node}" for node in NODES),
+            *(f"{node} = {PACKAGE}.ros.entry_points:{node}" for node in NODES),
             f"drill-twin = {PACKAGE}.cli:main",
         ],
     },

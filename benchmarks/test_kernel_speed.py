@@ -9,7 +9,8 @@ import pytest
 from benchmarks.kernel.examples import full_scene, scene_with
 from drill_twin.scene import Scene
 from drill_twin.schedule import Schedule
-from drill_twin.twin import LATERAL, SPATIAL, Twin
+from drill_twin.twin.dynamics import LATERAL, SPATIAL
+from drill_twin.twin.twin import Twin
 
 CONTACT = 0.6  # simulated time after which the rod lies against the wall [s]
 
@@ -19,11 +20,11 @@ def follow(benchmark, scene: Scene) -> None:
     schedule = Schedule.from_scene(scene)
     period = 1.0 / scene.numerics.frame_rate
     twin = Twin(scene)
-    twin.step(schedule.at(CONTACT), CONTACT)
+    twin.advance(schedule.at(CONTACT), CONTACT)
     before = twin.time
 
     def frame() -> None:
-        twin.step(schedule.at(twin.time + period), period)
+        twin.advance(schedule.at(twin.time + period), period)
 
     benchmark.extra_info["elements"] = twin.elements
     benchmark.extra_info["steps a frame"] = round(period / twin.step_size)

@@ -33,7 +33,7 @@ class StoppedError(RunError):
 
     Attributes:
         time: Simulated time of that frame [s].
-        kind: What was violated (`drill_twin.frame.Intervention`).
+        kind: What was violated (`drill_twin.twin.frame.Intervention`).
         node: Where it was worst.
         effect: Key of the effect behind it; empty where none could be named.
     """

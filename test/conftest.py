@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from drill_twin.frame import Frame, MarkStates, RigState, StepStats
-from drill_twin.messages.geometry import StringGeometry
+from drill_twin.io.messages.geometry import StringGeometry
+from drill_twin.runner import Outcome, Session
 from drill_twin.scene import Scene, load_scene
-from drill_twin.session import Outcome, Session
+from drill_twin.twin.frame import Frame, MarkStates, RigState, StepStats
 
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # read when the message modules are imported; off, an int is garbage
 

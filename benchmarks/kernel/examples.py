@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from drill_twin.effects import BLOCKS
+from drill_twin.effects import EFFECTS
 from drill_twin.scene import Scene, load_scene
-from drill_twin.twin import LATERAL, SPATIAL
+from drill_twin.twin.dynamics import LATERAL, SPATIAL
 
 ROD = Path(__file__).resolve().parent.parent / "scenes" / "peers.yaml"
 
@@ -42,13 +42,13 @@ NARROW = "8.3 mm"  # a clearance of 0.05 mm: the buckled rod touches the wall al
 
 def forms_of(name: str) -> tuple[str, ...]:
     """The forms of the string that a row exists in: some effects need stretch or torsion."""
-    needs = {need for key in EXAMPLES.get(name, {}) for need in BLOCKS[key].needs}
+    needs = {need for key in EXAMPLES.get(name, {}) for need in EFFECTS[key].requires}
     return (SPATIAL,) if needs & {"stretch", "torsion"} else (SPATIAL, LATERAL)
 
 
 def scene_with(name: str, form: str, elements: int, step: float = 1e-3, rate: float = 10.0) -> Scene:
     """The peers' rod with the effects of a row of `EXAMPLES` alone, or bare for the name "bare rod"."""
-    off = {f"effects.{key}": "off" for key in BLOCKS}
+    off = {f"effects.{key}": "off" for key in EFFECTS}
     basic = {"lateral_kick": "{velocity: 0.05 m/s, shape: hump}"}
     if form == SPATIAL:
         basic |= {"stretch": "on", "torsion": "on"}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from drill_twin.scene import Scene
 from drill_twin.schedule import Schedule
-from drill_twin.twin import Twin
+from drill_twin.twin.twin import Twin
 
 
 @dataclass(frozen=True)
@@ -46,10 +46,10 @@ def least_cost(scene: Scene, settle: float = 0.4, repeats: int = 5) -> Cost:
     period = 1.0 / scene.numerics.frame_rate
     twin = Twin(scene)
     for frame in range(1, max(1, round(settle / period)) + 1):
-        twin.step(schedule.at(frame * period), period)
+        twin.advance(schedule.at(frame * period), period)
     costs = []
     for _ in range(repeats):
         began = time.process_time()
-        stats = twin.step(schedule.at(twin.time + period), period).stats
+        stats = twin.advance(schedule.at(twin.time + period), period).stats
         costs.append(Cost(twin.elements, stats.steps, stats.iterations, time.process_time() - began))
     return min(costs, key=lambda cost: cost.per_iteration)

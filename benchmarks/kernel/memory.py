@@ -8,7 +8,8 @@ from pathlib import Path
 
 from benchmarks.kernel.examples import full_scene
 from drill_twin.schedule import Schedule
-from drill_twin.twin import LATERAL, Twin
+from drill_twin.twin.dynamics import LATERAL
+from drill_twin.twin.twin import Twin
 
 LOOKS = 20
 
@@ -26,7 +27,7 @@ def memory_over(steps: int, elements: int = 50, form: str = LATERAL) -> Iterator
     twin = Twin(scene)
     taken, looks = 0, 0
     while taken < steps:
-        taken += twin.step(schedule.at(twin.time + 1.0), 1.0).stats.steps
+        taken += twin.advance(schedule.at(twin.time + 1.0), 1.0).stats.steps
         if taken * LOOKS >= steps * (looks + 1):
             looks += 1
             yield taken, twin.time, resident()

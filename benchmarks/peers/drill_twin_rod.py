@@ -14,7 +14,7 @@ from benchmarks.peers.rod import scene_of
 from benchmarks.peers.task import Motion, Recorder, Task
 from drill_twin.errors import RunError
 from drill_twin.schedule import Schedule
-from drill_twin.twin import Twin
+from drill_twin.twin.twin import Twin
 
 
 def run(task: Task) -> Motion:
@@ -22,13 +22,13 @@ def run(task: Task) -> Motion:
     scene = scene_of(task)
     schedule = Schedule.from_scene(scene)
     period = 1.0 / scene.numerics.frame_rate
-    Twin(scene).step(schedule.at(period), period)  # compiles
+    Twin(scene).advance(schedule.at(period), period)  # compiles
     twin = Twin(scene)
     bottom = float(twin.unknowns[0][0, 2])
     recorder = Recorder(task.limit)
     for frame_number in range(1, round(schedule.duration / period) + 1):
         try:
-            frame = twin.step(schedule.at(frame_number * period), period)
+            frame = twin.advance(schedule.at(frame_number * period), period)
         except RunError as error:
             recorder.failure = str(error)
             break

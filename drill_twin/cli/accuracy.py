@@ -6,18 +6,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from drill_twin.accuracy import Plan
     from drill_twin.report.recording import Recording
     from drill_twin.scene import Scene
-    from drill_twin.study.accuracy import Plan
 
 
 def planned(scene: Scene) -> Plan:
     """Choose the resolution, with a progress bar where a curve has to be measured, and say what to expect."""
     from rich.progress import Progress
 
+    from drill_twin.accuracy import resolve
+    from drill_twin.accuracy.error_model import kept
     from drill_twin.cli.show import err
-    from drill_twin.study.accuracy import resolve
-    from drill_twin.study.cost.promise import kept
 
     console = err()
     if kept(scene) is None:
@@ -33,8 +33,8 @@ def checked(plan: Plan, recording: Recording, *, rerun: bool) -> dict[str, Any]:
     """Compare the run with what was expected of it, and say so; for the summary."""
     from rich.progress import Progress
 
+    from drill_twin.accuracy import check
     from drill_twin.cli.show import err
-    from drill_twin.study.accuracy import check
 
     console = err()
     with Progress(console=console, transient=True) as bar:

@@ -9,16 +9,16 @@ import typer
 
 from drill_twin import __version__
 from drill_twin.cli.bags import analyze, report
-from drill_twin.cli.cost import cost
-from drill_twin.cli.detection import analyzer_score
-from drill_twin.cli.effects import effects
-from drill_twin.cli.hard import hard
 from drill_twin.cli.load import load
-from drill_twin.cli.paper import calibrate, paper
 from drill_twin.cli.ros import demo, replay, topics
 from drill_twin.cli.run import run
 from drill_twin.cli.scenes import check, scenes, schema
-from drill_twin.cli.verify import verify
+from drill_twin.cli.studies.analyzer_score import analyzer_score
+from drill_twin.cli.studies.cost import cost
+from drill_twin.cli.studies.effects import effects
+from drill_twin.cli.studies.hard import hard
+from drill_twin.cli.studies.paper import calibrate, paper
+from drill_twin.cli.studies.verify import verify
 from drill_twin.cli.watch import watch
 
 app = typer.Typer(

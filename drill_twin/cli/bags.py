@@ -134,7 +134,7 @@ def _selection(marks: list[str], begin: float, end: float, topics: list[str], cl
     Raises:
         BagError: An option is not what it should be.
     """
-    from drill_twin.bag.mapped import names_from
+    from drill_twin.io.bag.mapped import names_from
     from drill_twin.report.selection import Selection
     from drill_twin.units import UnitError, parse
     from drill_twin.units.dimension import LENGTH

@@ -14,7 +14,7 @@ from drill_twin.cli.options import BagArgument, JsonOption
 
 def demo(context: typer.Context) -> None:
     """Run the paper's bench as ROS 2 nodes; see `drill-twin demo --help`. Needs rclpy."""
-    from drill_twin.nodes.start import start
+    from drill_twin.ros.entry_points import start
 
     raise typer.Exit(start("demo", context.args))
 
@@ -41,7 +41,7 @@ def replay(
     loop: Annotated[bool, typer.Option("--loop", help="Begin again at the end.")] = False,
 ) -> None:
     """Publish a bag again over DDS, with /clock, at any rate: the replayer node. Needs rclpy."""
-    from drill_twin.nodes.start import start
+    from drill_twin.ros.entry_points import start
 
     given = {
         "bag": str(bag), "rate": rate, "loop": loop, "map": " ".join(names), "leave_out": " ".join(leave_out),
@@ -60,7 +60,7 @@ def topics(
 ) -> None:
     """List the topics of the nodes and of the bags: names, types, units."""
     from drill_twin.cli.show import grid, out, print_json
-    from drill_twin.messages.topics import TOPICS, topic_table
+    from drill_twin.io.messages.topics import TOPICS, topic_table
 
     if json:
         print_json([asdict(topic) for topic in TOPICS.values()])
@@ -78,7 +78,7 @@ def topics(
 
 def rig_table() -> str:
     """The contract as rig software needs it, in Markdown: who sends, how surely it arrives, what stamps it."""
-    from drill_twin.messages.topics import CLOCK_TOPIC, FLOAT64, FRAME_ID, STRING, TOPICS
+    from drill_twin.io.messages.topics import CLOCK_TOPIC, FLOAT64, FRAME_ID, STRING, TOPICS
 
     unstamped = (FLOAT64, STRING)
     lines = [

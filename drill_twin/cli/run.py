@@ -14,7 +14,7 @@ import typer
 from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
 
 if TYPE_CHECKING:
-    from drill_twin.session import Outcome, Session
+    from drill_twin.runner import Outcome, Session
 
 INTERRUPTED = 130
 
@@ -72,7 +72,7 @@ def run(
         plan = planned(described)
         described = plan.scene
     with console.status("compiling the effects of the scene (the first time: about 20 s)"):
-        from drill_twin.session import Session
+        from drill_twin.runner import Session
 
         session = Session(described, schedule)
     if schedule.record is not None:
@@ -117,7 +117,7 @@ def _drill(session: Session, bag: Path) -> Outcome:
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from drill_twin.cli.show import err
-    from drill_twin.session import Progress as State
+    from drill_twin.runner import Progress as State
 
     columns = (
         TextColumn("{task.description}"),

@@ -49,7 +49,7 @@ def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = 
 
 def print_findings(summary: Mapping[str, Any]) -> None:
     """A summary as tables: findings, marks, timeline, and what limits them."""
-    from drill_twin.report.words import findings, provenance, troubles
+    from drill_twin.report.text import findings, provenance, troubles
 
     console = out()
     console.print(pairs([*_without_radii(findings(summary)), *provenance(summary)]))
@@ -79,7 +79,7 @@ def _without_radii(rows: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
 
 
 def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
-    from drill_twin.report.words import millimetres
+    from drill_twin.report.text import millimetres
 
     for mark, value in summary["max_radius_m"].items():
         onset, motion = summary["mark_onset_s"].get(mark), summary["mark_motion"].get(mark)

@@ -30,7 +30,7 @@ def watch(
     if bag is not None:
         _play(bag, host, port, browser=browser)
         return
-    from drill_twin.nodes.start import start
+    from drill_twin.ros.entry_points import start
 
     words = ["--host", host, "--port", str(port), *([] if browser else ["--no-browser"])]
     raise typer.Exit(start("watch", words))
@@ -38,9 +38,9 @@ def watch(
 
 def _play(bag: Path, host: str, port: int, *, browser: bool) -> None:
     from drill_twin.cli.show import err
+    from drill_twin.live.player import Player
+    from drill_twin.live.server import PageServer
     from drill_twin.report.locate import bag_in
-    from drill_twin.watch.player import Player
-    from drill_twin.watch.server import PageServer
 
     with err().status("reading the bag"):
         player = Player(bag_in(bag))

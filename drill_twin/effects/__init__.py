@@ -1,27 +1,62 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The effects a scene can call for: one file each, with its scene block and its compiled function.
+"""The effects that a scene can list: one file each, with its block of the scene and its compiled functions.
 
-A file is an effect if it defines a `Block` of its own name: `wall_friction.py` and `WallFriction`. Nothing else need
-know of it.
+A file is an effect if it defines an `EffectConfig` of its own name: `wall_friction.py` and `WallFriction`. Another
+package adds effects through the entry-point group ``drill_twin.effects``: the entry's name is the key in a scene, its
+value the module (``my_effect = my_package.my_effect``).
 """
 
-from importlib import import_module
+import warnings
+from importlib import import_module, metadata
 from pkgutil import iter_modules
+from types import ModuleType
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.config import EffectConfig
+
+GROUP = "drill_twin.effects"
+"""Entry-point group of effects in other packages."""
 
 
-def _blocks() -> dict[str, type[Block]]:
+def _config_of(key: str, module: ModuleType) -> type[EffectConfig] | None:
+    config = getattr(module, "".join(word.capitalize() for word in key.split("_")), None)
+    if isinstance(config, type) and issubclass(config, EffectConfig) and config is not EffectConfig:
+        return config
+    return None
+
+
+def _find() -> dict[str, tuple[ModuleType, type[EffectConfig]]]:
     found = {}
-    for module in iter_modules(__path__):
-        name = "".join(word.capitalize() for word in module.name.split("_"))
-        block = getattr(import_module(f"{__name__}.{module.name}"), name, None)
-        if isinstance(block, type) and issubclass(block, Block) and block is not Block:
-            found[module.name] = block
+    for file in iter_modules(__path__):
+        module = import_module(f"{__name__}.{file.name}")
+        if (config := _config_of(file.name, module)) is not None:
+            found[file.name] = module, config
+    for entry in sorted(metadata.entry_points(group=GROUP), key=lambda entry: entry.name):
+        trouble = ""
+        try:
+            module = import_module(entry.value)
+            config = _config_of(entry.name, module)
+        except Exception as error:  # noqa: BLE001 - another package must not stop this one
+            trouble = f"{type(error).__name__}: {error}"
+        else:
+            if entry.name in found:
+                trouble = f"there is an effect of that name in {found[entry.name][0].__name__}"
+            elif config is None:
+                trouble = f"{entry.value} defines no EffectConfig of that name in CamelCase"
+            else:
+                found[entry.name] = module, config
+        if trouble:
+            warnings.warn(f"the effect {entry.name} of {entry.value} is left out: {trouble}", stacklevel=2)
     return found
 
 
-BLOCKS: dict[str, type[Block]] = _blocks()
-"""Key in a scene file -> block, in the order of the alphabet."""
+_FOUND = _find()
+EFFECTS: dict[str, type[EffectConfig]] = {key: config for key, (_, config) in _FOUND.items()}
+"""Key in a scene file -> its config: ours in the order of the alphabet, then those of other packages."""
 
-__all__ = ["BLOCKS", "Block"]
+
+def effect_module(key: str) -> ModuleType:
+    """The module of an effect, by its key in the scene."""
+    return _FOUND[key][0]
+
+
+__all__ = ["EFFECTS", "GROUP", "EffectConfig", "effect_module"]

@@ -5,24 +5,24 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Flag
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Flag
 from drill_twin.effects.mud import bore_radius, hole_radius
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.point import Point
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.point import Point
 from drill_twin.units import Dimensionless, Within
 
 
-class AddedMass(Block):
+class AddedMass(EffectConfig):
     """Added mass rho pi (C_a r_o^2 + r_i^2) per length against acceleration across the string; none along it.
 
     The mud in the bore moves with the pipe (the second term, where `mud.inside` is `mud`). C_a = 1 is potential flow
     around a cylinder in unbounded fluid (Lamb 1932, art. 68).
     """
 
-    needs: ClassVar[tuple[str, ...]] = ("mud",)
+    requires: ClassVar[tuple[str, ...]] = ("mud",)
 
     coefficient: Annotated[
         Dimensionless, Within(at_least="0", at_most="100", reason="a cylinder in unbounded fluid has 1")
@@ -39,19 +39,19 @@ class Parameters(NamedTuple):
     mass: Array
 
 
-def parameters(block: AddedMass, site: Site) -> Parameters:
+def parameters(block: AddedMass, model: DiscreteModel) -> Parameters:
     """Added mass of each Gauss point's section."""
-    outer = site.at_places(site.rod.outer_radius) ** 2
+    outer = model.at_places(model.rod.outer_radius) ** 2
     around = block.coefficient * outer
     if block.confined:
-        hole = hole_radius(site) ** 2
+        hole = hole_radius(model) ** 2
         around = around * (hole + outer) / (hole - outer)
-    inside = site.at_places(bore_radius(site)) ** 2 if site.fluid_inside else np.zeros_like(outer)
-    return Parameters(site.fluid_density * np.pi * (around + inside))
+    inside = model.at_places(bore_radius(model)) ** 2 if model.fluid_inside else np.zeros_like(outer)
+    return Parameters(model.fluid_density * np.pi * (around + inside))
 
 
 @kernel
-def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     """Force -m_a (1 - t t) a."""
     m = parameters.added_mass.mass[here.place]
     along = here.tx * here.ax + here.ty * here.ay + here.tz * here.az

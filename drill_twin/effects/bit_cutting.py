@@ -6,14 +6,14 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Misfit, Seed
-from drill_twin.effects.germ import MOST_SCATTER, germ
-from drill_twin.effects.harmonics import generator
-from drill_twin.rod.bit import BIT_TORQUE, DRILLED, SPIN, carried, carry, pressed, rock_height
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Incompatibility, Seed
+from drill_twin.effects.random_field import generator
+from drill_twin.effects.random_matrix import MOST_SCATTER, random_matrix
+from drill_twin.model.bit import BIT_TORQUE, DRILLED, SPIN, carried, carry, pressed, rock_height
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
 from drill_twin.units import (
     AngularSpeed,
     Dimensionless,
@@ -27,7 +27,7 @@ from drill_twin.units import (
 )
 
 
-class BitCutting(Block):
+class BitCutting(EffectConfig):
     """Tucker and Wang's law (2003) with the constants of Ritto, Soize and Sampaio (2009).
 
     Weight set at the bit: the rate of penetration follows and the string stays where it is; weight set at the top: the
@@ -35,8 +35,8 @@ class BitCutting(Block):
     speeds: a bit that turns backwards rubs and does not cut.
     """
 
-    needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
-    gives = ("torque", "weight")
+    requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    provides = ("torque", "weight")
 
     threshold: Annotated[Speed, Within(at_least="0 m/s", at_most="1 m/s")] = 3.429e-3
     """a1 [m/s]: how far the rate of penetration falls short of proportional."""
@@ -60,19 +60,21 @@ class BitCutting(Block):
     seed: Seed = 1
     """Of the draw, which holds for the run; `numerics.seed` moves it too."""
 
-    def misfits(self, scene: Any) -> Iterator[Misfit]:
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Rock without stiffness under a weight set at the top, or with one under a weight that needs none."""
         at, place = scene.rig.weight_on_bit.at, ("rock_stiffness",)
         if at == "top" and self.rock_stiffness is None:
-            yield Misfit(place, 'expected a stiffness such as "25e6 N/m" with `rig.weight_on_bit.at: top`, found none')
+            yield Incompatibility(
+                place, 'expected a stiffness such as "25e6 N/m" with `rig.weight_on_bit.at: top`, found none'
+            )
         if at == "bit" and self.rock_stiffness is not None:
-            yield Misfit(
+            yield Incompatibility(
                 place, "expected none with `rig.weight_on_bit.at: bit`, found one: such a weight needs no rock"
             )
 
 
 class Parameters(NamedTuple):
-    """Constants a1 to a5 and e in SI units, germ, rock's stiffness [N/m] (0: weight set at the bit), and memory."""
+    """Constants a1 to a5 and e in SI units, random matrix, rock's stiffness [N/m] (0: weight at the bit), memory."""
 
     threshold: float
     cutting: float
@@ -80,16 +82,16 @@ class Parameters(NamedTuple):
     digging: float
     rubbing: float
     regular: float
-    axial: float  # the germ's entries
+    axial: float  # the random matrix's entries
     mixed: float
     turning: float
     stiffness: float
     memory: Array  # height of the bottom of the hole [m], and 1 once that is known; (2,)
 
 
-def parameters(block: BitCutting, site: Site) -> Parameters:
-    """Draw the germ."""
-    drawn = germ(block.dispersion, generator(site, block.seed, "bit_cutting"))
+def parameters(block: BitCutting, model: DiscreteModel) -> Parameters:
+    """Draw the random matrix."""
+    drawn = random_matrix(block.dispersion, generator(model, block.seed, "bit_cutting"))
     return Parameters(
         block.threshold, block.cutting, block.advance, block.digging, block.rubbing, block.regular_speed,
         float(drawn[0, 0]), float(drawn[0, 1]), float(drawn[1, 1]), block.rock_stiffness or 0.0, np.zeros(2),
@@ -118,7 +120,8 @@ def law(rock: Parameters, rate: float, speed: float) -> Cut:
 
     Mean law, with q = w^2 + e^2: weight x q / (a2 w^2) + (a1 - a3 sqrt(q)) / a2, not below the first term, and torque
     x a4 w / q + a5 w / sqrt(q) (Ritto, Soize and Sampaio 2009). It is a diagonal matrix A times (x, w); the random law
-    is A^1/2 G A^1/2 with the germ G, so that power is never won. Without torque A has no root to mix weight with.
+    is A^1/2 G A^1/2 with the random matrix G, so that power is never won. Without torque A has no root to mix
+    weight with.
     """
     w = speed if abs(speed) > SLOWEST else SLOWEST
     q = w * w + rock.regular * rock.regular
@@ -167,7 +170,7 @@ def rate_of_penetration(rock: Parameters, push: float, spring: float, speed: flo
     fastest = (push - rest.weight) / (rest.weight_rate + spring)
     if rock.mixed == 0.0:
         return max(fastest, 0.0)
-    # with a germ the law has a pole at rest: come from fast, where it rises, to the first rate that is slow enough
+    # with a random matrix the law has a pole at rest: come from fast, where it rises, to the first slow enough rate
     high = max(fastest, NO_RATE)
     while law(rock, high, speed).weight + spring * high < push and high < 1.0:
         high *= 2.0
@@ -194,7 +197,7 @@ def rubbing_share(rock: Parameters, weight: float, speed: float) -> float:
 
 
 @kernel
-def end(
+def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
     """Weight and torque of the rock at mid-step; the rate of penetration is found from them."""
@@ -230,7 +233,7 @@ def end(
 
 
 @kernel
-def done(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
     """Deepen the hole by what was drilled in the step taken, and count weight and torque."""
     rock, bit = parameters.bit_cutting, parameters.drive.bit
     speed, push, spring = bit.rate[SPIN], pressed(bit), 0.0

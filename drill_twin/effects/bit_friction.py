@@ -6,40 +6,40 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Misfit
-from drill_twin.rod.bit import BIT_TORQUE, SPIN, pressed
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Incompatibility
+from drill_twin.model.bit import BIT_TORQUE, SPIN, pressed
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
 from drill_twin.units import Dimensionless, Length, Within
 
 SLIDING = ("sliding", "free")
 """Ends of the string at which the bit can slide sideways and rub."""
 
 
-class BitFriction(Block):
+class BitFriction(EffectConfig):
     """Lateral spin-slide Coulomb friction of the bit under its weight; about mu P / (Omega radius) at low slip."""
 
-    gives = ("torque",)
-    work = "heat"
-    still = ("coefficient",)
+    provides = ("torque",)
+    energy_class = "heat"
+    disabled_for_static = ("coefficient",)
 
     coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient of bit on rock [-]."""
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
     """Effective radius at which the bit rubs [m]; not above the hole's."""
 
-    def misfits(self, scene: Any) -> Iterator[Misfit]:
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """A bit that cannot slide, or is wider than the hole."""
         if scene.string.bit_end not in SLIDING:
-            yield Misfit(
+            yield Incompatibility(
                 (),
                 f"expected `string.bit_end` to be {' or '.join(SLIDING)}, found {scene.string.bit_end}: "
                 "a bit held on the axis does not slide",
             )
         if self.radius > scene.hole.radius:
-            yield Misfit(
+            yield Incompatibility(
                 ("radius",),
                 f"expected at most the radius of the hole ({scene.hole.radius:.6g} m), found {self.radius:.6g} m",
             )
@@ -52,13 +52,13 @@ class Parameters(NamedTuple):
     radius: float
 
 
-def parameters(block: BitFriction, site: Site) -> Parameters:
+def parameters(block: BitFriction, model: DiscreteModel) -> Parameters:
     """Nothing to prepare."""
     return Parameters(block.coefficient, block.radius)
 
 
 @kernel
-def end(
+def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
     """Coulomb friction of a face that spins while it slides: mu P v / sqrt(v^2 + (Omega r)^2).
@@ -80,7 +80,7 @@ def end(
 
 
 @kernel
-def done(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
     """Count the torque of the step taken."""
     law, bit = parameters.bit_friction, parameters.drive.bit
     rim = law.radius * bit.rate[SPIN]

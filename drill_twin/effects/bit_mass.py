@@ -3,15 +3,15 @@
 
 from typing import Annotated, Any, NamedTuple
 
-from drill_twin.effects.block import Block
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
 from drill_twin.units import Inertia, Mass, RotationalDamping, Within
 
 
-class BitMass(Block):
+class BitMass(EffectConfig):
     """A body on the end of the string: inertia only, its weight is part of the weight on bit."""
 
     mass: Annotated[Mass, Within(at_least="0 kg", at_most="1e6 kg", reason="a whole string has 1e5")] = 0.0
@@ -30,13 +30,13 @@ class Parameters(NamedTuple):
     damping: float
 
 
-def parameters(block: BitMass, site: Site) -> Parameters:
+def parameters(block: BitMass, model: DiscreteModel) -> Parameters:
     """Nothing to prepare."""
     return Parameters(block.mass, block.inertia, block.damping)
 
 
 @kernel
-def end(
+def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
     """Newton's law for a body whose centre lies on the end of the string: m a, and J alpha about the string's axis."""

@@ -6,21 +6,21 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Misfit
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Incompatibility
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
 from drill_twin.units import Angle, Force, Time, Torque, Within
 
 SLIDING, TILTING = ("sliding", "free", "stabilised"), ("pinned", "free", "stabilised")
 """Ends of the string at which a force can move the bit, and a moment tilt it."""
 
 
-class BitSideForce(Block):
+class BitSideForce(EffectConfig):
     """A constant lateral force and a bending moment at the bit, standing still or turning with the bit."""
 
-    needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
 
     force: Annotated[Force, Within(at_least="-10 MN", at_most="10 MN")] = 0.0
     """Force on the bit, across the axis of the hole [N]."""
@@ -33,12 +33,12 @@ class BitSideForce(Block):
     ramp: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
     """How long it takes to come up, along a cubic, from the start of the run [s]; 0 s = at once."""
 
-    def misfits(self, scene: Any) -> Iterator[Misfit]:
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """An end that it cannot move."""
         end = scene.string.bit_end
         for key, size, ends in (("force", self.force, SLIDING), ("moment", self.moment, TILTING)):
             if size != 0.0 and end not in ends:
-                yield Misfit(
+                yield Incompatibility(
                     (key,),
                     f"expected `string.bit_end` to be one of {', '.join(ends)}, found {end}: "
                     f"a {key} cannot move such a bit",
@@ -55,18 +55,18 @@ class Parameters(NamedTuple):
     ramp: float
 
 
-def parameters(block: BitSideForce, site: Site) -> Parameters:
+def parameters(block: BitSideForce, model: DiscreteModel) -> Parameters:
     """Nothing to prepare."""
     return Parameters(block.force, block.moment, block.angle, float(block.turns == "with_bit"), block.ramp)
 
 
 @kernel
-def end(
+def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
     """A dead force F and a moment m, both normal to the axis of the hole.
 
-    The moment works on the turning t x t_dot + omega t of the material (`drill_twin.rod.section`), so that it is the
+    The moment works on the turning t x t_dot + omega t of the material (`drill_twin.model.section`), so that it is the
     force (m x a) / g^2 on a = r' and, for a bent string, the couple m.t on the spin.
     """
     law, bit = parameters.bit_side_force, ends[0]

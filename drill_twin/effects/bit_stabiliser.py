@@ -6,15 +6,15 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Misfit
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Incompatibility
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
 from drill_twin.units import Damping, Dimensionless, Length, RotationalStiffness, Stiffness, Within
 
 
-class BitStabiliser(Block):
+class BitStabiliser(EffectConfig):
     """Stabiliser of `string.bit_end: stabilised`: contact with the wall at its gauge, tilt free or restrained."""
 
     gauge: Annotated[Length, Within(above="0 m", at_most="20 m")]
@@ -31,17 +31,17 @@ class BitStabiliser(Block):
     creep: ClassVar[float] = 1e-3
     """Slip below which friction is taken as proportional to it [m/s]."""
 
-    def misfits(self, scene: Any) -> Iterator[Misfit]:
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """A bit that is held by something else, or a gauge wider than the hole."""
         end, diameter = scene.string.bit_end, 2.0 * scene.hole.radius
         if end != "stabilised":
-            yield Misfit(
+            yield Incompatibility(
                 (),
                 "expected `string.bit_end: stabilised` and `effects.bit_stabiliser` together, "
                 f"found bit_end {end} with a bit_stabiliser",
             )
         if self.gauge > diameter:
-            yield Misfit(
+            yield Incompatibility(
                 ("gauge",),
                 f"expected at most the diameter of the hole ({diameter:.6g} m), found {self.gauge:.6g} m",
             )
@@ -59,10 +59,10 @@ class Parameters(NamedTuple):
     creep: float
 
 
-def parameters(block: BitStabiliser, site: Site) -> Parameters:
+def parameters(block: BitStabiliser, model: DiscreteModel) -> Parameters:
     """Half of what the gauge leaves of the hole's diameter is the bit's clearance."""
     radius = 0.5 * block.gauge
-    hole = site.bore.clearance[0] + site.contact_radius[0]  # the hole's radius at the bit
+    hole = model.bore.clearance[0] + model.contact_radius[0]  # the hole's radius at the bit
     return Parameters(
         float(hole) - radius, radius, block.stiffness, block.damping, block.friction, block.tilt_stiffness,
         block.creep,
@@ -70,7 +70,7 @@ def parameters(block: BitStabiliser, site: Site) -> Parameters:
 
 
 @kernel
-def end(
+def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
     """N = max(0, K d + C d_dot) on the penetration d of the blades, mu N s / sqrt(|s|^2 + creep^2) against slip s."""

@@ -6,21 +6,21 @@ from typing import Annotated, Any, ClassVar, NamedTuple, Self
 import numpy as np
 from pydantic import model_validator
 
-from drill_twin.effects.block import Block
-from drill_twin.rod.bit import BIT_TORQUE, SPIN, pressed, resist
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig
+from drill_twin.model.bit import BIT_TORQUE, SPIN, pressed, resist
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
 from drill_twin.units import AngularSpeed, Dimensionless, Length, TimePerAngle, Within, refuse, show
 
 
-class BitTorqueStribeck(Block):
+class BitTorqueStribeck(EffectConfig):
     """T = R W (mu_c + (mu_s - mu_c) exp(-gamma |w|)) against the bit's spin (Navarro-Lopez and Suarez 2004)."""
 
-    needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
-    gives = ("torque",)
-    work = "heat"
+    requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    provides = ("torque",)
+    energy_class = "heat"
 
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
     """Radius at which the bit rubs, R [m]."""
@@ -51,7 +51,7 @@ class Parameters(NamedTuple):
     memory: Array  # speed, its smoothed size, dual, and the middle and half length of the step they belong to; (5,)
 
 
-def parameters(block: BitTorqueStribeck, site: Site) -> Parameters:
+def parameters(block: BitTorqueStribeck, model: DiscreteModel) -> Parameters:
     """Nothing to prepare but the memory."""
     memory = np.array([0.0, 1.0, 0.0, -1.0, 0.0])
     return Parameters(block.radius, block.sliding, block.sticking, block.decay, block.creep, memory)
@@ -81,7 +81,7 @@ def friction(law: Parameters, weight: float, speed: float) -> tuple[float, float
 
 
 @kernel
-def end(
+def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
     """Friction against the bit's spin, w / sqrt(w^2 + creep^2) of its limit."""
@@ -92,7 +92,7 @@ def end(
 
 
 @kernel
-def done(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
     """Count the torque of the step taken."""
     bit = parameters.drive.bit
     limit, _, size = friction(parameters.bit_torque_stribeck, pressed(bit), bit.rate[SPIN])

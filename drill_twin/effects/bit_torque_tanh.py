@@ -5,21 +5,21 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block
-from drill_twin.rod.bit import BIT_TORQUE, SPIN, pressed, resist
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array, Pair
+from drill_twin.base.arrays import Array, Pair
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig
+from drill_twin.model.bit import BIT_TORQUE, SPIN, pressed, resist
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
 from drill_twin.units import Length, SquaredTimePerAngle, TimePerAngle, Within
 
 
-class BitTorqueTanh(Block):
+class BitTorqueTanh(EffectConfig):
     """T = W a (tanh(b1 w) + b2 w / (1 + b3 w^2)): regularised law of Ritto, with Real's constants (2018)."""
 
-    needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
-    gives = ("torque",)
-    work = "heat"
+    requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    provides = ("torque",)
+    energy_class = "heat"
 
     arm: Annotated[Length, Within(at_least="0 m", at_most="2 m", reason="it is a share of the bit's radius")] = 0.0239
     """Torque per weight on bit at high speed, a [m]; 1.4 x 4170 N m / 244.2 kN in the source."""
@@ -40,7 +40,7 @@ class Parameters(NamedTuple):
     fall: float
 
 
-def parameters(block: BitTorqueTanh, site: Site) -> Parameters:
+def parameters(block: BitTorqueTanh, model: DiscreteModel) -> Parameters:
     """Nothing to prepare."""
     return Parameters(block.arm, block.rise, block.excess, block.fall)
 
@@ -56,7 +56,7 @@ def torque(law: Parameters, weight: float, speed: float) -> Pair:
 
 
 @kernel
-def end(
+def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
     """The rock's torque against the bit's spin."""
@@ -65,7 +65,7 @@ def end(
 
 
 @kernel
-def done(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
     """Count the torque of the step taken."""
     bit = parameters.drive.bit
     bit.impulse[BIT_TORQUE] -= step * torque(parameters.bit_torque_tanh, pressed(bit), bit.rate[SPIN])[0]

@@ -7,20 +7,20 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import numpy as np
 from pydantic import model_validator
 
-from drill_twin.effects.block import Block, Misfit, Seed
-from drill_twin.effects.harmonics import generator, random_line
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.section import COUPLE, MX, MY, MZ, Strain
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Incompatibility, Seed
+from drill_twin.effects.random_field import generator, random_line
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.section import COUPLE, MX, MY, MZ, Strain
 from drill_twin.units import Angle, Length, Within, refuse
 
 
-class Bow(Block):
+class Bow(EffectConfig):
     """A string that is not straight when at rest; the seed from which buckling and whirl grow."""
 
-    work = "kept"
+    energy_class = "kept"
 
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
     """Deflection of the stress-free string off the straight line [m], below the clearance: at mid-span, or its root
@@ -44,11 +44,11 @@ class Bow(Block):
             raise refuse(f'expected a `correlation_length` with shape "random" and only there, found {found}')
         return self
 
-    def misfits(self, scene: Any) -> Iterator[Misfit]:
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """A bow as wide as the hole."""
         if self.amplitude >= scene.least_clearance:
             expected = f"expected less than the clearance in the hole ({scene.least_clearance:.6g} m)"
-            yield Misfit(("amplitude",), f"{expected}, found {self.amplitude:.6g} m")
+            yield Incompatibility(("amplitude",), f"{expected}, found {self.amplitude:.6g} m")
 
 
 class Parameters(NamedTuple):
@@ -57,21 +57,21 @@ class Parameters(NamedTuple):
     moment: Array
 
 
-def parameters(block: Bow, site: Site) -> Parameters:
+def parameters(block: Bow, model: DiscreteModel) -> Parameters:
     """Curvature of a half sine wave or an arc with the block's height at mid-span, or of a random line."""
-    length = site.string_length
-    curvature = np.full(site.places.shape, -8.0 * block.amplitude / length**2 + 0.0j)
+    length = model.string_length
+    curvature = np.full(model.places.shape, -8.0 * block.amplitude / length**2 + 0.0j)
     if block.shape == "half_wave":
-        curvature = -block.amplitude * (np.pi / length) ** 2 * np.sin(np.pi * site.places / length) + 0.0j
+        curvature = -block.amplitude * (np.pi / length) ** 2 * np.sin(np.pi * model.places / length) + 0.0j
     if block.correlation_length is not None:
-        random = generator(site, block.seed, "bow")
-        curvature = block.amplitude * random_line(site.places, block.correlation_length, random, derivative=2)
-    moment = site.at_places(site.rod.bending) * curvature * np.exp(1j * block.angle)
+        random = generator(model, block.seed, "bow")
+        curvature = block.amplitude * random_line(model.places, block.correlation_length, random, derivative=2)
+    moment = model.at_places(model.rod.bending) * curvature * np.exp(1j * block.angle)
     return Parameters(np.stack([moment.real, moment.imag], -1))
 
 
 @kernel
-def section(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Array) -> None:
+def section_stress(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Array) -> None:
     """Moment EI (q - q_0) with q_0 fixed in the material: the smallest turn of z onto t, then the spin."""
     own_x, own_y = parameters.bow.moment[strain.place, 0], parameters.bow.moment[strain.place, 1]
     turn_x, turn_y = strain.cos_psi, strain.sin_psi

@@ -3,19 +3,19 @@
 
 from typing import Annotated, Any, NamedTuple
 
-from drill_twin.effects.block import Block
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.point import Point
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.point import Point
 from drill_twin.units import LinearDrag, RotaryDrag, Within
 
 
-class Drag(Block):
+class Drag(EffectConfig):
     """Viscous drag per length of string, against lateral and axial motion and against spin."""
 
-    work = "heat"
+    energy_class = "heat"
 
     linear: Annotated[LinearDrag, Within(at_least="0 N s/m^2", at_most="1e6 N s/m^2", reason="a string in cold tar")]
     """Force per length and velocity [N s/m^2]."""
@@ -32,13 +32,13 @@ class Parameters(NamedTuple):
     rotary: float
 
 
-def parameters(block: Drag, site: Site) -> Parameters:
+def parameters(block: Drag, model: DiscreteModel) -> Parameters:
     """Uniform along the string."""
     return Parameters(block.linear, block.rotary)
 
 
 @kernel
-def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     """Force -c v on the centre line, couple -c_r omega on the spin (paper Eq. 9: opposed and proportional to speed)."""
     c = parameters.drag.linear
     load[0] -= c * here.vx

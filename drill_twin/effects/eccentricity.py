@@ -7,20 +7,20 @@ from typing import Annotated, Any, NamedTuple, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from drill_twin.effects.block import Block, Misfit, Seed
-from drill_twin.effects.harmonics import generator, random_line
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.point import Point
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Incompatibility, Seed
+from drill_twin.effects.random_field import generator, random_line
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.point import Point
 from drill_twin.units import Angle, Length, Within, refuse
 
 Offset = Annotated[Length, Within(at_least="0 m", at_most="1 m", reason="no string is thicker")]
 Direction = Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg", reason="a turn")]
 
 
-class Imbalance(Block):
+class Imbalance(EffectConfig):
     """Where the mass centre of one section lies."""
 
     offset: Offset
@@ -29,10 +29,10 @@ class Imbalance(Block):
     """Direction of the mass centre in the material, from the spin's zero [rad]."""
 
 
-class Eccentricity(Block):
+class Eccentricity(EffectConfig):
     """Mass eccentricity: the same along the string, or section by section, and a random part that comes on top."""
 
-    work = "kept"
+    energy_class = "kept"
 
     offset: Offset | None = None
     """Distance of the mass centre from the centre line [m]; below the outer radius."""
@@ -61,11 +61,11 @@ class Eccentricity(Block):
             raise refuse("expected an `rms` with `correlation_length`, found none")
         return self
 
-    def misfits(self, scene: Any) -> Iterator[Misfit]:
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """A mass centre outside the string, or not one for each section."""
         sections = scene.string.sections
         if self.sections and len(self.sections) != len(sections):
-            yield Misfit(
+            yield Incompatibility(
                 ("sections",),
                 f"expected one item for each of the {len(sections)} sections of the string, found {len(self.sections)}",
             )
@@ -75,7 +75,9 @@ class Eccentricity(Block):
             radius, found = section.outer_diameter / 2.0, offset + self.rms
             if found >= radius:
                 place = ("sections", index, "offset") if self.sections else ("offset" if offset else "rms",)
-                yield Misfit(place, f"expected less than the outer radius ({radius:.6g} m), found {found:.6g} m")
+                yield Incompatibility(
+                    place, f"expected less than the outer radius ({radius:.6g} m), found {found:.6g} m"
+                )
 
 
 class Parameters(NamedTuple):
@@ -85,25 +87,25 @@ class Parameters(NamedTuple):
     inertia: Array  # [kg m], shape (2 n,)
 
 
-def offsets(block: Eccentricity, site: Site) -> Array:
+def offsets(block: Eccentricity, model: DiscreteModel) -> Array:
     """Mass centre in the material at the Gauss points [m], shape (2 n, 2)."""
     own = [part.offset * np.exp(1j * part.angle) for part in block.sections]
-    fixed = np.array(own)[site.section] if own else np.full(site.section.shape, block.offset or 0.0 + 0.0j)
-    line = site.at_places(fixed) * np.exp(1j * block.angle)
+    fixed = np.array(own)[model.section] if own else np.full(model.section.shape, block.offset or 0.0 + 0.0j)
+    line = model.at_places(fixed) * np.exp(1j * block.angle)
     if block.correlation_length is not None:
-        random = generator(site, block.seed, "eccentricity")
-        line = line + block.rms * random_line(site.places, block.correlation_length, random)
+        random = generator(model, block.seed, "eccentricity")
+        line = line + block.rms * random_line(model.places, block.correlation_length, random)
     return np.stack([line.real, line.imag], -1)
 
 
-def parameters(block: Eccentricity, site: Site) -> Parameters:
+def parameters(block: Eccentricity, model: DiscreteModel) -> Parameters:
     """Imbalance and inertia m e^2 of each Gauss point."""
-    place, mass = offsets(block, site), site.at_places(site.rod.line_mass)
+    place, mass = offsets(block, model), model.at_places(model.rod.line_mass)
     return Parameters(mass[:, None] * place, mass * np.sum(place**2, axis=1))
 
 
 @kernel
-def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     """Inertia of a mass centre at r + e that turns with the spin (Jeffcott rotor, Genta 2005), at small slopes.
 
     -m e_ddot on the line and the couple -e x m (r_ddot + e_ddot) on the spin; the weight is left on the centre line.

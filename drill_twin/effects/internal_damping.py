@@ -3,19 +3,19 @@
 
 from typing import Annotated, Any, NamedTuple
 
-from drill_twin.effects.block import Block
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.section import BEND_DAMP, COUPLE, MX, MY, MZ, TORQUE, TORQUE_RATE, Strain
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.section import BEND_DAMP, COUPLE, MX, MY, MZ, TORQUE, TORQUE_RATE, Strain
 from drill_twin.units import Time, Within
 
 
-class InternalDamping(Block):
+class InternalDamping(EffectConfig):
     """Kelvin-Voigt damping: stress = E (strain + retardation time x strain rate), strain rate seen by the material."""
 
-    work = "heat"
+    energy_class = "heat"
 
     bending_time: Annotated[Time, Within(at_least="0 s", at_most="10 s", reason="longer, the material flows")]
     """Retardation time of bending [s]."""
@@ -33,13 +33,13 @@ class Parameters(NamedTuple):
     torsion: float
 
 
-def parameters(block: InternalDamping, site: Site) -> Parameters:
+def parameters(block: InternalDamping, model: DiscreteModel) -> Parameters:
     """The same material everywhere."""
     return Parameters(block.bending_time, block.stretch_time, block.torsion_time)
 
 
 @kernel
-def section(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Array) -> None:
+def section_stress(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Array) -> None:
     """Kelvin-Voigt moments EI eta times the rate that the turning material sees.
 
     Acting in the rotating frame it resists only what bends the material to and fro; for a shape that whirls slower
@@ -58,7 +58,7 @@ def section(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Ar
 
 
 @kernel
-def stretch(parameters: Any, element: int, axial: float, rate: float) -> tuple[float, float]:
+def axial_damping(parameters: Any, element: int, axial: float, rate: float) -> tuple[float, float]:
     """Viscous axial force EA eta times the strain rate, and its slope."""
     slope = parameters.internal_damping.stretch * axial
     return slope * rate, slope

@@ -6,20 +6,20 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Misfit
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.effects.config import EffectConfig, Incompatibility
+from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.units import Length, Speed, Within
 
 STEEPEST = 0.5
 """Largest slope of a string that starts off the axis."""
 
 
-class LateralKick(Block):
+class LateralKick(EffectConfig):
     """Initial velocity, and initial displacement, in x."""
 
-    work = "kept"
-    still = ("velocity",)
+    energy_class = "kept"
+    disabled_for_static = ("velocity",)
 
     velocity: Annotated[Speed, Within(at_least="-100 m/s", at_most="100 m/s", reason="no string is kicked harder")]
     """Velocity at mid-span at time zero [m/s]."""
@@ -29,23 +29,23 @@ class LateralKick(Block):
     shape: Literal["half_wave", "hump"] = "half_wave"
     """Of both. `half_wave`: one half sine over the length; `hump`: its square, which suits clamped ends."""
 
-    def misfits(self, scene: Any) -> Iterator[Misfit]:
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """A start outside the hole, too steep for what the offset takes off the height, or in a curved hole."""
         hole = scene.hole
         most = min(hole.radius, STEEPEST * scene.length / np.pi)
         if self.offset != 0.0 and (abs(self.offset) > most or hole.survey):
             found = "one beside a survey" if hole.survey else f"{self.offset:.6g} m"
-            yield Misfit(
+            yield Incompatibility(
                 ("offset",),
                 f"expected at most the radius of a straight hole and a slope of {STEEPEST:g} ({most:.6g} m), "
                 f"found {found}",
             )
 
 
-def start(block: LateralKick, site: Site, u: Array, v: Array) -> None:
+def initial_state(block: LateralKick, model: DiscreteModel, u: Array, v: Array) -> None:
     """Set the initial velocities of r and r' along x, and their displacements."""
-    arc = site.rod.arc
-    height, slope = wave(block, site, arc)
+    arc = model.rod.arc
+    height, slope = wave(block, model, arc)
     v[:, 0] += block.velocity * height
     v[:, 3] += block.velocity * slope
     if block.offset == 0.0:
@@ -53,16 +53,16 @@ def start(block: LateralKick, site: Site, u: Array, v: Array) -> None:
     u[:, 0] += block.offset * height
     u[:, 3] += block.offset * slope
     # a bent string of the same length is lower: by what the slope takes off the part above
-    fine = np.linspace(0.0, site.string_length, 10_001)
-    lost = 1.0 - np.sqrt(1.0 - (block.offset * wave(block, site, fine)[1]) ** 2)
+    fine = np.linspace(0.0, model.string_length, 10_001)
+    lost = 1.0 - np.sqrt(1.0 - (block.offset * wave(block, model, fine)[1]) ** 2)
     below = np.concatenate([[0.0], np.cumsum(0.5 * (lost[1:] + lost[:-1]) * np.diff(fine))])
     u[:, 2] += below[-1] - np.interp(arc, fine, below)
     u[:, 5] = np.sqrt(u[:, 5] ** 2 - u[:, 3] ** 2)
 
 
-def wave(block: LateralKick, site: Site, arc: Array) -> tuple[Array, Array]:
+def wave(block: LateralKick, model: DiscreteModel, arc: Array) -> tuple[Array, Array]:
     """The shape, 1 at mid-span, and its slope by the arc length [1/m], shape (m,)."""
-    number = np.pi / site.string_length
+    number = np.pi / model.string_length
     if block.shape == "half_wave":
         return np.sin(number * arc), number * np.cos(number * arc)
     return np.sin(number * arc) ** 2, number * np.sin(2.0 * number * arc)

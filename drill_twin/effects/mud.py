@@ -5,13 +5,13 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from drill_twin.effects.block import Block
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.effects.config import EffectConfig
+from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.units import Density, Viscosity, Within
 
 
-class Mud(Block):
+class Mud(EffectConfig):
     """Drilling fluid at rest around the string. It makes `gravity` buoyant; drag and added mass are listed apart."""
 
     density: Annotated[
@@ -24,27 +24,27 @@ class Mud(Block):
     """What fills the bore of the pipe: `mud`, which moves sideways with it, or `air`, which weighs nothing."""
 
 
-def bore_radius(site: Site) -> Array:
+def bore_radius(model: DiscreteModel) -> Array:
     """Inner radius of each element [m], shape (n,), from r_i^2 + r_o^2 = 4 EI / EA of a circular tube."""
-    rod = site.rod
+    rod = model.rod
     square = 4.0 * rod.bending / rod.axial - rod.outer_radius**2
     return np.sqrt(np.where(square > 1e-12 * rod.outer_radius**2, square, 0.0))
 
 
-def hole_radius(site: Site) -> Array:
+def hole_radius(model: DiscreteModel) -> Array:
     """Radius of the hole at the Gauss points [m], shape (2 n,)."""
-    radius: Array = site.bore.clearance + site.contact_radius
+    radius: Array = model.bore.clearance + model.contact_radius
     return radius
 
 
-def displaced_area(site: Site) -> Array:
+def displaced_area(model: DiscreteModel) -> Array:
     """Cross-section of the mud that each element displaces [m^2], shape (n,): its wall, or all of it with air inside.
 
     The mud's pressure on bore, outer wall and shoulders adds up to this much buoyancy, and turns the axial force into
     the effective one, T - p_i A_i + p_o A_o, which is what bends and buckles a pipe (Sparks 1984).
     """
-    if site.fluid_density == 0.0:
-        return np.zeros_like(site.rod.length)
-    inside = bore_radius(site) if site.fluid_inside else np.zeros_like(site.rod.length)
-    area: Array = np.pi * (site.rod.outer_radius**2 - inside**2)
+    if model.fluid_density == 0.0:
+        return np.zeros_like(model.rod.length)
+    inside = bore_radius(model) if model.fluid_inside else np.zeros_like(model.rod.length)
+    area: Array = np.pi * (model.rod.outer_radius**2 - inside**2)
     return area

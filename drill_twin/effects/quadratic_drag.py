@@ -5,20 +5,20 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.point import Point
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.point import Point
 from drill_twin.units import Dimensionless, Within
 
 
-class QuadraticDrag(Block):
+class QuadraticDrag(EffectConfig):
     """Drag C_d rho r_o |v| v per length on the velocity across the string in still mud (Morison and others 1950)."""
 
-    needs: ClassVar[tuple[str, ...]] = ("mud",)
-    work = "heat"
+    requires: ClassVar[tuple[str, ...]] = ("mud",)
+    energy_class = "heat"
 
     coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="10", reason="a cylinder has 0.3 to 2")] = 1.0
     """Drag coefficient C_d of the cross-section, by the outer diameter [-]; 1.0 to 1.2 at Reynolds numbers 1e3 to
@@ -31,13 +31,13 @@ class Parameters(NamedTuple):
     factor: Array
 
 
-def parameters(block: QuadraticDrag, site: Site) -> Parameters:
+def parameters(block: QuadraticDrag, model: DiscreteModel) -> Parameters:
     """Factor of each Gauss point's section."""
-    return Parameters(site.at_places(block.coefficient * site.fluid_density * site.rod.outer_radius))
+    return Parameters(model.at_places(block.coefficient * model.fluid_density * model.rod.outer_radius))
 
 
 @kernel
-def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     """Force -k |w| w with w = v - t (t.v), and its derivative k (|w| (1 - t t) + w w / |w|)."""
     along = here.tx * here.vx + here.ty * here.vy + here.tz * here.vz
     wx, wy, wz = here.vx - here.tx * along, here.vy - here.ty * along, here.vz - here.tz * along

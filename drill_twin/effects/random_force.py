@@ -5,26 +5,26 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Seed
-from drill_twin.effects.harmonics import generator, normal_strata, phases
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.point import Point
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Seed
+from drill_twin.effects.random_field import generator, normal_strata, phases
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.point import Point
 from drill_twin.units import ForcePerLength, Length, Time, Within
 
 WAVES, HARMONICS = 16, 32  # shapes along the string, and harmonics in time of each
 
 
-class RandomForce(Block):
+class RandomForce(EffectConfig):
     """Lateral force per length, Gaussian in arc length and time: mean zero, no direction preferred.
 
     Its correlation is rms^2 exp(-(s / l)^2 / 2 - (t / tau)^2 / 2). It is a function of place and time, hence the same
     for any mesh, step and frame rate.
     """
 
-    still = ("rms",)
+    disabled_for_static = ("rms",)
 
     rms: Annotated[
         ForcePerLength, Within(at_least="0 N/m", at_most="1e6 N/m", reason="200 times the weight of a heavy collar")
@@ -48,12 +48,12 @@ class Parameters(NamedTuple):
     now: Array  # the time they hold for [s], (1,)
 
 
-def parameters(block: RandomForce, site: Site) -> Parameters:
-    """Draw wave numbers, frequencies and phases (`drill_twin.effects.harmonics`)."""
-    random = generator(site, block.seed, "random_force")
+def parameters(block: RandomForce, model: DiscreteModel) -> Parameters:
+    """Draw wave numbers, frequencies and phases (`drill_twin.effects.random_field`)."""
+    random = generator(model, block.seed, "random_force")
     number = WAVES * HARMONICS
     waves = normal_strata(random, WAVES) / block.correlation_length
-    turns = block.rms / np.sqrt(number) * np.exp(1j * np.multiply.outer(site.places, waves))
+    turns = block.rms / np.sqrt(number) * np.exp(1j * np.multiply.outer(model.places, waves))
     return Parameters(
         shape=np.stack([turns.real, turns.imag], -1),
         frequency=(normal_strata(random, number) / block.correlation_time).reshape(WAVES, HARMONICS),
@@ -78,7 +78,7 @@ def swing_to(law: Parameters, time: float) -> None:
 
 
 @kernel
-def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     """Force at this place and time."""
     law = parameters.random_force
     if here.time != law.now[0]:

@@ -6,30 +6,30 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Misfit
-from drill_twin.rod.bit import carried, carry, rock_height
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array, Pair
+from drill_twin.base.arrays import Array, Pair
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Incompatibility
+from drill_twin.model.bit import carried, carry, rock_height
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
 from drill_twin.units import Damping, Stiffness, Within
 
 
-class RockFloor(Block):
+class RockFloor(EffectConfig):
     """One-sided spring and damper under the bit, for `rig.weight_on_bit.at: top`; its force is the weight on bit."""
 
-    needs: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
-    gives = ("weight",)
+    requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    provides = ("weight",)
 
     stiffness: Annotated[Stiffness, Within(above="0 N/m", at_most="1e12 N/m", reason="the whole string has 1e6")]
     """Stiffness of rock and bit face [N/m]."""
     damping: Annotated[Damping, Within(at_least="0 N s/m", at_most="1e9 N s/m")] = 0.0
     """Damping; the rock only pushes, never pulls [N s/m]."""
 
-    def misfits(self, scene: Any) -> Iterator[Misfit]:
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """A weight that needs no rock."""
         if scene.rig.weight_on_bit.at == "bit":
-            yield Misfit(
+            yield Incompatibility(
                 (),
                 "expected `rig.weight_on_bit.at: top`, found bit: "
                 "a weight prescribed at the bit needs no rock to carry it",
@@ -44,7 +44,7 @@ class Parameters(NamedTuple):
     memory: Array
 
 
-def parameters(block: RockFloor, site: Site) -> Parameters:
+def parameters(block: RockFloor, model: DiscreteModel) -> Parameters:
     """The rock's height follows at the first step, from where the bit is."""
     return Parameters(block.stiffness, block.damping, np.zeros(2))
 
@@ -57,7 +57,7 @@ def push(rock: Parameters, place: float, rate: float) -> Pair:
 
 
 @kernel
-def end(
+def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
     """W = max(0, K d + C d_dot) on the depth d of the bit below the rock's surface."""
@@ -70,7 +70,7 @@ def end(
 
 
 @kernel
-def done(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
     """Count what the rock carried."""
     rock, bit = parameters.rock_floor, parameters.drive.bit
     carried(bit, push(rock, 0.5 * (bit.start[2] + u[0, 2]), bit.rate[2])[0], step)

@@ -6,16 +6,16 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Misfit
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Incompatibility
 from drill_twin.effects.mud import hole_radius
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.point import Point
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.point import Point
 
 
-class RotationDrag(Block):
+class RotationDrag(EffectConfig):
     """Laminar Couette flow between string and hole: torque 4 pi mu omega r_o^2 R^2 / (R^2 - r_o^2) per length.
 
     Exact for a string in the middle of the hole with the mud in its bore turning along (Bird, Stewart and Lightfoot
@@ -23,13 +23,15 @@ class RotationDrag(Block):
     to it.
     """
 
-    needs: ClassVar[tuple[str, ...]] = ("mud",)
-    work = "heat"
+    requires: ClassVar[tuple[str, ...]] = ("mud",)
+    energy_class = "heat"
 
-    def misfits(self, scene: Any) -> Iterator[Misfit]:
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Mud that takes no torque."""
         if scene.effects.mud is not None and scene.effects.mud.viscosity == 0.0:
-            yield Misfit((), "expected a viscosity above 0 Pa s in `mud`, found 0 Pa s: the torque comes from it")
+            yield Incompatibility(
+                (), "expected a viscosity above 0 Pa s in `mud`, found 0 Pa s: the torque comes from it"
+            )
 
 
 class Parameters(NamedTuple):
@@ -38,14 +40,14 @@ class Parameters(NamedTuple):
     rotary: Array
 
 
-def parameters(block: RotationDrag, site: Site) -> Parameters:
+def parameters(block: RotationDrag, model: DiscreteModel) -> Parameters:
     """Torque per length and spin rate of each Gauss point's section."""
-    outer, hole = site.at_places(site.rod.outer_radius) ** 2, hole_radius(site) ** 2
-    return Parameters(4.0 * np.pi * site.fluid_viscosity * outer * hole / (hole - outer))
+    outer, hole = model.at_places(model.rod.outer_radius) ** 2, hole_radius(model) ** 2
+    return Parameters(4.0 * np.pi * model.fluid_viscosity * outer * hole / (hole - outer))
 
 
 @kernel
-def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     """Couple against the spin."""
     rotary = parameters.rotation_drag.rotary[here.place]
     load[3] -= rotary * here.spin_rate

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Axial dynamics: the string stretches and axial waves run along it."""
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.config import EffectConfig
 
 
-class Stretch(Block):
+class Stretch(EffectConfig):
     """Axial motion as unknowns of the twin, with stiffness E A."""
 
-    work = "kept"
+    energy_class = "kept"

@@ -6,21 +6,21 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block, Misfit, Seed
-from drill_twin.effects.harmonics import generator, normal_strata, phases
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig, Incompatibility, Seed
+from drill_twin.effects.random_field import generator, normal_strata, phases
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
 from drill_twin.units import Angle, Frequency, Length, Within
 
 HARMONICS = 64
 
 
-class TopShake(Block):
+class TopShake(EffectConfig):
     """Sideways motion A sin(2 pi f t) of the top clamp, or a random one of the same mean square around f."""
 
-    still = ("amplitude",)
+    disabled_for_static = ("amplitude",)
 
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
     """Amplitude A [m]; of a random motion sqrt(2) times the root mean square."""
@@ -33,11 +33,11 @@ class TopShake(Block):
     seed: Seed = 1
     """Of a random motion: seed."""
 
-    def misfits(self, scene: Any) -> Iterator[Misfit]:
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """A shake as wide as the hole."""
         if self.amplitude >= scene.least_clearance:
             expected = f"expected less than the clearance in the hole ({scene.least_clearance:.6g} m)"
-            yield Misfit(("amplitude",), f"{expected}, found {self.amplitude:.6g} m")
+            yield Incompatibility(("amplitude",), f"{expected}, found {self.amplitude:.6g} m")
 
 
 class Parameters(NamedTuple):
@@ -50,20 +50,20 @@ class Parameters(NamedTuple):
     along_y: float
 
 
-def parameters(block: TopShake, site: Site) -> Parameters:
+def parameters(block: TopShake, model: DiscreteModel) -> Parameters:
     """One sine, or as many as a random motion needs."""
     hertz, phase, amplitude = np.full(1, block.frequency), np.zeros(1), block.amplitude
     if block.bandwidth > 0.0:
-        random = generator(site, block.seed, "top_shake")
+        random = generator(model, block.seed, "top_shake")
         hertz = block.frequency + block.bandwidth * normal_strata(random, HARMONICS)
         phase, amplitude = phases(random, HARMONICS), block.amplitude / np.sqrt(HARMONICS)
     omega = 2.0 * np.pi * hertz
     return Parameters(amplitude * omega, omega, phase, float(np.cos(block.direction)), float(np.sin(block.direction)))
 
 
-def start(block: TopShake, site: Site, u: Array, v: Array) -> None:
+def initial_state(block: TopShake, model: DiscreteModel, u: Array, v: Array) -> None:
     """The top moves from the first instant."""
-    shake = parameters(block, site)
+    shake = parameters(block, model)
     speed = float(np.sum(shake.speed * np.cos(shake.phase)))
     v[-1, 0] += speed * shake.along_x
     v[-1, 1] += speed * shake.along_y
@@ -79,7 +79,7 @@ def top_speed(shake: Parameters, time: float) -> float:
 
 
 @kernel
-def guide(parameters: Any, rod: Rod, time: float, trial: Array) -> None:
+def prescribed_motion(parameters: Any, rod: Rod, time: float, trial: Array) -> None:
     """Hold the top at its velocity in mid-step."""
     speed, last = top_speed(parameters.top_shake, time), trial.shape[0] - 1
     trial[last, 0] = speed * parameters.top_shake.along_x
@@ -87,7 +87,7 @@ def guide(parameters: Any, rod: Rod, time: float, trial: Array) -> None:
 
 
 @kernel
-def done(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
     """Its velocity at the end of the step, which the midpoint rule alone would let ring."""
     speed, last = top_speed(parameters.top_shake, time), v.shape[0] - 1
     v[last, 0] = speed * parameters.top_shake.along_x

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Torsional dynamics: the string twists and torsional waves run along it."""
 
-from drill_twin.effects.block import Block
+from drill_twin.effects.config import EffectConfig
 
 
-class Torsion(Block):
+class Torsion(EffectConfig):
     """Spin of each node as unknowns of the twin, with stiffness G J."""
 
-    work = "kept"
+    energy_class = "kept"

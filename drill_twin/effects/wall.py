@@ -7,19 +7,19 @@ import numpy as np
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
-from drill_twin.effects.block import Block
-from drill_twin.rod.hole import Bore, aside
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.point import Point
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array, Pair
+from drill_twin.base.arrays import Array, Pair
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.point import Point
+from drill_twin.model.wellbore import Bore, aside
 from drill_twin.units import Dimensionless, HertzStiffness, LinearStiffness, Speed, Within
 
 SMALLEST = 1e-12  # distance from the axis at which a normal still has a direction [m]
 
 
-class Wall(Block):
+class Wall(EffectConfig):
     """Elastic wall with the loss of Hunt and Crossley (1975); the exponent 1.5 is that of the paper's Eq. 11.
 
     Takes `stiffness` (Hertz, K d^1.5) or `linear_stiffness` (K d), both per metre of string.
@@ -55,11 +55,11 @@ class Parameters(NamedTuple):
     damping: float  # chi [s/m]
 
 
-def parameters(block: Wall, site: Site) -> Parameters:
+def parameters(block: Wall, model: DiscreteModel) -> Parameters:
     """Clearance by place; the damping factor that gives the stated restitution at the reference speed."""
     return Parameters(
-        bore=site.bore,
-        lever=site.contact_radius,
+        bore=model.bore,
+        lever=model.contact_radius,
         stiffness=block.stiffness or block.linear_stiffness or 0.0,
         linear=1.0 if block.stiffness is None else 0.0,
         damping=loss(block.restitution) / block.reference_speed,
@@ -172,7 +172,7 @@ def press(wall: Parameters, here: Point, h2: float) -> Touch:
 
 
 @kernel
-def lost(parameters: Any, here: Point, h2: float) -> float:
+def dissipated_power(parameters: Any, here: Point, h2: float) -> float:
     """Power per length that goes into heat [W/m]: what the wall presses beyond its spring, times how fast it yields."""
     wall = parameters.wall
     at = press(wall, here, h2)
@@ -189,7 +189,7 @@ def add_row(stiff: Array, i: int, at: Touch, on_n: float, on_c: float, cx: float
 
 
 @kernel
-def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     """Push the string back into the hole."""
     at = press(parameters.wall, here, h2)
     if at.force > 0.0:

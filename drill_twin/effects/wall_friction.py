@@ -5,24 +5,24 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from drill_twin.effects.block import Block
+from drill_twin.base.arrays import Array, Pair, Triple
+from drill_twin.base.jit import kernel
+from drill_twin.effects.config import EffectConfig
 from drill_twin.effects.wall import Touch, press
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.point import Point
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array, Pair, Triple
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.point import Point
 from drill_twin.units import Dimensionless, InverseSpeed, Within
 
 Quad = tuple[float, float, float, float]
 
 
-class WallFriction(Block):
+class WallFriction(EffectConfig):
     """Friction force 2 mu N arctan(xi v) / (pi (1 + delta |v|)) against the slip velocity v (the paper's Eq. 10)."""
 
-    needs: ClassVar[tuple[str, ...]] = ("wall",)
-    work = "heat"
-    still = ("coefficient",)
+    requires: ClassVar[tuple[str, ...]] = ("wall",)
+    energy_class = "heat"
+    disabled_for_static = ("coefficient",)
 
     coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient mu at low slip speed [-]."""
@@ -43,9 +43,9 @@ class Parameters(NamedTuple):
     )
 
 
-def parameters(block: WallFriction, site: Site) -> Parameters:
+def parameters(block: WallFriction, model: DiscreteModel) -> Parameters:
     """The creep has the initial slope of the paper's arctan: 2 xi / pi = 1 / creep."""
-    memory = np.zeros((site.places.size, 6))
+    memory = np.zeros((model.places.size, 6))
     memory[:, 5] = -1.0
     return Parameters(block.coefficient, block.decay, np.pi / (2.0 * block.accuracy), memory)
 
@@ -84,7 +84,7 @@ def row(
 
 
 @kernel
-def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     """Friction against the slip of the contact point, around v.c + r psi_dot and along v.t (paper Eq. 10).
 
     mu N s / sqrt(s^2 + creep^2) / (1 + delta s), with t the hole's axis, n the outward normal and c = t x n. The

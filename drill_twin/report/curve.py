@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.rod.unroll import unrolled
+from drill_twin.discretisation.discretise import survey_of
+from drill_twin.model.wellbore_coordinates import unrolled
 from drill_twin.scene import Scene
-from drill_twin.solve.setting import survey_of
 
 Array = NDArray[np.float64]
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import yaml
 
-from drill_twin.bag.reader import Bag
-from drill_twin.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE
-from drill_twin.pipeline import WhirlPipeline
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE
+from drill_twin.io.whirl_pipeline import WhirlPipeline
 
 
 def bag_in(path: str | Path) -> Path:

@@ -13,7 +13,7 @@ from typing import Any
 from drill_twin import __version__
 from drill_twin.report.interactive import plotly_packed, view_data
 from drill_twin.report.recording import Recording
-from drill_twin.report.words import NOT_VALIDATED, findings, millimetres, provenance, troubles
+from drill_twin.report.text import NOT_VALIDATED, findings, millimetres, provenance, troubles
 
 OVER_TIME = ("set_points", "displacement", "motion", "spectrum_over_time")
 """Figures that share the time axis, in this order one below the other."""

@@ -15,15 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.bag.reader import Bag
 from drill_twin.errors import BagError, MessageError
-from drill_twin.frame import COUNTS
-from drill_twin.interventions import GuardRecord
-from drill_twin.messages.decode import JointState, JointStateReader, read_pose_array, read_string
-from drill_twin.messages.diagnostics import decode_diagnostics
-from drill_twin.messages.encode import RIG_JOINTS, read_command, read_rig_state
-from drill_twin.messages.stamps import NANOSECONDS, seconds, unpack_stamp
-from drill_twin.messages.topics import (
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.decode import JointState, JointStateReader, read_pose_array, read_string
+from drill_twin.io.messages.diagnostics import decode_diagnostics
+from drill_twin.io.messages.encode import RIG_JOINTS, read_command, read_rig_state
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds, unpack_stamp
+from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
     MARKS_STATE,
     RIG_COMMAND,
@@ -33,16 +31,18 @@ from drill_twin.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
-from drill_twin.messages.whirl_encode import OnsetMessage, decode_onset
-from drill_twin.omissions import omissions_of
-from drill_twin.pipeline import WhirlPipeline, columns, speeds
+from drill_twin.io.messages.whirl_encode import OnsetMessage, decode_onset
+from drill_twin.io.whirl_pipeline import WhirlPipeline, columns, speeds
+from drill_twin.monitor.missing_effects import omissions_of
+from drill_twin.monitor.rejected_steps import GuardRecord
 from drill_twin.report.curve import along_hole, smooth, tangents
 from drill_twin.report.locate import bag_in, finite_number, no_samples, no_scene, run_block
 from drill_twin.report.selection import Selection, described, lacking, open_bag
 from drill_twin.report.track import Array, Track
 from drill_twin.scene import Scene
+from drill_twin.twin.frame import COUNTS
 from drill_twin.whirl import Findings, MarkInfo, Summary
-from drill_twin.whirl.blind import NOT_OBSERVABLE
+from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
 
 SHAPES = 600
 """Most shapes of the string that are kept, evenly over the run."""

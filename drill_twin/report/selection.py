@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drill_twin.bag.mapped import MappedBag
-from drill_twin.bag.reader import Bag
 from drill_twin.errors import BagError, MessageError
-from drill_twin.messages.decode import JointStateReader
-from drill_twin.messages.topics import MARKS_STATE, RIG_STATE
+from drill_twin.io.bag.mapped import MappedBag
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.decode import JointStateReader
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
 from drill_twin.whirl import MarkInfo
 
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.bag.reader import Bag
-from drill_twin.frame import COUNTS
+from drill_twin.io.bag.reader import Bag
 from drill_twin.report.recording import Recording, read_recording
+from drill_twin.twin.frame import COUNTS
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
 
 SLOWEST = 0.1

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.errors import MessageError
-from drill_twin.messages.stamps import NANOSECONDS
+from drill_twin.io.messages.stamps import NANOSECONDS
 
 Array = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks across the parts of a scene: string, hole, rig and effects must go together.
 
-What an effect asks of the rest of the scene stands in its own file (`drill_twin.effects.Block.misfits`).
+What an effect asks of the rest of the scene stands in its own file (`drill_twin.effects.EffectConfig.check_against`).
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, get_args
 
-from drill_twin.effects.block import Whole
+from drill_twin.effects.config import Whole
 from drill_twin.scene.effects import Effects
 from drill_twin.scene.hole import Hole
 from drill_twin.scene.part import refuse_at
@@ -39,7 +39,7 @@ def check(scene: Scene) -> None:
     _top_can_turn(rig, effects)
     _bit_is_held(string, effects)
     for key, block in effects.blocks.items():
-        for place, text in block.misfits(scene):
+        for place, text in block.check_against(scene):
             raise refuse_at(("effects", key, *place), text)
 
 
@@ -93,13 +93,13 @@ def _effects_go_together(effects: Effects) -> None:
             "or take both out for lateral motion only, with the axial force in balance and the spin of the top drive",
         )
     for key, block in effects.blocks.items():
-        for needed in block.needs:
+        for needed in block.requires:
             if getattr(effects, needed) is None:
                 raise refuse_at(
                     ("effects", key), f"expected `{needed}` to be listed too, found it missing: {key} needs {needed}"
                 )
     for what in get_args(Whole):
-        laws = effects.giving(what)
+        laws = effects.providing(what)
         if len(laws) > 1:
             raise refuse_at(
                 ("effects", laws[1]),

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, Field, create_model
 
-from drill_twin.effects import BLOCKS, Block
+from drill_twin.effects import EFFECTS, EffectConfig
 from drill_twin.scene.part import Part
 
 
@@ -20,16 +20,16 @@ class EffectsBase(Part):
     @property
     def names(self) -> list[str]:
         """Keys of the effects that are on, in the order of the registry."""
-        return [key for key in BLOCKS if getattr(self, key) is not None]
+        return [key for key in EFFECTS if getattr(self, key) is not None]
 
     @property
-    def blocks(self) -> dict[str, Block]:
+    def blocks(self) -> dict[str, EffectConfig]:
         """The blocks that are on."""
         return {key: getattr(self, key) for key in self.names}
 
-    def giving(self, what: str) -> list[str]:
+    def providing(self, what: str) -> list[str]:
         """Keys of the effects that are on and give the whole `torque` or `weight` of the rock on the bit."""
-        return [key for key, block in self.blocks.items() if what in block.gives]
+        return [key for key, block in self.blocks.items() if what in block.provides]
 
 
 def _on_or_off(value: Any) -> Any:
@@ -39,7 +39,7 @@ def _on_or_off(value: Any) -> Any:
     return None if value is False else value
 
 
-def _field(block: type[Block]) -> tuple[Any, Any]:
+def _field(block: type[EffectConfig]) -> tuple[Any, Any]:
     about = (block.__doc__ or "").strip()
     return Annotated[block | None, BeforeValidator(_on_or_off)], Field(default=None, description=about)
 
@@ -51,5 +51,5 @@ if TYPE_CHECKING:
 else:
     Effects = create_model(
         "Effects", __base__=EffectsBase, __module__=__name__, __doc__=EffectsBase.__doc__,
-        **{key: _field(block) for key, block in BLOCKS.items()},
+        **{key: _field(block) for key, block in EFFECTS.items()},
     )  # fmt: skip

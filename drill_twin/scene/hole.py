@@ -7,7 +7,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from drill_twin.rod.survey import dogleg, survey
+from drill_twin.model.survey import dogleg, survey
 from drill_twin.scene.part import Part, refuse_at
 from drill_twin.units import Angle, Length, Within
 

@@ -89,7 +89,11 @@ class Scene(Part):
         """Newton's tolerance, `numerics.tolerance` or what `auto` makes of it [-]."""
         if self.numerics.tolerance != "auto":
             return self.numerics.tolerance
-        return LOSSLESS_TOLERANCE if all(block.work == "kept" for block in self.effects.blocks.values()) else TOLERANCE
+        return (
+            LOSSLESS_TOLERANCE
+            if all(block.energy_class == "kept" for block in self.effects.blocks.values())
+            else TOLERANCE
+        )
 
     @property
     def mark_table(self) -> tuple[MarkPlace, ...]:

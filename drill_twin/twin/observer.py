@@ -1,30 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is published of a machine: its string, marks and rig at the end of a frame."""
+"""What is published of a twin: its string, marks and rig at the end of a frame."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.frame import EnergyBalance, Frame, Intervention, MarkStates, RigState, StepStats
-from drill_twin.rod.bit import BIT_TORQUE, BIT_WEIGHT, TOP_TORQUE
-from drill_twin.rod.types import Array
-from drill_twin.solve import state
-from drill_twin.solve.observe import DEEPEST, WHERE, make_probe, make_sight, observe
-from drill_twin.solve.setting import axis_at
-from drill_twin.twin.machine import Machine
+from drill_twin.base.arrays import Array
+from drill_twin.discretisation.discretise import axis_at
+from drill_twin.model.bit import BIT_TORQUE, BIT_WEIGHT, TOP_TORQUE
+from drill_twin.solver import state
+from drill_twin.twin.dynamics import Dynamics
+from drill_twin.twin.frame import EnergyBalance, Frame, Intervention, MarkStates, RigState, StepStats
+from drill_twin.twin.observation import DEEPEST, WHERE, make_probe, make_sight, observe
 
 
 class Observer:
-    """Looks at one machine, frame by frame."""
+    """Reads one twin, frame by frame."""
 
-    def __init__(self, machine: Machine) -> None:
-        self._machine = machine
-        scene, site = machine.scene, machine.site
+    def __init__(self, dynamics: Dynamics) -> None:
+        self._machine = dynamics
+        scene, model = dynamics.scene, dynamics.model
         marks = np.array([mark.distance_from_bit for mark in scene.string.marks])
         offset = np.array([mark.wall_offset for mark in scene.mark_table])
-        self._probe = make_probe(site.rod, marks, offset, axis_at(scene, scene.length - marks))
-        self._places = site.places
-        self._impulse = machine.parameters.drive.bit.impulse
+        self._probe = make_probe(model.rod, marks, offset, axis_at(scene, scene.length - marks))
+        self._places = model.places
+        self._impulse = dynamics.parameters.drive.bit.impulse
         self.begin()
 
     def begin(self) -> None:
@@ -37,10 +37,10 @@ class Observer:
         Returns:
             How far its surface is beyond the wall where it is most so [m], and the Gauss point where that is.
         """
-        machine = self._machine
-        u, v = machine.unknowns
+        dynamics = self._machine
+        u, v = dynamics.unknowns
         self._sight = make_sight(u.shape[0], self._probe.element.size)
-        observe(machine.rod, machine.site.bore, machine.wall, u, v, self._probe, self._sight)
+        observe(dynamics.rod, dynamics.model.bore, dynamics.wall, u, v, self._probe, self._sight)
         return float(self._sight.nearness[DEEPEST]), int(self._sight.nearness[WHERE])
 
     def frame(
@@ -62,7 +62,7 @@ class Observer:
         )  # fmt: skip
         stats = StepStats(
             steps=int(counted[state.STEPS]), iterations=int(counted[state.ITERATIONS]),
-            cut_steps=int(counted[state.CUTS]), loose_steps=int(counted[state.LOOSE_STEPS]),
+            cut_steps=int(counted[state.HALVINGS]), loose_steps=int(counted[state.LOOSE_STEPS]),
             wall_seconds=wall_seconds,
         )  # fmt: skip
         return Frame(

@@ -1,24 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The twin: a machine with a guard over it, that tells a frame at a time."""
+"""The twin: advances the dynamics a frame at a time, checked by the step guard."""
 
 import time
 from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from drill_twin.frame import EnergyBalance, Frame, Intervention
-from drill_twin.guard import Guard, Violation, bounds_of, most_cuts
-from drill_twin.rod.bit import DRILLED
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.site import Site
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.model.bit import DRILLED
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.solve.recent import Recent
-from drill_twin.twin.books import Books
-from drill_twin.twin.last_word import last_word
-from drill_twin.twin.machine import LATERAL, Machine, take
+from drill_twin.twin.dynamics import LATERAL, Dynamics, take
+from drill_twin.twin.energy_balance import EnergyAudit
+from drill_twin.twin.failure_report import failure_report
+from drill_twin.twin.frame import EnergyBalance, Frame, Intervention
 from drill_twin.twin.observer import Observer
+from drill_twin.twin.state_bounds import bounds_of
+from drill_twin.twin.state_history import StateHistory
+from drill_twin.twin.step_guard import StepGuard, max_halvings
+from drill_twin.twin.violation import Violation
 
 
 class Twin:
@@ -26,7 +28,7 @@ class Twin:
 
     Attributes:
         scene: The scene.
-        machine: What moves it.
+        dynamics: What moves it.
         books: Its energy balance, where the scene asks for an audit.
     """
 
@@ -39,21 +41,23 @@ class Twin:
             RunError: It is to begin in balance, and none was found.
         """
         self.scene = scene
-        self.machine = machine = Machine(scene)
-        lateral = machine.form == LATERAL
-        self.books: Books | None = None
+        self.dynamics = dynamics = Dynamics(scene)
+        lateral = dynamics.form == LATERAL
+        self.books: EnergyAudit | None = None
         if scene.numerics.audit == "energy":
-            self.books = Books(machine.parameters.ledger, machine.effects, self.site, machine.wall, lateral=lateral)
-        self._guard = Guard(bounds_of(scene, self.site, lateral=lateral), self.site, machine.wall)
-        self._guard.watch(machine.block)
-        self._observer = Observer(machine)
+            self.books = EnergyAudit(
+                dynamics.parameters.ledger, dynamics.effects, self.model, dynamics.wall, lateral=lateral
+            )
+        self._guard = StepGuard(bounds_of(scene, self.model, lateral=lateral), self.model, dynamics.wall)
+        self._guard.watch(dynamics.block)
+        self._observer = Observer(dynamics)
         self._energy: EnergyBalance | None = None
-        self._recent = Recent(self.rod.arc.size, scene.numerics.frame_rate)
+        self._recent = StateHistory(self.rod.arc.size, scene.numerics.frame_rate)
 
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return self.machine.time
+        return self.dynamics.time
 
     @property
     def elements(self) -> int:
@@ -63,7 +67,7 @@ class Twin:
     @property
     def step_size(self) -> float:
         """Nominal time step [s]."""
-        return self.machine.step
+        return self.dynamics.step
 
     @property
     def effects(self) -> list[str]:
@@ -73,31 +77,31 @@ class Twin:
     @property
     def form(self) -> str:
         """Either "spatial", or "lateral" for a scene that calls for neither stretch nor torsion."""
-        return self.machine.form
+        return self.dynamics.form
 
     @property
     def drilled(self) -> float:
         """Depth that the bit has drilled since the start [m]; 0 without `bit_cutting`."""
-        return float(self.machine.parameters.drive.bit.impulse[DRILLED])
+        return float(self.dynamics.parameters.drive.bit.impulse[DRILLED])
 
     @property
-    def site(self) -> Site:
+    def model(self) -> DiscreteModel:
         """The string in its hole."""
-        return self.machine.site
+        return self.dynamics.model
 
     @property
     def rod(self) -> Rod:
         """The meshed string."""
-        return self.machine.rod
+        return self.dynamics.rod
 
     @property
     def unknowns(self) -> tuple[Array, Array]:
         """Node rows (r, r', psi) and their velocities, each shape (n + 1, 7); views, not copies."""
-        return self.machine.unknowns
+        return self.dynamics.unknowns
 
     def meter(self) -> Callable[[str], float]:
         """Times an effect: by its name, what it takes of one Newton iteration now [s]; 0 for those that take none."""
-        return self.machine.meter()
+        return self.dynamics.meter()
 
     def checkpoint(self) -> dict[str, Array]:
         """Copies of all that decides how the motion goes on, by name; `restore` takes them back."""
@@ -113,10 +117,10 @@ class Twin:
         return self._recent.read()
 
     def _memory(self) -> Iterator[tuple[str, Array]]:
-        yield from self.machine.memory()
+        yield from self.dynamics.memory()
         yield "guard", self._guard.memory
 
-    def step(self, command: Command, seconds: float) -> Frame:
+    def advance(self, command: Command, seconds: float) -> Frame:
         """Move on by `seconds`; the set-points go linearly from the last command to this one.
 
         Args:
@@ -137,34 +141,36 @@ class Twin:
         if found is None:
             self._guard.grow()
         else:
-            intervention = self._insist(found, target, seconds)
-        self.machine.command[:] = target
+            intervention = self.retry_with_smaller_step(found, target, seconds)
+        self.dynamics.command[:] = target
         self._recent.add(self.time, *self.unknowns)
         return self._observer.frame(seconds, time.perf_counter() - began, intervention, self._energy)
 
     def _attempt(self, target: Array, seconds: float) -> Violation | None:
         """Move on by `seconds`, and look at what has become of the string."""
-        machine, guard, step = self.machine, self._guard, self._step_now(seconds)
-        cuts = most_cuts(seconds, self.step_size)
-        if not machine.advance(target, seconds, step, cuts):
-            return guard.not_followed(*self.unknowns, step, cuts if machine.ground else None)
+        dynamics, guard, step = self.dynamics, self._guard, self._step_now(seconds)
+        halvings = max_halvings(seconds, self.step_size)
+        if not dynamics.advance(target, seconds, step, halvings):
+            return guard.diverged(*self.unknowns, step, halvings if dynamics.too_many_halvings else None)
         depth, place = self._observer.look()
-        load = max(abs(float(machine.command[0])), abs(float(target[0])))
+        load = max(abs(float(dynamics.command[0])), abs(float(target[0])))
         found = guard.find(*self.unknowns, depth, place, load, step)
         if found is None and self.books is not None:
             self._energy, grown = self.books.balance(*self.unknowns)
-            found = guard.unaccounted(self._energy, grown)
+            found = guard.energy_drift(self._energy, grown)
         return found
 
-    def _insist(self, first: Violation, target: Array, seconds: float) -> Intervention:
+    def retry_with_smaller_step(self, first: Violation, target: Array, seconds: float) -> Intervention:
         """Take back what was found and do it again with half the step, until nothing is found."""
         found: Violation | None = first
         tries = 0
         while found is not None:
-            self._guard.take_back(*self.unknowns)
+            self._guard.rollback(*self.unknowns)
             start = self.time
             if self._guard.gives_up(found, tries):
-                raise last_word(self.machine, found, self._guard.suspect, target, seconds, self._step_now(seconds))
+                raise failure_report(
+                    self.dynamics, found, self._guard.suspect, target, seconds, self._step_now(seconds)
+                )
             tries += 1
             self._guard.halve()
             found = self._attempt(target, seconds)

@@ -5,18 +5,18 @@
 """
 
 from drill_twin.whirl.analyzer import Analyzer
-from drill_twin.whirl.blind import BlindAnalyzer
+from drill_twin.whirl.bit_only_analyzer import BitOnlyAnalyzer
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.findings import Findings, MotionPeriod, Onset, Quality, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo
+from drill_twin.whirl.motion.stick_slip import BitMotion, StickSlip, StickSlipPeriod
 from drill_twin.whirl.spectrum import Peak, Spectrum, centre_line, spectrum_over_time, two_sided_spectrum
-from drill_twin.whirl.stick_slip import BitMotion, StickSlip, StickSlipPeriod
 
 __all__ = [
     "AnalysisError",
     "Analyzer",
     "BitMotion",
-    "BlindAnalyzer",
+    "BitOnlyAnalyzer",
     "Criteria",
     "Findings",
     "MarkInfo",

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.whirl.criteria import MotionState
-from drill_twin.whirl.stick_slip import BitMotion, StickSlipPeriod
+from drill_twin.whirl.motion.stick_slip import BitMotion, StickSlipPeriod
 
 Array = NDArray[np.float64]
 

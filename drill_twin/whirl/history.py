@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.whirl.bins import BINS, Array, Bin, ComplexArray
+from drill_twin.whirl.sample_bins import BINS, Array, Bin, ComplexArray
 
 CAPACITY = 32 * BINS
 """Bins remembered: 32 revolutions or more."""

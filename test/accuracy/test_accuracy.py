@@ -9,18 +9,17 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from drill_twin.accuracy import Plan, error_model, resolve
+from drill_twin.accuracy.check import interval
+from drill_twin.accuracy.error_model import Point, Promise, content_key, kept
+from drill_twin.accuracy.errors import compare
+from drill_twin.accuracy.motion_run import run_motion
+from drill_twin.accuracy.plan import AFTER, at
 from drill_twin.cli.app import app
 from drill_twin.errors import SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.paths import config_dir, presets
-from drill_twin.study.accuracy import Plan, resolve
-from drill_twin.study.accuracy.check import interval
-from drill_twin.study.accuracy.plan import AFTER, at
-from drill_twin.study.cost import promise
-from drill_twin.study.cost.errors import compare
-from drill_twin.study.cost.promise import Point, Promise, content_key, kept
-from drill_twin.study.cost.runs import run_motion
-from drill_twin.twin import Twin
+from drill_twin.twin.twin import Twin
 
 SWING = {
     "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",
@@ -35,7 +34,7 @@ WHIRL = {"wob": "55 N", "rps": "2.5", "duration": "9 s", "rig.weight_on_bit.dura
 
 @pytest.fixture(autouse=True)
 def own_curves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(promise, "cache_folder", lambda: tmp_path / "cache")
+    monkeypatch.setattr(error_model, "cache_folder", lambda: tmp_path / "cache")
 
 
 def asking(accuracy: str, changes: dict[str, str], scene: str = "pa6_bench") -> Scene:
@@ -134,7 +133,7 @@ def test_a_scene_with_an_accuracy_is_refused_where_nobody_chooses() -> None:
 
 
 def test_what_cannot_be_promised_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("drill_twin.study.accuracy.plan.REFINEMENTS", 0)
+    monkeypatch.setattr("drill_twin.accuracy.plan.REFINEMENTS", 0)
     with pytest.raises(SceneError, match=r"at best .* %.*drill-twin cost pa6_bench"):
         resolve(asking("0.0001 %", SWING))
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drill_twin.bag.writer import BagWriter
-from drill_twin.messages import topics
-from drill_twin.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.messages.encode import CommandEncoder, TwinEncoder, encode_string
-from drill_twin.messages.stamps import stamp_ns
-from drill_twin.messages.whirl_encode import Motion, OnsetMessage, WhirlStateEncoder, encode_motion, encode_onset
+from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.messages import topics
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.encode import CommandEncoder, TwinEncoder, encode_string
+from drill_twin.io.messages.stamps import stamp_ns
+from drill_twin.io.messages.whirl_encode import Motion, OnsetMessage, WhirlStateEncoder, encode_motion, encode_onset
 from drill_twin.schedule.command import Command
 
 SCENE = "name: made up\nrun:\n  seed: 1\n"

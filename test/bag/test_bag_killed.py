@@ -11,19 +11,19 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader
 
-from drill_twin.bag.mcap_file import McapFile
-from drill_twin.bag.reader import Bag
-from drill_twin.bag.recovery import recover
-from drill_twin.bag.series import pose_series
-from drill_twin.bag.writer import BagWriter
 from drill_twin.errors import BagError
-from drill_twin.messages.topics import STRING_POSES
+from drill_twin.io.bag.mcap_file import McapFile
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.recovery import recover
+from drill_twin.io.bag.series import pose_series
+from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.messages.topics import STRING_POSES
 
 RECORDER = """
 import sys, time
 import numpy as np
-from drill_twin.bag.writer import BagWriter
-from drill_twin.messages.cdr import PoseArrayTemplate
+from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.messages.cdr import PoseArrayTemplate
 
 poses, begin = PoseArrayTemplate(2), time.monotonic()  # so small that no chunk is ever full
 writer = BagWriter(sys.argv[1], longest=float(sys.argv[2]))

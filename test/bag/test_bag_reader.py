@@ -8,13 +8,13 @@ from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 
-from drill_twin.bag.reader import Bag
-from drill_twin.bag.recovery import recover
-from drill_twin.bag.writer import BagWriter
 from drill_twin.errors import BagError
-from drill_twin.messages.definitions import definition, typestore
-from drill_twin.messages.encode import encode_string
-from drill_twin.messages.topics import MARKS_STATE, STRING_POSES, TOPICS, TWIN_SCENE
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.recovery import recover
+from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.messages.definitions import definition, typestore
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.topics import MARKS_STATE, STRING_POSES, TOPICS, TWIN_SCENE
 
 
 def by_rosbags(folder, rows, storage=StoragePlugin.SQLITE3, compression=CompressionMode.NONE, types=None):

@@ -4,11 +4,11 @@
 import numpy as np
 import pytest
 
-from drill_twin.bag import series
-from drill_twin.bag.reader import Bag
 from drill_twin.errors import BagError
-from drill_twin.messages.cdr import JointStateTemplate, PoseArrayTemplate
-from drill_twin.messages.topics import MARKS_STATE, RIG_COMMAND, RIG_STATE, STRING_POSES, WHIRL_STATE
+from drill_twin.io.bag import series
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_COMMAND, RIG_STATE, STRING_POSES, WHIRL_STATE
 
 MARKS = ("mark_1", "mark_2", "mark_3", "mark_4")
 
@@ -29,7 +29,7 @@ def test_spin_is_unwrapped(write_bag, make_frame, make_geometry):
     """Three quarters of a turn from one sample to the next."""
     import dataclasses
 
-    from drill_twin.messages.encode import TwinEncoder
+    from drill_twin.io.messages.encode import TwinEncoder
 
     encoder, rows = TwinEncoder(make_geometry(11)), []
     for k in range(200):

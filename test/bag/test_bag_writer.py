@@ -12,12 +12,12 @@ import pytest
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
-from drill_twin.bag.metadata import contract_topic, from_yaml
-from drill_twin.bag.reader import Bag
-from drill_twin.bag.writer import BagWriter
 from drill_twin.errors import BagError
-from drill_twin.messages.definitions import definition, type_hash, typestore
-from drill_twin.messages.topics import STRING_POSES, TOPICS, TWIN_SCENE
+from drill_twin.io.bag.metadata import contract_topic, from_yaml
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.messages.definitions import definition, type_hash, typestore
+from drill_twin.io.messages.topics import STRING_POSES, TOPICS, TWIN_SCENE
 
 
 def metadata_of(folder):
@@ -243,7 +243,7 @@ def test_a_negative_stamp_is_refused(tmp_path, messages):
 
 FULL_DISK = """
 import sys
-from drill_twin.bag.writer import BagWriter
+from drill_twin.io.bag.writer import BagWriter
 from drill_twin.errors import BagError
 try:
     with BagWriter(sys.argv[1], flush_interval=0.0) as writer:

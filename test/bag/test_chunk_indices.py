@@ -7,10 +7,10 @@ from mcap.reader import make_reader
 from mcap.records import ChunkIndex
 from mcap.writer import Writer
 
-from drill_twin.bag.chunk_indices import PackedIndices
-from drill_twin.bag.writer import BagWriter
-from drill_twin.messages.encode import encode_string
-from drill_twin.messages.topics import TWIN_SCENE
+from drill_twin.io.bag.chunk_indices import PackedIndices
+from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.topics import TWIN_SCENE
 
 TOPICS = range(1, 14)
 SIZE = 41_234  # bytes of a chunk

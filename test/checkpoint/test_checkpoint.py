@@ -8,18 +8,18 @@ import zipfile
 import numpy as np
 import pytest
 
-from drill_twin.checkpoint import Checkpoint
 from drill_twin.errors import CheckpointError
 from drill_twin.scene import load_scene, presets
 from drill_twin.schedule import Command, Schedule
-from drill_twin.twin import Twin
+from drill_twin.twin.checkpoint import Checkpoint
+from drill_twin.twin.twin import Twin
 
 FRAME = 0.01
 
 
 def _run(twin, schedule, frames):
     first = round(twin.time / FRAME)
-    return [twin.step(schedule.at((first + k) * FRAME), FRAME) for k in range(1, frames + 1)]
+    return [twin.advance(schedule.at((first + k) * FRAME), FRAME) for k in range(1, frames + 1)]
 
 
 @pytest.fixture(scope="module")
@@ -58,11 +58,11 @@ def test_every_installed_scene_can_be_resumed(name, tmp_path):
     command = Command(scene.rig.weight_on_bit.value or 100.0, scene.rig.rotation.value or 6.0)
     twin = Twin(scene)
     for _ in range(30):
-        twin.step(command, FRAME)
+        twin.advance(command, FRAME)
     Checkpoint.of(twin, command).save(tmp_path / "run.npz")
     resumed = Checkpoint.load(tmp_path / "run.npz").twin()
     for _ in range(30):
-        _alike(resumed.step(command, FRAME), twin.step(command, FRAME))
+        _alike(resumed.advance(command, FRAME), twin.advance(command, FRAME))
 
 
 def test_a_running_twin_goes_back_to_a_checkpoint(kept, bench_scene, schedule):

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from drill_twin import __version__
-from drill_twin.bag.reader import Bag
-from drill_twin.messages.topics import MARKS_STATE, TOPICS
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.topics import MARKS_STATE, TOPICS
 from drill_twin.scene import parse_scene, presets
 
 SOURCE = str(Path(__file__).resolve().parents[2])

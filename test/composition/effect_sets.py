@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.effects import BLOCKS
+from drill_twin.effects import EFFECTS
 
 SWITCHES: dict[str, dict[str, Any]] = {
     "gravity": {},
@@ -36,7 +36,7 @@ SWITCHES: dict[str, dict[str, Any]] = {
 }
 """What each effect is when it is on; `stretch` stands for torsion too."""
 EXCLUSIVE = (
-    *(tuple(key for key, block in BLOCKS.items() if what in block.gives) for what in ("torque", "weight")),
+    *(tuple(key for key, block in EFFECTS.items() if what in block.provides) for what in ("torque", "weight")),
     ("bit_friction", "bit_stabiliser"),
 )
 """Effects of which a scene has at most one."""
@@ -46,7 +46,7 @@ Choice = frozenset[str]
 def allowed(on: Choice) -> bool:
     """Whether a scene may list these together."""
     listed = on | ({"torsion"} if "stretch" in on else set())
-    if any(set(BLOCKS[key].needs) - listed for key in on):
+    if any(set(EFFECTS[key].needs) - listed for key in on):
         return False
     return all(len(on & set(group)) <= 1 for group in EXCLUSIVE)
 
@@ -67,7 +67,7 @@ def covering() -> tuple[Choice, ...]:
             for group in EXCLUSIVE:
                 drawn -= set(random.permutation(sorted(drawn & set(group)))[1:])
             listed = drawn | ({"torsion"} if "stretch" in drawn else set())
-            drawn = {key for key in drawn if set(BLOCKS[key].needs) <= listed}
+            drawn = {key for key in drawn if set(EFFECTS[key].needs) <= listed}
             if allowed(frozenset(drawn)):
                 pool.append(frozenset(drawn))
     wanted = set().union(*(pairs_of(on) for on in pool))

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """An effect that is off is not in the compiled code: the machine code is the same whether its file is there or not."""
 
+import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-
-from drill_twin.solve import compose, keep
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -16,20 +16,20 @@ ROOT = Path(__file__).resolve().parents[2]
 # scene is read: whatever the composed kernel wanted of them would now fail.
 PROGRAM = """
 import hashlib, re, sys
-from drill_twin.effects import BLOCKS
-from drill_twin.study.verify.rods import rod_scene
+from drill_twin.effects import EFFECTS
+from drill_twin.studies.verify.scenes import rod_scene
 from drill_twin.schedule.command import Command
 effects = {name: {"linear": 0.1} for name in sys.argv[2:]}
 scene = rod_scene(effects=effects, elements=8, step=1e-3, form=sys.argv[1], weight_on_bit=1.0)
-from drill_twin.twin import Twin
+from drill_twin.twin.twin import Twin
 if HIDE:
-    used = {*scene.effect_names, "block", "wall", "gravity"}  # the reader of wall forces and the start know these two
+    used = {*scene.effect_names, "config", "wall", "gravity"}  # the reader of wall forces and the start know these two
     for name in [*sys.modules]:
         if name.startswith("drill_twin.effects.") and name.rpartition(".")[2] not in used:
             sys.modules[name] = None
 twin = Twin(scene)
-twin.step(Command(1.0, 1.0), 0.01)
-(text,) = twin.machine.kernel.advance.inspect_asm().values()
+twin.advance(Command(1.0, 1.0), 0.01)
+(text,) = twin.dynamics.kernel.advance.inspect_asm().values()
 # Instructions and registers; names hold running numbers of all functions that numba has met in the process.
 lines = [line for line in text.splitlines() if re.match(r"\\t[a-z]", line)]
 code = [" ".join(re.findall(r"^[a-z0-9]+|%[a-z0-9]+", line.strip())) for line in lines]
@@ -55,19 +55,53 @@ def test_what_is_off_is_not_in_the_machine_code(tmp_path, form):
     assert machine_code(tmp_path / "drag", form, "drag") != bare
 
 
-def test_a_kernel_is_named_by_its_own_sources(monkeypatch):
-    """Editing an effect renames the kernels with it and no other."""
-    bow = compose.effect_module("bow")
-    before = {
-        effects: compose.fingerprint(effects, "spatial", "straight") for effects in ((), ("drag",), ("bow", "drag"))
+# Edits each source of a copy of the package in turn, and prints which kernels get another name by it.
+EDITS = """
+import importlib.util, json, pathlib
+from drill_twin.solver import kernel_cache, kernel_codegen
+from drill_twin.solver.source_hash import modules_reached
+sets = {"bare": (), "drag": ("drag",), "bow": ("bow", "drag")}
+text = {name: kernel_codegen.source(effects, "spatial") for name, effects in sets.items()}
+def names():
+    return {name: kernel_cache.fingerprint(source) for name, source in text.items()}
+before, told = names(), {}
+for module in modules_reached(text["bow"]):
+    path = pathlib.Path(importlib.util.find_spec(module).origin)
+    source = path.read_text("utf-8")
+    changed = []
+    for edit in ("\\n# a comment\\n", "\\n_EDITED = 1\\n"):
+        path.write_text(source + edit, "utf-8")
+        after = names()
+        changed.append([name for name in sets if after[name] != before[name]])
+    path.write_text(source, "utf-8")
+    told[module] = changed
+print(json.dumps(told))
+"""
+
+
+def test_a_kernel_is_named_by_every_source_that_it_reaches(tmp_path):
+    """An edit of any of them gives another name to the kernels that reach it and to no other; a comment does not."""
+    shutil.copytree(ROOT / "drill_twin", tmp_path / "drill_twin", ignore=shutil.ignore_patterns("__pycache__"))
+    done = subprocess.run(
+        [sys.executable, "-c", EDITS], cwd=tmp_path, capture_output=True, text=True, check=False,
+        env=dict(os.environ, PYTHONPATH=str(tmp_path)),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    wanted = {
+        "drill_twin.effects.bow",
+        "drill_twin.effects.drag",
+        "drill_twin.solver.midpoint",
+        "drill_twin.model.section",
     }
-    real = keep.inspect.getsource
-
-    def edited(module):
-        return real(module) + ("\n# edited" if module is bow else "")
-
-    monkeypatch.setattr(keep.inspect, "getsource", edited)
-    after = {effects: compose.fingerprint(effects, "spatial", "straight") for effects in before}
-    assert after[()] == before[()]
-    assert after[("drag",)] == before[("drag",)]
-    assert after[("bow", "drag")] != before[("bow", "drag")]
+    assert wanted <= set(told)
+    assert not [name for name in told if name.startswith(("drill_twin.scene", "drill_twin.twin"))]
+    only = {"drill_twin.effects.bow": ["bow"], "drill_twin.effects.drag": ["drag", "bow"]}
+    only["drill_twin.effects.random_field"] = ["bow"]
+    shared = ("drill_twin.base", "drill_twin.solver", "drill_twin.model")
+    for module, (by_comment, by_edit) in told.items():
+        assert not by_comment, module
+        assert by_edit == only.get(module, by_edit), module
+        assert "bow" in by_edit, module
+        if module.startswith(shared) and module != "drill_twin.model.shape_functions":
+            assert {"drag", "bow"} <= set(by_edit), module

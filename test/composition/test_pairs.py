@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Effects compose: sets that hold every pair of effects on and on, on and off, off and off compile and run."""
+"""Effects build_kernel: sets that hold every pair of effects on and on, on and off, off and off compile and run."""
 
 import itertools
 
@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from effect_sets import SWITCHES, Choice, covering, pairs_of
 
-from drill_twin.effects import BLOCKS
+from drill_twin.effects import EFFECTS
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.study.verify.rods import rod_scene
-from drill_twin.twin import Twin
+from drill_twin.studies.verify.scenes import rod_scene
+from drill_twin.twin.twin import Twin
 
 
 def test_no_effect_is_forgotten():
-    assert {*SWITCHES, "torsion"} == set(BLOCKS)
+    assert {*SWITCHES, "torsion"} == set(EFFECTS)
 
 
 def scene_of(on: Choice) -> Scene:
@@ -38,7 +38,7 @@ def followed(scene: Scene) -> tuple[np.ndarray, float]:
     twin = Twin(scene)
     rows, deepest = [], 0.0
     for k in range(1, 101):
-        frame = twin.step(Command(weight_on_bit=15.0, rotation=min(0.3 * k, 12.0)), 0.01)
+        frame = twin.advance(Command(weight_on_bit=15.0, rotation=min(0.3 * k, 12.0)), 0.01)
         rows.append(np.concatenate([part.ravel() for part in twin.unknowns]))
         deepest = max(deepest, frame.wall_depth)
     return np.array(rows), deepest

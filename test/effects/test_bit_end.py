@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from scenes import EI, LENGTH, rod_scene
 
-from drill_twin.frame import Frame
 from drill_twin.schedule.command import Command
-from drill_twin.twin import Twin
+from drill_twin.twin.frame import Frame
+from drill_twin.twin.twin import Twin
 
 SPRING = 3.0 * EI / LENGTH**3  # of the rod's end, held at the top [N/m]
 HOLE, GAUGE = 0.1, 0.16
@@ -23,7 +23,7 @@ def settled(side: dict, stabiliser: dict, turn: float = 0.0, then: float | None 
     twin = Twin(rod_scene(effects=effects, bit_end="stabilised", radius=HOLE, elements=12, step=0.01, frame_rate=10.0))
     for k in range(round(10 * seconds)):
         speed = turn if then is None or k < 50 else then
-        frame = twin.step(Command(0.0, speed * min((k + 1) / 10.0, 1.0)), 0.1)
+        frame = twin.advance(Command(0.0, speed * min((k + 1) / 10.0, 1.0)), 0.1)
     return frame
 
 

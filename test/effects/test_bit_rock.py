@@ -9,12 +9,12 @@ from end_scenes import steel
 from pydantic import ValidationError
 from scenes import rod_scene
 
-from drill_twin.drilled import Drilled
-from drill_twin.effects.germ import MOST_SCATTER, germ
-from drill_twin.frame import RigState
+from drill_twin.effects.random_matrix import MOST_SCATTER, random_matrix
+from drill_twin.monitor.drilling_progress import Drilled
 from drill_twin.scene import load_scene
 from drill_twin.schedule.command import Command
-from drill_twin.twin import Twin
+from drill_twin.twin.frame import RigState
+from drill_twin.twin.twin import Twin
 
 SPEED = 100.0 * np.pi / 30.0
 A1, A2, A3, A4, A5, E = 3.429e-3, 5.672e-8, 1.374e-4, 9.537e6, 1.475e3, 2.0  # Ritto, Soize and Sampaio 2009
@@ -28,9 +28,9 @@ def drill(
     """A twin that has drilled for so long, up from standstill in the first 0.2 s, and the mean of its next 0.1 s."""
     law = law | (ROCK if at == "top" else {})
     twin = Twin(steel({"bit_cutting": law}, at=at, weight_on_bit=weight))
-    twin.step(Command(weight, speed), 0.2)
-    twin.step(Command(weight, speed), seconds)
-    return twin, twin.step(Command(weight, speed), 0.1).rig
+    twin.advance(Command(weight, speed), 0.2)
+    twin.advance(Command(weight, speed), seconds)
+    return twin, twin.advance(Command(weight, speed), 0.1).rig
 
 
 def mean_law(rate: float) -> tuple[float, float]:
@@ -60,12 +60,12 @@ def test_a_bit_that_turns_backwards_rubs_and_does_not_cut(at, weight):
 @pytest.mark.parametrize("at", ["bit", "top"])
 @pytest.mark.parametrize("law", [{}, {"dispersion": 0.1, "seed": 2}, {"dispersion": 0.1, "rubbing": 0, "digging": 0}])
 def test_a_bit_turns_back_and_forth_without_a_step_that_is_cut(at, law):
-    """Through rest the torque goes smoothly, and forwards alone it drills; a germ mixes nothing in where the law has no
-    torque."""
+    """Through rest the torque goes smoothly, and forwards alone it drills; a random matrix mixes nothing where the law
+    has no torque."""
     twin, _ = drill(100e3, at=at, seconds=0.3, **law)
     depths = [twin.drilled]
     for speed in (-SPEED, -SPEED, SPEED):
-        frames = [twin.step(Command(100e3, speed), 0.05) for _ in range(8)]
+        frames = [twin.advance(Command(100e3, speed), 0.05) for _ in range(8)]
         assert sum(frame.stats.cut_steps for frame in frames) == 0
         assert frames[-1].rig.bit_torque * speed <= 0.0
         depths.append(twin.drilled)
@@ -78,19 +78,19 @@ def test_the_bit_lifts_off_and_comes_down_again():
     """Pulled at the top the bit leaves the rock: no weight, no torque; the rock has no hands."""
     twin, _ = drill(60e3, at="top", seconds=0.2)
     depth = twin.drilled
-    lifted = [twin.step(Command(-20e3, SPEED), 0.02).rig for _ in range(10)]
+    lifted = [twin.advance(Command(-20e3, SPEED), 0.02).rig for _ in range(10)]
     assert lifted[-1].bit_force == 0.0
     assert lifted[-1].bit_torque == 0.0
-    assert twin.unknowns[0][0, 2] > twin.machine.parameters.bit_cutting.memory[0] + 1e-3
+    assert twin.unknowns[0][0, 2] > twin.dynamics.parameters.bit_cutting.memory[0] + 1e-3
     high = twin.drilled
-    twin.step(Command(60e3, SPEED), 0.02)
+    twin.advance(Command(60e3, SPEED), 0.02)
 
     def momentum() -> float:
         nodes = twin.unknowns[1][:, 2]
         return float((nodes[1:] + nodes[:-1]).mean() / 2.0 * 10.0 * twin.rod.line_mass[0])
 
     began = momentum()
-    back = [twin.step(Command(60e3, SPEED), 0.02).rig.bit_force for _ in range(100)]
+    back = [twin.advance(Command(60e3, SPEED), 0.02).rig.bit_force for _ in range(100)]
     assert high - depth < 1e-4 < twin.drilled - high
     assert min(back) == 0.0
     # it comes down, cuts and bounces: what the rock gave is what the momentum took
@@ -100,7 +100,7 @@ def test_the_bit_lifts_off_and_comes_down_again():
 def test_the_diagnostics_tell_depth_and_rate_of_penetration():
     twin, _ = drill(60e3, at="top", seconds=0.2)
     told, before = Drilled(twin), twin.drilled
-    twin.step(Command(60e3, SPEED), 0.5)
+    twin.advance(Command(60e3, SPEED), 0.5)
     values = told.values()
     assert float(values["drilled_m"]) == pytest.approx(twin.drilled, abs=1e-6)
     rate = (twin.drilled - before) / 0.5
@@ -124,11 +124,11 @@ def random_rate(drawn: np.ndarray, weight: float) -> float:
 def test_one_draw_of_the_random_law(seed, at):
     """F = A^1/2 G A^1/2 (x, w) with A = diag(W / x, T / w) of the mean law: rate and torque as the draw says."""
     twin, rig = drill(100e3, at=at, dispersion=0.1, seed=seed, seconds=2.0)
-    law = twin.machine.parameters.bit_cutting
+    law = twin.dynamics.parameters.bit_cutting
     drawn = np.array([[law.axial, law.mixed], [law.mixed, law.turning]])
     assert not np.allclose(drawn, np.eye(2), atol=1e-3)
     before = twin.drilled
-    twin.step(Command(100e3, SPEED), 0.1)
+    twin.advance(Command(100e3, SPEED), 0.1)
     rate = (twin.drilled - before) / 0.1
     exact = random_rate(drawn, 100e3)
     assert rate == pytest.approx(exact, rel=1e-3, abs=1e-12)
@@ -152,7 +152,7 @@ def test_without_dispersion_the_random_law_is_the_mean_law():
 def test_the_germ_has_mean_one_and_the_dispersion_asked_for(dispersion):
     """E[G] = I and E[|G - I|^2] = 2 delta^2 over 1e4 draws, positive definite each (Soize 2000)."""
     random = np.random.default_rng(4)
-    draws = np.array([germ(dispersion, random) for _ in range(10_000)])
+    draws = np.array([random_matrix(dispersion, random) for _ in range(10_000)])
     # the sample mean scatters by delta / sqrt(3 * 10^4) off the diagonal and sqrt(2) times that on it
     assert draws.mean(0) == pytest.approx(np.eye(2), abs=5.0 * dispersion * np.sqrt(2.0 / 3e4))
     assert np.sqrt(np.sum((draws - np.eye(2)) ** 2, (1, 2)).mean() / 2.0) == pytest.approx(dispersion, rel=0.03)

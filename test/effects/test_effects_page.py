@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.effects import BLOCKS
-from drill_twin.study.verify import all_cases
+from drill_twin.effects import EFFECTS
+from drill_twin.studies.verify import all_cases
 
 HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "effects.md"
@@ -19,13 +19,13 @@ ROWS = {
 
 
 def test_the_page_lists_the_effects_and_no_others():
-    assert ROWS.keys() == BLOCKS.keys()
+    assert ROWS.keys() == EFFECTS.keys()
 
 
-@pytest.mark.parametrize("key", BLOCKS)
+@pytest.mark.parametrize("key", EFFECTS)
 def test_each_row_tells_options_and_tests(key):
     _, options, formula, _, verified = ROWS[key]
-    assert re.findall(r"`(\w+)`", options) == list(BLOCKS[key].model_fields), "options as the block has them"
+    assert re.findall(r"`(\w+)`", options) == list(EFFECTS[key].model_fields), "options as the block has them"
     assert formula.strip()
     tests = re.findall(r"`([\w/]+\.py)`", verified)
     cases = {name for name in re.findall(r"`(\w+\.\w+)`", verified) if not name.endswith(".py")}

@@ -7,9 +7,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from drill_twin.effects import wall
-from drill_twin.rod.hole import Bore
-from drill_twin.rod.point import Point
-from drill_twin.rod.stretch import stretch_forces, stretching
+from drill_twin.model.point import Point
+from drill_twin.model.stretch import stretch_forces, stretching
+from drill_twin.model.wellbore import Bore
 
 CLEARANCE, HERTZ, LINEAR, AXIAL = 0.08, 1e7, 1e6, 5e5
 angles = st.floats(0.0, 2.0 * np.pi)
@@ -28,7 +28,7 @@ def push(parameters: wall.Parameters, start: np.ndarray, v: np.ndarray, h2: floa
     x, y = start + h2 * v
     seen = dict.fromkeys(Point._fields, 0.0) | {"x": x, "y": y, "vx": v[0], "vy": v[1], "tz": 1.0, "place": 0}
     load, stiff = np.zeros(4), np.zeros((4, 4))
-    wall.point(type("All", (), {"wall": parameters}), None, Point(**seen), h2, load, stiff)
+    wall.distributed_load(type("All", (), {"wall": parameters}), None, Point(**seen), h2, load, stiff)
     return load[:2], stiff[:2, :2]
 
 
@@ -43,7 +43,7 @@ def interpreted(monkeypatch):
     monkeypatch.setattr(wall, "press", wall.press.py_func)
     monkeypatch.setattr(wall, "mean_force", wall.mean_force.py_func)
     monkeypatch.setattr(wall, "add_row", wall.add_row.py_func)
-    monkeypatch.setattr(wall, "point", wall.point.py_func)
+    monkeypatch.setattr(wall, "distributed_load", wall.distributed_load.py_func)
 
 
 @given(linear=st.booleans(), angle=angles, way=angles, depth=depths, h2=halves, speed=speeds)

@@ -6,10 +6,10 @@ import pytest
 from hole_scenes import ON_THE_WALL, SETTLING, bend, with_parts
 from scenes import DIAMETER, EA, EI, LINE_MASS
 
-from drill_twin.frame import Frame
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.twin import Twin
+from drill_twin.twin.frame import Frame
+from drill_twin.twin.twin import Twin
 
 CLEARANCE = 0.01
 RADIUS = CLEARANCE + DIAMETER / 2
@@ -21,7 +21,7 @@ MIDDLE = [{"name": "middle", "distance_from_bit": 10.0, "on": "centre"}]
 def settled(scene: Scene, weight_on_bit: float = 0.0, seconds: float = 3.0, still: float = 1e-4) -> tuple[Twin, Frame]:
     twin = Twin(scene)
     for _ in range(round(seconds / 0.02)):
-        frame = twin.step(Command(weight_on_bit=weight_on_bit, rotation=0.0), 0.02)
+        frame = twin.advance(Command(weight_on_bit=weight_on_bit, rotation=0.0), 0.02)
     assert np.abs(frame.velocities).max() < still, "the string must be at rest"
     return twin, frame
 
@@ -77,12 +77,12 @@ def test_rotation_in_a_bend_needs_no_torque_without_friction() -> None:
         hole={"radius": RADIUS, "survey": stations},
     )  # fmt: skip
     twin = Twin(scene)
-    first = twin.step(Command(weight_on_bit=-20.0, rotation=0.0), 0.02)
+    first = twin.advance(Command(weight_on_bit=-20.0, rotation=0.0), 0.02)
     assert abs(first.rig.top_drive_torque) < 1e-4, "it starts untwisted"
     for k in range(250):
-        frame = twin.step(Command(weight_on_bit=-20.0, rotation=5.0 * min((k + 1) / 50.0, 1.0)), 0.02)
+        frame = twin.advance(Command(weight_on_bit=-20.0, rotation=5.0 * min((k + 1) / 50.0, 1.0)), 0.02)
     # what is left brakes the bending of the turning material: c = EI eta kappa^2 per length, and drag on the spin is 0
-    axis = twin.site.bore.axis
+    axis = twin.model.bore.axis
     assert axis is not None
     losses = float(np.sum(np.repeat(twin.rod.length / 2.0, 2) * EI * 0.02 * axis.curvature**2)) * 5.0
     assert frame.rig.top_drive_torque == pytest.approx(losses, rel=0.1)
@@ -152,7 +152,7 @@ def test_the_wall_that_was_not_listed_is_told() -> None:
     for radius, outside in ((0.02, True), (1.0, False)):
         twin = Twin(with_parts(**options, radius=radius))
         for _ in range(200):
-            frame = twin.step(Command(weight_on_bit=0.0, rotation=0.0), 0.1)
+            frame = twin.advance(Command(weight_on_bit=0.0, rotation=0.0), 0.1)
         assert frame.wall_depth == pytest.approx(sag - (radius - DIAMETER / 2), rel=0.03)
         assert (frame.wall_depth > 0.0) == outside
         assert frame.wall_depth_at < 0.1

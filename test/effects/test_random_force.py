@@ -6,7 +6,7 @@ import pytest
 from quiet import AT_REST, FIRST, FORMS, first_mode, quiet_scene
 from scenes import LENGTH, LINE_MASS
 
-from drill_twin.twin import Twin
+from drill_twin.twin.twin import Twin
 
 
 def test_the_force_itself() -> None:
@@ -21,7 +21,7 @@ def test_the_force_itself() -> None:
         effects = {"drag": {"linear": drag}, "random_force": force}
         soft = ({"youngs_modulus": 1e3},)
         twin = Twin(quiet_scene(effects, form="lateral", sections=soft, step=5e-3, elements=25))
-        frames = [twin.step(AT_REST, 0.02).velocities[3:-3, :2] @ [1.0, 1.0j] for _ in range(800)]
+        frames = [twin.advance(AT_REST, 0.02).velocities[3:-3, :2] @ [1.0, 1.0j] for _ in range(800)]
         runs.append(np.array(frames) * drag / rms)
     f = np.array(runs)
     assert abs(f.mean()) < 0.03
@@ -54,7 +54,7 @@ def test_how_a_mode_answers() -> None:
         effects = {"drag": {"linear": drag}, "random_force": force}
         twin = Twin(quiet_scene(effects, form="lateral", step=0.01, elements=16, frame_rate=25.0))
         weights = first_mode(twin.rod.arc)[0] * twin.rod.length[0] / norm
-        places = np.array([twin.step(AT_REST, 0.04).positions[:, :2] @ [1.0, 1.0j] for _ in range(1750)])
+        places = np.array([twin.advance(AT_REST, 0.04).positions[:, :2] @ [1.0, 1.0j] for _ in range(1750)])
         squares.append(np.mean(np.abs(places[250:] @ weights) ** 2))
     assert np.mean(squares) == pytest.approx(exact, rel=0.075)
 
@@ -68,7 +68,7 @@ def test_frames_do_not_change_it(form: str) -> None:
         effects = {"random_force": force | {"seed": seed}}
         twin = Twin(quiet_scene(effects, form=form, step=step, elements=16, frame_rate=20.0))
         for _ in range(round(2.0 / frame)):
-            last = twin.step(AT_REST, frame)
+            last = twin.advance(AT_REST, frame)
         return last.positions[:, :2].copy()
 
     often, rarely, finely, other = end(0.01, 0.01), end(0.05, 0.01), end(0.05, 0.005), end(0.05, 0.01, seed=2)

@@ -8,8 +8,8 @@ from pydantic import ValidationError
 from scenes import LENGTH, rod_scene
 
 from drill_twin.schedule.command import Command
-from drill_twin.study.verify.torsion import IDLE
-from drill_twin.twin import Twin
+from drill_twin.studies.verify.dynamics.torsion import IDLE
+from drill_twin.twin.twin import Twin
 
 ROD_INERTIA = 1100.0 * np.pi / 32.0 * 0.0165**4 * LENGTH
 
@@ -27,8 +27,8 @@ def test_the_motor_keeps_to_its_limit_and_then_holds_the_speed():
     inertia, limit, omega = 0.05, 0.5, 10.0
     gains = {"proportional_gain": 2.0 * omega * inertia, "integral_gain": omega**2 * inertia}
     twin = driven(1e-3, 8, model="speed_controller", inertia=inertia, torque_limit=limit, **gains)
-    twin.step(Command(weight_on_bit=0.0, rotation=10.0), 1e-3)
-    frames = [twin.step(Command(weight_on_bit=0.0, rotation=10.0), 0.01).rig for _ in range(300)]
+    twin.advance(Command(weight_on_bit=0.0, rotation=10.0), 1e-3)
+    frames = [twin.advance(Command(weight_on_bit=0.0, rotation=10.0), 0.01).rig for _ in range(300)]
     whole = inertia + ROD_INERTIA
     speeds = np.array([frame.top_drive_speed for frame in frames])
     assert speeds[59] - speeds[19] == pytest.approx(limit / whole * 0.4, rel=2e-3)
@@ -46,7 +46,7 @@ def test_a_ramp_is_followed_and_the_integral_part_takes_away_the_droop():
             1e-3, 8, model="speed_controller", inertia=0.05, damping=0.5, proportional_gain=2.0, integral_gain=integral
         )
         for k in range(300):
-            rig = twin.step(Command(weight_on_bit=0.0, rotation=4.0 * min((k + 1) / 100.0, 1.0)), 0.01).rig
+            rig = twin.advance(Command(weight_on_bit=0.0, rotation=4.0 * min((k + 1) / 100.0, 1.0)), 0.01).rig
         assert rig.top_drive_speed == pytest.approx(4.0 * share, rel=1e-3)
 
 

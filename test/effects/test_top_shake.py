@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from quiet import AT_REST, quiet_scene
 
-from drill_twin.twin import Twin
+from drill_twin.twin.twin import Twin
 
 AMPLITUDE, DIRECTION, DRAG = 1e-3, 0.7, 0.4
 
@@ -17,7 +17,7 @@ def test_the_top_itself() -> None:
     u, v = twin.unknowns
     assert v[-1, 0] == pytest.approx(AMPLITUDE * 4.0 * np.pi)
     for _ in range(300):
-        twin.step(AT_REST, 0.01)
+        twin.advance(AT_REST, 0.01)
         angle = 4.0 * np.pi * twin.time
         assert u[-1, 0] == pytest.approx(AMPLITUDE * np.sin(angle), abs=1e-4 * AMPLITUDE)
         assert v[-1, 0] == pytest.approx(AMPLITUDE * 4.0 * np.pi * np.cos(angle), abs=1e-9)
@@ -35,7 +35,7 @@ def test_a_random_shake() -> None:
     u, v = twin.unknowns
     rows = []
     for _ in range(4000):
-        twin.step(AT_REST, 0.05)
+        twin.advance(AT_REST, 0.05)
         rows.append((u[-1, 0], v[-1, 0]))
     place, speed = np.array(rows).T
     assert np.var(place) == pytest.approx(AMPLITUDE**2 / 2.0, rel=0.1)

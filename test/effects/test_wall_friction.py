@@ -12,10 +12,10 @@ from hole_scenes import ON_THE_WALL, bend, with_parts
 from scenes import DIAMETER, LINE_MASS
 
 from drill_twin.effects import wall, wall_friction
-from drill_twin.rod.point import Point
+from drill_twin.model.point import Point
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.twin import Twin
+from drill_twin.twin.twin import Twin
 
 PLACE, H2, CLEARANCE = 17, 1e-3, 0.01
 
@@ -36,7 +36,7 @@ def made(scene: Scene) -> tuple[Both, Twin]:
     twin = Twin(scene)
     effects = scene.effects
     return Both(
-        wall.parameters(effects.wall, twin.site), wall_friction.parameters(effects.wall_friction, twin.site)
+        wall.parameters(effects.wall, twin.model), wall_friction.parameters(effects.wall_friction, twin.model)
     ), twin
 
 
@@ -48,13 +48,13 @@ def evaluate(both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, h2: fl
         seen |= dict(zip(("vx", "vy", "vz", "spin_rate"), rate, strict=True))
         seen |= {"element": PLACE // 2, "place": PLACE, "tz": 1.0, "fresh": count == 0, "iteration": float(count)}
         here = Point(**seen)
-        wall_friction.point(both, twin.rod, here, h2, load, stiff)
+        wall_friction.distributed_load(both, twin.rod, here, h2, load, stiff)
     return load, stiff
 
 
 def on_the_wall(twin: Twin, depth: float, angle: float) -> tuple[np.ndarray, np.ndarray]:
     """A place in contact, and the directions round the hole, along it and outward there, as rows."""
-    axis = twin.site.bore.axis
+    axis = twin.model.bore.axis
     centre, t = (np.array([0.0, 0.0, -9.0]), np.array([0.0, 0.0, 1.0])) if axis is None else (
         axis.centre[PLACE], axis.tangent[PLACE]
     )  # fmt: skip
@@ -119,7 +119,7 @@ def test_rotation_frees_axial_sliding() -> None:
         twin = Twin(scene)
         for k in range(200):
             share = min((k + 1) / 100.0, 1.0) if speed else max((k - 99) / 100.0, 0.0)
-            frame = twin.step(Command(weight_on_bit=-pull * share, rotation=speed), 0.02)
+            frame = twin.advance(Command(weight_on_bit=-pull * share, rotation=speed), 0.02)
         return frame.rig.hookload, frame.wall_force.sum()
 
     dragged, normal = hookload(0.0)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """An effect that breaks the string on purpose, brought into the composition from outside: no scene can list it.
 
-``python poison.py START END LONGEST PUSH NODE ...`` starts a node with it (`drill_twin.nodes`).
+``python poison.py START END LONGEST PUSH NODE ...`` starts a node with it (`drill_twin.ros`).
 """
 
 import importlib
@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from drill_twin.rod.jit import kernel
-from drill_twin.rod.mesh import Rod
-from drill_twin.rod.point import Point
-from drill_twin.rod.types import Array
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.model.mesh import Rod
+from drill_twin.model.point import Point
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Poison:
     still: ClassVar[tuple[str, ...]] = ()
     work: ClassVar[str] = "any"
 
-    def misfits(self, _: Any) -> tuple[()]:
+    def check_against(self, _: Any) -> tuple[()]:
         return ()
 
 
@@ -43,7 +43,7 @@ class Parameters(NamedTuple):
     push: float
 
 
-def parameters(block: Poison, site: Any) -> Parameters:
+def parameters(block: Poison, model: Any) -> Parameters:
     return Parameters(block.start, block.end, block.longest, block.push)
 
 
@@ -93,6 +93,6 @@ def poisoned(*dose: float) -> Iterator[None]:
 
 if __name__ == "__main__":
     install(Poison(*map(float, sys.argv[1:5])))
-    from drill_twin.nodes.start import start
+    from drill_twin.ros.entry_points import start
 
     sys.exit(start(sys.argv[5], sys.argv[6:]))

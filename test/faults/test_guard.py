@@ -8,21 +8,22 @@ import numpy as np
 import pytest
 from poison import Poison, install, poisoned
 
-from drill_twin.bag.reader import Bag
-from drill_twin.bag.series import diagnostics
-from drill_twin.checkpoint import Checkpoint
 from drill_twin.errors import RunError, StoppedError
-from drill_twin.guard import CALM, TRIES, Guard, Violation
-from drill_twin.messages import topics
-from drill_twin.messages.decode import JointStateReader, read_pose_array
-from drill_twin.messages.diagnostics import Level
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.series import diagnostics
+from drill_twin.io.messages import topics
+from drill_twin.io.messages.decode import JointStateReader, read_pose_array
+from drill_twin.io.messages.diagnostics import Level
 from drill_twin.report.summary import summarise
+from drill_twin.runner import Session
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
-from drill_twin.session import Session
-from drill_twin.solve.state import CUTS
-from drill_twin.study.verify.rods import rod_scene
-from drill_twin.twin import Twin
+from drill_twin.solver.state import HALVINGS
+from drill_twin.studies.verify.scenes import rod_scene
+from drill_twin.twin.checkpoint import Checkpoint
+from drill_twin.twin.step_guard import GOOD_FRAMES_BEFORE_GROWTH, MAX_RETRIES, StepGuard
+from drill_twin.twin.twin import Twin
+from drill_twin.twin.violation import Violation
 
 NAN, EVER = math.nan, math.inf
 FRAME, STEP = 0.01, 5e-3
@@ -39,7 +40,7 @@ def scene() -> Scene:
 def frames(dose: tuple[float, ...], count: int):
     with poisoned(*dose):
         twin = Twin(scene())
-        return twin, [twin.step(TURNING, FRAME) for _ in range(count)]
+        return twin, [twin.advance(TURNING, FRAME) for _ in range(count)]
 
 
 def test_a_run_in_which_nothing_happens_is_not_touched():
@@ -57,7 +58,9 @@ def test_a_fault_of_too_large_a_step_is_taken_back_and_done_with_a_smaller_one()
     assert "taken back and done again with a step of 0.000625 s" in told[0].text
     # the step grows back by doubling
     steps = [frame.stats.steps for frame in seen]
-    assert steps == [2] * 10 + [16] * (1 + CALM) + [8] * CALM + [4] * CALM + [2] * (49 - 3 * CALM)
+    assert steps == [2] * 10 + [16] * (1 + GOOD_FRAMES_BEFORE_GROWTH) + [8] * GOOD_FRAMES_BEFORE_GROWTH + [
+        4
+    ] * GOOD_FRAMES_BEFORE_GROWTH + [2] * (49 - 3 * GOOD_FRAMES_BEFORE_GROWTH)
     # what came out is the motion without the poison, computed finer for a while
     _, clean = frames(HARMLESS, 60)
     assert np.allclose(seen[-1].positions, clean[-1].positions, atol=1e-4)
@@ -77,11 +80,11 @@ def test_a_frame_that_grinds_is_given_up_in_a_bounded_time():
     with poisoned(0.1, EVER, STEP / 3000, NAN):
         twin = Twin(scene())
         for _ in range(10):
-            twin.step(TURNING, FRAME)
-        before = twin.checkpoint()["counters"][CUTS]
+            twin.advance(TURNING, FRAME)
+        before = twin.checkpoint()["counters"][HALVINGS]
         with pytest.raises(StoppedError, match="cut more than 2400 times within a frame") as told:
-            twin.step(TURNING, FRAME)
-        assert twin.checkpoint()["counters"][CUTS] == before  # taken back
+            twin.advance(TURNING, FRAME)
+        assert twin.checkpoint()["counters"][HALVINGS] == before  # taken back
     assert (told.value.kind, told.value.time) == ("newton", pytest.approx(0.1))
     assert "a step of 7.8e-05 s was cut more" in str(told.value)
 
@@ -93,14 +96,14 @@ def test_a_frame_that_grinds_is_given_up_in_a_bounded_time():
 def test_a_fault_that_stays_stops_the_run_at_the_last_good_frame(push, kind, words):
     with poisoned(0.1, EVER, 0.0, push):
         twin = Twin(scene())
-        good = [twin.step(TURNING, FRAME) for _ in range(10)][-1]
+        good = [twin.advance(TURNING, FRAME) for _ in range(10)][-1]
         with pytest.raises(StoppedError) as stopped:
-            twin.step(TURNING, FRAME)
+            twin.advance(TURNING, FRAME)
     error = stopped.value
     assert (error.kind, error.time) == (kind, pytest.approx(0.1))
     assert 0 <= error.node <= 8
     assert words in str(error)
-    assert f"down to {STEP / 2**TRIES:.2g} s" in str(error)
+    assert f"down to {STEP / 2**MAX_RETRIES:.2g} s" in str(error)
     other = copy.copy(error)  # as pickle takes it from a worker to who asked for the run
     assert (str(other), other.kind, other.time, other.effect) == (str(error), kind, error.time, error.effect)
     assert twin.time == pytest.approx(0.1)
@@ -117,11 +120,11 @@ def test_a_checkpoint_in_a_calm_after_an_intervention_goes_on_bit_for_bit():
     with poisoned(*dose):
         twin = Twin(scene())
         for _ in range(15):
-            twin.step(TURNING, FRAME)
+            twin.advance(TURNING, FRAME)
         other = Twin(scene())
         other.restore(twin.checkpoint())
         for _ in range(30):
-            one, two = twin.step(TURNING, FRAME), other.step(TURNING, FRAME)
+            one, two = twin.advance(TURNING, FRAME), other.advance(TURNING, FRAME)
             assert np.array_equal(one.positions, two.positions)
             assert one.stats.steps == two.stats.steps
 
@@ -183,10 +186,12 @@ def test_a_stop_leaves_a_readable_bag_a_checkpoint_and_the_last_second(session, 
     install(Poison(*HARMLESS))
     twin = Checkpoint.load(folder / "checkpoint.npz").twin()
     assert twin.time == pytest.approx(1.3)
-    assert np.isfinite(twin.step(TURNING, FRAME).positions).all()
+    assert np.isfinite(twin.advance(TURNING, FRAME).positions).all()
 
 
-@pytest.mark.parametrize(("kind", "tries"), [("fold", 1), ("slope", 1), ("speed", TRIES), ("strain", TRIES)])
+@pytest.mark.parametrize(
+    ("kind", "tries"), [("fold", 1), ("slope", 1), ("speed", MAX_RETRIES), ("strain", MAX_RETRIES)]
+)
 def test_what_no_smaller_step_mends_is_tried_once(monkeypatch, kind, tries):
     asked = []
 
@@ -196,10 +201,10 @@ def test_what_no_smaller_step_mends_is_tried_once(monkeypatch, kind, tries):
 
     with poisoned(*HARMLESS):
         twin = Twin(scene())
-        twin.step(TURNING, FRAME)
-        monkeypatch.setattr(Guard, "find", find)
+        twin.advance(TURNING, FRAME)
+        monkeypatch.setattr(StepGuard, "find", find)
         with pytest.raises(StoppedError, match="it was so"):
-            twin.step(TURNING, FRAME)
+            twin.advance(TURNING, FRAME)
     assert asked == [0.5**k for k in range(tries + 1)]
 
 

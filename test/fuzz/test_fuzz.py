@@ -21,16 +21,16 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from mutate import mutated
 
-from drill_twin.bag.reader import Bag
-from drill_twin.checkpoint import Checkpoint
 from drill_twin.errors import DrillTwinError
-from drill_twin.pipeline import WhirlPipeline
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.whirl_pipeline import WhirlPipeline
+from drill_twin.live.feed import INPUTS, Feed
+from drill_twin.runner import Session
 from drill_twin.scene import load_scene
 from drill_twin.scene.paths import config_dir
 from drill_twin.schedule.tables import read_table
-from drill_twin.session import Session
-from drill_twin.twin import Twin
-from drill_twin.watch.feed import INPUTS, Feed
+from drill_twin.twin.checkpoint import Checkpoint
+from drill_twin.twin.twin import Twin
 
 SEED = 20261121
 COUNT = int(os.environ.get("DRILL_TWIN_FUZZ", "300"))

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from hypothesis import strategies as st
 
-from drill_twin.effects import BLOCKS
+from drill_twin.effects import EFFECTS
 
 
 class Scale(NamedTuple):
@@ -389,4 +389,4 @@ def mirrored(data: dict[str, Any]) -> dict[str, Any] | None:
 
 def quantities(key: str) -> set[str]:
     """Fields of an effect's block."""
-    return set(BLOCKS[key].model_fields)
+    return set(EFFECTS[key].model_fields)

@@ -10,25 +10,25 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.cost import Cost
-from drill_twin.frame import EnergyBalance
+from drill_twin.monitor.run_timing import Cost
 from drill_twin.scene import hard_scenes, load_scene
 from drill_twin.schedule import Schedule
-from drill_twin.study import hard
-from drill_twin.study.hard.bound import deepest_allowed
-from drill_twin.study.hard.judge import Watch, judge
-from drill_twin.twin import Twin
+from drill_twin.studies import stress
+from drill_twin.studies.stress.bound import deepest_allowed
+from drill_twin.studies.stress.judge import Watch, judge
+from drill_twin.twin.frame import EnergyBalance
+from drill_twin.twin.twin import Twin
 
 QUICK = (
     "weight_jumps", "wall_1e12", "start_at_rest", "start_in_contact", "start_on_the_opposite_wall", "restitution_0",
     "friction_2", "elements_5", "commands_jump",
 )  # fmt: skip
 """Scenes of the same kernels that are done in a second."""
-CASES = [case for case in hard.all_hard_cases() if not case.long]
+CASES = [case for case in stress.all_hard_cases() if not case.long]
 
 
 def result_of(name):
-    return hard.run_case(next(case for case in hard.all_hard_cases() if case.name == name))
+    return stress.run_case(next(case for case in stress.all_hard_cases() if case.name == name))
 
 
 def test_every_scene_says_why_it_is_hard():
@@ -41,7 +41,7 @@ def test_every_scene_says_why_it_is_hard():
 
 @pytest.mark.parametrize("case", [c for c in CASES if c.name.partition("[")[0] in QUICK], ids=lambda case: case.name)
 def test_a_hard_scene_is_in_order(case):
-    result = hard.run_case(case)
+    result = stress.run_case(case)
     assert result.ok, result.verdict
     assert result.reached == pytest.approx(case.seconds)
 
@@ -49,7 +49,7 @@ def test_a_hard_scene_is_in_order(case):
 @pytest.mark.long
 @pytest.mark.parametrize("case", [c for c in CASES if c.name.partition("[")[0] not in QUICK], ids=lambda c: c.name)
 def test_a_slower_hard_scene_is_in_order(case):
-    result = hard.run_case(case)
+    result = stress.run_case(case)
     assert result.ok, result.verdict
 
 
@@ -67,8 +67,8 @@ def test_a_day_of_rotation_is_in_order():
     twin, watch = Twin(scene), Watch()
     schedule = Schedule.from_scene(scene)
     for k in range(864_000):
-        watch.see(twin.step(schedule.at(0.1 * (k + 1)), 0.1))
-    case = next(case for case in hard.all_hard_cases() if case.name == "steady_hour[spatial]")
+        watch.see(twin.advance(schedule.at(0.1 * (k + 1)), 0.1))
+    case = next(case for case in stress.all_hard_cases() if case.name == "steady_hour[spatial]")
     allowed = deepest_allowed(twin, watch.speed) + 0.5 * twin.step_size * watch.speed
     assert judge(case, watch, "", allowed) == "ok"
 
@@ -77,7 +77,7 @@ def test_steps_taken_loosely_are_counted_and_told():
     """300 N press the string on the wall, where places flicker between stick and slip."""
     scene = load_scene("hard/load_300_n")
     twin, schedule, cost = Twin(scene), Schedule.from_scene(scene), Cost()
-    frames = [twin.step(schedule.at(0.01 * (k + 1)), 0.01) for k in range(200)]
+    frames = [twin.advance(schedule.at(0.01 * (k + 1)), 0.01) for k in range(200)]
     for frame in frames:
         cost.add(0.01, frame.stats.wall_seconds, 0.0, frame)
     loose = sum(frame.stats.loose_steps for frame in frames)
@@ -120,8 +120,8 @@ def test_heat_cannot_come_back(make_frame):
 @pytest.mark.long
 def test_the_energy_of_a_hard_scene_is_accounted_for():
     case = next(case for case in CASES if case.name == "restitution_1[lateral]")
-    assert hard.run_case(case).energy is None
-    result = hard.run_case(case, energy=True)
+    assert stress.run_case(case).energy is None
+    result = stress.run_case(case, energy=True)
     assert result.ok, result.verdict
     assert 0.0 < result.energy < 0.05
 
@@ -143,7 +143,7 @@ def test_the_command_tells_and_ends_with_one_where_a_case_is_not_in_order(tmp_pa
     assert "| start_at_rest | spatial |" in page.read_text("utf-8")
     good = result_of("start_at_rest[spatial]")
     bad = type(good)(**{**good.__dict__, "verdict": "stopped: here"})
-    monkeypatch.setattr(hard, "run_hard", lambda *_, **__: [bad])
+    monkeypatch.setattr(stress, "run_hard", lambda *_, **__: [bad])
     said = CliRunner().invoke(app, ["hard", "--only", "start_at_rest[spatial]"])
     assert said.exit_code == 1
     assert "stopped: here" in said.output

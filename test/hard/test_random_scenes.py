@@ -16,12 +16,12 @@ from hypothesis import HealthCheck, Phase, event, given, reject, settings
 from hypothesis import strategies as st
 from random_scenes import FIELDS, mirrored, quantities, scenes
 
-from drill_twin.effects import BLOCKS
+from drill_twin.effects import EFFECTS
 from drill_twin.errors import RunError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
-from drill_twin.study.hard.bound import deepest_allowed
-from drill_twin.twin import Twin
+from drill_twin.studies.stress.bound import deepest_allowed
+from drill_twin.twin.twin import Twin
 
 BENCH = frozenset(load_scene("pa6_bench").effect_names)
 SETS = {"bench": BENCH, "bench, lateral": BENCH - {"stretch", "torsion"}}
@@ -64,7 +64,7 @@ def frames(
     period, upright = 1.0 / twin.scene.numerics.frame_rate, 1.0
     for k in range(first, last + 1):
         try:
-            frame = twin.step(schedule.at(k * period), period)
+            frame = twin.advance(schedule.at(k * period), period)
         except RunError as error:
             if upright > FOLDING and not any(word in str(error) for word in MEANT):
                 if lost is None:
@@ -110,7 +110,7 @@ def check(data: dict, lost: list | None = None) -> None:
     if image is not None:
         other = Scene.model_validate(image)
         seen = [frame.positions for _, frame in frames(Twin(other), Schedule.from_scene(other), last=3)]
-        room = float(twin.site.bore.clearance.max())
+        room = float(twin.model.bore.clearance.max())
         for here, there in zip(early, seen, strict=True):
             np.testing.assert_allclose(there * (1.0, -1.0, 1.0), here, rtol=0.0, atol=ROUND_OFF * max(room, 1e-3))
 
@@ -140,6 +140,6 @@ def test_a_random_scene_of_any_pair_of_effects(number):
 
 
 def test_every_field_of_every_effect_is_drawn():
-    assert set(FIELDS) == set(BLOCKS) - {"stretch", "torsion"}
+    assert set(FIELDS) == set(EFFECTS) - {"stretch", "torsion"}
     for key, fields in FIELDS.items():
         assert set(fields) == quantities(key), key

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drill_twin.frame import Frame
 from drill_twin.schedule import Command
-from drill_twin.study.stability import draw, explicit_limit, stability_map
-from drill_twin.study.verify.rods import EI, LENGTH, LINE_MASS, WALLED, rod_scene
-from drill_twin.twin import Twin
+from drill_twin.studies.stability import draw, explicit_limit, stability_map
+from drill_twin.studies.verify.scenes import EI, LENGTH, LINE_MASS, WALLED, rod_scene
+from drill_twin.twin.frame import Frame
+from drill_twin.twin.twin import Twin
 
 STEP = 0.05
 STILL = Command(0.0, 0.0)
@@ -61,7 +61,7 @@ def test_the_explicit_bound_is_that_of_the_text_book():
 def test_linear_forces_are_stable_far_beyond_an_explicit_bound(effects, bound, elements):
     twin = shaken(twin_of(effects, elements=elements))
     assert 1000.0 * explicit_limit(twin.rod, **bound) < STEP
-    frames = [twin.step(STILL, STEP) for _ in range(200)]
+    frames = [twin.advance(STILL, STEP) for _ in range(200)]
     seen = np.array([energy(frame) for frame in frames])
     assert (np.diff(seen) <= 1e-9 * seen[0]).all()
     assert all(frame.stats.cut_steps == 0 and frame.intervention is None for frame in frames)
@@ -76,7 +76,7 @@ def test_a_linear_wall_is_stable_far_beyond_an_explicit_bound():
                "drag": {"linear": 0.5}}  # fmt: skip
     twin = twin_of(effects, radius=0.03, inclination=np.pi / 2, bit_end="free")
     assert 1000.0 * explicit_limit(twin.rod, wall=stiffness) < STEP
-    frames = [twin.step(STILL, STEP) for _ in range(200)]
+    frames = [twin.advance(STILL, STEP) for _ in range(200)]
     fall = LINE_MASS * LENGTH * 9.81 * 0.03
     assert max(frame.energy.stored["kinetic"] for frame in frames) < 2.0 * fall
     assert frames[-1].energy.stored["kinetic"] < 5e-3 * fall
@@ -96,7 +96,7 @@ def test_no_friction_and_no_damping_can_blow_up(effects):
     kick = {"lateral_kick": {"velocity": 0.5, "shape": "hump"}, "wall": {"stiffness": 1e7}}
     twin = twin_of({**kick, **effects}, elements=16, step=5e-3, radius=0.03)
     start = 0.5 * float(np.einsum("eic,eij,ejc->", *_elements(twin)))
-    frames = [twin.step(STILL, STEP) for _ in range(40)]
+    frames = [twin.advance(STILL, STEP) for _ in range(40)]
     assert max(energy(frame) + frame.energy.stored["wall"] for frame in frames) < 1.3 * start
     heat = np.array([[frame.energy.dissipated[key] for key in ("wall_friction", "internal_damping")]
                      for frame in frames])  # fmt: skip
@@ -106,9 +106,9 @@ def test_no_friction_and_no_damping_can_blow_up(effects):
 def test_whatever_the_damping_time():
     """Beyond what a scene may say, a thousand seconds: the string is then a dead weight."""
     twin = twin_of({"internal_damping": {"bending_time": 10.0}, "lateral_kick": {"velocity": 0.5, "shape": "hump"}})
-    damping = twin.machine.parameters.internal_damping._replace(bending=1e3)
-    twin.machine.parameters = twin.machine.parameters._replace(internal_damping=damping)
-    seen = [energy(twin.step(STILL, STEP)) for _ in range(40)]
+    damping = twin.dynamics.parameters.internal_damping._replace(bending=1e3)
+    twin.dynamics.parameters = twin.dynamics.parameters._replace(internal_damping=damping)
+    seen = [energy(twin.advance(STILL, STEP)) for _ in range(40)]
     assert seen[-1] <= seen[0]
     assert np.isfinite(seen).all()
 

@@ -7,16 +7,16 @@ from holding import cases_of, check
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drill_twin.study.verify import Case
-from drill_twin.study.verify.case import FORMS
-from drill_twin.study.verify.symmetry import lively, turned
+from drill_twin.studies.verify import Case
+from drill_twin.studies.verify.case import FORMS
+from drill_twin.studies.verify.numerics.symmetry import lively, turned
 
 SHORT = 0.4  # [s]
 LOADS, SPEEDS = st.floats(5.0, 60.0), st.floats(-20.0, 20.0)
 FRICTION, ANGLES = st.floats(0.0, 1.0), st.floats(-np.pi, np.pi)
 
 
-@cases_of("conserved", "symmetry")
+@cases_of("numerics.conservation", "numerics.symmetry")
 def test_kept(case: Case) -> None:
     check(case)
 

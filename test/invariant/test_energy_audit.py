@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drill_twin.frame import EnergyBalance
+from drill_twin.audit.energy_ledger import EFFECTS, WORK
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
-from drill_twin.solve import compose
-from drill_twin.solve.audit import EFFECTS, WORK
-from drill_twin.study.verify.rods import WALLED, rod_scene
-from drill_twin.twin import Twin
+from drill_twin.solver import kernel_codegen
+from drill_twin.studies.verify.scenes import WALLED, rod_scene
+from drill_twin.twin.frame import EnergyBalance
+from drill_twin.twin.twin import Twin
 
 IDLE: dict[str, dict[str, Any]] = {**WALLED, "lateral_kick": {"velocity": 0.0, "shape": "half_wave"}}
 BOTH = ["lateral", pytest.param("spatial", marks=pytest.mark.long)]
@@ -36,7 +36,7 @@ def scene(form: str, effects: dict[str, Any], *, step: float = 2e-3, audit: str 
 
 def balances(made: Scene, seconds: float = 2.0, load: float = 0.0, speed: float = 0.0) -> list[EnergyBalance]:
     twin = Twin(made)
-    frames = [twin.step(Command(load, min(k / 20.0, 1.0) * speed), 0.02) for k in range(1, round(seconds * 50) + 1)]
+    frames = [twin.advance(Command(load, min(k / 20.0, 1.0) * speed), 0.02) for k in range(1, round(seconds * 50) + 1)]
     return [frame.energy for frame in frames]
 
 
@@ -107,7 +107,7 @@ def test_a_force_that_is_not_accounted_for_is_caught():
     """The drag's entry taken out of the books: the residual is then what it has braked."""
     twin = Twin(scene("lateral", {**KICK, **HEAVY, **DAMPED}, bit_end="free"))
     for _ in range(100):
-        frame = twin.step(Command(0.0, 0.0), 0.02)
+        frame = twin.advance(Command(0.0, 0.0), 0.02)
     braked = frame.energy.work["drag"]
     books = twin.books
     books._books[WORK, EFFECTS + books._effects.index("drag")] = 0.0
@@ -120,10 +120,10 @@ def test_a_force_that_is_not_accounted_for_is_caught():
 def test_a_push_from_outside_is_caught():
     """Somebody who changes the velocities between two frames shows in the residual with just what it brought in."""
     twin = Twin(scene("lateral", {**KICK, **HEAVY}, bit_end="free"))
-    before = [twin.step(Command(0.0, 0.0), 0.02) for _ in range(10)][-1].energy
+    before = [twin.advance(Command(0.0, 0.0), 0.02) for _ in range(10)][-1].energy
     kinetic = before.stored["kinetic"]
     twin.unknowns[1][:] *= 1.02
-    after = twin.step(Command(0.0, 0.0), 0.02).energy
+    after = twin.advance(Command(0.0, 0.0), 0.02).energy
     assert after.residual - before.residual == pytest.approx((1.02**2 - 1.0) * kinetic, rel=1e-9)
 
 
@@ -132,18 +132,18 @@ def test_the_books_do_not_touch_the_motion():
     made = [scene("lateral", LIVELY, audit=audit, radius=0.03, weight_on_bit=15.0) for audit in ("energy", "none")]
     with_books, without = (Twin(one) for one in made)
     for _ in range(50):
-        one, other = (twin.step(Command(15.0, 6.0), 0.02) for twin in (with_books, without))
+        one, other = (twin.advance(Command(15.0, 6.0), 0.02) for twin in (with_books, without))
         assert np.allclose(one.positions, other.positions, atol=1e-7)
     assert other.energy is None
-    assert "ledger" not in without.machine.kernel.Parameters._fields
-    assert "audit" not in compose.source(("drag",), "lateral")
+    assert "ledger" not in without.dynamics.kernel.Parameters._fields
+    assert "audit" not in kernel_codegen.source(("drag",), "lateral")
 
 
 def test_a_resumed_run_goes_on_with_its_books():
     twin = Twin(scene("lateral", {**KICK, **HEAVY, **DAMPED}, bit_end="free"))
     for _ in range(20):
-        twin.step(Command(0.0, 0.0), 0.02)
+        twin.advance(Command(0.0, 0.0), 0.02)
     other = Twin(twin.scene)
     other.restore(twin.checkpoint())
-    one, two = (each.step(Command(0.0, 0.0), 0.02).energy for each in (twin, other))
+    one, two = (each.advance(Command(0.0, 0.0), 0.02).energy for each in (twin, other))
     assert one == two

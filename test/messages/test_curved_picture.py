@@ -6,18 +6,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drill_twin.messages.cdr import PoseArrayTemplate
-from drill_twin.messages.definitions import deserialize
-from drill_twin.messages.encode import encode_string
-from drill_twin.messages.geometry import StringGeometry, Widened
-from drill_twin.messages.markers import MarkerArrayTemplate
-from drill_twin.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
+from drill_twin.io.messages.cdr import PoseArrayTemplate
+from drill_twin.io.messages.definitions import deserialize
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.geometry import StringGeometry, Widened
+from drill_twin.io.messages.markers import MarkerArrayTemplate
+from drill_twin.io.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
+from drill_twin.live.feed import Feed
+from drill_twin.model.survey import survey
+from drill_twin.model.wellbore import along, aside
+from drill_twin.model.wellbore_coordinates import across, rolled, seen, unrolled
 from drill_twin.report.curve import along_hole
-from drill_twin.rod.hole import along, aside
-from drill_twin.rod.survey import survey
-from drill_twin.rod.unroll import across, rolled, seen, unrolled
 from drill_twin.scene import load_scene, parse_scene
-from drill_twin.watch.feed import Feed
 
 FACTOR = 20.0
 DEPTHS = np.array([0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0])

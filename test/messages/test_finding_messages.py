@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drill_twin.errors import MessageError
-from drill_twin.messages.cdr import JointStateTemplate
-from drill_twin.messages.decode import read_joint_state
-from drill_twin.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.messages.whirl_encode import (
+from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.decode import read_joint_state
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.whirl_encode import (
     Motion,
     OnsetMessage,
     WhirlStateEncoder,

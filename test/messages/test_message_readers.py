@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drill_twin.errors import MessageError
-from drill_twin.messages import decode
-from drill_twin.messages.cdr import JointStateTemplate, PoseArrayTemplate
-from drill_twin.messages.decode import JointStateReader, read_float64, read_joint_state, read_pose_array, read_string
-from drill_twin.messages.definitions import message, serialize, typestore
-from drill_twin.messages.stamps import header
-from drill_twin.messages.topics import JOINT_STATE, POSE_ARRAY
+from drill_twin.io.messages import decode
+from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
+from drill_twin.io.messages.decode import JointStateReader, read_float64, read_joint_state, read_pose_array, read_string
+from drill_twin.io.messages.definitions import message, serialize, typestore
+from drill_twin.io.messages.stamps import header
+from drill_twin.io.messages.topics import JOINT_STATE, POSE_ARRAY
 
 number = st.floats(allow_nan=True, allow_infinity=True, width=64)
 stamps = st.integers(0, 2**31 * 1_000_000_000 - 1)

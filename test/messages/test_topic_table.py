@@ -5,8 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from drill_twin.messages.definitions import definition
-from drill_twin.messages.topics import TOPICS, topic_table
+from drill_twin.io.messages.definitions import definition
+from drill_twin.io.messages.topics import TOPICS, topic_table
 
 
 def test_the_contract():
@@ -46,5 +46,5 @@ def test_the_readme_shows_the_table():
 
 
 def test_messages_and_bags_do_without_ros():
-    code = "import sys, drill_twin.messages.encode, drill_twin.bag.series; sys.exit('rclpy' in sys.modules)"
+    code = "import sys, drill_twin.io.messages.encode, drill_twin.io.bag.series; sys.exit('rclpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

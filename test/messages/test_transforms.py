@@ -4,10 +4,10 @@
 import numpy as np
 import pytest
 
-from drill_twin.messages.decode import read_pose_array
-from drill_twin.messages.definitions import deserialize
-from drill_twin.messages.encode import TwinEncoder
-from drill_twin.messages.transforms import TF_TYPE, Frames, TransformsTemplate, hole_placed
+from drill_twin.io.messages.decode import read_pose_array
+from drill_twin.io.messages.definitions import deserialize
+from drill_twin.io.messages.encode import TwinEncoder
+from drill_twin.io.messages.transforms import TF_TYPE, Frames, TransformsTemplate, hole_placed
 
 STAMP = 12_340_000_000
 

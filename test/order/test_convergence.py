@@ -3,9 +3,9 @@
 
 from holding import cases_of, check
 
-from drill_twin.study.verify import Case
+from drill_twin.studies.verify import Case
 
 
-@cases_of("order")
+@cases_of("numerics.convergence_order")
 def test_order(case: Case) -> None:
     check(case)

@@ -4,11 +4,11 @@
 import pytest
 
 from drill_twin.scene import load_scene
-from drill_twin.study.paper import calibrate as module
-from drill_twin.study.paper.calibrate import calibrate
-from drill_twin.study.paper.objective import FITTED, LARGEST, Loss, evaluate, lateral, loss
-from drill_twin.study.paper.trade_off import draw_trade_off, front, groups, point
-from drill_twin.study.paper.unknowns import UNKNOWNS, shares_of, with_shares
+from drill_twin.studies.paper.calibration import calibrate as module
+from drill_twin.studies.paper.calibration.calibrate import calibrate
+from drill_twin.studies.paper.calibration.objective import FITTED, LARGEST, Loss, evaluate, lateral, loss
+from drill_twin.studies.paper.calibration.trade_off import draw_trade_off, front, groups, point
+from drill_twin.studies.paper.calibration.unknowns import UNKNOWNS, shares_of, with_shares
 
 WANTED = (0.3, 0.7, 0.5, 0.4, 0.6, 0.2, 0.8, 0.45, 0.55, 0.35)
 

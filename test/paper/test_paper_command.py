@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
 from drill_twin.errors import BagError, SceneError
-from drill_twin.study.paper.outcome import reproduce
+from drill_twin.studies.paper.runs.reproduction import reproduce
 
 
 def command(*words):
@@ -85,7 +85,7 @@ def test_a_scene_that_is_no_bench_is_one_clear_error(name, scene, words, tmp_pat
 
 @pytest.mark.long
 def test_the_matrix_reproduces_what_the_documentation_says():
-    from drill_twin.study.paper.outcome import bench
+    from drill_twin.studies.paper.runs.reproduction import bench
 
     done = reproduce(bench(), variants=False, full_size_too=False)
     near = {row.number.name for row in done.rows if row.near}

@@ -7,13 +7,13 @@ import pytest
 
 from drill_twin.errors import SceneError
 from drill_twin.scene import load_scene
-from drill_twin.study.paper.cases import LOADS, MATRIX, SPEEDS, Case, changed, scene_of, value_at
-from drill_twin.study.paper.full_size import CASES as FULL_SIZE
-from drill_twin.study.paper.objective import FITTED, JUDGED, deviation
-from drill_twin.study.paper.published import Published, published
-from drill_twin.study.paper.run import Measured
-from drill_twin.study.paper.similarity import similarity
-from drill_twin.study.paper.table import rows, surge_speed, trends
+from drill_twin.studies.paper.calibration.objective import FITTED, JUDGED, deviation
+from drill_twin.studies.paper.runs.cases import LOADS, MATRIX, SPEEDS, Case, changed, scene_of, value_at
+from drill_twin.studies.paper.runs.full_size import CASES as FULL_SIZE
+from drill_twin.studies.paper.runs.published import Published, published
+from drill_twin.studies.paper.runs.run import Measured
+from drill_twin.studies.paper.runs.similarity import similarity
+from drill_twin.studies.paper.runs.table import rows, surge_speed, trends
 
 # The paper's text: sections 3.2.1 and 3.2.2.2, conclusions 2 and 3.
 BENCH = {
@@ -53,7 +53,7 @@ def test_the_runs_are_those_of_table_2():
 def test_a_broken_table_of_published_numbers_is_one_clear_error(monkeypatch: pytest.MonkeyPatch, tmp_path):
     (tmp_path / "paper").mkdir()
     (tmp_path / "paper" / "published.yaml").write_text("bench: [{q: Q1}]\n")
-    monkeypatch.setattr("drill_twin.study.paper.published.config_dir", lambda: tmp_path)
+    monkeypatch.setattr("drill_twin.studies.paper.runs.published.config_dir", lambda: tmp_path)
     published.cache_clear()
     try:
         with pytest.raises(SceneError, match=r"published.yaml: expected the published numbers"):

@@ -9,13 +9,13 @@ import pytest
 
 from drill_twin.errors import RunError
 from drill_twin.scene import load_scene
-from drill_twin.study.paper import run as module
-from drill_twin.study.paper.cases import Case, scene_of
-from drill_twin.study.paper.disorder import largest_lyapunov, spectral_entropy
-from drill_twin.study.paper.full_size import NEAR_BIT, REFERENCE, rows, steady_from
-from drill_twin.study.paper.matrix import run_all
-from drill_twin.study.paper.run import measure, run, x_spectrum
-from drill_twin.twin import Twin
+from drill_twin.studies.paper.runs import run as module
+from drill_twin.studies.paper.runs.cases import Case, scene_of
+from drill_twin.studies.paper.runs.disorder import largest_lyapunov, spectral_entropy
+from drill_twin.studies.paper.runs.full_size import NEAR_BIT, REFERENCE, rows, steady_from
+from drill_twin.studies.paper.runs.matrix import run_all
+from drill_twin.studies.paper.runs.run import measure, run, x_spectrum
+from drill_twin.twin.twin import Twin
 
 
 @pytest.fixture(scope="module")
@@ -62,10 +62,10 @@ def test_the_spectrum_of_a_mark_has_its_line_where_it_whirls(hard_push):
 
 def test_a_run_that_fails_keeps_what_came_before(quick_bench, monkeypatch):
     class Folding(Twin):
-        def step(self, command, seconds):
+        def advance(self, command, seconds):
             if self.time > 0.095:
                 raise RunError("it folded")
-            return super().step(command, seconds)
+            return super().advance(command, seconds)
 
     monkeypatch.setattr(module, "Twin", Folding)
     done = run(quick_bench)

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drill_twin.bag.writer import BagWriter
-from drill_twin.messages.cdr import JointStateTemplate, PoseArrayTemplate
-from drill_twin.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.messages.encode import MARK_AXES, RIG_JOINTS, encode_string
-from drill_twin.messages.pose import orientation
-from drill_twin.messages.topics import DIAGNOSTICS, MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE
+from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.encode import MARK_AXES, RIG_JOINTS, encode_string
+from drill_twin.io.messages.pose import orientation
+from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE
 from drill_twin.scene import Scene, load_scene
 
 ROTATION, WHIRL = 2.0, -0.6  # rev/s, Hz

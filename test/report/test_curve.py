@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from drill_twin.messages.pose import orientation
+from drill_twin.io.messages.pose import orientation
 from drill_twin.report.curve import FINEST, smooth, tangents
 
 

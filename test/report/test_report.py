@@ -18,7 +18,7 @@ from drill_twin.report import build_report, read_recording, summarise
 from drill_twin.report.build import FIGURES
 from drill_twin.report.figures.style import STATE_COLOURS, styled
 from drill_twin.report.page import OVER_TIME, build_page
-from drill_twin.report.words import NOT_VALIDATED
+from drill_twin.report.text import NOT_VALIDATED
 from drill_twin.scene import load_scene
 from drill_twin.whirl import MotionState
 
@@ -200,9 +200,9 @@ def test_every_motion_state_has_a_colour_of_its_own():
 
 def test_rotation_to_the_left_turns_the_spectrum_round(recording, messages, write, known_scene):
     """Positive is the sense of rotation, so a mirrored run has the same spectrum."""
-    from drill_twin.messages.cdr import JointStateTemplate
-    from drill_twin.messages.decode import read_joint_state
-    from drill_twin.messages.topics import MARKS_STATE, RIG_STATE
+    from drill_twin.io.messages.cdr import JointStateTemplate
+    from drill_twin.io.messages.decode import read_joint_state
+    from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
 
     rows = []
     for topic, stamp, raw in messages:
@@ -234,7 +234,7 @@ def test_short_bags_without_whirl_are_drawn_too(messages, write, last):
 
 
 def test_bag_without_poses_is_drawn_without_the_view(messages, write, tmp_path):
-    from drill_twin.messages.topics import STRING_POSES
+    from drill_twin.io.messages.topics import STRING_POSES
 
     files = build_report(write([row for row in messages if row[0] != STRING_POSES]), tmp_path / "report")
     page = Page(files.page.read_text("utf-8"))

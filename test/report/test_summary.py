@@ -7,14 +7,14 @@ import shutil
 
 import pytest
 
-from drill_twin.bag.reader import Bag
 from drill_twin.errors import BagError
-from drill_twin.messages.cdr import JointStateTemplate
-from drill_twin.messages.encode import MARK_AXES, encode_string
-from drill_twin.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE, WHIRL_STATE
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.encode import MARK_AXES, encode_string
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE, WHIRL_STATE
 from drill_twin.report import read_recording, summarise
 from drill_twin.report.summary import timeline, to_json
-from drill_twin.report.words import provenance
+from drill_twin.report.text import provenance
 from drill_twin.whirl import MotionPeriod, MotionState
 
 KEYS = {
@@ -144,7 +144,7 @@ def test_last_of_several_runs_counts_and_is_said(messages, write):
 
 
 def read_text(raw: bytes) -> str:
-    from drill_twin.messages.decode import read_string
+    from drill_twin.io.messages.decode import read_string
 
     return read_string(raw)
 

@@ -29,16 +29,16 @@ from rclpy.signals import SignalHandlerOptions  # noqa: E402
 from rclpy.subscription import Subscription  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
-from drill_twin.bag.reader import Bag  # noqa: E402
-from drill_twin.messages.decode import JointStateReader  # noqa: E402
-from drill_twin.messages.diagnostics import Status, decode_diagnostics  # noqa: E402
-from drill_twin.messages.topics import DIAGNOSTICS, TOPICS  # noqa: E402
-from drill_twin.nodes import discovery  # noqa: E402
-from drill_twin.nodes.readiness import missing_readers  # noqa: E402
-from drill_twin.nodes.wire import message_class  # noqa: E402
+from drill_twin.io.bag.reader import Bag  # noqa: E402
+from drill_twin.io.messages.decode import JointStateReader  # noqa: E402
+from drill_twin.io.messages.diagnostics import Status, decode_diagnostics  # noqa: E402
+from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS  # noqa: E402
+from drill_twin.ros.core.startup_barrier import missing_readers  # noqa: E402
+from drill_twin.ros.core.topic_qos import message_class  # noqa: E402
+from drill_twin.ros.deployment import discovery  # noqa: E402
 from drill_twin.scene import load_scene  # noqa: E402
 from drill_twin.schedule import Command  # noqa: E402
-from drill_twin.twin import Twin  # noqa: E402
+from drill_twin.twin.twin import Twin  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 _DOMAINS = itertools.count(os.getpid())  # each bench another one: who was killed stays in the graph for a while
@@ -138,7 +138,7 @@ class Process:
 def compile_scene(name: str) -> None:
     """Compile the kernel of a scene, so that no test waits for a node while it does: minutes on a busy machine."""
     scene = load_scene(name)
-    Twin(scene).step(Command(scene.rig.weight_on_bit.initial, 0.0), 0.01)
+    Twin(scene).advance(Command(scene.rig.weight_on_bit.initial, 0.0), 0.01)
 
 
 class Bench:
@@ -182,12 +182,12 @@ class Bench:
         ]
         words = [word.replace("True", "true").replace("False", "false") for word in words]
         given = [part for word in words for part in ("-p", word)]
-        command = [sys.executable, "-m", "drill_twin.nodes", node, "--ros-args", *given, *arguments]
+        command = [sys.executable, "-m", "drill_twin.ros", node, "--ros-args", *given, *arguments]
         return self.command(node, command)
 
     def start_with(self, words: list[str], node: str) -> Process:
         """A node with arguments that are not of ROS."""
-        return self.command(node, [sys.executable, "-m", "drill_twin.nodes", node, *words])
+        return self.command(node, [sys.executable, "-m", "drill_twin.ros", node, *words])
 
     def command(self, name: str, command: list[str], **environment: str) -> Process:
         log = self.folder / f"{name}_{len(self._processes)}.log"

@@ -5,8 +5,8 @@ import math
 
 import pytest
 
-from drill_twin.nodes.commands import CommandDesk, Limits, Silence
-from drill_twin.nodes.limits import limits_for
+from drill_twin.ros.simulator.command_arbiter import CommandArbiter, Limits, Silence
+from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Command
 
@@ -29,7 +29,7 @@ def clock():
 
 @pytest.fixture
 def desk(clock):
-    return CommandDesk(LIMITS, Silence(1.0), Command(0.0, 0.0), clock=clock)
+    return CommandArbiter(LIMITS, Silence(1.0), Command(0.0, 0.0), clock=clock)
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,7 @@ def test_silence_holds_the_last_set_point_unless_a_ramp_is_wanted(desk, clock):
 
 
 def test_the_ramp_to_the_safe_set_point_takes_its_time_and_ends_there(clock):
-    desk = CommandDesk(
+    desk = CommandArbiter(
         LIMITS, Silence(1.0, ramp=True, safe=Command(10.0, 0.0), ramp_time=2.0), Command(0.0, 0.0), clock=clock
     )
     desk.both(1, Command(40.0, 12.0))

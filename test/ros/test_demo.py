@@ -9,17 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.bag.reader import Bag
 from drill_twin.errors import RunError
-from drill_twin.messages.topics import TOPICS
-from drill_twin.nodes.demo import Patience
-from drill_twin.nodes.demo_result import check_bag
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.topics import TOPICS
+from drill_twin.ros.demo.demo import Patience
+from drill_twin.ros.demo.result import check_bag
 
 
 @pytest.fixture
 def demo(bench):
     def start(*arguments):
-        command = [sys.executable, "-m", "drill_twin.nodes", "demo", "--out", str(bench.folder / "demo"), *arguments]
+        command = [sys.executable, "-m", "drill_twin.ros", "demo", "--out", str(bench.folder / "demo"), *arguments]
         environment = {name: value for name, value in bench.environment.items() if name != "ROS_DOMAIN_ID"}
         bench.environment = environment
         return bench.command("demo", command)
@@ -132,15 +132,15 @@ def test_a_demo_with_an_unknown_scene_starts_nothing(bench, demo):
 
 
 def test_a_domain_in_use_is_refused(bench):
-    command = [sys.executable, "-m", "drill_twin.nodes", "demo", "--out", str(bench.folder / "demo")]
+    command = [sys.executable, "-m", "drill_twin.ros", "demo", "--out", str(bench.folder / "demo")]
     process = bench.command("demo", command)  # in the bench's own domain, which it has claimed
     assert process.wait(60.0) == 2
     assert f"ROS_DOMAIN_ID={bench.domain} is in use" in process.text
 
 
 def test_a_bag_without_a_topic_is_not_good_enough(tmp_path):
-    from drill_twin.bag.writer import BagWriter
-    from drill_twin.messages.encode import encode_string
+    from drill_twin.io.bag.writer import BagWriter
+    from drill_twin.io.messages.encode import encode_string
 
     with BagWriter(tmp_path / "bag_0") as bag:
         bag.write("/twin/scene", 1, encode_string("name: x"))

@@ -13,8 +13,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from drill_twin.errors import DrillTwinError
-from drill_twin.messages.topics import RIG_STATE, TWIN_SCENE
-from drill_twin.nodes import discovery
+from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
+from drill_twin.ros.deployment import discovery
 
 
 def test_a_domain_is_claimed_once_and_free_again_afterwards():
@@ -31,7 +31,7 @@ def test_a_domain_is_claimed_once_and_free_again_afterwards():
 
 def test_a_claim_ends_with_its_process(tmp_path):
     hold = (
-        "import time; from drill_twin.nodes.discovery import DomainClaim; "
+        "import time; from drill_twin.ros.deployment.discovery import DomainClaim; "
         "claim = DomainClaim(); print(claim.domain, flush=True); time.sleep(60)"
     )
     process = subprocess.Popen([sys.executable, "-c", hold], stdout=subprocess.PIPE, text=True)

@@ -11,7 +11,7 @@ import pytest
 from std_msgs.msg import Float64
 
 from drill_twin.cli.ros import rig_table
-from drill_twin.messages.topics import MARKS_STATE, RIG_STATE, TOPICS, WHIRL_STATE
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TOPICS, WHIRL_STATE
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -59,11 +59,11 @@ def test_topics_types_and_services_that_the_guide_names_exist():
         assert topic in TOPICS
     services = set(re.findall(r"ros2 service call /simulator/(\w+) std_srvs/srv/Trigger", GUIDE))
     assert services >= {"pause", "resume", "step", "reset", "save_checkpoint", "load_checkpoint"}
-    from drill_twin.nodes.security import RIGHTS
+    from drill_twin.ros.deployment.security import RIGHTS
 
     assert {f"~/{name}" for name in services} <= {*RIGHTS["simulator"].reply, "~/ready"}
-    from drill_twin.nodes.rig_driver import RigDriver
-    from drill_twin.nodes.simulator import Simulator
+    from drill_twin.ros.rig_driver.node import RigDriver
+    from drill_twin.ros.simulator.node import Simulator
 
     live = {
         (make.NAME, parameter.name)
@@ -99,7 +99,7 @@ def test_nodes_on_several_machines_find_each_other_by_a_discovery_server(bench):
         assert node.end() == 0, bench.logs()
     assert "analysing" in analyzer.text
     assert "analysing" not in lonely.text
-    from drill_twin.bag.reader import Bag
+    from drill_twin.io.bag.reader import Bag
 
     assert Bag(recorded).topics[WHIRL_STATE].count == 200
     lonely.kill()

@@ -14,12 +14,12 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
-from drill_twin.bag.reader import Bag
-from drill_twin.messages.cdr import ClockTemplate
-from drill_twin.messages.decode import JointStateReader
-from drill_twin.messages.encode import CommandEncoder
-from drill_twin.messages.stamps import pack_stamp
-from drill_twin.messages.topics import (
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.cdr import ClockTemplate
+from drill_twin.io.messages.decode import JointStateReader
+from drill_twin.io.messages.encode import CommandEncoder
+from drill_twin.io.messages.stamps import pack_stamp
+from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
     MARKS_STATE,
     RIG_COMMAND,
@@ -28,8 +28,8 @@ from drill_twin.messages.topics import (
     TOPICS,
     WHIRL_STATE,
 )
-from drill_twin.nodes.wire import message_class
-from drill_twin.pipeline import STUCK
+from drill_twin.io.whirl_pipeline import STUCK
+from drill_twin.ros.core.topic_qos import message_class
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Command, Schedule
 
@@ -152,9 +152,9 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
     simulator = bench.start("simulator")
     bench.until_ready("simulator")
     flood = (
-        "import time; from drill_twin.nodes.running import initialised; from rclpy.node import Node;"
-        "from drill_twin.nodes.start import StopRequest; from sensor_msgs.msg import JointState;"
-        "from drill_twin.messages.encode import CommandEncoder; from drill_twin.schedule import Command;"
+        "import time; from drill_twin.ros.core.node_main import initialised; from rclpy.node import Node;"
+        "from drill_twin.ros.entry_points import StopRequest; from sensor_msgs.msg import JointState;"
+        "from drill_twin.io.messages.encode import CommandEncoder; from drill_twin.schedule import Command;"
         "node = Node('flood', context=initialised([], StopRequest()));"
         "publisher = node.create_publisher(JointState, 'rig/command', 10);"
         "raw = CommandEncoder().command(0, Command(40.0, 12.0)); begun = time.monotonic(); sent = 0\n"
@@ -180,7 +180,8 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
 def test_a_crowd_of_slow_subscribers_does_not_hold_up_time(bench):
     simulator = bench.start("simulator", wait_for_command=False)
     crowd = (
-        "import time; from drill_twin.nodes.running import initialised; from drill_twin.nodes.start import StopRequest;"
+        "import time; from drill_twin.ros.core.node_main import initialised;"
+        "from drill_twin.ros.entry_points import StopRequest;"
         "from rclpy.node import Node; from geometry_msgs.msg import PoseArray;"
         "node = Node('crowd', context=initialised([], StopRequest()));"
         "readers = [node.create_subscription(PoseArray, 'string/poses', print, 5, raw=True) for _ in range(10)]\n"

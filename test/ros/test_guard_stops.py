@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from std_msgs.msg import Float64
 
-from drill_twin.bag.reader import Bag
-from drill_twin.bag.series import diagnostics
-from drill_twin.checkpoint import Checkpoint
-from drill_twin.messages.decode import JointStateReader, read_pose_array
-from drill_twin.messages.diagnostics import Level
-from drill_twin.messages.topics import RIG_STATE, STRING_POSES, WOB_COMMAND
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.series import diagnostics
+from drill_twin.io.messages.decode import JointStateReader, read_pose_array
+from drill_twin.io.messages.diagnostics import Level
+from drill_twin.io.messages.topics import RIG_STATE, STRING_POSES, WOB_COMMAND
 from drill_twin.report.summary import summarise
-from drill_twin.study.verify.rods import rod_scene
+from drill_twin.studies.verify.scenes import rod_scene
+from drill_twin.twin.checkpoint import Checkpoint
 
 POISON = Path(__file__).parents[1] / "faults" / "poison.py"
 

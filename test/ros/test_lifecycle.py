@@ -4,7 +4,7 @@
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 
-from drill_twin.messages.topics import CLOCK_TOPIC, STRING_POSES
+from drill_twin.io.messages.topics import CLOCK_TOPIC, STRING_POSES
 
 
 def _set(bench, transition):

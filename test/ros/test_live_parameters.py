@@ -7,9 +7,9 @@ import math
 import pytest
 from rcl_interfaces.srv import DescribeParameters
 
-from drill_twin.messages.encode import CommandEncoder
-from drill_twin.messages.topics import RIG_COMMAND, RIG_STATE
-from drill_twin.nodes.changeover import Changeover
+from drill_twin.io.messages.encode import CommandEncoder
+from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE
+from drill_twin.ros.rig_driver.set_point_transition import Changeover
 from drill_twin.schedule import Command
 
 

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from drill_twin.nodes.load import _processor_time
+from drill_twin.ros.deployment.cpu_load import _processor_time
 
 
 def test_processor_time_is_that_of_the_process():

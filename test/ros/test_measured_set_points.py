@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drill_twin.messages.topics import RIG_COMMAND, RIG_STATE
+from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORD = "175_completo_1.mat"

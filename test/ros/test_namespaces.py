@@ -6,7 +6,7 @@ import math
 import pytest
 from sensor_msgs.msg import JointState
 
-from drill_twin.messages.decode import JointStateReader
+from drill_twin.io.messages.decode import JointStateReader
 
 
 def _heard(bench, topic):

@@ -6,10 +6,10 @@ import time
 import numpy as np
 import pytest
 
-from drill_twin.messages.stamps import unpack_stamp
-from drill_twin.messages.topics import CLOCK_TOPIC
-from drill_twin.nodes import pacing
-from drill_twin.nodes.pacing import Pacer
+from drill_twin.io.messages.stamps import unpack_stamp
+from drill_twin.io.messages.topics import CLOCK_TOPIC
+from drill_twin.ros.core import pacing
+from drill_twin.ros.core.pacing import Pacer
 
 
 @pytest.fixture

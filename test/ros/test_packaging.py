@@ -12,13 +12,13 @@ import pytest
 import yaml
 
 import drill_twin
-from drill_twin.nodes.analyzer import Analyzer
-from drill_twin.nodes.parameters import file_text
-from drill_twin.nodes.recorder import Recorder
-from drill_twin.nodes.replayer import Replayer
-from drill_twin.nodes.rig_driver import RigDriver
-from drill_twin.nodes.simulator import Simulator
-from drill_twin.nodes.twin import Together
+from drill_twin.ros.analyzer.node import Analyzer
+from drill_twin.ros.bag.recorder import Recorder
+from drill_twin.ros.bag.replayer import Replayer
+from drill_twin.ros.composed_twin import ComposedTwin
+from drill_twin.ros.core.parameters import file_text
+from drill_twin.ros.rig_driver.node import RigDriver
+from drill_twin.ros.simulator.node import Simulator
 from drill_twin.scene import presets
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -109,7 +109,7 @@ def test_a_parameter_file_holds_every_parameter_with_its_default_and_a_comment(n
 
 @pytest.mark.parametrize("node", sorted(NODES))
 def test_a_parameter_file_is_what_the_table_of_the_node_prints(node):
-    """To make it anew: python -m drill_twin.nodes NODE --parameters > config/nodes/NODE.yaml."""
+    """To make it anew: python -m drill_twin.ros NODE --parameters > config/nodes/NODE.yaml."""
     make = NODES[node]
     assert (ROOT / "config" / "nodes" / f"{node}.yaml").read_text("utf-8") == file_text(
         node, make.PURPOSE, make.PARAMETERS
@@ -118,7 +118,7 @@ def test_a_parameter_file_is_what_the_table_of_the_node_prints(node):
 
 def test_the_parameter_file_of_the_twin_holds_defaults_of_its_nodes():
     values = yaml.safe_load((ROOT / "config" / "nodes" / "twin.yaml").read_text("utf-8"))["/**"]["ros__parameters"]
-    nodes = (Together, Simulator, RigDriver, Analyzer, Recorder)
+    nodes = (ComposedTwin, Simulator, RigDriver, Analyzer, Recorder)
     known = {parameter.name: parameter.default for make in nodes for parameter in make.PARAMETERS}
     # A parameter given to the process reaches every node that has it, so one name must have one default.
     assert all(known[parameter.name] == parameter.default for make in nodes for parameter in make.PARAMETERS)

@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import pytest
 
-from drill_twin.bag.reader import Bag
-from drill_twin.bag.writer import BagWriter
-from drill_twin.messages.decode import JointStateReader, read_clock
-from drill_twin.messages.topics import (
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.messages.decode import JointStateReader, read_clock
+from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
     DIAGNOSTICS,
     MARKS_STATE,
@@ -25,7 +25,7 @@ from drill_twin.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
-from drill_twin.pipeline import INPUTS, WhirlPipeline
+from drill_twin.io.whirl_pipeline import INPUTS, WhirlPipeline
 
 FINDINGS = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET)
 # A weight far above the buckling load at once, so that whirl begins within seconds.
@@ -156,7 +156,7 @@ def test_a_killed_recorder_leaves_a_readable_bag(bench, tmp_path):
 
 @pytest.mark.fault("recorder stopped for a while", "it counts and reports what it lost")
 def test_a_recorder_says_what_it_lost(bench, tmp_path):
-    from drill_twin.messages.encode import CommandEncoder
+    from drill_twin.io.messages.encode import CommandEncoder
     from drill_twin.schedule import Command
 
     recorder = bench.start("recorder", bag=str(tmp_path / "bag_0"))
@@ -188,7 +188,7 @@ def test_a_recorder_that_cannot_write_any_more_says_so_and_keeps_what_it_has(ben
     # A limit on the size of a file fails writes in mid-run, as a full disk does.
     limited = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000)); "
-        "from drill_twin.nodes.start import start; sys.exit(start('recorder', sys.argv[1:]))"
+        "from drill_twin.ros.entry_points import start; sys.exit(start('recorder', sys.argv[1:]))"
     )
     command = [sys.executable, "-c", limited, "--ros-args", "-p", f"bag:={bag}"]
     recorder = bench.command("recorder", command, FASTDDS_BUILTIN_TRANSPORTS="UDPv4")  # shared memory is a file too

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from drill_twin.nodes.start import start
+from drill_twin.ros.entry_points import start
 
 
 @pytest.fixture
@@ -141,16 +141,15 @@ def test_help_names_every_parameter_with_its_unit(node, capsys):
 
 
 def test_an_unknown_node_is_refused(bench):
-    process = bench.command("nodes", [sys.executable, "-m", "drill_twin.nodes", "driller"])
+    process = bench.command("nodes", [sys.executable, "-m", "drill_twin.ros", "driller"])
     assert process.wait() == 2
-    assert "usage: python -m drill_twin.nodes" in process.text
+    assert "usage: python -m drill_twin.ros" in process.text
 
 
 def test_without_rclpy_a_node_says_what_to_do(bench):
     # An interpreter that finds this package and its libraries, but no rclpy: as after pip install without ROS.
-    hide = (
-        "import sys; sys.modules['rclpy'] = None; from drill_twin.nodes.start import start; sys.exit(start('analyzer'))"
-    )
+    start = "from drill_twin.ros.entry_points import start; sys.exit(start('analyzer'))"
+    hide = f"import sys; sys.modules['rclpy'] = None; {start}"
     process = bench.command("analyzer", [sys.executable, "-c", hide])
     assert process.wait() == 2
     assert "source /opt/ros/jazzy/setup.bash" in process.text

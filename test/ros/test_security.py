@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from drill_twin.nodes.security import RIGHTS, WHERE_INSTALLED, policy_text
+from drill_twin.ros.deployment.security import RIGHTS, WHERE_INSTALLED, policy_text
 
 FOLDER = Path(__file__).resolve().parents[2] / "config" / "security"
 
@@ -89,4 +89,4 @@ def test_a_dds_without_security_is_no_traceback(bench):
 
 
 def _analyzer():
-    return [sys.executable, "-m", "drill_twin.nodes", "analyzer"]
+    return [sys.executable, "-m", "drill_twin.ros", "analyzer"]

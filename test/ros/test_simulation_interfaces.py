@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import pytest
 
 from drill_twin.errors import DrillTwinError
-from drill_twin.nodes import simulation_interfaces as common
-from drill_twin.nodes.simulation_interfaces import Answers
+from drill_twin.ros.simulator import simulation_interfaces as common
+from drill_twin.ros.simulator.simulation_interfaces import Answers
 
 
 class Run:

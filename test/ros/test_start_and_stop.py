@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from std_msgs.msg import Float64
 
-from drill_twin.messages.topics import WOB_COMMAND
+from drill_twin.io.messages.topics import WOB_COMMAND
 
 NODES = ("simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin")
 
@@ -45,7 +45,7 @@ def test_a_signal_in_the_middle_of_an_import_waits_for_its_end(bench):
             sys.executable,
             "-c",
             (
-                "import sys, time; from drill_twin.nodes.start import Stopped, StopRequest\n"
+                "import sys, time; from drill_twin.ros.entry_points import Stopped, StopRequest\n"
                 f"sys.path.insert(0, {str(bench.folder)!r}); stop = StopRequest(); stop.install()\n"
                 "try:\n"
                 "    with stop.at_once(): import slow_module; time.sleep(30.0)\n"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """All nodes in one process make the same run as one process each."""
 
-from drill_twin.messages.topics import DIAGNOSTICS, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, TWIN_SCENE
 
 
 def test_one_process_makes_the_same_run(bench, small_bag, payloads):

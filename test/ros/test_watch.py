@@ -18,8 +18,8 @@ import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from drill_twin.messages.decode import JointStateReader
-from drill_twin.messages.topics import RIG_STATE
+from drill_twin.io.messages.decode import JointStateReader
+from drill_twin.io.messages.topics import RIG_STATE
 
 BROWSERS = ("chromium", "chromium-headless-shell", "chromium-browser", "google-chrome")
 STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"

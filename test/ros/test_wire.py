@@ -7,10 +7,10 @@ import pytest
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Float64
 
-from drill_twin.bag.reader import Bag
-from drill_twin.messages.definitions import type_hash
-from drill_twin.messages.topics import MARKS_STATE, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
-from drill_twin.nodes.wire import message_class
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.definitions import type_hash
+from drill_twin.io.messages.topics import MARKS_STATE, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
+from drill_twin.ros.core.topic_qos import message_class
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Schedule
 

@@ -16,7 +16,7 @@ from drill_twin.scene import load_scene
 from drill_twin.scene.rig import Column
 from drill_twin.schedule import Schedule, extremes, read_table
 from drill_twin.schedule.clean import find_spikes
-from drill_twin.twin import Twin
+from drill_twin.twin.twin import Twin
 
 RPM = math.pi / 30.0
 Write = Callable[..., Path]

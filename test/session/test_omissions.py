@@ -4,8 +4,8 @@
 import pytest
 
 from drill_twin.report.summary import summarise
+from drill_twin.runner import Session
 from drill_twin.scene import load_scene
-from drill_twin.session import Session
 
 SLIDING = {"effects.wall": "off", "effects.wall_friction": "off", "numerics.elements": "8"}
 

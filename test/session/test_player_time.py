@@ -3,10 +3,10 @@
 
 import numpy as np
 
-from drill_twin.messages.cdr import PoseArrayTemplate
-from drill_twin.messages.encode import encode_string
-from drill_twin.messages.topics import RIG_STATE, STRING_POSES, TWIN_SCENE
-from drill_twin.watch.player import in_simulated_time
+from drill_twin.io.messages.cdr import PoseArrayTemplate
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.topics import RIG_STATE, STRING_POSES, TWIN_SCENE
+from drill_twin.live.player import in_simulated_time
 
 FRAME = 10_000_000  # ns
 

@@ -10,17 +10,17 @@ import yaml
 from rosbags.rosbag2 import Reader
 
 from drill_twin import __version__
-from drill_twin.bag.reader import Bag
-from drill_twin.bag.series import command_series, diagnostics, mark_series, onset, whirl_series
 from drill_twin.errors import BagError, RunError
-from drill_twin.messages import topics
-from drill_twin.messages.encode import TwinEncoder
-from drill_twin.messages.topics import TOPICS
+from drill_twin.io.adapters import string_geometry
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.series import command_series, diagnostics, mark_series, onset, whirl_series
+from drill_twin.io.messages import topics
+from drill_twin.io.messages.encode import TwinEncoder
+from drill_twin.io.messages.topics import TOPICS
+from drill_twin.runner import Session
 from drill_twin.scene import parse_scene
 from drill_twin.schedule import Command, Schedule
-from drill_twin.session import Session
-from drill_twin.twin import Twin
-from drill_twin.wiring import string_geometry
+from drill_twin.twin.twin import Twin
 
 DETERMINED = (topics.RIG_COMMAND, topics.RIG_STATE, topics.MARKS_STATE, topics.STRING_POSES, topics.CLOCK_TOPIC,
               topics.STRING_MARKERS, topics.WHIRL_STATE, topics.WHIRL_MOTION, topics.WHIRL_ONSET)  # fmt: skip
@@ -56,7 +56,7 @@ def test_bytes_are_those_of_the_twin_stepped_by_hand(bench_run, bench_scene):
         recorded(bench_run.bag, topic) for topic in (topics.MARKS_STATE, topics.STRING_POSES, topics.RIG_STATE)
     )
     for k in range(120):
-        frame = twin.step(schedule.at((k + 1) / 100), 0.01)
+        frame = twin.advance(schedule.at((k + 1) / 100), 0.01)
         assert (encoder.marks(frame), encoder.poses(frame), encoder.rig_state(frame)) == (marks[k], poses[k], rig[k])
 
 

@@ -6,14 +6,14 @@ import random
 import numpy as np
 import pytest
 
-from drill_twin.bag.reader import Bag
 from drill_twin.errors import DrillTwinError
-from drill_twin.messages.decode import read_string
-from drill_twin.messages.encode import encode_string
-from drill_twin.messages.stamps import pack_stamp
-from drill_twin.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
-from drill_twin.messages.whirl_encode import decode_motion, decode_onset
-from drill_twin.pipeline import INPUTS, STUCK, WAITING, WhirlPipeline
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.decode import read_string
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.stamps import pack_stamp
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
+from drill_twin.io.messages.whirl_encode import decode_motion, decode_onset
+from drill_twin.io.whirl_pipeline import INPUTS, STUCK, WAITING, WhirlPipeline
 from drill_twin.whirl import AnalysisError, BitMotion
 
 FOUND = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET)

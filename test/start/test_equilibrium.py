@@ -4,14 +4,14 @@
 import numpy as np
 import pytest
 
+from drill_twin.accuracy.errors import statistics
+from drill_twin.accuracy.motion_run import run_motion
 from drill_twin.errors import RunError, SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Command, Schedule
-from drill_twin.study.cost.errors import statistics
-from drill_twin.study.cost.runs import run_motion
-from drill_twin.study.verify.rods import FIRST, WALLED, quiet_scene
-from drill_twin.study.verify.statics import EULER_LOAD, in_equilibrium
-from drill_twin.twin import Twin
+from drill_twin.studies.verify.scenes import FIRST, WALLED, quiet_scene
+from drill_twin.studies.verify.statics.statics import EULER_LOAD, in_equilibrium
+from drill_twin.twin.twin import Twin
 
 STILL = {"rig.start": "equilibrium", "rps": "0"}
 
@@ -19,7 +19,7 @@ STILL = {"rig.start": "equilibrium", "rps": "0"}
 def fastest(twin: Twin, seconds: float) -> float:
     """Largest speed of a node over so long a time [m/s]."""
     command = Command(*twin.scene.rig.first)
-    speeds = [np.abs(twin.step(command, 0.02).velocities).max() for _ in range(round(seconds / 0.02))]
+    speeds = [np.abs(twin.advance(command, 0.02).velocities).max() for _ in range(round(seconds / 0.02))]
     return float(max(speeds))
 
 
@@ -42,7 +42,7 @@ def test_the_bit_turns_on_as_it_was_wound_up() -> None:
     schedule = Schedule.from_scene(scene)
     assert schedule.at(0.0) == schedule.at(20.0) == Command(2.0, scene.rig.rotation.value)
     twin = Twin(scene)
-    frames = [twin.step(schedule.at(0.01 * k), 0.01).rig for k in range(1, 101)]
+    frames = [twin.advance(schedule.at(0.01 * k), 0.01).rig for k in range(1, 101)]
     speed = np.array([rig.bit_speed for rig in frames]) / scene.rig.rotation.value
     torque = 0.08 * 2.0 * 5.5e-3
     assert np.abs(speed - 1.0).max() < 1e-4  # without the wind-up 5e-3
@@ -64,7 +64,7 @@ def test_swings_about_the_balance_are_those_of_the_loaded_string() -> None:
     """A kick after the start swings the straight string with omega^2 = FIRST^2 (1 - F / F_E), to 1 % (Galef 1968)."""
     kick = {"lateral_kick": {"velocity": 1e-3, "shape": "hump"}}
     twin = Twin(in_equilibrium(quiet_scene(kick, weight_on_bit=0.5 * EULER_LOAD, step=5e-3)))
-    x = np.array([twin.step(Command(*twin.scene.rig.first), 0.02).positions[12, 0] for _ in range(300)])
+    x = np.array([twin.advance(Command(*twin.scene.rig.first), 0.02).positions[12, 0] for _ in range(300)])
     crossings = 0.02 * (np.flatnonzero(np.diff(np.sign(x)))[[0, -1]])
     number = np.count_nonzero(np.diff(np.sign(x))) - 1
     assert np.pi * number / np.ptp(crossings) == pytest.approx(FIRST * np.sqrt(0.5), rel=0.02)

@@ -16,7 +16,7 @@ from benchmarks.peers.rows import contact_time, path_error, result
 from benchmarks.peers.run import TOOLS, Tool, missing, run_apart, run_rounds
 from benchmarks.peers.tables import markdown
 from benchmarks.peers.task import Motion, Task
-from drill_twin.twin import LATERAL, form_of
+from drill_twin.twin.dynamics import LATERAL, form_of
 
 SHORT: dict = {"scene": "pa6_bench", "changes": {"duration": "0.2 s"}}  # a set of effects that other tests compile too
 FAR, BARE = "wall and wall_friction, far", "bare rod"

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from drill_twin.accuracy.errors import compare, path_error, spread
+from drill_twin.accuracy.motion_run import Motion
 from drill_twin.cli.app import app
 from drill_twin.scene import load_scene
-from drill_twin.study.cost import Rung, ladder
-from drill_twin.study.cost.curve import LATERAL, SPATIAL, converged, forms
-from drill_twin.study.cost.errors import compare, path_error, spread
-from drill_twin.study.cost.runs import Motion
+from drill_twin.studies.convergence import Rung, ladder
+from drill_twin.studies.convergence.curve import LATERAL, SPATIAL, converged, forms
 
 SWING = {
     "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",

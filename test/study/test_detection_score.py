@@ -6,14 +6,14 @@ import json
 import numpy as np
 import pytest
 
-from drill_twin.study.detection.cases import BENCH, bench, recorded, simulated
-from drill_twin.study.detection.figure import confusion_figure
-from drill_twin.study.detection.measure import Plan, measure
-from drill_twin.study.detection.runs import simulate
-from drill_twin.study.detection.scoring import Score, analysed, macro_f1
-from drill_twin.study.detection.signals import labelled, steady
-from drill_twin.study.detection.steady import false_onsets
-from drill_twin.study.detection.words import markdown
+from drill_twin.studies.detection.cases import BENCH, bench, recorded, simulated
+from drill_twin.studies.detection.figure import confusion_figure
+from drill_twin.studies.detection.measure import Plan, measure
+from drill_twin.studies.detection.runs import simulate
+from drill_twin.studies.detection.scoring import Score, analysed, macro_f1
+from drill_twin.studies.detection.signals import labelled, steady
+from drill_twin.studies.detection.steady import false_onsets
+from drill_twin.studies.detection.text import markdown
 
 
 def test_kinematic_sample():

@@ -4,10 +4,10 @@
 import numpy as np
 import pytest
 
-from drill_twin.study.detection.runs import Run
-from drill_twin.study.detection.scoring import STATES, f1_scores, macro_f1
-from drill_twin.study.detection.signals import MOTIONS, labelled, steady
-from drill_twin.study.detection.truth import TURN, asynchronous, onset, truth_of
+from drill_twin.studies.detection.ground_truth import TURN, asynchronous, onset, truth_of
+from drill_twin.studies.detection.runs import Run
+from drill_twin.studies.detection.scoring import STATES, f1_scores, macro_f1
+from drill_twin.studies.detection.signals import MOTIONS, labelled, steady
 from drill_twin.whirl import MarkInfo, MotionState
 
 CLEARANCE, OUTER = 0.08, 0.008

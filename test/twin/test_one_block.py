@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.scene import load_scene
-from drill_twin.twin import Twin
-from drill_twin.twin.block import LINE, in_one_block, named_arrays
+from drill_twin.twin.memory import LINE, named_arrays, pack_arrays
+from drill_twin.twin.twin import Twin
 
 
 class Inner(NamedTuple):
@@ -23,7 +23,7 @@ class Outer(NamedTuple):
 
 def test_arrays_move_with_their_content_and_everything_else_stays():
     value = Outer(Inner(np.arange(6.0).reshape(2, 3).T, 7), np.array([3, 4]), np.zeros((0, 2)))
-    moved, block = in_one_block(value)
+    moved, block = pack_arrays(value)
     assert moved.inner.count == 7
     for (name, here), (same, there) in zip(named_arrays("", value), named_arrays("", moved), strict=True):
         assert name == same
@@ -41,6 +41,6 @@ def test_arrays_move_with_their_content_and_everything_else_stays():
 
 def test_every_array_of_a_checkpoint_is_a_part_of_it():
     twin = Twin(load_scene("pa6_bench"))
-    twin.machine.block[:] = 255
+    twin.dynamics.block[:] = 255
     for name, array in twin.checkpoint().items():
         assert name == "guard" or (array.view(np.uint8) == 255).all(), name

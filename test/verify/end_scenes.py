@@ -4,7 +4,7 @@
 from typing import Any
 
 from drill_twin.scene import Scene, load_scene
-from drill_twin.study.verify.rods import steel
+from drill_twin.studies.verify.scenes import steel
 
 __all__ = ["steel", "two_mass", "with_rig"]
 

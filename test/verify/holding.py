@@ -3,7 +3,7 @@
 
 import pytest
 
-from drill_twin.study.verify import Case, all_cases
+from drill_twin.studies.verify import Case, all_cases
 
 
 def cases_of(*topics: str) -> pytest.MarkDecorator:

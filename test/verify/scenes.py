@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The scenes of the exact checks, for the tests beside them."""
 
-from drill_twin.study.verify.rods import (
+from drill_twin.studies.verify.scenes import (
     BARE,
     DENSITY,
     DIAMETER,

@@ -3,9 +3,9 @@
 
 from holding import cases_of, check
 
-from drill_twin.study.verify import TOPICS, Case
+from drill_twin.studies.verify import TOPICS, Case
 
-ELSEWHERE = {"conserved", "symmetry", "order"}  # test/invariant, test/order
+ELSEWHERE = {"numerics.conservation", "numerics.symmetry", "numerics.convergence_order"}  # test/invariant, test/order
 
 
 @cases_of(*(topic for topic in TOPICS if topic not in ELSEWHERE))

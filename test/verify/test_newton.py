@@ -4,8 +4,8 @@
 import numpy as np
 
 from drill_twin.schedule.command import Command
-from drill_twin.study.verify.rods import ROLLING, WALLED, quiet_scene
-from drill_twin.twin import Twin
+from drill_twin.studies.verify.scenes import ROLLING, WALLED, quiet_scene
+from drill_twin.twin.twin import Twin
 
 
 def test_newton_does_not_circle_about_the_kink_of_friction() -> None:
@@ -14,6 +14,6 @@ def test_newton_does_not_circle_about_the_kink_of_friction() -> None:
     iterations, steps = 0, 0
     for k in range(400):
         share = min((k + 1) * 0.01 / 2.0, 1.0)
-        stats = twin.step(Command(weight_on_bit=30.0 * share, rotation=2.0 * np.pi * share), 0.01).stats
+        stats = twin.advance(Command(weight_on_bit=30.0 * share, rotation=2.0 * np.pi * share), 0.01).stats
         iterations, steps = iterations + stats.iterations, steps + stats.steps
     assert iterations < 2.5 * steps

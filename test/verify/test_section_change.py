@@ -11,7 +11,7 @@ from hole_scenes import ON_THE_WALL, with_parts
 from scenes import AREA, DENSITY, DIAMETER, POISSON, YOUNG
 
 from drill_twin.schedule.command import Command
-from drill_twin.twin import Twin
+from drill_twin.twin.twin import Twin
 
 INTERVAL, SPAN = 2e-5, 5.0
 SHEAR = YOUNG / (2.0 * (1.0 + POISSON))
@@ -39,7 +39,7 @@ def test_axial_wave_at_a_change_of_section(elements: int) -> None:
     """
     ratio = 2.0
     twin = stepped(elements, ratio)
-    frames = [twin.step(Command(weight_on_bit=1.0, rotation=0.0), INTERVAL) for _ in range(640)]
+    frames = [twin.advance(Command(weight_on_bit=1.0, rotation=0.0), INTERVAL) for _ in range(640)]
     speed = np.array([frame.velocities[0, 2] for frame in frames]) * AREA * np.sqrt(YOUNG * DENSITY)
     reflected = (ratio**2 - 1.0) / (ratio**2 + 1.0)
     assert speed[100:300].mean() == pytest.approx(1.0, rel=2e-3)
@@ -53,7 +53,7 @@ def test_torsional_wave_at_a_change_of_section() -> None:
     """One radian per second at the top: 2 Z_2 / (Z_1 + Z_2) goes on and doubles at the bit; the rest brakes the top."""
     ratio = 2.0
     twin = stepped(100, ratio)
-    frames = [twin.step(Command(weight_on_bit=0.0, rotation=1.0), INTERVAL) for _ in range(830)]
+    frames = [twin.advance(Command(weight_on_bit=0.0, rotation=1.0), INTERVAL) for _ in range(830)]
     lower = POLAR * np.sqrt(SHEAR * DENSITY)
     upper = ratio**4 * lower
     speed = np.array([frame.rig.bit_speed for frame in frames])

@@ -8,7 +8,7 @@ from end_scenes import steel, two_mass
 from drill_twin.effects import bit_torque_tanh
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.twin import Twin
+from drill_twin.twin.twin import Twin
 
 INTERVAL = 0.02
 
@@ -18,7 +18,7 @@ def turned(weight: float, *, start: float = 0.0, seconds: float = 120.0) -> np.n
     twin = Twin(two_mass(weight))
     twin.unknowns[1][:, 6] = start
     command = Command(weight, 100.0)
-    rows = (twin.step(command, INTERVAL).rig for _ in range(round(seconds / INTERVAL)))
+    rows = (twin.advance(command, INTERVAL).rig for _ in range(round(seconds / INTERVAL)))
     return np.array([(rig.bit_speed, rig.top_drive_speed) for rig in rows])
 
 
@@ -26,9 +26,9 @@ def test_the_stuck_bit_stands_still():
     """Held at a share x of R W mu_s it creeps at x / sqrt(1 - x^2) of 1e-4 rad/s, and the rock holds the drive."""
     twin = Twin(two_mass(58.5e3))
     for _ in range(300):
-        rig = twin.step(Command(58.5e3, 100.0), 0.2).rig
+        rig = twin.advance(Command(58.5e3, 100.0), 0.2).rig
     angle = rig.bit_angle
-    rig = twin.step(Command(58.5e3, 100.0), 10.0).rig
+    rig = twin.advance(Command(58.5e3, 100.0), 10.0).rig
     share = 6000.0 / (0.155575 * 58.5e3 * 0.8)
     assert rig.bit_angle - angle == pytest.approx(10.0 * 1e-4 * share / np.sqrt(1.0 - share**2), rel=0.02)
     assert rig.bit_torque == pytest.approx(-6000.0, rel=1e-3)
@@ -50,11 +50,11 @@ def test_rock_that_is_not_drilled():
     twin = Twin(smooth(2e4))
     began = twin.unknowns[0][0, 2]
     for _ in range(60):
-        rig = twin.step(Command(5e4, 10.0), 0.1).rig
+        rig = twin.advance(Command(5e4, 10.0), 0.1).rig
     assert rig.bit_force == pytest.approx(5e4, rel=1e-4)
     assert began - twin.unknowns[0][0, 2] == pytest.approx(3e4 / 1e8, rel=1e-3)
     assert rig.bit_torque == pytest.approx(-bit_torque_tanh.torque(law, 5e4, 10.0)[0], rel=1e-3)
-    twin.step(Command(-1e3, 10.0), 0.1)
-    rig = twin.step(Command(-1e3, 10.0), 0.1).rig
+    twin.advance(Command(-1e3, 10.0), 0.1)
+    rig = twin.advance(Command(-1e3, 10.0), 0.1).rig
     assert (rig.bit_force, rig.bit_torque) == (0.0, 0.0)
     assert twin.unknowns[0][0, 2] > began

@@ -10,12 +10,12 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.study.verify import Case, Row, all_cases, choose, rods, run
-from drill_twin.study.verify.airy import critical_bit_load
-from drill_twin.study.verify.page import to_page
-from drill_twin.study.verify.run import Outcome, run_cases
+from drill_twin.studies.verify import Case, Row, all_cases, choose, run, scenes
+from drill_twin.studies.verify.page import to_page
+from drill_twin.studies.verify.run import Outcome, run_cases
+from drill_twin.studies.verify.statics.airy import critical_bit_load
 
-QUICK = "lateral.frequencies[free,lateral]"
+QUICK = "lateral_frequencies.frequencies[free,lateral]"
 
 
 def row(computed: float, **fields: object) -> Row:
@@ -48,7 +48,7 @@ def test_names_are_unique_and_chosen_by_pattern() -> None:
 @pytest.mark.parametrize("name", [QUICK, "statics.stretch_under_its_own_weight[spatial]", "waves.torsional[spatial]"])
 def test_a_softer_rod_is_found_out(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two per cent less of Young's modulus in the scene, not in the formula."""
-    monkeypatch.setattr(rods, "YOUNG", 0.98 * rods.YOUNG)
+    monkeypatch.setattr(scenes, "YOUNG", 0.98 * scenes.YOUNG)
     assert not all(row.ok for row in choose(name)[0].run())
 
 

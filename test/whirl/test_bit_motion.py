@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from kinematics import MARKS, clock, growth, motion
 
-from drill_twin.whirl import Analyzer, BitMotion, BlindAnalyzer, StickSlip
+from drill_twin.whirl import Analyzer, BitMotion, BitOnlyAnalyzer, StickSlip
 
 
 def sticking(time, period=0.4, mean=9.0):
@@ -95,7 +95,7 @@ def test_beside_whirl():
 
 
 def test_without_marks_whirl_is_not_observable():
-    blind, time = BlindAnalyzer(), np.arange(0.0, 6.0, 0.005)
+    blind, time = BitOnlyAnalyzer(), np.arange(0.0, 6.0, 0.005)
     for at, speed in zip(time.tolist(), sticking(time).tolist(), strict=True):
         blind.push(round(at * 1e9), 9.0, speed)
     blind.push(0, 9.0, 9.0)

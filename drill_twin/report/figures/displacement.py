@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from drill_twin.report.figures.style import BLUE, GREY, INK, ORANGE, RIGHT, draw_onset, mark_label, over_time
 from drill_twin.report.recording import Recording
-from drill_twin.report.words import millimetres
+from drill_twin.report.text import millimetres
 
 
 def displacement(recording: Recording) -> Figure:

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""After a run: the error it really has before the onset, and how uncertain its statistics after it are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from drill_twin.accuracy.errors import largest_distance
+from drill_twin.accuracy.motion_run import run_motion
+from drill_twin.accuracy.plan import AFTER, Plan, at
+from drill_twin.report.recording import Recording
+
+RICHARDSON = 4.0 / 3.0
+"""Error over the distance to a run of half the step and twice the elements, for an error of second order."""
+BATCHES = 10
+SETTLING = 2.0
+"""Simulated time after the onset that statistics leave out [s]."""
+SURE = 0.95
+HOW = (
+    "part before the onset rerun with twice the elements, half the step and a tenth of the tolerance: largest distance "
+    "of the marks' paths over the largest deflection, and difference of the onset times, each times 4/3"
+)
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A mean over time and its 95 % interval, from ten batches of the run itself (Law 2007, section 9.5.3)."""
+
+    mean: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What was promised and what came."""
+
+    asked: float
+    expected: float
+    actual: float | None
+    """None where it was not checked."""
+    how: str
+    """How `actual` was measured."""
+    expected_seconds: float
+    """Processor time of the physics [s]."""
+    actual_seconds: float
+    """Wall-clock time of it, as the bag says [s]; on a busy machine longer."""
+    orbit_radius: Interval | None
+    """Over the clearance, mean of the marks; None without whirl."""
+    precession_hz: Interval | None
+    """Of the mark that moves most, positive = forward."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain types for JSON."""
+        return asdict(self)
+
+
+def check(
+    plan: Plan, recording: Recording, *, rerun: bool = True, progress: Callable[[float], None] = lambda _: None
+) -> Outcome:
+    """Compare a finished run with what was expected of it.
+
+    Args:
+        plan: What was expected.
+        recording: The run.
+        rerun: Whether to run the part before the onset again, four times as finely; else `actual` is None.
+        progress: Called with the simulated time of the rerun [s].
+
+    Raises:
+        RunError: The finer run fails.
+    """
+    onset = recording.summary.onset_s
+    duration = recording.duration
+    factor = recording.realtime_factor
+    line = recording.centre_lines()
+    time = recording.marks.time
+    clearance = np.array([place.clearance for place in recording.scene.mark_table])
+    return Outcome(
+        asked=plan.asked,
+        expected=plan.expected,
+        actual=_actual(plan, time, line, onset, progress) if rerun else None,
+        how=HOW if rerun else "not checked",
+        expected_seconds=plan.seconds,
+        actual_seconds=duration / factor if factor else math.nan,
+        orbit_radius=interval(time, (np.abs(line) / clearance).mean(axis=1), onset),
+        precession_hz=interval(time, _precession(time, line), onset),
+    )
+
+
+def _actual(
+    plan: Plan,
+    time: NDArray[np.float64],
+    line: NDArray[np.complex128],
+    onset: float | None,
+    progress: Callable[[float], None],
+) -> float:
+    numerics = plan.scene.numerics
+    finer = at(plan.scene, 2 * int(numerics.elements), 0.5 * float(numerics.step), 0.1 * plan.scene.tolerance)
+    motion = run_motion(finer, after_onset=AFTER, progress=progress)
+    common = min(time.size, motion.time.size)
+    true = motion.centre[:common, :, 0] + 1j * motion.centre[:common, :, 1]
+    early = time[:common] <= min(motion.onset if math.isfinite(motion.onset) else math.inf, time[-1])
+    path = largest_distance(line[:common][early], true[early])
+    if onset is None or not math.isfinite(motion.onset):
+        return RICHARDSON * path if (onset is None) == (not math.isfinite(motion.onset)) else 1.0
+    return RICHARDSON * max(path, abs(onset - motion.onset) / motion.onset)
+
+
+def _precession(time: NDArray[np.float64], line: NDArray[np.complex128]) -> NDArray[np.float64]:
+    mark = int(np.argmax(np.abs(line).mean(axis=0)))
+    turns: NDArray[np.float64] = np.gradient(np.unwrap(np.angle(line[:, mark])), time) / (2.0 * np.pi)
+    return turns
+
+
+def interval(time: NDArray[np.float64], values: NDArray[np.float64], onset: float | None) -> Interval | None:
+    """Interval of the mean of what follows the onset; None where there is too little of it.
+
+    Args:
+        time: [s], shape (T,).
+        values: Shape (T,).
+        onset: [s]; None: there was none.
+    """
+    if onset is None:
+        return None
+    late = values[time > onset + SETTLING]
+    size = late.size // BATCHES
+    if size < 2:
+        return None
+    means = late[: size * BATCHES].reshape(BATCHES, size).mean(axis=1)
+    half = float(student.ppf(0.5 + 0.5 * SURE, BATCHES - 1) * means.std(ddof=1) / math.sqrt(BATCHES))
+    return Interval(float(means.mean()), float(means.mean()) - half, float(means.mean()) + half)

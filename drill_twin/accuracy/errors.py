@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How far a run is from the converged one: its path before the onset, its statistics after it.
+
+After the onset the motion is chaotic, so that no resolution follows the path of another; there only statistics can
+converge, and they are uncertain by themselves: replicas of the converged run, set apart by a tiny push, tell by how
+much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.accuracy.motion_run import Motion
+
+SETTLED = 0.5
+"""Statistics are taken from this share of the run on."""
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Differences from the converged run, all dimensionless; None where there is nothing to compare."""
+
+    path: float | None
+    """Largest distance of a mark's centre line from the converged one before the onset, over its largest radius."""
+    onset: float | None
+    """Of the onset time, relative."""
+    frequency: float | None
+    """Of the whirl frequency, relative."""
+    radius: float
+    """Of the mean orbit radius, over the clearance."""
+    contact: float
+    """Of the share of nodes at the wall."""
+
+    @property
+    def promised(self) -> float:
+        """What `accuracy` promises: the larger of path and onset error."""
+        known = [value for value in (self.path, self.onset) if value is not None]
+        return max(known) if known else 0.0
+
+
+def statistics(motion: Motion) -> tuple[float, float]:
+    """Mean orbit radius over the clearance and share of nodes at the wall, of the settled part [-]."""
+    late = motion.time > SETTLED * motion.time[-1]
+    radius = np.hypot(motion.centre[late, :, 0], motion.centre[late, :, 1]) / motion.clearance
+    return float(radius.mean()), float(motion.contact[late].mean())
+
+
+def compare(motion: Motion, reference: Motion) -> Errors:
+    """Errors of a run of the same scene with the same frames."""
+    radius, contact = statistics(motion)
+    true_radius, true_contact = statistics(reference)
+    return Errors(
+        path=path_error(motion, reference),
+        onset=_relative(motion.onset, reference.onset),
+        frequency=_relative(motion.frequency, reference.frequency),
+        radius=abs(radius - true_radius),
+        contact=abs(contact - true_contact),
+    )
+
+
+def path_error(motion: Motion, reference: Motion) -> float | None:
+    """Largest distance between two paths before the onset, over the largest radius there [-]; None without marks."""
+    end = reference.onset if np.isfinite(reference.onset) else np.inf
+    early = reference.time <= end
+    if not early.any() or reference.centre.shape[1] == 0:
+        return None
+    path, true = (run.centre[early, :, 0] + 1j * run.centre[early, :, 1] for run in (motion, reference))
+    return largest_distance(path, true)
+
+
+def largest_distance(path: NDArray[np.complex128], true: NDArray[np.complex128]) -> float:
+    """Largest distance between paths x + i y, shape (T, m), over the largest deflection of the true ones [-]."""
+    largest = float(np.abs(true).max()) if true.size else 0.0
+    return float(np.abs(path - true).max()) / largest if largest > 0.0 else 0.0
+
+
+def spread(replicas: Sequence[Motion], reference: Motion) -> Errors:
+    """How far replicas of the converged run are from it, root mean square: below this no error can be told."""
+    found = [compare(replica, reference) for replica in replicas]
+
+    def rms(name: str) -> float | None:
+        values = [getattr(errors, name) for errors in found if getattr(errors, name) is not None]
+        return float(np.sqrt(np.mean(np.square(values)))) if values else None
+
+    return Errors(rms("path"), rms("onset"), rms("frequency"), rms("radius") or 0.0, rms("contact") or 0.0)
+
+
+def _relative(value: float, true: float) -> float | None:
+    if np.isnan(true):
+        return None if np.isnan(value) else 1.0
+    return 1.0 if np.isnan(value) else abs(value - true) / abs(true)

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One run of a scene at one resolution: the motion of its marks, what it cost, and keeping both on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin import __version__
+from drill_twin.accuracy.trial import nudge
+from drill_twin.errors import DrillTwinError
+from drill_twin.io.adapters import mark_infos
+from drill_twin.scene import Scene, load_scene
+from drill_twin.schedule import Schedule
+from drill_twin.twin.twin import Twin
+from drill_twin.whirl import Analyzer
+
+Array = NDArray[np.float64]
+FORMAT = 3
+"""Of kept runs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A run, T frames and m marks."""
+
+    time: Array
+    """Times of the frames [s], shape (T,)."""
+    centre: Array
+    """Lateral place of the centre line at the marks [m], shape (T, m, 2)."""
+    contact: Array
+    """Share of nodes at the wall [-], shape (T,)."""
+    clearance: Array
+    """Clearance at the marks [m], shape (m,)."""
+    onset: float
+    """Onset of whirl [s]; nan if there was none."""
+    frequency: float
+    """Dominant whirl after it, positive = forward [Hz]; nan if there was none."""
+    cost: float
+    """Processor time of the physics per simulated second [s/s]."""
+    frame_p95: float
+    """Processor time that 95 % of the frames stayed below [s]."""
+    spent: Array
+    """Processor time of the physics in each frame [s], shape (T,)."""
+    compile_seconds: float
+    """Wall-clock time until the first frame was there, which holds compiling if it had to be [s]."""
+    iterations: float
+    """Newton iterations per simulated second [1/s]."""
+    elements: int
+    step: float
+    tolerance: float
+    """Of Newton's method."""
+
+    def until(self, end: float) -> Motion:
+        """The motion up to a time [s]; onset and frequency are those of the whole."""
+        taken = self.time <= end
+        cut = {name: getattr(self, name)[taken] for name in ("time", "centre", "contact", "spent")}
+        return replace(self, **cut)
+
+    def save(self, path: Path) -> None:
+        """Write it; a half-written file is never seen."""
+        part = path.with_suffix(".part.npz")
+        arrays: dict[str, Any] = {name: np.asarray(value) for name, value in self.__dict__.items()}
+        np.savez(part, **arrays)
+        part.replace(path)
+
+    @staticmethod
+    def load(path: Path) -> Motion:
+        """Read one that was saved."""
+        with np.load(path, allow_pickle=False) as file:
+            plain = {name: file[name] if file[name].ndim else file[name].item() for name in file.files}
+        return Motion(**plain)
+
+
+def run_motion(
+    scene: Scene,
+    seed: int | None = None,
+    *,
+    until: float = math.inf,
+    after_onset: float = math.inf,
+    progress: Callable[[float], None] = lambda _: None,
+) -> Motion:
+    """Run a scene to its end.
+
+    Args:
+        scene: What to run.
+        seed: Of a small random lateral velocity at time zero; None: start as the scene says.
+        until: When to stop [s], if that is before its end.
+        after_onset: How long after an onset was found to stop [s].
+        progress: Called with the simulated time [s] after every frame.
+
+    Raises:
+        RunError: The motion could not be followed.
+    """
+    schedule = Schedule.from_scene(scene)
+    period = 1.0 / scene.numerics.frame_rate
+    began = time.perf_counter()
+    Twin(scene).advance(schedule.at(period), period)
+    compiled = time.perf_counter() - began
+    twin = Twin(scene)
+    if seed is not None:
+        nudge(twin, seed)
+    infos = mark_infos(scene)
+    analyzer = Analyzer(infos)
+    frames = max(1, round(min(schedule.duration, until) / period))
+    times, spent, contact = (np.zeros(frames) for _ in range(3))
+    centre = np.empty((frames, len(infos), 2))
+    iterations, k, found_at = 0, 0, math.inf
+    while k < frames and times[k - 1] < found_at + after_onset:
+        command = schedule.at((k + 1) * period)
+        began = time.process_time()
+        frame = twin.advance(command, period)
+        spent[k] = time.process_time() - began
+        times[k], centre[k] = frame.time, frame.marks.centre[:, :2]
+        contact[k] = np.mean(frame.wall_force > 0.0)
+        iterations += frame.stats.iterations
+        marks = frame.marks
+        live = analyzer.push(
+            round(frame.time * 1e9), marks.position, marks.spin, frame.rig.top_drive_speed, marks.wall_force
+        )
+        if live.onset is not None:
+            found_at = min(found_at, frame.time)
+        progress(frame.time)
+        k += 1
+    taken = slice(0, k)
+    found = analyzer.summary()
+    return Motion(
+        time=times[taken],
+        centre=centre[taken],
+        contact=contact[taken],
+        clearance=np.array([info.clearance for info in infos]),
+        onset=np.nan if found.onset_s is None else found.onset_s,
+        frequency=np.nan if found.whirl_frequency_hz is None else found.whirl_frequency_hz,
+        cost=float(spent.sum()) / (k * period),
+        frame_p95=float(np.quantile(spent[taken], 0.95)),
+        spent=spent[taken],
+        compile_seconds=compiled,
+        iterations=iterations / (k * period),
+        elements=twin.elements,
+        step=twin.step_size,
+        tolerance=scene.tolerance,
+    )
+
+
+def kept_run(scene: str, overrides: dict[str, str], seed: int | None, folder: Path) -> Motion | str:
+    """The run of a scene from the folder, or made now and put there; or why there is none.
+
+    The name of its file is a hash of the resolved scene, the seed and the version, so that a study that was broken off
+    goes on where it was and a changed scene is run anew.
+    """
+    try:
+        described = load_scene(scene, overrides=overrides)
+        key = hashlib.sha256(f"{described.to_yaml()}{seed}{__version__}{FORMAT}".encode()).hexdigest()[:16]
+        path = folder / f"{key}.npz"
+        if (kept := _undamaged(path)) is not None:
+            return kept
+        motion = run_motion(described, seed)
+        motion.save(path)
+    except DrillTwinError as error:
+        return str(error)
+    return motion
+
+
+def _undamaged(path: Path) -> Motion | None:
+    """A run that was kept; None where there is none, or one that a power cut has cut short: it is made again."""
+    try:
+        return Motion.load(path)
+    except (OSError, EOFError, ValueError, TypeError, BadZipFile):
+        return None

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin analyzer-score`: how well the analyzer detects, measured on labelled motions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption, ReplaceOption
+
+
+def analyzer_score(
+    quick: Annotated[bool, typer.Option("--quick", help="A tenth of the records, to see that all is well.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Write the tables, the numbers and the confusion matrix here too."),
+    ] = None,
+    workers: Annotated[int, typer.Option("--workers", metavar="N", min=1, help="Processes.")] = 2,
+    replace: ReplaceOption = False,
+    json: JsonOption = False,
+) -> None:
+    """Measure the analyzer: onset, false alarms and motion states, on kinematic signals and simulated runs.
+
+    Prints the tables of docs/analyzer.md; all of it takes a quarter of an hour on two processors.
+    """
+    from drill_twin.cli.folder import check_new, write_file
+    from drill_twin.cli.show import err, print_json
+    from drill_twin.studies.detection.measure import QUICK, Plan, measure
+    from drill_twin.studies.detection.text import markdown
+
+    names = ("analyzer_score.md", "analyzer_score.json", "confusion.png")
+    if out is not None:
+        for name in names:
+            check_new(out / name, replace=replace)
+    with err().status("measuring") as status:
+        result = measure(QUICK if quick else Plan(), workers=workers, progress=status.update)
+    plain = result.to_dict()
+    text = markdown(plain)
+    if out is not None:
+        import json as plain_json
+
+        from drill_twin.studies.detection.figure import confusion_figure
+
+        out.mkdir(parents=True, exist_ok=True)
+        write_file(out / names[0], text)
+        write_file(out / names[1], plain_json.dumps(plain, indent=2, allow_nan=False) + "\n")
+        confusion_figure(result, out / names[2])
+    if json:
+        print_json(plain)
+    else:
+        print(text, end="")

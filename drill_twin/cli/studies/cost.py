@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin cost`: what accuracy costs in time."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrides
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from drill_twin.studies.convergence import Curve
+
+
+def cost(
+    scene: SceneArgument,
+    duration: Annotated[
+        str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
+    ] = "",
+    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    replicas: Annotated[
+        int, typer.Option("--replicas", min=0, max=50, help="Replicas of the converged run that tell its own spread.")
+    ] = 3,
+    coarse: Annotated[bool, typer.Option("--coarse", help="A short ladder: a third of the resolutions.")] = False,
+    workers: Annotated[int, typer.Option("--workers", min=1, max=64, help="Processes at a time.")] = 2,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            help="Folder of the result; one that is there goes on.",
+            show_default="out/cost_SCENE",
+        ),
+    ] = None,
+    markdown: Annotated[
+        bool, typer.Option("--markdown", help="Print the cheapest resolution for each power of ten as Markdown.")
+    ] = False,
+    json: JsonOption = False,
+) -> None:
+    """Run a scene over forms, elements, steps and tolerances: the error of each against a converged run, and its time.
+
+    Broken off, it goes on where it was. Writes cost.json, cost.csv and cost.png, and keeps the curve for
+    `drill-twin run --accuracy`.
+    """
+    from rich.progress import Progress
+
+    from drill_twin.accuracy.error_model import keep
+    from drill_twin.cli.folder import folder_name, make_folder, write_file
+    from drill_twin.cli.show import err, print_json
+    from drill_twin.cli.show import out as stdout
+    from drill_twin.report.summary import to_json
+    from drill_twin.scene import load_scene
+    from drill_twin.studies.convergence import ladder, measure
+    from drill_twin.studies.convergence.curve import ELEMENTS, STEPS
+    from drill_twin.studies.convergence.figure import draw
+
+    changes = overrides(change, duration=duration)
+    described = load_scene(scene, overrides=changes)
+    folder = out or Path("out") / f"cost_{folder_name(described.name)}"
+    make_folder(folder / "runs")
+    with err().status("building the string"):
+        rungs = ladder(described, *((ELEMENTS[1::2], STEPS[1::2]) if coarse else (ELEMENTS, STEPS)))
+    with Progress(console=err(), transient=True) as progress:
+        task = progress.add_task("running", total=len(rungs) + 1 + replicas)
+        curve = measure(
+            scene, changes, rungs, folder / "runs", replicas=replicas, workers=workers,
+            progress=lambda line: progress.update(task, advance=1, description=line),
+        )  # fmt: skip
+    write_file(folder / "cost.json", to_json(curve.to_dict()))
+    write_file(folder / "cost.csv", _csv(curve))
+    draw(curve, folder / "cost.png")
+    curve.promise.save(folder / "accuracy.json")
+    keep(curve.promise)
+    if json:
+        print_json(curve.to_dict())
+    elif markdown:
+        print(_markdown(curve))
+    else:
+        stdout().print(_table(curve))
+        stdout().print(_tolerances(curve))
+    err().print(
+        f"{folder}: cost.json, cost.csv, cost.png, accuracy.json, runs; kept for --accuracy",
+        markup=False,
+        soft_wrap=True,
+    )
+
+
+def _markdown(curve: Curve) -> str:
+    """The cheapest resolution for an error of the path and of the onset below each power of ten."""
+    lines = [
+        "| error at most | form | elements | step | path | onset | processor ms per s | x real time |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for power in range(-1, -10, -1):
+        fit = [one for one in curve.front if one.errors.promised <= 10.0**power]
+        if fit:
+            one = fit[0]
+            lines.append(
+                f"| 1e{power} | {one.rung.form} | {one.rung.elements} | {one.rung.step * 1e3:.2g} ms | "
+                f"{_share(one.errors.path)} | {_share(one.errors.onset)} | {one.cost * 1e3:.3g} | "
+                f"{one.realtime_factor:.3g} |"
+            )
+    return "\n".join(lines)
+
+
+def _share(value: float | None) -> str:
+    return "" if value is None else f"{value:.0e}".replace("e-0", "e-")
+
+
+def _tolerances(curve: Curve) -> Table:
+    from drill_twin.cli.show import grid
+
+    tried = [one for one in curve.rungs if one.rung.tolerance is not None]
+    rows = [
+        (_share(one.rung.tolerance), _share(one.errors.path), _share(one.errors.onset), f"{one.cost * 1e3:.3g}")
+        for one in sorted(tried, key=lambda one: -(one.rung.tolerance or 0.0))
+    ]
+    at = f" at {tried[0].rung.elements} elements, {tried[0].rung.step * 1e3:.3g} ms" if tried else ""
+    title = f"Tolerance{at}"
+    return grid(("tolerance", "path", "onset", "ms/s"), rows, title=title, right=range(4))
+
+
+def _table(curve: Curve) -> Table:
+    from drill_twin.cli.show import grid
+
+    rows = [
+        (
+            one.rung.form, str(one.rung.elements), f"{one.rung.step * 1e3:.2g}", _share(one.errors.path),
+            _share(one.errors.onset), _share(one.errors.frequency), _share(one.errors.radius),
+            _share(one.errors.contact), f"{one.cost * 1e3:.3g}", f"{one.realtime_factor:.0f}",
+            f"{one.frame_p95 * 1e6:.0f}",
+        )
+        for one in curve.front
+    ]  # fmt: skip
+    noise = curve.noise
+    rows.append((
+        "spread", "", "", _share(noise.path), _share(noise.onset), _share(noise.frequency),
+        _share(noise.radius), _share(noise.contact), "", "", "",
+    ))  # fmt: skip
+    columns = ("form", "el.", "step", "path", "onset", "whirl", "orbit", "wall", "ms/s", "RTF", "p95")
+    compiling = max(one.compile_seconds for one in curve.rungs)
+    title = (
+        f"{curve.scene}: the cheapest resolution for each error, against {curve.reference.elements} elements and "
+        f"{curve.reference.step * 1e3:.3g} ms in the {curve.reference.form} form.\n"
+        "Step in ms. Errors: path and time of the onset; after it whirl frequency, mean radius of the orbit and share "
+        "at the wall. "
+        "Time: processor ms per simulated second, times faster than real time, us that 95 % of the frames stay below; "
+        f"compiling {compiling:.0f} s, once. Spread: of runs set apart by a push of 0.1 mm/s."
+    )
+    return grid(columns, rows, title=title, right=range(1, 11))
+
+
+def _csv(curve: Curve) -> str:
+    text = io.StringIO()
+    names = ("path", "onset", "frequency", "radius", "contact")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow((
+        "form", "elements", "step_s", "tolerance", *(f"error_{name}" for name in names), "cost_s_per_s",
+        "realtime_factor", "frame_p95_s", "compile_s", "iterations_per_s", "on_front",
+    ))  # fmt: skip
+    for one in curve.rungs:
+        writer.writerow((
+            one.rung.form, one.rung.elements, one.rung.step, one.rung.tolerance,
+            *(getattr(one.errors, name) for name in names), one.cost,
+            one.realtime_factor, one.frame_p95, one.compile_seconds, one.iterations, int(one.on_front),
+        ))  # fmt: skip
+    return text.getvalue()

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin hard`: the scenes at which simulators break down, one line each."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from drill_twin.studies.stress import HardCase, Result
+    from drill_twin.studies.verify.run import Outcome
+
+NOT_IN_ORDER = 1
+"""Exit code when a case is not in order."""
+
+
+def hard(
+    only: Annotated[
+        str, typer.Option("--only", metavar="TEXT", help='Cases whose name contains this, as "wall_" or "[lateral]".')
+    ] = "",
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Leave out the runs of more than 100 simulated seconds.")
+    ] = False,
+    exact: Annotated[
+        bool, typer.Option("--exact", help="Run the exact checks of bounce, rolling, growth and stick-slip too.")
+    ] = False,
+    energy: Annotated[
+        bool, typer.Option("--energy", help="Audit the energy; compiles kernels of its own, half a minute each.")
+    ] = False,
+    names: Annotated[bool, typer.Option("--list", help="Print the scenes and why they are hard.")] = False,
+    page: Annotated[
+        Path | None, typer.Option("--page", metavar="FILE", help="Write a page (.md), and the JSON beside it.")
+    ] = None,
+    region: Annotated[
+        Path | None,
+        typer.Option(
+            "--map", metavar="FILE", help="Only draw which steps are taken over stiffness and damping (.png)."
+        ),
+    ] = None,
+    workers: Annotated[int, typer.Option("--workers", min=1, max=64, help="Processes at a time.")] = 2,
+    json: JsonOption = False,
+) -> None:
+    """Run the hard scenes: loads far beyond buckling, jumps, hard walls, sticking, tiny and huge strings.
+
+    Ends with exit code 1 if one is not in order. `drill-twin run hard/NAME` runs one of them as any other scene.
+    """
+    from drill_twin.cli.show import err, grid, out, print_json
+    from drill_twin.errors import SceneError
+    from drill_twin.studies.stress import choose_hard
+    from drill_twin.studies.stress.page import ALLOWED, COLUMNS, cells, summary, to_data
+
+    if region is not None:
+        _draw_map(region)
+        return
+    cases = choose_hard(only, quick=quick)
+    if not cases:
+        raise SceneError(f'--only: expected a part of the name of a case, found "{only}"; see drill-twin hard --list')
+    if names:
+        reasons = {case.scene_name: case.why for case in cases}
+        out().print(grid(("scene", "why it is hard"), list(reasons.items())))
+        return
+    results = _run(cases, workers, energy=energy)
+    outcomes = _check(workers) if exact else []
+    if json:
+        print_json(to_data(results, outcomes))
+    else:
+        lines = [[line[0].replace("_", " "), *line[1:ALLOWED], *line[ALLOWED + 1 :]] for line in map(cells, results)]
+        out().print(grid((*COLUMNS[:ALLOWED], *COLUMNS[ALLOWED + 1 :]), lines, right=(2, 3, 4, 5, 6, 7)))
+        for result in results:
+            if result.verdict != "ok":
+                out().print(f"{result.name}: {result.verdict}", markup=False, soft_wrap=True)
+    err().print(summary(results), markup=False, soft_wrap=True)
+    if page is not None:
+        given = {"--quick": quick, "--exact": exact, "--energy": energy}
+        _write(page, results, outcomes, only=only, flags=[flag for flag, on in given.items() if on])
+    if not (all(result.ok for result in results) and all(outcome.ok for outcome in outcomes)):
+        raise typer.Exit(NOT_IN_ORDER)
+
+
+def _run(cases: Sequence[HardCase], workers: int, *, energy: bool) -> list[Result]:
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from drill_twin.cli.show import err
+    from drill_twin.studies.stress import run_hard
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=err(), transient=True) as progress:
+        task = progress.add_task("hard scenes", total=len(cases))
+
+        def done(result: Result) -> None:
+            progress.update(task, advance=1, description=result.name)
+            if not result.ok:
+                progress.console.print(f"{result.name}: {result.verdict}", style="red", markup=False, soft_wrap=True)
+
+        return run_hard(cases, workers=workers, energy=energy, progress=done)
+
+
+def _draw_map(path: Path) -> None:
+    from drill_twin.cli.show import err
+    from drill_twin.studies.stability import draw, stability_map
+
+    with err().status("half a minute of runs over step, stiffness of the wall and damping"):
+        draw({what: stability_map(what) for what in ("wall", "damping_time")}, path)
+    err().print(f"{path}: see docs/stability.md", markup=False, soft_wrap=True)
+
+
+def _check(workers: int) -> list[Outcome]:
+    from drill_twin.studies.stress.page import EXACT
+    from drill_twin.studies.verify import all_cases
+    from drill_twin.studies.verify.run import run_cases
+
+    chosen = [case for case in all_cases() if case.name.partition("[")[0] in EXACT]
+    return run_cases(chosen, workers=workers)
+
+
+def _write(
+    page: Path, results: Sequence[Result], outcomes: Sequence[Outcome], *, only: str, flags: Sequence[str]
+) -> None:
+    from drill_twin.cli.folder import write_file
+    from drill_twin.cli.show import err
+    from drill_twin.report.summary import to_json
+    from drill_twin.studies.stress.page import to_data, to_page
+
+    options = [*(["--only", only] if only else []), *flags, "--page", page.as_posix()]
+    write_file(page, to_page(results, outcomes, " ".join(["drill-twin hard", *options])))
+    data = page.with_suffix(".json")
+    write_file(data, to_json(to_data(results, outcomes)))
+    err().print(f"{page}, {data}", markup=False, soft_wrap=True)

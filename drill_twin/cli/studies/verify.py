@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin verify`: every exact check, in one table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rich.table import Table
+
+    from drill_twin.studies.verify import Case
+    from drill_twin.studies.verify.run import Outcome
+
+MISSED = 1
+"""Exit code when a number is beyond its tolerance."""
+
+
+def verify(
+    only: Annotated[
+        str,
+        typer.Option(
+            "--only", metavar="PATTERN", help='Cases whose name contains this, or matches it, as "buckling.*lateral]".'
+        ),
+    ] = "",
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Leave out the cases that take more than a few seconds.")
+    ] = False,
+    names: Annotated[bool, typer.Option("--list", help="Print the names of the cases and what they show.")] = False,
+    page: Annotated[
+        Path | None,
+        typer.Option("--page", metavar="FILE", help="Write the table as a page (.md), and as JSON beside it."),
+    ] = None,
+    workers: Annotated[int, typer.Option("--workers", min=1, max=64, help="Processes at a time.")] = 2,
+    json: JsonOption = False,
+) -> None:
+    """Run the exact checks: buckling, frequencies, waves, contact, whirl and the like against closed forms.
+
+    Ends with exit code 1 if a number misses its tolerance. The first run compiles a few kernels (about 20 s each).
+    """
+    from drill_twin.errors import SceneError
+    from drill_twin.studies.verify import choose
+
+    cases = choose(only, quick=quick)
+    if not cases:
+        raise SceneError(f'--only: expected a part of the name of a case, found "{only}"; see drill-twin verify --list')
+    if names:
+        _print_names(cases)
+        return
+    outcomes = _run(cases, workers)
+    _show(outcomes, json=json)
+    if page is not None:
+        _write(page, outcomes, only=only, quick=quick)
+    if not all(outcome.ok for outcome in outcomes):
+        raise typer.Exit(MISSED)
+
+
+def _print_names(cases: Sequence[Case]) -> None:
+    from itertools import groupby
+
+    from drill_twin.cli.show import grid, out
+
+    rows = []
+    for name, group in groupby(cases, key=lambda case: case.name.partition("[")[0]):
+        members = list(group)
+        rows.append((name, str(len(members)), members[0].about.split("\n\n")[0].replace("\n", " ")))
+    out().print(grid(("case", "variants", "what it shows"), rows, right=(1,)))
+
+
+def _run(cases: Sequence[Case], workers: int) -> list[Outcome]:
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from drill_twin.cli.show import err
+    from drill_twin.studies.verify.run import run_cases
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=err(), transient=True) as progress:
+        task = progress.add_task("verifying", total=len(cases))
+
+        def done(outcome: Outcome) -> None:
+            progress.update(task, advance=1, description=outcome.case.name)
+            if not outcome.ok:
+                progress.console.print(f"miss: {outcome.case.name}", style="red", markup=False)
+
+        return run_cases(cases, workers=workers, progress=done)
+
+
+def _show(outcomes: Sequence[Outcome], *, json: bool) -> None:
+    from drill_twin.cli.show import err, out, print_json
+    from drill_twin.studies.verify.page import summary, to_data
+
+    if json:
+        print_json(to_data(outcomes))
+    else:
+        out().print(_table(outcomes))
+        for outcome in outcomes:
+            if outcome.failure:
+                out().print(f"{outcome.case.name}: {outcome.failure}", style="red", markup=False, soft_wrap=True)
+    err().print(summary(outcomes), markup=False, soft_wrap=True)
+
+
+def _table(outcomes: Sequence[Outcome]) -> Table:
+    from rich.text import Text
+
+    from drill_twin.cli.show import grid
+    from drill_twin.studies.verify.page import computed, error, number, tolerance
+
+    table = grid(("case, number and reference (source)", "expected", "computed", "error", "tolerance", ""), (),
+                 right=(1, 2, 3, 4))  # fmt: skip
+    for column in table.columns[1:]:
+        column.no_wrap = True
+    for outcome in outcomes:
+        table.add_row(Text(outcome.case.name, style="bold"))
+        said = ""
+        for row in outcome.rows:
+            reference = f"{row.reference} ({row.source})"
+            told = Text(f"  {row.what}")
+            if reference != said:
+                told.append(f"\n    {reference}", style="dim")
+            said = reference
+            cells = (number(row.expected), computed(row), error(row), tolerance(row))
+            verdict = Text("ok") if row.ok else Text("MISS", style="red")
+            table.add_row(told, *map(Text, cells), verdict)
+    return table
+
+
+def _write(page: Path, outcomes: Sequence[Outcome], *, only: str, quick: bool) -> None:
+    from drill_twin.cli.folder import write_file
+    from drill_twin.cli.show import err
+    from drill_twin.report.summary import to_json
+    from drill_twin.studies.verify.page import to_data, to_page
+
+    options = [*(["--only", only] if only else []), *(["--quick"] if quick else []), "--page", page.as_posix()]
+    write_file(page, to_page(outcomes, " ".join(["drill-twin verify", *options])))
+    data = page.with_suffix(".json")
+    write_file(data, to_json(to_data(outcomes)))
+    err().print(f"{page}, {data}", markup=False, soft_wrap=True)

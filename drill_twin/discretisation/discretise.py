@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a scene to what the solver works on: the pieces of the string as tubes, and the hole as the string meets it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.base.arrays import Array
+from drill_twin.model.discrete_model import DiscreteModel, places
+from drill_twin.model.mesh import Rod, Tube
+from drill_twin.model.survey import Survey, survey
+from drill_twin.model.wellbore import Axis, Bore
+from drill_twin.scene import Scene
+from drill_twin.scene.string import Piece
+
+
+def tubes_of(scene: Scene) -> list[Tube]:
+    """The string's uniform pieces from the bit up; tool joints are pieces of their own."""
+    return [_tube(piece) for piece in scene.string.pieces]
+
+
+def sections_of(scene: Scene) -> list[Tube]:
+    """The string's sections without their tool joints: what decides how finely to cut."""
+    return [_tube(Piece(s.length, s.outer_diameter, s.contact_diameter, s)) for s in scene.string.sections]
+
+
+def _tube(piece: Piece) -> Tube:
+    of = piece.section
+    return Tube(piece.length, piece.outer_diameter, of.inner_diameter, of.youngs_modulus, of.poisson_ratio, of.density)
+
+
+def discretise(scene: Scene, rod: Rod) -> DiscreteModel:
+    """The meshed string in its hole."""
+    at = places(rod)
+    mud = getattr(scene.effects, "mud", None)
+    fluid = (mud.density, mud.viscosity, mud.inside == "mud") if mud is not None else ()
+    return DiscreteModel(
+        rod,
+        scene.hole.radius,
+        scene.hole.top_inclination,
+        bore_at(scene, at),
+        contact_radius(scene, at),
+        _section_numbers(scene, rod),
+        scene.numerics.seed,
+        *fluid,
+    )
+
+
+def _section_numbers(scene: Scene, rod: Rod) -> NDArray[np.int64]:
+    tops = np.cumsum([section.length for section in scene.string.sections])
+    middle = 0.5 * (rod.arc[1:] + rod.arc[:-1])
+    return np.minimum(np.searchsorted(tops, middle), tops.size - 1).astype(np.int64)
+
+
+def bore_at(scene: Scene, distance_from_bit: Array) -> Bore:
+    """The hole as places of the string [m], shape (p,), meet it at the start."""
+    depth = scene.length - np.asarray(distance_from_bit)
+    radius = np.array([scene.hole.radius_at(float(d)) for d in depth])
+    return Bore(radius - contact_radius(scene, distance_from_bit), axis_at(scene, depth))
+
+
+def contact_radius(scene: Scene, distance_from_bit: Array) -> Array:
+    """Radius of the surface that meets the wall, blades and tool joints included [m], shape (p,)."""
+    pieces = scene.string.pieces
+    tops = np.cumsum([piece.length for piece in pieces])
+    number = np.minimum(np.searchsorted(tops, distance_from_bit, side="right"), len(pieces) - 1)
+    return np.array([0.5 * piece.contact_diameter for piece in pieces])[number]
+
+
+def survey_of(scene: Scene) -> Survey | None:
+    """The surveyed centre line; None where the hole is straight."""
+    if not scene.hole.survey:
+        return None
+    line = survey(*scene.hole.stations)
+    return None if line.straight else line
+
+
+def axis_at(scene: Scene, depth: Array) -> Axis | None:
+    """The hole's centre line at measured depths [m], shape (p,); None where the hole is straight."""
+    line = survey_of(scene)
+    return None if line is None else line.at(depth)

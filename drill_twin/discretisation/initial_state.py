@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The start: the string on the axis of the hole, at rest, untwisted and in axial balance."""
+
+import numpy as np
+
+from drill_twin.audit.energy import element_unknowns
+from drill_twin.base.arrays import Array
+from drill_twin.discretisation.discretise import axis_at
+from drill_twin.effects.gravity import line_weight
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import Rod
+from drill_twin.scene import Scene
+from drill_twin.solver.state import SPIN, State
+
+
+def axial_weight(scene: Scene, model: DiscreteModel) -> Array:
+    """Weight of each element along the hole [N], shape (n,)."""
+    rod, gravity = model.rod, scene.effects.gravity
+    if gravity is None:
+        return np.zeros(rod.length.size)
+    axis = axis_at(scene, rod.arc[-1] - 0.5 * (rod.arc[1:] + rod.arc[:-1]))
+    up = np.array([-np.sin(model.inclination), 0.0, np.cos(model.inclination)])
+    share = up[2] if axis is None else axis.tangent @ up
+    return np.asarray(line_weight(gravity, model) * rod.length * share)
+
+
+def set_initial_state(state: State, model: DiscreteModel, scene: Scene, weight_on_bit: float) -> None:
+    """Put the string on the hole's axis, stretched by its own weight, so that this is not dropped on it at t = 0."""
+    rod = model.rod
+    below = np.concatenate([[0.0], np.cumsum(axial_weight(scene, model))])
+    tension = below - weight_on_bit
+    if scene.rig.weight_on_bit.at == "top":
+        tension = below - below[-1] - weight_on_bit
+    stiffness = np.concatenate([rod.axial[:1], 0.5 * (rod.axial[1:] + rod.axial[:-1]), rod.axial[-1:]])
+    stretch = np.cumsum(0.5 * (tension[1:] + tension[:-1]) / rod.axial * rod.length)
+    along = rod.arc - rod.arc[-1] + np.concatenate([[0.0], stretch]) - stretch[-1]
+    slope = 1.0 + tension / stiffness
+    axis = axis_at(scene, -along)
+    if axis is None:
+        state.u[:, 2], state.u[:, 5] = along, slope
+        return
+    state.u[:, 0:3], state.u[:, 3:6] = axis.centre, slope[:, None] * axis.tangent
+    state.u[:, SPIN] = untwisted(rod, state.u)
+
+
+def untwisted(rod: Rod, u: Array) -> Array:
+    """Spin at the nodes for which no element is twisted on average, 0 at the top [rad], shape (n + 1,).
+
+    Twist is psi' + A, with A the twist of the reference that z is turned onto the tangent (`drill_twin.model.section`).
+    """
+    nodal = element_unknowns(u)
+    a, b = (np.einsum("epi,eic->epc", rod.shape[:, :, order], nodal) for order in (1, 2))
+    g = np.linalg.norm(a, axis=-1)
+    reference = -(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]) / (g * (g + a[..., 2]))
+    climb = -reference.mean(axis=1) * rod.length
+    spin: Array = np.concatenate([[0.0], np.cumsum(climb)]) - climb.sum()
+    return spin

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""rosbag2's `metadata.yaml`, version 9, key by key, and the quality of service in its words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from io import StringIO
+from typing import Any
+
+from ruamel.yaml import YAML
+
+from drill_twin.io.messages.definitions import definition, type_hash
+from drill_twin.io.messages.topics import TOPICS, Topic
+
+_FOREVER = {"sec": 9223372036, "nsec": 854775807}
+
+Qos = dict[str, Any]
+"""One QoS profile as rosbag2 writes it: history, depth, reliability, durability and so on."""
+
+
+def contract_qos(topic: Topic) -> Qos:
+    """The QoS that the contract gives a topic."""
+    return {
+        "history": "keep_last",
+        "depth": topic.depth,
+        "reliability": "reliable",
+        "durability": "transient_local" if topic.latched else "volatile",
+        "deadline": dict(_FOREVER),
+        "lifespan": dict(_FOREVER),
+        "liveliness": "automatic",
+        "liveliness_lease_duration": dict(_FOREVER),
+        "avoid_ros_namespace_conventions": False,
+    }
+
+
+def to_yaml(content: Any) -> str:
+    """YAML in block style, as rosbag2 writes it."""
+    yaml = YAML(typ="safe")
+    yaml.default_flow_style = False
+    yaml.width = 4096
+    stream = StringIO()
+    yaml.dump(content, stream)
+    return stream.getvalue()
+
+
+def from_yaml(text: str) -> Any:
+    """Content of a YAML text."""
+    return YAML(typ="safe").load(text)
+
+
+@dataclass
+class Recorded:
+    """One topic of a bag."""
+
+    name: str
+    """Topic name."""
+    type_name: str
+    """ROS type."""
+    definition: str
+    """Message definition with all it refers to; empty where the bag does not hold it."""
+    type_hash: str
+    """RIHS01 hash; empty where the bag does not hold it."""
+    qos: Sequence[Qos] = field(default_factory=list)
+    """QoS profiles of its publishers."""
+    count: int = 0
+    """Messages so far."""
+
+
+def contract_topic(name: str, qos: Sequence[Qos] | None = None) -> Recorded:
+    """A topic of the contract, as it is recorded; its own QoS unless another is given."""
+    topic = TOPICS[name]
+    offered = [contract_qos(topic)] if qos is None else qos
+    return Recorded(name, topic.type_name, definition(topic.type_name), type_hash(topic.type_name), offered)
+
+
+def bag_information(
+    files: Sequence[tuple[str, int, int, int]], topics: Sequence[Recorded], custom_data: Mapping[str, str]
+) -> dict[str, Any]:
+    """Content of `rosbag2_bagfile_information` for a bag of MCAP files.
+
+    Args:
+        files: Name, times of the first and the last message [ns] and number of messages of each file.
+        topics: With their counts over all files.
+        custom_data: Text by key.
+    """
+    times_of_all = [(start, end) for _, start, end, count in files if count] or [(0, 0)]
+
+    def times(start: int, end: int) -> dict[str, Any]:  # afresh each time, or YAML would write references
+        return {
+            "starting_time": {"nanoseconds_since_epoch": start},
+            "duration": {"nanoseconds": max(end - start, 0)},
+        }
+
+    return {
+        "version": 9,
+        "storage_identifier": "mcap",
+        "relative_file_paths": [name for name, *_ in files],
+        **times(min(start for start, _ in times_of_all), max(end for _, end in times_of_all)),
+        "message_count": sum(topic.count for topic in topics),
+        "topics_with_message_count": [
+            {
+                "topic_metadata": {
+                    "name": topic.name,
+                    "type": topic.type_name,
+                    "serialization_format": "cdr",
+                    "offered_qos_profiles": list(topic.qos),
+                    "type_description_hash": topic.type_hash,
+                },
+                "message_count": topic.count,
+            }
+            for topic in topics
+        ],
+        "compression_format": "",
+        "compression_mode": "",
+        "files": [{"path": name, **times(start, end), "message_count": count} for name, start, end, count in files],
+        "custom_data": dict(custom_data) or None,
+        "ros_distro": "jazzy",
+    }

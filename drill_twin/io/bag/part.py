@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One MCAP file of a bag while it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from mcap.writer import CompressionType, Writer
+
+from drill_twin import __version__
+from drill_twin.errors import BagError
+from drill_twin.io.bag.chunk_indices import pack_indices
+from drill_twin.io.bag.metadata import Recorded, to_yaml
+
+_CHUNK_SIZE = 256 * 1024
+
+
+class Part:
+    """A file that takes messages until it is finished; what goes wrong with the disk closes it.
+
+    Attributes:
+        path: The file.
+        start: Earliest time of recording [ns]; none before the first message.
+        end: Latest time of recording [ns].
+        count: Messages so far.
+
+    Raises:
+        OSError: from the constructor, where the file cannot be made.
+        BagError: from all else, where it cannot be written.
+    """
+
+    def __init__(self, path: Path, topics: Iterable[Recorded]) -> None:
+        self.path = path
+        self.start: int | None = None
+        self.end = 0
+        self.count = 0
+        self._stream = path.open("xb")
+        self._writer = Writer(self._stream, chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
+        pack_indices(self._writer)
+        self._writer.start(profile="ros2", library=f"drill_twin {__version__}")
+        self._channels: dict[str, int] = {}
+        self._schemas: dict[str, int] = {}
+        for topic in topics:
+            self.add_topic(topic)
+
+    @property
+    def size(self) -> int:
+        """Bytes in the file, but for the chunk that is still open."""
+        return self._stream.tell()
+
+    def add_topic(self, topic: Recorded) -> None:
+        """Announce a topic before its first message."""
+        if topic.type_name not in self._schemas:
+            self._schemas[topic.type_name] = self._writer.register_schema(
+                topic.type_name, "ros2msg", topic.definition.encode()
+            )
+        self._channels[topic.name] = self._writer.register_channel(
+            topic.name,
+            "cdr",
+            self._schemas[topic.type_name],
+            {"offered_qos_profiles": to_yaml(list(topic.qos)).strip(), "topic_type_hash": topic.type_hash},
+        )
+
+    def write(self, topic: str, stamp: int, raw: bytes, number: int) -> None:
+        """Add a message with its time of recording [ns] and its number on the topic."""
+        self.start = stamp if self.start is None else min(self.start, stamp)
+        self.end = max(self.end, stamp)
+        self.count += 1
+        try:
+            self._writer.add_message(self._channels[topic], stamp, raw, stamp, number)
+        except OSError as error:
+            raise self.broken(error) from error
+
+    def flush(self) -> None:
+        """Close the open chunk and hand it to the operating system."""
+        try:
+            self._writer.flush()  # type: ignore[no-untyped-call]
+        except OSError as error:
+            raise self.broken(error) from error
+
+    def finish(self, information: Mapping[str, Any]) -> None:
+        """Close the file; the information is rosbag2's metadata of the bag."""
+        try:
+            self._writer.flush()  # type: ignore[no-untyped-call]
+            self._writer.add_metadata("rosbag2", {"serialized_metadata": to_yaml(information).strip()})
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._stream.close()
+        except OSError as error:
+            raise self.broken(error) from error
+
+    def broken(self, error: OSError) -> BagError:
+        """What to say of an error of the disk; closes the file."""
+        with suppress(OSError):  # the same failure once more
+            self._stream.close()
+        return BagError(
+            f"{self.path}: expected to go on writing the bag, found {error.strerror or error}; "
+            "make room there or choose another folder; what was written so far can be read"
+        )

@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Read the topics back into arrays: by offset where the bytes are as expected, else by rosbags."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.errors import MessageError
+from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.definitions import CDR_LITTLE_ENDIAN, SPARE_BYTES, deserialize
+from drill_twin.io.messages.stamps import header_stamp, unpack_stamp
+from drill_twin.io.messages.topics import CLOCK, FLOAT64, JOINT_STATE, POSE_ARRAY, STRING
+
+Array = NDArray[np.float64]
+
+_COUNT = struct.Struct("<I")
+_STAMP = 4  # the header's stamp follows the four bytes of the encapsulation
+_FRAME_ID = 12  # then the length of the frame's name
+
+
+@dataclass(frozen=True, eq=False)
+class JointState:
+    """A JointState as arrays; each is empty or as long as the names."""
+
+    stamp: int
+    """Header stamp [ns]."""
+    names: tuple[str, ...]
+    """Joint names."""
+    position: Array
+    velocity: Array
+    effort: Array
+
+    def index(self, name: str) -> int:
+        """Place of a joint among the names.
+
+        Raises:
+            MessageError: There is no such joint.
+        """
+        try:
+            return self.names.index(name)
+        except ValueError:
+            raise MessageError(f"expected a joint {name!r}, found {', '.join(self.names) or 'none'}") from None
+
+
+class JointStateReader:
+    """Reads the JointStates of one publisher: 5 us each once it has seen the first one.
+
+    The first message is decoded by rosbags. If its bytes are those our own templates write, its layout is
+    kept, and a later message with the same length and the same bytes outside the numbers is read by offset;
+    any other message takes the slow way again. So a reader is never wrong, only slower.
+    """
+
+    def __init__(self) -> None:
+        self._length = -1
+        self._names: tuple[str, ...] = ()
+        self._text = slice(0, 0)  # frame, names and the position's length
+        self._text_bytes = b""
+        self._gaps: list[tuple[slice, bytes]] = []
+        self._places = [(0, 0)] * 3
+        self._refused: tuple[object, ...] = ()  # last layout whose bytes were not as ours
+
+    def read(self, raw: bytes) -> JointState:
+        """Decode one message.
+
+        Raises:
+            MessageError: Not a JointState.
+        """
+        if len(raw) == self._length and raw[self._text] == self._text_bytes and self._gaps_agree(raw):
+            arrays = [np.frombuffer(raw, np.float64, count, offset).copy() for count, offset in self._places]
+            return JointState(unpack_stamp(raw, _STAMP), self._names, *arrays)
+        state, frame_id = _decoded(raw)
+        self._learn(raw, state, frame_id)
+        return state
+
+    def _gaps_agree(self, raw: bytes) -> bool:
+        return raw[:_STAMP] == CDR_LITTLE_ENDIAN and all(raw[gap] == expected for gap, expected in self._gaps)
+
+    def _learn(self, raw: bytes, state: JointState, frame_id: str) -> None:
+        """Keep the layout, if the template made for it lies exactly over these bytes."""
+        layout = (state.names, frame_id, state.position.size, state.velocity.size, state.effort.size)
+        if layout == self._refused or not state.position.size:
+            return
+        template = JointStateTemplate(
+            state.names, velocity=bool(state.velocity.size), effort=bool(state.effort.size), frame_id=frame_id
+        )
+        if template.fill(state.stamp, state.position, state.velocity, state.effort) != raw:
+            self._refused = layout
+            return
+        self._places = [(size, offset) for size, offset in template.places]
+        self._names = state.names
+        self._length = len(raw)
+        start, end = _FRAME_ID, self._places[0][1]
+        self._text, self._text_bytes = slice(start, end), raw[start:end]
+        self._gaps = [(gap, raw[gap]) for gap in _gaps_after(self._places, len(raw))]
+
+
+def _gaps_after(places: list[tuple[int, int]], length: int) -> list[slice]:
+    """Bytes behind the first block that hold no numbers: lengths and padding."""
+    gaps, end = [], places[0][1] + 8 * places[0][0]
+    for count, offset in places[1:]:
+        if count:
+            gaps.append(slice(end, offset))
+            end = offset + 8 * count
+    gaps.append(slice(end, length))
+    return gaps
+
+
+def read_joint_state(raw: bytes) -> JointState:
+    """Decode one JointState of any writer.
+
+    Raises:
+        MessageError: Not a JointState.
+    """
+    return _decoded(raw)[0]
+
+
+def _decoded(raw: bytes) -> tuple[JointState, str]:
+    """A JointState and the name of its frame, the slow way."""
+    content = deserialize(raw, JOINT_STATE)
+    names = tuple(content.name)
+    arrays = [np.array(values, np.float64) for values in (content.position, content.velocity, content.effort)]
+    for label, values in zip(("position", "velocity", "effort"), arrays, strict=True):
+        if values.size not in {0, len(names)}:
+            raise MessageError(
+                f"expected a JointState with no or {len(names)} values of {label}, one a name, found {values.size}"
+            )
+    return JointState(header_stamp(content), names, *arrays), content.header.frame_id
+
+
+@dataclass(frozen=True, eq=False)
+class PoseArray:
+    """A PoseArray as arrays."""
+
+    stamp: int
+    """Header stamp [ns]."""
+    position: Array
+    """Positions [m], shape (n, 3)."""
+    orientation: Array
+    """Unit quaternions x y z w, shape (n, 4)."""
+
+
+def read_pose_array(raw: bytes) -> PoseArray:
+    """Decode one PoseArray of any writer; 3 us where it is little-endian, as on every machine we know.
+
+    Raises:
+        MessageError: Not a PoseArray.
+    """
+    if raw[:_STAMP] != CDR_LITTLE_ENDIAN:
+        return _read_poses_slowly(raw)
+    try:
+        place = _FRAME_ID + 4 + _COUNT.unpack_from(raw, _FRAME_ID)[0]
+        place += -place % 4
+        count = _COUNT.unpack_from(raw, place)[0]
+        place += 4
+        place += (_STAMP - place) % 8 if count else 0
+        poses = np.frombuffer(raw, np.float64, 7 * count, place).reshape(count, 7).copy()
+        if len(raw) - place - 56 * count > SPARE_BYTES:
+            raise ValueError("bytes left over")
+    except (struct.error, ValueError) as error:
+        raise MessageError(f"expected the CDR bytes of a {POSE_ARRAY}, found {len(raw)} others ({error})") from error
+    return PoseArray(unpack_stamp(raw, _STAMP), poses[:, :3], poses[:, 3:])
+
+
+def _read_poses_slowly(raw: bytes) -> PoseArray:
+    content = deserialize(raw, POSE_ARRAY)
+    rows = [
+        (
+            p.position.x,
+            p.position.y,
+            p.position.z,
+            p.orientation.x,
+            p.orientation.y,
+            p.orientation.z,
+            p.orientation.w,
+        )
+        for p in content.poses
+    ]
+    poses = np.array(rows, np.float64).reshape(-1, 7)
+    return PoseArray(header_stamp(content), poses[:, :3], poses[:, 3:])
+
+
+def read_float64(raw: bytes) -> float:
+    """Decode one std_msgs/Float64.
+
+    Raises:
+        MessageError: Not a Float64.
+    """
+    return float(deserialize(raw, FLOAT64).data)
+
+
+def read_string(raw: bytes) -> str:
+    """Decode one std_msgs/String.
+
+    Raises:
+        MessageError: Not a String.
+    """
+    return str(deserialize(raw, STRING).data)
+
+
+def read_clock(raw: bytes) -> int:
+    """Decode one rosgraph_msgs/Clock to a stamp [ns].
+
+    Raises:
+        MessageError: Not a Clock.
+    """
+    clock = deserialize(raw, CLOCK).clock
+    return int(clock.sec) * 1_000_000_000 + int(clock.nanosec)

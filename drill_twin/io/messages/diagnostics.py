@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""DiagnosticArray in and out: a level, a sentence, and named values as text for each component."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from drill_twin.io.messages.definitions import deserialize, message, serialize
+from drill_twin.io.messages.stamps import header, header_stamp
+from drill_twin.io.messages.topics import DIAGNOSTIC_ARRAY
+
+
+class Level(IntEnum):
+    """Levels of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+@dataclass(frozen=True)
+class Status:
+    """State of one component."""
+
+    name: str
+    """Component, as `simulator: guard`."""
+    level: Level
+    """How well it is."""
+    text: str
+    """One sentence."""
+    values: Mapping[str, str] = field(default_factory=dict)
+    """Named values, as text; floats by `exact`, so that they come back bit for bit."""
+    hardware_id: str = ""
+    """What it is about, as a mark's name."""
+
+
+def exact(value: float) -> str:
+    """Shortest text that reads back as the same float."""
+    return repr(float(value))
+
+
+def encode_diagnostics(stamp: int, statuses: Sequence[Status], frame_id: str = "") -> bytes:
+    """CDR of a DiagnosticArray at a stamp [ns]."""
+    content = message(
+        DIAGNOSTIC_ARRAY,
+        header=header(stamp, frame_id),
+        status=[
+            message(
+                "diagnostic_msgs/msg/DiagnosticStatus",
+                level=int(status.level),
+                name=status.name,
+                message=status.text,
+                hardware_id=status.hardware_id,
+                values=[
+                    message("diagnostic_msgs/msg/KeyValue", key=key, value=value)
+                    for key, value in status.values.items()
+                ],
+            )
+            for status in statuses
+        ],
+    )
+    return serialize(content, DIAGNOSTIC_ARRAY)
+
+
+def decode_diagnostics(raw: bytes) -> tuple[int, list[Status]]:
+    """Stamp [ns] and statuses of a DiagnosticArray.
+
+    Raises:
+        MessageError: Not a DiagnosticArray.
+    """
+    content = deserialize(raw, DIAGNOSTIC_ARRAY)
+    statuses = [
+        Status(
+            name=item.name,
+            level=Level(item.level) if item.level in set(Level) else Level.ERROR,
+            text=item.message,
+            values={pair.key: pair.value for pair in item.values},
+            hardware_id=item.hardware_id,
+        )
+        for item in content.status
+    ]
+    return header_stamp(content), statuses

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The picture for RViz and Foxglove: string, hole, marks and contacts as one MarkerArray of fixed size.
+
+A string is some hundred times as long as its hole is wide, so everything lateral (motion, hole and thickness)
+is drawn exaggerated by one factor; the text marker says which. Contacts at the wall therefore look like
+contacts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
+from drill_twin.io.messages.definitions import message
+from drill_twin.io.messages.geometry import StringGeometry, Widened
+from drill_twin.io.messages.topics import FRAME_ID, MARKER_ARRAY
+
+Array = NDArray[np.float64]
+Colour = tuple[float, float, float, float]
+
+_SPHERE, _CYLINDER, _LINE_STRIP, _LINE_LIST, _SPHERE_LIST, _TEXT = 2, 3, 4, 5, 7, 9
+_JOINTS = 25  # of the wall of a curved hole
+
+# Okabe and Ito's palette, told apart by colour-blind eyes too.
+_STEEL: Colour = (0.35, 0.35, 0.38, 1.0)
+_ROCK: Colour = (0.60, 0.50, 0.40, 0.15)
+_RING: Colour = (0.60, 0.50, 0.40, 0.60)
+_TEXT_COLOUR: Colour = (0.85, 0.85, 0.85, 1.0)
+_MARKS: tuple[Colour, ...] = (
+    (0.00, 0.45, 0.70, 1.0),
+    (0.90, 0.60, 0.00, 1.0),
+    (0.00, 0.62, 0.45, 1.0),
+    (0.80, 0.47, 0.65, 1.0),
+    (0.34, 0.71, 0.91, 1.0),
+)
+_LIGHT_TOUCH = np.array((0.94, 0.89, 0.26, 1.0), np.float32)
+_HARD_TOUCH = np.array((0.84, 0.15, 0.00, 1.0), np.float32)
+
+
+class MarkerArrayTemplate:
+    """visualization_msgs/MarkerArray of one string, drawn with one factor of lateral exaggeration."""
+
+    def __init__(self, geometry: StringGeometry, exaggeration: float) -> None:
+        self._widened = Widened(geometry, exaggeration)
+        self._half_force = geometry.contact_force
+        nodes, marks = geometry.node_count, len(geometry.mark_names)
+        line, centres = sentinels(3 * nodes, 1), sentinels(3 * marks, 2)
+        spots, colours = sentinels(3 * nodes, 3), sentinels(4 * nodes, 4, np.float32)
+        thickness = 2.0 * exaggeration * geometry.outer_radius
+        mark_size = max(1.5 * thickness, 0.01 * geometry.length)
+        markers = [
+            _marker("string", 0, _LINE_STRIP, _STEEL, (thickness, 0.0, 0.0), points=line),
+            *_hole(geometry, self._widened, exaggeration),
+            *(
+                _marker("marks", i, _SPHERE, _MARKS[i % len(_MARKS)], (mark_size,) * 3, position=centre)
+                for i, centre in enumerate(centres.reshape(marks, 3))
+            ),
+            _marker("contacts", 0, _SPHERE_LIST, _STEEL, (1.2 * thickness,) * 3, points=spots, colours=colours),
+            _label(geometry, exaggeration),
+        ]
+        self._template = Template(message(MARKER_ARRAY, markers=markers), MARKER_ARRAY)
+        self._line = self._template.view(line).reshape(nodes, 3)
+        self._marks = [self._template.view(centre) for centre in centres.reshape(marks, 3)]
+        self._spots = self._template.view(spots).reshape(nodes, 3)
+        self._colours = self._template.view(colours).reshape(nodes, 4)
+
+    def fill(self, stamp: int, positions: Array, mark_positions: Array, wall_force: Array) -> bytes:
+        """CDR of the picture at a stamp [ns].
+
+        Args:
+            stamp: Stamp [ns].
+            positions: Node positions [m], shape (n + 1, 3).
+            mark_positions: Positions of the marks [m], shape (m, 3).
+            wall_force: Normal wall force at the nodes [N], shape (n + 1,). Nodes without any are drawn
+                transparent, at the top clamp, because the number of points is fixed.
+        """
+        drawn = self._widened.nodes(positions)
+        self._line[:] = drawn
+        for view, mark in zip(self._marks, self._widened.marks(mark_positions), strict=True):
+            view[:] = mark
+        touching = wall_force > 0.0
+        self._spots[:] = drawn * touching[:, None]
+        self._colours[:] = 0.0
+        if touching.any():
+            force = wall_force[touching]
+            share = (force / (force + self._half_force)).astype(np.float32)[:, None]
+            self._colours[touching] = (1.0 - share) * _LIGHT_TOUCH + share * _HARD_TOUCH
+        return self._template.stamped(stamp)
+
+
+def _hole(geometry: StringGeometry, widened: Widened, exaggeration: float) -> list[Any]:
+    """The wall: transparent, and rings at both ends and at every mark; where it is curved, a ring at every joint."""
+    radius, length = exaggeration * geometry.hole_radius, geometry.length
+    depths = {0.0, length, *(length - distance for distance in geometry.mark_distances)}
+    if geometry.axis_at is None:
+        middle = np.array((0.0, 0.0, -0.5 * length))
+        wall = _marker("hole", 0, _CYLINDER, _ROCK, (2.0 * radius, 2.0 * radius, length), position=middle)
+    else:
+        along = np.linspace(0.0, length, _JOINTS)
+        depths |= set(along.tolist())
+        centres = geometry.axis_at(along).centre
+        wall = _marker("hole", 0, _LINE_STRIP, _ROCK, (2.0 * radius, 0.0, 0.0), points=centres.ravel())
+    rings = widened.rings(np.array(sorted(depths)))
+    return [wall, _marker("hole", 1, _LINE_LIST, _RING, (0.05 * radius, 0.0, 0.0), points=rings.ravel())]
+
+
+def _label(geometry: StringGeometry, exaggeration: float) -> Any:
+    """The text that says how much the lateral motion is exaggerated."""
+    size = 0.04 * geometry.length
+    return _marker(
+        "text",
+        0,
+        _TEXT,
+        _TEXT_COLOUR,
+        (0.0, 0.0, size),
+        position=np.array((0.0, 0.0, 2.0 * size)),
+        text=f"lateral motion x {exaggeration:g}",
+    )
+
+
+def _marker(
+    space: str,
+    number: int,
+    kind: int,
+    colour: Colour,
+    scale: tuple[float, ...],
+    *,
+    position: Array | None = None,
+    points: Array | None = None,
+    colours: NDArray[np.float32] | None = None,
+    text: str = "",
+) -> Any:
+    """One visualization_msgs/Marker; points and colours are flat arrays of x y z and r g b a."""
+    place = np.zeros(3) if position is None else position
+    no_time = message("builtin_interfaces/msg/Duration", sec=0, nanosec=0)
+    empty = message("sensor_msgs/msg/CompressedImage", header=_plain_header(), format="", data=np.zeros(0, np.uint8))
+    return message(
+        "visualization_msgs/msg/Marker",
+        header=sentinel_header(FRAME_ID),
+        ns=space,
+        id=number,
+        type=kind,
+        action=0,
+        pose=message(
+            "geometry_msgs/msg/Pose",
+            position=_point(place),
+            orientation=message("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+        ),
+        scale=message("geometry_msgs/msg/Vector3", x=float(scale[0]), y=float(scale[1]), z=float(scale[2])),
+        color=_rgba(colour),
+        lifetime=no_time,
+        frame_locked=False,
+        points=[] if points is None else [_point(row) for row in points.reshape(-1, 3)],
+        colors=[] if colours is None else [_rgba(row.tolist()) for row in colours.reshape(-1, 4)],
+        texture_resource="",
+        texture=empty,
+        uv_coordinates=[],
+        text=text,
+        mesh_resource="",
+        mesh_file=message("visualization_msgs/msg/MeshFile", filename="", data=np.zeros(0, np.uint8)),
+        mesh_use_embedded_materials=False,
+    )
+
+
+def _plain_header() -> Any:
+    time = message("builtin_interfaces/msg/Time", sec=0, nanosec=0)
+    return message("std_msgs/msg/Header", stamp=time, frame_id="")
+
+
+def _point(xyz: Array) -> Any:
+    return message("geometry_msgs/msg/Point", x=float(xyz[0]), y=float(xyz[1]), z=float(xyz[2]))
+
+
+def _rgba(colour: Sequence[float]) -> Any:
+    return message("std_msgs/msg/ColorRGBA", r=colour[0], g=colour[1], b=colour[2], a=colour[3])

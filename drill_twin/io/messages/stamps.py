@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stamps: integer nanoseconds inside, `builtin_interfaces/Time` (seconds, nanoseconds) on the wire."""
+
+from __future__ import annotations
+
+import math
+import struct
+from typing import Any
+
+from drill_twin.errors import MessageError
+from drill_twin.io.messages.definitions import message
+
+NANOSECONDS = 1_000_000_000
+TIME = struct.Struct("<iI")
+"""`builtin_interfaces/Time` in CDR: int32 seconds, uint32 nanoseconds."""
+
+
+def stamp_ns(time: float) -> int:
+    """Simulated time [s] as integer nanoseconds, rounded to the nearest.
+
+    Raises:
+        MessageError: The time is not a finite number.
+    """
+    if not math.isfinite(time):
+        raise MessageError(f"expected a finite time in seconds for a stamp, found {time}")
+    return round(time * NANOSECONDS)
+
+
+def seconds(stamp: int) -> float:
+    """Integer nanoseconds as time [s]."""
+    return stamp / NANOSECONDS
+
+
+def pack_stamp(buffer: bytearray, offset: int, stamp: int) -> None:
+    """Write a stamp [ns] into CDR bytes.
+
+    Raises:
+        MessageError: The stamp does not fit `builtin_interfaces/Time` (0 to 2^31 s).
+    """
+    try:
+        TIME.pack_into(buffer, offset, *divmod(stamp, NANOSECONDS))
+    except struct.error as error:
+        raise MessageError(
+            f"expected a stamp between -2^31 and 2^31 s in integer nanoseconds, found {stamp!r}"
+        ) from error
+
+
+def unpack_stamp(raw: bytes, offset: int) -> int:
+    """Read a stamp [ns] from little-endian CDR bytes."""
+    whole, part = TIME.unpack_from(raw, offset)
+    return int(whole) * NANOSECONDS + int(part)
+
+
+def time_message(stamp: int) -> Any:
+    """A `builtin_interfaces/Time` object of a stamp [ns]."""
+    whole, part = divmod(stamp, NANOSECONDS)
+    return message("builtin_interfaces/msg/Time", sec=whole, nanosec=part)
+
+
+def header(stamp: int, frame_id: str) -> Any:
+    """A `std_msgs/Header` object of a stamp [ns] and a frame."""
+    return message("std_msgs/msg/Header", stamp=time_message(stamp), frame_id=frame_id)
+
+
+def header_stamp(content: Any) -> int:
+    """Stamp [ns] in the header of a message object."""
+    return int(content.header.stamp.sec) * NANOSECONDS + int(content.header.stamp.nanosec)

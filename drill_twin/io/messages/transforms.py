@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames for tf: the hole in the plumb frame `map`; in the hole the bit and every mark, turned with the spin.
+
+Plain data first (`placed`), bytes of a tf2_msgs/TFMessage from it; the message package itself is needed by nobody but
+the publisher.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
+from drill_twin.io.messages.definitions import message
+from drill_twin.io.messages.geometry import StringGeometry, Widened
+from drill_twin.io.messages.pose import orientation
+from drill_twin.io.messages.topics import FRAME_ID
+from drill_twin.twin.frame import Frame
+
+Array = NDArray[np.float64]
+
+TF_TYPE = "tf2_msgs/msg/TFMessage"
+MAP = "map"
+"""Parent of `hole`: origin at the top clamp, z plumb up, x so that the hole is inclined in the plane of x and z."""
+BIT = "bit"
+
+
+class Placed(NamedTuple):
+    """One frame in its parent."""
+
+    parent: str
+    child: str
+    place: Array
+    """Origin in the parent [m], shape (3,)."""
+    turn: Array
+    """Unit quaternion x y z w, shape (4,)."""
+
+
+def hole_placed(inclination: float) -> Placed:
+    """The hole in `map`: its axis leans by the inclination [rad], so that +x of the hole is the low side."""
+    half = 0.5 * inclination
+    return Placed(MAP, FRAME_ID, np.zeros(3), np.array((0.0, np.sin(half), 0.0, np.cos(half))))
+
+
+class Frames:
+    """Where the frames of one string are."""
+
+    def __init__(self, geometry: StringGeometry) -> None:
+        self._names = (BIT, *geometry.mark_names)
+        self._true = Widened(geometry, 1.0)
+        distances = geometry.node_distances
+        nodes = np.linspace(0.0, geometry.length, geometry.node_count) if distances is None else distances
+        self._nodes, self._marks = nodes, np.array(geometry.mark_distances)
+
+    def placed(self, frame: Frame) -> list[Placed]:
+        """Bit and marks in the hole."""
+        along = np.concatenate(([0.0], self._marks))
+        tangents = np.stack([np.interp(along, self._nodes, column) for column in frame.tangents.T], axis=1)
+        tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+        spin = np.concatenate((frame.spin[:1], frame.marks.spin))
+        places = np.concatenate((frame.positions[:1], self._true.marks(frame.marks.position)))
+        turns = orientation(tangents, spin, np.empty((spin.size, 4)))
+        return [Placed(FRAME_ID, *row) for row in zip(self._names, places, turns, strict=True)]
+
+
+class TransformsTemplate:
+    """tf2_msgs/TFMessage of a fixed list of frames."""
+
+    def __init__(self, frames: Sequence[tuple[str, str]]) -> None:
+        """Lay out the message for these parents and children."""
+        blocks = sentinels(7 * len(frames), 1).reshape(-1, 7)
+        content = message(
+            TF_TYPE,
+            transforms=[
+                message(
+                    "geometry_msgs/msg/TransformStamped",
+                    header=sentinel_header(parent),
+                    child_frame_id=child,
+                    transform=message(
+                        "geometry_msgs/msg/Transform",
+                        translation=message("geometry_msgs/msg/Vector3", x=row[0], y=row[1], z=row[2]),
+                        rotation=message("geometry_msgs/msg/Quaternion", x=row[3], y=row[4], z=row[5], w=row[6]),
+                    ),
+                )
+                for (parent, child), row in zip(frames, blocks.tolist(), strict=True)
+            ],
+        )
+        self._template = Template(content, TF_TYPE)
+        self._blocks = [self._template.view(row) for row in blocks]
+
+    def fill(self, stamp: int, frames: Sequence[Placed]) -> bytes:
+        """CDR of these frames, in the order of the layout, at a stamp [ns]."""
+        for block, placed in zip(self._blocks, frames, strict=True):
+            block[:3], block[3:] = placed.place, placed.turn
+        return self._template.stamped(stamp)

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The analyzer's findings to `/whirl/state`, `/whirl/motion`, `/whirl/onset`, and back, bit for bit.
+
+Arguments are plain arrays and strings, because the whirl analysis itself lies above the messages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drill_twin.errors import MessageError
+from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics, exact
+from drill_twin.io.messages.finite import not_infinite
+from drill_twin.io.messages.topics import FRAME_ID, WHIRL_STATE
+
+Array = NDArray[np.float64]
+
+WHIRL_SCALARS = ("orbit_radius", "precession", "ratio", "confidence")
+STRING_LEVEL = "string"
+"""Name under which `/whirl/motion` reports the whole string."""
+
+_ONSET = "whirl onset"
+_MOTION = "motion: "
+_NONE_YET = "no onset so far"
+
+
+@dataclass(frozen=True, eq=False)
+class WhirlState:
+    """Whirl of each mark at one instant, arrays of shape (m,)."""
+
+    stamp: int
+    """Header stamp [ns]."""
+    marks: tuple[str, ...]
+    """Names of the marks."""
+    orbit_radius: Array
+    """Radius of the centre line's orbit [m]."""
+    precession: Array
+    """Precession [rev/s], positive = forward."""
+    ratio: Array
+    """Precession over rotation."""
+    confidence: Array
+    """Confidence, 0 to 1."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion state of one mark or of the string."""
+
+    subject: str
+    """Mark, or `string`."""
+    state: str
+    """Motion state, as `forward whirl`."""
+    criterion: str
+    """What decided it, in words."""
+
+
+@dataclass(frozen=True)
+class OnsetMessage:
+    """The onset of whirl."""
+
+    time: float
+    """Simulated time [s]."""
+    mark: str
+    """Mark that showed it first."""
+    confidence: float
+    """Confidence, 0 to 1."""
+
+
+class WhirlStateEncoder:
+    """Findings of marks with fixed names to `/whirl/state`."""
+
+    def __init__(self, marks: Sequence[str]) -> None:
+        self._template = JointStateTemplate(
+            [f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS], velocity=False, effort=False
+        )
+        self._values = np.empty((len(marks), len(WHIRL_SCALARS)))
+
+    def encode(
+        self,
+        stamp: int,
+        orbit_radius: ArrayLike,
+        precession: ArrayLike,
+        ratio: ArrayLike,
+        confidence: ArrayLike,
+    ) -> bytes:
+        """CDR of `/whirl/state` at a stamp [ns]; radius [m], precession [rev/s], ratio, confidence, shape
+        (m,) each; NaN where one is not known.
+
+        Raises:
+            MessageError: One is infinite.
+        """
+        for column, values in enumerate((orbit_radius, precession, ratio, confidence)):
+            self._values[:, column] = values
+        not_infinite(WHIRL_STATE, self._values)
+        return self._template.fill(stamp, self._values.ravel())
+
+
+def read_whirl_state(state: JointState) -> WhirlState:
+    """The findings in a `/whirl/state`.
+
+    Raises:
+        MessageError: The names are not those of a `/whirl/state`.
+    """
+    marks = tuple(name.removesuffix("/orbit_radius") for name in state.names if name.endswith("/orbit_radius"))
+    if state.names != tuple(f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS):
+        raise MessageError(
+            f"expected the joints <mark>/{', <mark>/'.join(WHIRL_SCALARS)} of a /whirl/state, "
+            f"found {', '.join(state.names) or 'none'}"
+        )
+    values = state.position.reshape(len(marks), len(WHIRL_SCALARS))
+    return WhirlState(state.stamp, marks, *values.T)
+
+
+def encode_motion(stamp: int, motions: Sequence[Motion]) -> bytes:
+    """CDR of `/whirl/motion` at a stamp [ns]."""
+    return encode_diagnostics(
+        stamp,
+        [
+            Status(
+                name=_MOTION + motion.subject,
+                level=Level.OK,
+                text=motion.state,
+                values={"criterion": motion.criterion},
+                hardware_id=motion.subject,
+            )
+            for motion in motions
+        ],
+        FRAME_ID,
+    )
+
+
+def decode_motion(raw: bytes) -> tuple[int, list[Motion]]:
+    """Stamp [ns] and motion states of a `/whirl/motion`.
+
+    Raises:
+        MessageError: Not a `/whirl/motion`.
+    """
+    stamp, statuses = decode_diagnostics(raw)
+    motions = []
+    for status in statuses:
+        if not status.name.startswith(_MOTION):
+            raise MessageError(f"expected {_MOTION}<mark> in a /whirl/motion, found {status.name!r}")
+        motions.append(Motion(status.name.removeprefix(_MOTION), status.text, status.values.get("criterion", "")))
+    return stamp, motions
+
+
+def encode_onset(stamp: int, onset: OnsetMessage | None) -> bytes:
+    """CDR of `/whirl/onset` at a stamp [ns]; none before there is one."""
+    if onset is None:
+        return encode_diagnostics(stamp, [Status(_ONSET, Level.OK, _NONE_YET)], FRAME_ID)
+    text = f"whirl began at {onset.time:.2f} s at {onset.mark}, confidence {onset.confidence:.2f}"
+    values = {"time": exact(onset.time), "mark": onset.mark, "confidence": exact(onset.confidence)}
+    return encode_diagnostics(stamp, [Status(_ONSET, Level.WARN, text, values, onset.mark)], FRAME_ID)
+
+
+def decode_onset(raw: bytes) -> tuple[int, OnsetMessage | None]:
+    """Stamp [ns] and onset, if there is one, of a `/whirl/onset`.
+
+    Raises:
+        MessageError: Not a `/whirl/onset`.
+    """
+    stamp, statuses = decode_diagnostics(raw)
+    found = [status for status in statuses if status.name == _ONSET]
+    if not found:
+        raise MessageError(f"expected a status {_ONSET!r}, found {[status.name for status in statuses]}")
+    values = found[0].values
+    if not values:
+        return stamp, None
+    try:
+        return stamp, OnsetMessage(float(values["time"]), values["mark"], float(values["confidence"]))
+    except (KeyError, ValueError) as error:
+        raise MessageError(f"expected time, mark and confidence of the onset, found {dict(values)}") from error

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the page shows, kept from the topics as they come: live, or out of a bag."""
+
+from __future__ import annotations
+
+import math
+import threading
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.errors import DrillTwinError, MessageError
+from drill_twin.io.messages.decode import JointStateReader, read_pose_array, read_string
+from drill_twin.io.messages.diagnostics import decode_diagnostics
+from drill_twin.io.messages.encode import MARK_AXES, read_rig_state
+from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.topics import (
+    DIAGNOSTICS,
+    MARKS_STATE,
+    RIG_STATE,
+    STRING_POSES,
+    TWIN_SCENE,
+    WHIRL_MOTION,
+    WHIRL_ONSET,
+    WHIRL_STATE,
+)
+from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion, decode_onset, read_whirl_state
+from drill_twin.report.curve import along_hole
+from drill_twin.scene import Scene, parse_scene
+
+Array = NDArray[np.float64]
+
+INPUTS = (
+    TWIN_SCENE,
+    STRING_POSES,
+    MARKS_STATE,
+    RIG_STATE,
+    WHIRL_STATE,
+    WHIRL_MOTION,
+    WHIRL_ONSET,
+    DIAGNOSTICS,
+)
+"""Topics that the page lives on."""
+_TRAIL = 400  # places of a mark kept between two pictures
+_FAR = 1e6  # m
+_TURN = 2.0 * math.pi
+
+
+class Feed:
+    """The latest of everything; `take` from one thread, `picture` from another."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._marks_reader, self._rig_reader, self._whirl_reader = (JointStateReader().read for _ in range(3))
+        self.malformed = 0
+        """Messages that could not be read."""
+        self._forget()
+
+    def forget(self) -> None:
+        """Begin again with nothing."""
+        with self._lock:
+            self._forget()
+
+    def _forget(self) -> None:
+        self._time = 0.0
+        self._scene: dict[str, Any] | None = None
+        self._hole: Scene | None = None
+        self._nodes: list[list[float]] = []
+        self._marks: dict[str, dict[str, Any]] = {}
+        self._trail: dict[str, list[list[float]]] = {}
+        self._rig: dict[str, float] = {}
+        self._motion = {"state": "", "criterion": ""}
+        self._onset: dict[str, Any] | None = None
+        self._simulator = {"factor": "", "text": "", "pace": ""}
+
+    def take(self, topic: str, raw: bytes) -> None:
+        """Take in a message; one that cannot be read is counted."""
+        try:
+            with self._lock:
+                self._take(topic, raw)
+        except DrillTwinError:
+            self.malformed += 1
+
+    def _take(self, topic: str, raw: bytes) -> None:
+        if topic == STRING_POSES:
+            poses = read_pose_array(raw)
+            _refuse_rubbish(poses.position)
+            self._time = seconds(poses.stamp)
+            nodes = poses.position
+            if self._hole is not None:
+                nodes = along_hole(self._hole, nodes[None])[0]
+            self._nodes = nodes.round(6).tolist()
+        elif topic == MARKS_STATE:
+            self._on_marks(raw)
+        elif topic == RIG_STATE:
+            rig = read_rig_state(self._rig_reader(raw))
+            self._rig = {
+                "wob": rig.bit_force,
+                "rps": rig.top_drive_speed / _TURN,
+                "torque": rig.top_drive_torque,
+                "bit_rps": rig.bit_speed / _TURN,
+            }
+        elif topic == WHIRL_STATE:
+            state = read_whirl_state(self._whirl_reader(raw))
+            for name, radius, precession in zip(state.marks, state.orbit_radius, state.precession, strict=True):
+                self._mark(name).update(orbit=_number(radius), precession=_number(precession))
+        elif topic == WHIRL_MOTION:
+            for motion in decode_motion(raw)[1]:
+                if motion.subject == STRING_LEVEL:
+                    self._motion = {"state": motion.state, "criterion": motion.criterion}
+                else:
+                    self._mark(motion.subject)["motion"] = motion.state
+        elif topic == WHIRL_ONSET:
+            onset = decode_onset(raw)[1]
+            self._onset = None if onset is None else {"time": _number(onset.time), "mark": onset.mark}
+        elif topic == DIAGNOSTICS:
+            self._on_diagnostics(raw)
+        elif topic == TWIN_SCENE:
+            self._on_scene(raw)
+
+    def _mark(self, name: str) -> dict[str, Any]:
+        return self._marks.setdefault(name, {"name": name})
+
+    def _on_marks(self, raw: bytes) -> None:
+        state = self._marks_reader(raw)
+        if state.position.size != len(state.names) or state.position.size % len(MARK_AXES):
+            raise MessageError(f"expected {len(MARK_AXES)} values a mark on {MARKS_STATE}, found {state.position.size}")
+        places = state.position.reshape(-1, len(MARK_AXES))
+        _refuse_rubbish(places)
+        for k, (x, y, z) in enumerate(places[:, :3].tolist()):
+            name = state.names[k * len(MARK_AXES)].rpartition("/")[0]
+            self._mark(name).update(x=x, y=y, z=z)
+            trail = self._trail.setdefault(name, [])
+            trail.append([round(x, 6), round(y, 6)])
+            del trail[:-_TRAIL]
+
+    def _on_scene(self, raw: bytes) -> None:
+        scene = parse_scene(read_string(raw), name=TWIN_SCENE)
+        self._forget()
+        self._hole = scene if scene.hole.survey else None
+        marks = scene.string.marks
+        self._scene = {
+            "name": scene.name,
+            "length": scene.length,
+            "hole": scene.hole.radius,
+            "curved": bool(scene.hole.survey),
+            "pipe": max(0.5 * section.outer_diameter for section in scene.string.sections),
+            "clearance": {mark.name: scene.clearance_at(mark.distance_from_bit) for mark in marks},
+            "wob": scene.rig.weight_on_bit.value,
+            "rps": scene.rig.rotation.value / _TURN,
+        }
+
+    def _on_diagnostics(self, raw: bytes) -> None:
+        for status in decode_diagnostics(raw)[1]:
+            if "realtime_factor" in status.values:
+                values = status.values
+                self._simulator = {
+                    "factor": values["realtime_factor"],
+                    "text": status.text,
+                    "pace": values.get("pace", ""),
+                }
+
+    def picture(self) -> dict[str, Any]:
+        """All of it for the page, with the places of the marks since the last picture."""
+        with self._lock:
+            trail, self._trail = self._trail, {}
+            return {
+                "time": self._time,
+                "scene": self._scene,
+                "nodes": self._nodes,
+                "marks": [dict(mark) for mark in self._marks.values()],
+                "trail": trail,
+                "rig": {name: _number(value) for name, value in self._rig.items()},
+                "motion": self._motion,
+                "onset": self._onset,
+                "simulator": self._simulator,
+            }
+
+
+def _refuse_rubbish(places: Array) -> None:
+    """Places that cannot be drawn."""
+    if not (np.abs(places) < _FAR).all():
+        raise MessageError(f"expected places within {_FAR:g} m, found others")
+
+
+def _number(value: float) -> float | None:
+    """JSON has no NaN."""
+    return float(value) if math.isfinite(value) else None

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From sections of tube to elements: node places and the constants of each element."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.model.shape_functions import POINTS, element_mass, gauss_places, hermite
+
+
+class Tube(NamedTuple):
+    """One section of the string, from the bit up; a uniform tube."""
+
+    length: float  # [m]
+    outer_diameter: float  # [m]
+    inner_diameter: float  # [m]
+    youngs_modulus: float  # [Pa]
+    poisson_ratio: float
+    density: float  # [kg/m3]
+
+
+class Rod(NamedTuple):
+    """Everything a kernel needs to know of the string, n elements.
+
+    Arc length and element lengths in m; stiffnesses are per element. The order of the fields is the order in which
+    compiled kernels see them.
+    """
+
+    arc: Array  # node places from the bit [m], shape (n + 1,)
+    length: Array  # element lengths [m], shape (n,)
+    shape: Array  # shape functions at the Gauss points, shape (n, 2, 3, 4)
+    middle: Array  # r' at mid-element from r_0, r'_0, r_1, r'_1, shape (n, 4)
+    middle_pairs: Array  # its products of two, times Simpson's weight, shape (n, 16)
+    pairs: Array  # weighted products r r, r' r', r' r'', r'' r', r'' r'' at the Gauss points, shape (n, 2, 5, 16)
+    spin_shape: Array  # linear shape functions at the Gauss points, shape (2, 2)
+    axial: Array  # EA [N], shape (n,)
+    bending: Array  # EI [N m2], shape (n,)
+    torsion: Array  # GJ [N m2], shape (n,)
+    mass: Array  # consistent mass for r and r' [kg, kg m, kg m2], shape (n, 4, 4)
+    spin_mass: Array  # polar inertia of the element [kg m2], shape (n,)
+    line_mass: Array  # mass per length [kg/m], shape (n,)
+    outer_radius: Array  # [m], shape (n,)
+
+
+def tube_constants(tube: Tube) -> tuple[float, float, float, float, float]:
+    """EA [N], EI [N m2], GJ [N m2], mass per length [kg/m], polar inertia per length [kg m]."""
+    area = np.pi / 4.0 * (tube.outer_diameter**2 - tube.inner_diameter**2)
+    second_moment = np.pi / 64.0 * (tube.outer_diameter**4 - tube.inner_diameter**4)
+    shear_modulus = tube.youngs_modulus / (2.0 * (1.0 + tube.poisson_ratio))
+    return (
+        tube.youngs_modulus * area,
+        tube.youngs_modulus * second_moment,
+        shear_modulus * 2.0 * second_moment,
+        tube.density * area,
+        tube.density * 2.0 * second_moment,
+    )
+
+
+def elements_per_section(lengths: Array, elements: int) -> list[int]:
+    """Share the elements among sections by length, at least one each (so that no element straddles a change)."""
+    counts = [max(1, round(elements * length / float(lengths.sum()))) for length in lengths]
+    while sum(counts) > max(elements, len(counts)):
+        longest = max((i for i in range(len(counts)) if counts[i] > 1), key=lambda i: counts[i])
+        counts[longest] -= 1
+    while sum(counts) < elements:
+        coarsest = max(range(len(counts)), key=lambda i: lengths[i] / counts[i])
+        counts[coarsest] += 1
+    return counts
+
+
+def shape_pairs(shape: Array, weight: Array) -> Array:
+    """Products of two shape functions that an element tangent is made of, times the weight of the point.
+
+    Args:
+        shape: Shape functions, shape (n, 2, 3, 4).
+        weight: Weight of a Gauss point [m], shape (n,).
+
+    Returns:
+        Shape (n, 2, 5, 16): r r, r' r', r' r'', r'' r', r'' r''.
+    """
+    orders = ((0, 0), (1, 1), (1, 2), (2, 1), (2, 2))
+    pairs = np.stack([np.einsum("npi,npj->npij", shape[:, :, a], shape[:, :, b]) for a, b in orders], 2)
+    return np.ascontiguousarray(weight[:, None, None, None] * pairs.reshape(*pairs.shape[:3], 16))
+
+
+def build_rod(tubes: list[Tube], elements: int) -> Rod:
+    """Cut the string into elements; a change of section always falls on a node."""
+    lengths = np.array([tube.length for tube in tubes])
+    counts = elements_per_section(lengths, elements)
+    h = np.concatenate([np.full(count, tube.length / count) for tube, count in zip(tubes, counts, strict=True)])
+    constants = np.concatenate(
+        [np.tile(tube_constants(tube), (count, 1)) for tube, count in zip(tubes, counts, strict=True)]
+    )
+    radius = np.concatenate([np.full(c, 0.5 * t.outer_diameter) for t, c in zip(tubes, counts, strict=True)])
+    places = gauss_places()
+    shape = np.stack([hermite(places, float(length)) for length in h])
+    middle = np.stack([hermite(np.array([0.5]), float(length))[0, 1] for length in h])
+    return Rod(
+        arc=np.concatenate([[0.0], np.cumsum(h)]),
+        length=h,
+        shape=shape,
+        middle=middle,
+        middle_pairs=(h[:, None, None] * (2.0 / 3.0) * middle[:, :, None] * middle[:, None, :]).reshape(-1, 16),
+        pairs=shape_pairs(shape, 0.5 * h),
+        spin_shape=np.stack([1.0 - places, places], -1),
+        axial=constants[:, 0].copy(),
+        bending=constants[:, 1].copy(),
+        torsion=constants[:, 2].copy(),
+        mass=np.stack([m * element_mass(float(length)) for m, length in zip(constants[:, 3], h, strict=True)]),
+        spin_mass=constants[:, 4] * h,
+        line_mass=constants[:, 3].copy(),
+        outer_radius=radius,
+    )
+
+
+__all__ = ["POINTS", "Rod", "Tube", "build_rod", "elements_per_section", "tube_constants"]

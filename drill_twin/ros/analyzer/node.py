@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The analyzer: follows the marks and says when and how they whirl, live or from a replayed bag.
+
+It works by the stamps of the messages alone, so its findings on a replay are those it had live.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+from typing import Any, ClassVar
+
+from rclpy.context import Context
+
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.topics import (
+    MARKS_STATE,
+    RIG_STATE,
+    TWIN_SCENE,
+    WHIRL_MOTION,
+    WHIRL_ONSET,
+    WHIRL_STATE,
+)
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node_main import run_node
+from drill_twin.ros.core.parameters import Parameter, Value
+from drill_twin.ros.entry_points import StopRequest
+
+_DEPTH = 1000  # messages; 5 s at 200 Hz
+_STALE = 1.0  # s without a sample
+_QUIET = 0.1  # s
+
+
+class Analyzer(TwinNode):
+    """Joins marks and rig by stamp, analyses, and publishes what it finds."""
+
+    NAME: ClassVar = "analyzer"
+    PURPOSE: ClassVar = "Finds the onset of whirl, its precession, and the state of motion of every mark."
+    PARAMETERS: ClassVar = (
+        Parameter(
+            "marks_scene",
+            "",
+            'scene that the marks belong to, by name or path, where none is on /twin/scene; "": the one there',
+        ),
+    )
+
+    def __init__(
+        self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
+    ) -> None:
+        super().__init__(context, values, also_known)
+        self._pipeline: Any = None
+        self._last_sample: float | None = None
+        self._announced = False
+        self._complained = ""
+
+    def open(self) -> None:
+        """Announce the findings and listen."""
+        # Imported here: a bad parameter should be refused before.
+        from drill_twin.io.whirl_pipeline import WhirlPipeline
+        from drill_twin.scene import load_scene
+
+        self._pipeline = WhirlPipeline(load_scene(self.settings.marks_scene) if self.settings.marks_scene else None)
+        for topic in (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET):
+            self.advertise(topic)
+        self._publish(self._pipeline.start())
+        self.listen(TWIN_SCENE, partial(self._on_message, TWIN_SCENE))
+        self._inputs = [
+            self.listen(topic, partial(self._on_message, topic), depth=_DEPTH) for topic in (MARKS_STATE, RIG_STATE)
+        ]
+
+    def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
+        del info
+        pipeline = self._pipeline
+        runs = pipeline.runs
+        self._publish(pipeline.take(topic, bytes(raw)))
+        if topic == MARKS_STATE or pipeline.blind is not None:
+            self._last_sample = time.monotonic()
+        if pipeline.runs != runs:
+            self._announced = False
+            self.get_logger().info(f"analysing {len(pipeline.scene.string.marks)} marks of {pipeline.scene.name}")
+        if pipeline.trouble != self._complained:
+            self._complained = pipeline.trouble
+            self.get_logger().error(self._complained or "well again")
+        if pipeline.onset_announced and not self._announced:
+            self._announced = True
+            onset = pipeline.findings.onset
+            self.get_logger().info(f"whirl began at {onset.time_s:.2f} s at {onset.mark}: {onset.criterion}")
+
+    def _publish(self, messages: Iterable[tuple[str, bytes]]) -> None:
+        for topic, raw in messages:
+            self.outgoing[topic].publish(raw)
+
+    # --- end and health -------------------------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """Analyse what has arrived already, and see that the findings are received."""
+        if self._pipeline is None:
+            return
+        self.settle(_QUIET)
+        self.report_health()
+        self.flush(2.0)
+
+    def not_ready(self) -> str:
+        """Why it cannot analyse yet: a topic has no publisher connected."""
+        if self._pipeline.scene is None:
+            return f"no scene on {TWIN_SCENE} yet"
+        late = [topic.topic_name for topic in self._inputs if not topic.get_publisher_count()]
+        return f"not yet connected to the publishers of {', '.join(late)}" if late else ""
+
+    def health(self) -> Status:
+        """Samples good and bad, and the state of motion."""
+        pipeline = self._pipeline
+        quality = pipeline.quality
+        values = {
+            "samples": str(quality.accepted),
+            "duplicate": str(quality.duplicate),
+            "late": str(quality.late),
+            "incomplete": str(quality.incomplete),
+            "unpaired": str(pipeline.unpaired),
+            "malformed": str(pipeline.malformed),
+            "runs": str(pipeline.runs),
+        }
+        if pipeline.trouble:
+            return Status(self.NAME, Level.ERROR, pipeline.trouble, values)
+        if pipeline.scene is None:
+            return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}", values)
+        if self._last_sample is None:
+            return Status(self.NAME, Level.OK, "waiting for the first sample", values)
+        silent = time.monotonic() - self._last_sample
+        if silent > _STALE:
+            return Status(self.NAME, Level.STALE, f"no sample for {silent:.1f} s", values)
+        return Status(self.NAME, Level.OK, f"motion: {pipeline.motion}", values)
+
+
+def run(arguments: Sequence[str], stop: StopRequest) -> None:
+    """Run the analyzer."""
+    run_node(Analyzer, arguments, stop)

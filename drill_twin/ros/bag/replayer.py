@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The replayer: publishes a bag again, byte for byte, with `/clock`, at any rate."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar
+
+from rclpy.context import Context
+
+from drill_twin.io.messages.cdr import ClockTemplate
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS, TWIN_SCENE
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node_main import run_node
+from drill_twin.ros.core.node_startup import wait_for_nodes
+from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
+from drill_twin.ros.entry_points import StopRequest
+
+_DISCOVERY = 0.6  # s; a living node has been found by then
+_LONGEST_WAIT = 0.05  # s
+_ACKNOWLEDGE = 50  # messages; half of what a publisher keeps
+
+
+class Replayer(TwinNode):
+    """Publishes what a bag holds, when it was recorded."""
+
+    NAME: ClassVar = "replayer"
+    PURPOSE: ClassVar = "Publishes a bag again, with /clock, at any rate."
+    PARAMETERS: ClassVar = (
+        Parameter("bag", "", "bag to replay: a folder, or a .mcap or .db3 file"),
+        Parameter(
+            "rate",
+            1.0,
+            "replay this many times as fast as recorded; 0: as fast as the readers take it",
+            "",
+            0.0,
+            1000.0,
+        ),
+        Parameter(
+            "topics",
+            "",
+            'topics to replay, separated by spaces; "": all of the contract that the bag holds',
+            such_as="/rig/state /marks/state",
+        ),
+        Parameter(
+            "map",
+            "",
+            "topics of the bag that have other names than ours, as /camera/marks=/marks/state, separated by spaces",
+        ),
+        Parameter(
+            "leave_out", "", "topics not to replay, as /whirl/state /whirl/motion /whirl/onset for a new analysis"
+        ),
+        Parameter(
+            "clock_rate", 40.0, "/clock of a bag that holds none, per second of wall time; 0: none", "Hz", 0.0, 1000.0
+        ),
+        Parameter("wait_for", "", "nodes that must be ready before the first message, separated by spaces"),
+        Parameter("wait_timeout", 30.0, "longest wait for them", "s", 0.0, 3600.0),
+        Parameter("loop", False, "whether to begin again at the end"),
+    )
+
+    def __init__(
+        self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
+    ) -> None:
+        super().__init__(context, values, also_known)
+        self._over = False
+        self._sent = 0
+
+    def open(self) -> None:
+        """Open the bag and announce its topics."""
+        from drill_twin.io.bag.mapped import MappedBag, names_from
+
+        settings = self.settings
+        if not settings.bag:
+            raise ParameterError("parameter bag: expected the path of a bag, found none; add -p bag:=PATH")
+        self._bag = MappedBag(settings.bag, names_from(settings.map.split(), "parameter map"))
+        self._topics = self._chosen()
+        for topic in self._topics:
+            if topic != DIAGNOSTICS:  # announced by every node
+                self.advertise(topic)
+        self._clock_period = 0.0
+        if CLOCK_TOPIC not in self._topics and settings.clock_rate and CLOCK_TOPIC not in settings.leave_out.split():
+            self.advertise(CLOCK_TOPIC)
+            self._clock_period = 1.0 / settings.clock_rate
+        self._clock_message = ClockTemplate()
+        for sentence in self._bag.damage:
+            self.get_logger().warning(sentence)
+        length = (self._bag.end - self._bag.start) * 1e-9
+        self.get_logger().info(f"{settings.bag}: {self._bag.message_count} messages in {length:.1f} s")
+
+    def _chosen(self) -> list[str]:
+        held = [name for name, topic in self._bag.topics.items() if name in TOPICS and topic.count]
+        wanted, unwanted = self.settings.topics.split(), self.settings.leave_out.split()
+        for name, values in (("topics", wanted), ("leave_out", unwanted)):
+            if unknown := [topic for topic in values if topic not in self._bag.topics and topic not in TOPICS]:
+                raise ParameterError(
+                    f"parameter {name}: expected topics of the bag, {', '.join(held)}, found {', '.join(unknown)}"
+                )
+        return [topic for topic in held if (not wanted or topic in wanted) and topic not in unwanted]
+
+    def run(self, stop: StopRequest) -> None:
+        """Wait for the readers, then replay."""
+        # The scene comes first, ahead of its time: an analyzer is only ready once it knows the marks.
+        self._scene_sent = TWIN_SCENE in self._topics
+        if self._scene_sent:
+            self.outgoing[TWIN_SCENE].publish(next(raw for _, _, raw in self._bag.messages([TWIN_SCENE])))
+        discovered = time.monotonic() + _DISCOVERY
+        while not stop and (time.monotonic() < discovered or self.readers_not_matched()):
+            self.listen_for(0.05)
+        wait_for_nodes(self, self.settings.wait_for, self.settings.wait_timeout, stop)
+        self._turns = self._play()
+        super().run(stop)
+
+    def work(self) -> None:
+        """Publish what is due, or wait a moment."""
+        next(self._turns, None)
+
+    def _play(self) -> Iterator[None]:
+        """Replay; gives up the turn at least every 50 ms."""
+        while not self._over:
+            began, clock_due = time.monotonic(), 0.0
+            for topic, stamp, raw in self._bag.messages(self._topics):
+                if self._scene_sent and topic == TWIN_SCENE:
+                    self._scene_sent = False
+                    continue
+                passed = (stamp - self._bag.start) * 1e-9
+                if self._clock_period and passed >= clock_due:
+                    self.outgoing[CLOCK_TOPIC].publish(self._clock_message.fill(stamp))
+                    clock_due = passed + self._clock_period * (self.settings.rate or 1.0)
+                if self.settings.rate:
+                    while (left := began + passed / self.settings.rate - time.monotonic()) > 0.0:
+                        time.sleep(min(left, _LONGEST_WAIT))
+                        yield
+                self.outgoing[topic].publish(raw)
+                self._sent += 1
+                if not self.settings.rate and not self._sent % _ACKNOWLEDGE:
+                    self.flush(1.0)
+                if not self._sent % 50:
+                    self.listen_for(0.0)
+                    yield
+            self._over = not self.settings.loop
+
+    @property
+    def finished(self) -> bool:
+        """Whether the bag is over."""
+        return self._over
+
+    def close(self) -> None:
+        """See that the readers have received everything."""
+        if self._sent:
+            self.flush()
+            self.get_logger().info(f"{self._sent} messages replayed")
+
+    def health(self) -> Status:
+        """How far the replay is."""
+        values = {"bag": self.settings.bag, "rate": f"{self.settings.rate:g}", "messages": str(self._sent)}
+        return Status(self.NAME, Level.OK, f"{self._sent} of {self._bag.message_count} messages replayed", values)
+
+
+def run(arguments: Sequence[str], stop: StopRequest) -> None:
+    """Run the replayer."""
+    run_node(Replayer, arguments, stop)

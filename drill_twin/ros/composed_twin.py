@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Simulator, rig driver, analyzer and, when asked, recorder in one process: the short way to a running twin.
+
+Each node keeps its own loop, in a thread; the simulator's physics runs with the GIL released. Topics are the same, so
+anything on DDS can watch, command or record.
+"""
+
+from __future__ import annotations
+
+import importlib
+import threading
+from collections.abc import Sequence
+from typing import ClassVar
+
+from drill_twin.ros.analyzer.node import Analyzer
+from drill_twin.ros.bag.recorder import Recorder
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node_main import asks_for_help, initialised, run_in_order
+from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.deployment.security import readable_refusal
+from drill_twin.ros.entry_points import StopRequest
+from drill_twin.ros.rig_driver.node import RigDriver
+from drill_twin.ros.simulator.node import Simulator
+
+
+class ComposedTwin(TwinNode):
+    """Only says whether to record; its help text names the parameters of all."""
+
+    NAME: ClassVar = "twin"
+    PURPOSE: ClassVar = (
+        "Simulator, rig driver, analyzer and recorder in one process; a parameter reaches all that have it."
+    )
+    PARAMETERS: ClassVar = (Parameter("record", False, "whether to record a bag"),)
+
+
+_NODES: tuple[type[TwinNode], ...] = (Simulator, RigDriver, Analyzer, Recorder)
+
+
+class NodeThread:
+    """A node in a thread of its own."""
+
+    def __init__(self, node: TwinNode, failed: StopRequest) -> None:
+        self.error: BaseException | None = None
+        self._node, self._failed, self._stop = node, failed, StopRequest()
+        self._thread = threading.Thread(target=self._run, name=node.NAME)
+        self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            run_in_order(self._node, self._stop)
+        except BaseException as error:  # noqa: BLE001 - handed to the main thread by `end`
+            self.error = error
+            self._failed.set()
+
+    def end(self) -> None:
+        """Ask the node to stop and wait until it has."""
+        self._stop.set()
+        self._thread.join()
+
+
+def run(arguments: Sequence[str], stop: StopRequest) -> None:
+    """Run them all until the simulator is done or one fails."""
+    table = {parameter.name: parameter for make in (ComposedTwin, *_NODES) for parameter in make.PARAMETERS}
+    if asks_for_help(ComposedTwin.NAME, ComposedTwin.PURPOSE, tuple(table.values()), arguments):
+        return
+    context = initialised(arguments, stop)
+    companions: list[NodeThread] = []
+    try:
+        with stop.at_once(), readable_refusal():
+            record = ComposedTwin(context, also_known=tuple(table))
+            others = [Analyzer, *([Recorder] if record.settings.record else [])]
+            record.destroy_node()
+            nodes = [make(context, also_known=tuple(table)) for make in others]
+            waited = " ".join(["simulator", *(node.NAME for node in nodes)])
+            driver = RigDriver(context, {"wait_for": waited}, also_known=tuple(table))
+            simulator = Simulator(context, also_known=tuple(table))
+            # Now, while there is one thread: a signal in mid-import would leave the others half a module.
+            for module in ("drill_twin.twin.twin", "drill_twin.io.whirl_pipeline"):
+                importlib.import_module(module)
+        # Ended in this order: who listens outlives who speaks.
+        companions = [NodeThread(node, stop) for node in (driver, *nodes)]
+        run_in_order(simulator, stop)
+    finally:
+        for companion in companions:
+            companion.end()
+        context.try_shutdown()
+        # The first cause is what the user wants to read; that the others were stopped follows from it.
+        for companion in companions:
+            if companion.error is not None:
+                raise companion.error

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Quality of service from a parameter file, as every ROS 2 node takes it: `qos_overrides./topic.publisher.depth`."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rclpy.exceptions import InvalidParameterTypeException
+from rclpy.node import Node
+from rclpy.qos import QoSPolicyKind
+from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
+
+from drill_twin.ros.core.parameters import ParameterError
+
+_PREFIX = "qos_overrides."
+OVERRIDABLE = QoSOverridingOptions(
+    (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
+)
+"""What can be set of each topic: history, depth, reliability, durability."""
+
+
+@contextmanager
+def readable_overrides(topic: str) -> Iterator[None]:
+    """One line for an override that is none.
+
+    Raises:
+        ParameterError: Its value is of no such policy.
+    """
+    try:
+        yield
+    except (InvalidQosOverridesError, InvalidParameterTypeException, RuntimeError, ValueError) as error:
+        raise ParameterError(
+            f"qos_overrides of {topic}: expected history keep_last or keep_all, a depth, reliability reliable or "
+            f"best_effort, durability volatile or transient_local; found {error}"
+        ) from error
+
+
+def refuse_unused(node: Node) -> None:
+    """Refuse overrides of topics that this node does not have: they are misspelled, and would be lost in silence.
+
+    Raises:
+        ParameterError: There is one.
+    """
+    given = node._parameter_overrides  # noqa: SLF001 - rclpy offers no public way to see what was given
+    known = [name for name in node._parameters if name.startswith(_PREFIX)]  # noqa: SLF001
+    for name in given:
+        if name.startswith(_PREFIX) and name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else "ros2 param list shows them"
+            raise ParameterError(f"parameter {name}: this node has none of that name; {hint}")

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes as the parameters of a node name them, with what they change about them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from types import SimpleNamespace
+
+from drill_twin.ros.core.parameters import Parameter, ParameterError
+from drill_twin.scene import Scene, load_scene
+
+SCENE = Parameter("scene", "pa6_bench", "scene: an installed one by name, or the path of a scene file")
+OVERRIDES = Parameter(
+    "overrides",
+    "",
+    'changes to the scene as KEY=VALUE, separated by ";"',
+    such_as="hole.radius=80 mm; effects.bow=off",
+)
+_PAIR = re.compile(r"\s*(?P<key>[^=\s][^=]*?)\s*=\s*(?P<value>.+?)\s*", re.DOTALL)
+
+
+def scene_of(settings: SimpleNamespace) -> Scene:
+    """The scene that the parameters scene, overrides and, where a node has them, weight_on_bit, rotation,
+    accuracy and table name.
+
+    Raises:
+        SceneError: It cannot be loaded.
+        ParameterError: The overrides are none.
+    """
+    changes = _pairs(settings.overrides)
+    for parameter, key in (("weight_on_bit", "wob"), ("rotation", "rps"), ("accuracy", "accuracy")):
+        if value := getattr(settings, parameter, ""):
+            changes[key] = value
+    if table := getattr(settings, "table", ""):
+        changes |= _playing(load_scene(settings.scene, overrides=changes), table)
+    return load_scene(settings.scene, overrides=changes)
+
+
+def resolved(scene: Scene, duration: float, say: Callable[[str], object]) -> Scene:
+    """The scene with elements and step, chosen where it asks for an accuracy; says what to expect.
+
+    Args:
+        scene: The scene.
+        duration: Simulated time of the run [s]; 0: as the scene says.
+        say: Called with a line.
+
+    Raises:
+        SceneError: That accuracy cannot be promised.
+    """
+    if scene.numerics.accuracy is None:
+        return scene
+    from drill_twin.accuracy import resolve
+    from drill_twin.accuracy.error_model import kept
+
+    if kept(scene) is None:
+        say("no cost curve of this scene yet: measuring a small one")
+    plan = resolve(scene, duration=duration or None)
+    say(plan.sentence)
+    return plan.scene
+
+
+def _pairs(text: str) -> dict[str, str]:
+    pairs = {}
+    for part in text.split(";"):
+        if not part.strip():
+            continue
+        match = _PAIR.fullmatch(part)
+        if not match:
+            raise ParameterError(f'parameter overrides: expected KEY=VALUE; KEY=VALUE, found "{part.strip()}"')
+        pairs[match["key"]] = match["value"]
+    return pairs
+
+
+def _playing(scene: Scene, table: str) -> dict[str, str]:
+    """Overrides that make a scene play a table: both set-points from it, unless the scene says which."""
+    changes = {"rig.table.file": table}
+    rig = scene.rig
+    if "table" not in {rig.weight_on_bit.shape, rig.rotation.shape}:
+        changes["rig.weight_on_bit"] = f"{{shape: table, at: {rig.weight_on_bit.at}}}"
+        changes["rig.rotation"] = "{shape: table}"
+    return changes

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Topics of the contract as rclpy wants them: classes, relative names, quality of service."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from drill_twin.io.messages.topics import DIAGNOSTICS, Topic
+
+
+def relative(topic: str) -> str:
+    """Topics follow the node's namespace, so that two twins can share a domain; diagnostics are one for all."""
+    return topic if topic == DIAGNOSTICS else topic.lstrip("/")
+
+
+def message_class(topic: Topic) -> Any:
+    """The rclpy class of a topic's messages."""
+    package, _, name = topic.type_name.split("/")
+    return getattr(importlib.import_module(f"{package}.msg"), name)
+
+
+def quality(topic: Topic, *, depth: int = 0, latched: bool | None = None) -> QoSProfile:
+    """Quality of service of a topic; 0 and None: depth and durability of the contract."""
+    keep = topic.latched if latched is None else latched
+    return QoSProfile(
+        reliability=ReliabilityPolicy.RELIABLE,
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth or topic.depth,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if keep else DurabilityPolicy.VOLATILE,
+    )

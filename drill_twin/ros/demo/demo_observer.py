@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The demo's eyes: a node that follows simulated time, the onset and the motion state as they are announced."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+from rclpy.context import Context
+
+from drill_twin.io.messages.decode import read_clock
+from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
+from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, WHIRL_MOTION, WHIRL_ONSET
+from drill_twin.io.messages.whirl_encode import STRING_LEVEL, OnsetMessage, decode_motion, decode_onset
+from drill_twin.ros.core.node import TwinNode
+
+
+class DemoObserver(TwinNode):
+    """Keeps what was last said."""
+
+    NAME: ClassVar = "demo"
+    PURPOSE: ClassVar = "Watches a running twin."
+
+    def __init__(self, context: Context, on_change: Callable[[str], None]) -> None:
+        super().__init__(context)
+        self.time = 0.0
+        """Simulated time [s]."""
+        self.onset: OnsetMessage | None = None
+        """The onset, once it is announced."""
+        self.motion = ""
+        """Motion state of the string."""
+        self.realtime_factor = 0.0
+        """How many times as fast as real time the physics runs."""
+        self.simulator: dict[str, str] = {}
+        """What the simulator last said of itself."""
+        self._on_change = on_change
+        self._troubles: set[str] = set()
+        self.listen(CLOCK_TOPIC, lambda raw, _: self._on_clock(raw))
+        self.listen(WHIRL_ONSET, lambda raw, _: self._on_onset(raw))
+        self.listen(WHIRL_MOTION, lambda raw, _: self._on_motion(raw))
+        self.listen(DIAGNOSTICS, lambda raw, _: self._on_diagnostics(raw))
+
+    def _on_clock(self, raw: bytes) -> None:
+        self.time = seconds(read_clock(raw))
+
+    def _on_onset(self, raw: bytes) -> None:
+        _, onset = decode_onset(raw)
+        if onset is not None and onset != self.onset:
+            self._on_change(
+                f"whirl began at {onset.time:.2f} s at {onset.mark}, confidence {onset.confidence:.2f} "
+                f"(announced at {self.time:.2f} s)"
+            )
+        self.onset = onset
+
+    def _on_motion(self, raw: bytes) -> None:
+        stamp, motions = decode_motion(raw)
+        for motion in motions:
+            if motion.subject == STRING_LEVEL and motion.state != self.motion:
+                self.motion = motion.state
+                self._on_change(f"{motion.state} from {seconds(stamp):.2f} s: {motion.criterion}")
+
+    def _on_diagnostics(self, raw: bytes) -> None:
+        _, statuses = decode_diagnostics(raw)
+        for status in statuses:
+            if "realtime_factor" in status.values:
+                self.realtime_factor = float(status.values["realtime_factor"])
+                self.simulator = dict(status.values)
+            if (
+                status.level in {Level.WARN, Level.ERROR}
+                and (trouble := f"{status.name}: {status.text}") not in self._troubles
+            ):
+                self._troubles.add(trouble)
+                self._on_change(trouble)

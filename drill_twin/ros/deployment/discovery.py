@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How the nodes find each other: on this host only unless told otherwise, and fast.
+
+Without our Fast DDS profile a node that joins later is found after up to 3 s, with it within 0.5 s. What the user
+has set in the environment always stays.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+from pathlib import Path
+
+from drill_twin.errors import DrillTwinError
+from drill_twin.ros.deployment.security import refuse_unsecured
+from drill_twin.scene.paths import config_dir
+
+HIGHEST_DOMAIN = 101
+"""Highest ROS_DOMAIN_ID whose ports stay below Linux's ephemeral range."""
+_HIGHEST_POSSIBLE = 232
+
+
+def prepare() -> None:
+    """Set what DDS reads from the environment when it starts; call before `rclpy.init`.
+
+    Raises:
+        DrillTwinError: ROS_DOMAIN_ID is not a domain, or security is asked for that would not be there.
+    """
+    refuse_unsecured()
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    profile = profile_path()
+    if profile.is_file():
+        os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(profile))
+    if "HOME" not in os.environ:
+        os.environ.setdefault("ROS_LOG_DIR", str(Path.cwd() / "log"))
+    domain_of_environment()
+
+
+def profile_path() -> Path:
+    """The Fast DDS profile of this package."""
+    return config_dir() / "dds" / "discovery.xml"
+
+
+def domain_of_environment() -> int | None:
+    """ROS_DOMAIN_ID, None when not set.
+
+    Raises:
+        DrillTwinError: It is not a whole number from 0 to 232.
+    """
+    text = os.environ.get("ROS_DOMAIN_ID", "").strip()
+    if not text:
+        return None
+    if not text.isdecimal() or int(text) > _HIGHEST_POSSIBLE:
+        raise DrillTwinError(f"ROS_DOMAIN_ID: expected a whole number from 0 to {_HIGHEST_POSSIBLE}, found {text!r}")
+    return int(text)
+
+
+class DomainClaim:
+    """A DDS domain that no other demo or test on this machine uses while this object lives.
+
+    The claim is an abstract socket name: it ends with the process, whatever ends that, and leaves no file.
+    """
+
+    def __init__(self, wanted: int | None = None, *, start: int | None = None) -> None:
+        """Claim one domain.
+
+        Args:
+            wanted: This one, or fail; None: the first that is free.
+            start: Where to begin looking, by default spread by process id.
+
+        Raises:
+            DrillTwinError: It is taken, or all are.
+        """
+        first = os.getpid() if start is None else start
+        choices = [wanted] if wanted is not None else [1 + (first + k) % HIGHEST_DOMAIN for k in range(HIGHEST_DOMAIN)]
+        for domain in choices:
+            claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+            try:
+                claim.bind(f"\0drill_twin_domain_{domain}")
+            except OSError:
+                claim.close()
+                continue
+            self.domain, self._socket = domain, claim
+            return
+        if wanted is not None:
+            raise DrillTwinError(
+                f"ROS_DOMAIN_ID={wanted} is in use by another drill_twin demo or test on this machine; "
+                "choose another domain, or unset ROS_DOMAIN_ID and a free one is taken"
+            )
+        raise DrillTwinError(
+            f"expected a free DDS domain from 1 to {HIGHEST_DOMAIN}, found all in use by drill_twin demos or tests"
+        )
+
+    def release(self) -> None:
+        """Give the domain back."""
+        self._socket.close()

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Nodes as child processes: started with their own log, ended in order, never left behind."""
+
+from __future__ import annotations
+
+import ctypes
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+from drill_twin.errors import RunError
+
+_PATIENCE = 10.0  # s for each signal, before the next and harsher one
+_SET_PARENT_DEATH_SIGNAL = 1  # linux/prctl.h
+_LOG_LINES = 8
+
+
+class Child:
+    """One node as a process of its own."""
+
+    def __init__(self, node: str, parameters: Mapping[str, object], environment: Mapping[str, str], log: Path) -> None:
+        self.node = node
+        self.log = log
+        arguments = [word for name, value in parameters.items() for word in ("-p", f"{name}:={_yaml(value)}")]
+        command = [sys.executable, "-m", "drill_twin.ros", node, "--ros-args", *arguments]
+        with log.open("wb") as stream:
+            self._process = subprocess.Popen(
+                command,
+                env=dict(environment),
+                stdin=subprocess.DEVNULL,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,  # Ctrl-C reaches the supervisor alone, which ends its children in order
+                preexec_fn=_end_with_parent,  # noqa: PLW1509 - no thread runs yet when children are started
+            )
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
+
+    @property
+    def exit_code(self) -> int | None:
+        """Exit code; None while it runs."""
+        return self._process.poll()
+
+    def wait(self, seconds: float) -> int | None:
+        """Wait for its end, at most this long [s]; returns the exit code, None when it still runs."""
+        try:
+            return self._process.wait(max(seconds, 0.0))
+        except subprocess.TimeoutExpired:
+            return None
+
+    def end(self) -> int:
+        """End it: SIGINT, then SIGTERM, then SIGKILL; returns the exit code."""
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+            if self.exit_code is None:
+                self._process.send_signal(number)
+                self.wait(_PATIENCE)
+        return self._process.wait()
+
+    def last_words(self) -> str:
+        """The last lines of its log."""
+        lines = self.log.read_text("utf-8", "replace").strip().splitlines()
+        return "\n".join(f"  {line}" for line in lines[-_LOG_LINES:])
+
+    def check_alive(self) -> None:
+        """Raise when it has ended with an error.
+
+        Raises:
+            RunError: It has; the message holds its last words.
+        """
+        if self.exit_code:
+            raise RunError(
+                f"{self.node} ended with exit code {self.exit_code}; the end of {self.log}:\n{self.last_words()}"
+            )
+
+
+def _yaml(value: object) -> str:
+    """A parameter's value as `-p name:=value` wants it; a text stays a text, whatever it looks like."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+        return f'"{escaped}"'
+    return str(value)
+
+
+def _end_with_parent() -> None:
+    ctypes.CDLL(None, use_errno=True).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGTERM)
+
+
+@contextmanager
+def processes(
+    commands: Mapping[str, Mapping[str, object]], environment: Mapping[str, str], logs: Path
+) -> Iterator[dict[str, Child]]:
+    """The nodes as child processes; ended in order when the block is left, whatever ends it.
+
+    Raises:
+        RunError: On leaving without another error: a node ended with another exit code than 0.
+    """
+    children = {
+        node: Child(node, parameters, environment, logs / f"{node}.log") for node, parameters in commands.items()
+    }
+    try:
+        yield children
+    finally:
+        codes = {node: child.end() for node, child in children.items()}
+    for node, code in codes.items():
+        if code:
+            raise RunError(
+                f"{node} ended with exit code {code}; its log, {children[node].log}, ends with\n"
+                f"{children[node].last_words()}"
+            )

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""SROS2: who may say and hear what, as policy files, and no start without the security that was asked for.
+
+The Fast DDS of the wheels is built without security plugins; with a whole ROS 2 Jazzy they are there.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from drill_twin.errors import DrillTwinError
+from drill_twin.io.messages.topics import (
+    CLOCK_TOPIC,
+    DIAGNOSTICS,
+    MARKS_STATE,
+    RIG_COMMAND,
+    RIG_STATE,
+    RPS_COMMAND,
+    STRING_MARKERS,
+    STRING_POSES,
+    TOPICS,
+    TWIN_SCENE,
+    WHIRL_MOTION,
+    WHIRL_ONSET,
+    WHIRL_STATE,
+    WOB_COMMAND,
+)
+from drill_twin.ros.simulator.simulation_interfaces import SERVICES
+
+_OWN_SERVICES = (
+    "~/describe_parameters",
+    "~/get_parameter_types",
+    "~/get_parameters",
+    "~/get_type_description",
+    "~/list_parameters",
+    "~/ready",
+    "~/set_parameters",
+    "~/set_parameters_atomically",
+)
+_LIFECYCLE = (
+    "~/change_state",
+    "~/get_available_states",
+    "~/get_available_transitions",
+    "~/get_state",
+    "~/get_transition_graph",
+)
+_CONTROLS = ("~/load_checkpoint", "~/pause", "~/reset", "~/resume", "~/save_checkpoint", "~/step")
+_STANDARD = tuple(f"~/{name}" for name in SERVICES)
+WHERE_INSTALLED = {"tf2_msgs": ("/tf", "/tf_static"), "simulation_interfaces": _STANDARD}
+"""Topics and services that the simulator has where these packages are installed; the wheels have neither."""
+_OF_EVERY_NODE = ("/parameter_events", "/rosout", DIAGNOSTICS)
+
+
+@dataclass(frozen=True)
+class Rights:
+    """What a node may do; nothing else."""
+
+    publish: Sequence[str] = ()
+    """Topics it publishes, beside those of every node."""
+    subscribe: Sequence[str] = ()
+    """Topics it hears."""
+    reply: Sequence[str] = ()
+    """Services it offers, beside those of every node."""
+    request: Sequence[str] = ()
+    """Services it calls."""
+
+
+_READY = ("analyzer/ready", "recorder/ready", "simulator/ready")
+RIGHTS: dict[str, Rights] = {
+    "simulator": Rights(
+        (
+            *(RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, CLOCK_TOPIC, "~/transition_event"),
+            *WHERE_INSTALLED["tf2_msgs"],
+        ),
+        (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND),
+        (*_LIFECYCLE, *_CONTROLS, *_STANDARD),
+    ),
+    "rig_driver": Rights((RIG_COMMAND, WOB_COMMAND, RPS_COMMAND), (CLOCK_TOPIC,), (), _READY),
+    "analyzer": Rights((WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET), (TWIN_SCENE, MARKS_STATE, RIG_STATE)),
+    "recorder": Rights((), tuple(TOPICS)),
+    "replayer": Rights(tuple(topic for topic in TOPICS if topic != DIAGNOSTICS), (), (), _READY),
+}
+"""Least privilege: a test compares it with what running nodes do."""
+
+
+def policy_text(node: str) -> str:
+    """The SROS2 policy of a node, `config/security/NODE.policy.xml`."""
+    rights = RIGHTS[node]
+    publish = sorted({*_OF_EVERY_NODE, *rights.publish})
+    lists = (
+        ("topics", "publish", "topic", publish),
+        ("topics", "subscribe", "topic", sorted(rights.subscribe)),
+        ("services", "reply", "service", sorted({*_OWN_SERVICES, *rights.reply})),
+        ("services", "request", "service", sorted(rights.request)),
+    )
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f"<!-- What the node {node} may do, and nothing else; ros2 security generate_artifacts -k KEYS -p THIS_FILE.",
+        "     Names are relative to the namespace of the node. -->",
+        '<policy version="0.2.0">',
+        "  <enclaves>",
+        f'    <enclave path="/drill_twin/{node}">',
+        "      <profiles>",
+        f'        <profile ns="/" node="{node}">',
+    ]
+    for group, right, item, names in lists:
+        if names:
+            lines.append(f'          <{group} {right}="ALLOW">')
+            lines += [f"            <{item}>{name.removeprefix('/')}</{item}>" for name in names]
+            lines.append(f"          </{group}>")
+    return "\n".join(
+        [*lines, "        </profile>", "      </profiles>", "    </enclave>", "  </enclaves>", "</policy>", ""]
+    )
+
+
+def refuse_unsecured() -> None:
+    """Refuse to start where `ROS_SECURITY_STRATEGY=Enforce` is set but would not be heeded.
+
+    Raises:
+        DrillTwinError: ROS 2 would start without security, or has no keys.
+    """
+    if os.environ.get("ROS_SECURITY_STRATEGY", "").lower() != "enforce":
+        return
+    enabled, keys = os.environ.get("ROS_SECURITY_ENABLE", ""), os.environ.get("ROS_SECURITY_KEYSTORE", "")
+    if enabled.lower() != "true":
+        raise DrillTwinError(
+            "ROS_SECURITY_STRATEGY=Enforce: expected ROS_SECURITY_ENABLE=true beside it, found "
+            f"{enabled or 'none'}, with which ROS 2 would start unsecured; set it, or unset ROS_SECURITY_STRATEGY"
+        )
+    if not os.path.isdir(keys):  # noqa: PTH112 - a path of the environment, looked at once
+        raise DrillTwinError(
+            f"ROS_SECURITY_STRATEGY=Enforce: expected the folder of the keys in ROS_SECURITY_KEYSTORE, found "
+            f"{keys or 'none'}; make one with ros2 security create_keystore"
+        )
+
+
+@contextmanager
+def readable_refusal() -> Iterator[None]:
+    """One line where ROS refuses to make a node.
+
+    Raises:
+        DrillTwinError: It does.
+    """
+    try:
+        yield
+    except RuntimeError as error:  # rclpy's RCLError is one
+        text = " ".join(str(error).partition(", at ")[0].split())
+        if "security" not in text:
+            raise DrillTwinError(f"expected ROS to make this node, found: {text}") from error
+        raise DrillTwinError(
+            f"expected a Fast DDS with security, found: {text.removeprefix('error creating node: ')}; that of the "
+            "wheels has none: use a whole ROS 2 Jazzy, or unset ROS_SECURITY_ENABLE to run unsecured"
+        ) from error

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page's ear and hand on a live graph: hears the twin, and turns sliders into commands.
+
+Where a rig driver has the say, its plan is changed (live parameters); else the single set-points are commanded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import queue
+import webbrowser
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any, ClassVar
+
+from rcl_interfaces.srv import SetParameters
+from rclpy.context import Context
+from rclpy.parameter import Parameter as RosParameter
+
+from drill_twin.errors import DrillTwinError
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.encode import CommandEncoder
+from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_COMMAND
+from drill_twin.live.feed import INPUTS, Feed
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node_main import initialised, run_in_order
+from drill_twin.ros.deployment.security import readable_refusal
+from drill_twin.ros.entry_points import StopRequest
+from drill_twin.schedule.command import Command
+
+_TURN = 6.283185307179586
+_DEPTH = 50  # messages; eyes need no more
+_ASKED = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
+
+
+class Watch(TwinNode):
+    """Feeds the page from the topics."""
+
+    NAME: ClassVar = "watch"
+    PURPOSE: ClassVar = "Shows a running twin in the browser."
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
+        self.feed = Feed()
+        self._encoder = CommandEncoder()
+        self._asked: queue.Queue[tuple[str, float]] = queue.Queue()
+        self._pending: list[tuple[str, float, Any]] = []
+        self._refused = ""
+        self._driver = self.create_client(SetParameters, "rig_driver/set_parameters")
+
+    def open(self) -> None:
+        """Hear the twin."""
+        for topic in (WOB_COMMAND, RPS_COMMAND):
+            self.advertise(topic)
+        for topic in INPUTS:
+            latched = TOPICS[topic].latched
+            self.listen(topic, partial(self._hear, topic), depth=1 if latched else _DEPTH, latched=latched)
+
+    def _hear(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
+        del info
+        self.feed.take(topic, bytes(raw))
+
+    def picture(self) -> Mapping[str, Any]:
+        """What the page shows."""
+        return {**self.feed.picture(), "refused": self._refused}
+
+    def asked(self, request: Mapping[str, Any]) -> None:
+        """Command what the sliders say; from another thread, so it is only put down here.
+
+        Raises:
+            DrillTwinError: It is no set-point.
+        """
+        for name, value in request.items():
+            if name not in _ASKED or isinstance(value, bool):
+                raise DrillTwinError(f"expected a set-point wob or rps, found {name}")
+            self._asked.put((name, float(value)))
+
+    def work(self) -> None:
+        """Hear what has come, and send what was asked for."""
+        self.listen_for(0.02)
+        while not self._asked.empty():
+            self._command(*self._asked.get())
+        if self._pending:
+            self._hear_answers()
+
+    def _command(self, name: str, value: float) -> None:
+        parameter, unit, _ = _ASKED[name]
+        if self._driver_leads():
+            change = RosParameter(parameter, value=f"{value!r} {unit}").to_parameter_msg()
+            answer = self._driver.call_async(SetParameters.Request(parameters=[change]))
+            self._pending.append((name, value, answer))
+        else:
+            self._publish(name, value)
+
+    def _hear_answers(self) -> None:
+        leads = self._driver_leads()
+        pending, self._pending = self._pending, []
+        for name, value, answer in pending:
+            if answer.done():
+                self._refused = next((r.reason for r in answer.result().results if not r.successful), "")
+            elif leads:
+                self._pending.append((name, value, answer))
+            else:  # it left without an answer; what was asked for still holds
+                self._driver.remove_pending_request(answer)
+                self._publish(name, value)
+
+    def _driver_leads(self) -> bool:
+        return bool(self.publishers_of(RIG_COMMAND)) and self._driver.service_is_ready()
+
+    def _publish(self, name: str, value: float) -> None:
+        topic = _ASKED[name][2]
+        if topic == WOB_COMMAND:
+            self.outgoing[topic].publish(self._encoder.wob_command(Command(value, 0.0)))
+        else:
+            self.outgoing[topic].publish(self._encoder.rps_command(Command(0.0, value * _TURN)))
+
+    def health(self) -> Status:
+        """Whether all could be read."""
+        level = Level.WARN if self.feed.malformed else Level.OK
+        return Status(self.NAME, level, f"{self.feed.malformed} messages could not be read")
+
+
+def run(arguments: Sequence[str], stop: StopRequest) -> None:
+    """Watch the twin of this domain until asked to stop; the arguments are those of `drill-twin watch`."""
+    from drill_twin.live.server import PageServer
+
+    parser = argparse.ArgumentParser(prog="watch", description=Watch.PURPOSE)
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (%(default)s)")
+    parser.add_argument("--port", type=int, default=8000, help="port of the page; 0: a free one (%(default)s)")
+    parser.add_argument("--no-browser", action="store_true", help="do not open the browser")
+    own = list(arguments)
+    ros = own[own.index("--ros-args") :] if "--ros-args" in own else []
+    given = parser.parse_args(own[: len(own) - len(ros)])
+    context = initialised(ros, stop)
+    try:
+        with stop.at_once(), readable_refusal():
+            node = Watch(context)
+        server = PageServer(node.picture, node.asked, host=given.host, port=given.port)
+        try:
+            print(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()} at {server.url}", flush=True)
+            if not given.no_browser:
+                webbrowser.open(server.url)
+            run_in_order(node, stop)
+        finally:
+            server.close()
+    finally:
+        context.try_shutdown()

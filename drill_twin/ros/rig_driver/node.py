@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rig driver: plays weight on bit and top-drive speed, planned or measured, into the simulator.
+
+It follows the simulator's clock: whenever `/clock` says that a frame is out, it sends the set-points for the end of
+the next one. So it keeps step at any pace, and a driver that is killed and started again picks up where time is.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+from rclpy.context import Context
+
+from drill_twin.errors import MessageError
+from drill_twin.io.messages.decode import read_clock
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.encode import CommandEncoder
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds
+from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node_main import run_node
+from drill_twin.ros.core.node_startup import wait_for_nodes
+from drill_twin.ros.core.pacing import Pacer
+from drill_twin.ros.core.parameters import Parameter, Value
+from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, scene_of
+from drill_twin.ros.entry_points import StopRequest
+from drill_twin.ros.rig_driver.set_point_transition import Changeover, Plan
+from drill_twin.schedule.command import Command
+
+_QUIET = 0.1  # s
+_REPEAT = 5.0  # s of wall time after which a set-point is sent again, should the simulator have missed it
+
+
+class RigDriver(TwinNode):
+    """Sends set-points: the scene's schedule, or a table of measured ones."""
+
+    NAME: ClassVar = "rig_driver"
+    PURPOSE: ClassVar = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
+    PARAMETERS: ClassVar = (
+        SCENE,
+        Parameter(
+            "weight_on_bit",
+            "",
+            "weight on bit in place of the scene's, with its unit; \"\": the scene's",
+            live=True,
+            such_as="40 N",
+        ),
+        Parameter(
+            "rotation",
+            "",
+            "top-drive speed in place of the scene's, with its unit; \"\": the scene's",
+            live=True,
+            such_as="120 rpm",
+        ),
+        Parameter(
+            "change_time", 1.0, "simulated time that a live change of a set-point takes", "s", 0.0, 3600.0, live=True
+        ),
+        Parameter(
+            "table",
+            "",
+            "CSV or MAT file of measured set-points to play in place of the schedule; its columns and units are those "
+            'of rig.table in the scene (or overrides), or are found by their names; "": the schedule of the scene',
+        ),
+        OVERRIDES,
+        Parameter(
+            "follow",
+            "clock",
+            "clock: send with the simulator's /clock; wall: send by the wall clock, for a simulator without one",
+            choices=("clock", "wall"),
+        ),
+        Parameter("frame_rate", 0.0, "set-points per second; 0: the scene's frame rate", "Hz", 0.0, 1000.0),
+        Parameter("wait_for", "simulator", "nodes that must be ready before the first set-point, separated by spaces"),
+        Parameter("wait_timeout", 120.0, "longest wait for them", "s", 0.0, 3600.0),
+        Parameter(
+            "at_end",
+            "hold",
+            "hold: go on sending the last set-point when the schedule is over; stop: end the node",
+            choices=("hold", "stop"),
+            live=True,
+        ),
+    )
+
+    def __init__(
+        self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
+    ) -> None:
+        super().__init__(context, values, also_known)
+        self._encoder = CommandEncoder()
+        self._heard: int | None = None
+        self._answered = -1
+        self._repeat_due = 0.0
+        self._sent = 0
+        self._last: Command | None = None
+        self._echo_due = 0
+
+    def open(self) -> None:
+        """Load what is played and announce the commands."""
+        from drill_twin.schedule import Schedule
+
+        scene = scene_of(self.settings)
+        self._schedule = Schedule.from_scene(scene)
+        self._plan: Plan = self._schedule.at
+        self._planned = (self.settings.weight_on_bit, self.settings.rotation)
+        self._period = round(NANOSECONDS / (self.settings.frame_rate or scene.numerics.frame_rate))
+        self._pacer = Pacer(seconds(self._period))
+        self._plays = scene.name
+        if self._schedule.record is not None:
+            self._plays = str(scene.rig.table.file)
+            self.get_logger().info(self._schedule.record.report)
+        for topic in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND):
+            self.advertise(topic)
+        if self.settings.follow == "clock":
+            self.listen(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
+
+    def run(self, stop: StopRequest) -> None:
+        """Wait for the others, then drive: a set-point sent before its readers are connected is lost to them."""
+        wait_for_nodes(self, self.settings.wait_for, self.settings.wait_timeout, stop)
+        self.settle(_QUIET)  # who joins late is sent old times first
+        self.get_logger().info(f"driving: {self._plays}, by the {self.settings.follow}")
+        super().run(stop)
+
+    def work(self) -> None:
+        """Send the set-points for the next frame, once it is their turn."""
+        if self.settings.follow == "wall":
+            self.listen_for(0.0)
+            self._heard = 0 if self._heard is None else self._heard + self._period
+            self._send(self._heard + self._period)
+            self._pacer.wait()
+            return
+        if self._heard is not None:
+            stuck = time.monotonic() > self._repeat_due
+            if stuck or self._answered != self._heard + self._period:
+                self._send(self._heard + self._period)
+        self.listen_for(0.05)
+
+    @property
+    def finished(self) -> bool:
+        """Whether the schedule is over and that ends the node."""
+        return self.settings.at_end == "stop" and self._time >= self._schedule.duration
+
+    @property
+    def _time(self) -> float:
+        return seconds(self._heard or 0)
+
+    def _on_clock(self, raw: bytes, info: Mapping[str, Any]) -> None:
+        del info
+        try:
+            stamp = read_clock(raw)
+        except MessageError:
+            return
+        if stamp < (self._heard or 0):  # the simulator began again
+            self._answered, self._echo_due = -1, 0
+        self._heard = stamp  # answered by `work`, once all that has come is taken: of many, only the last counts
+
+    def _send(self, stamp: int) -> None:
+        command = self._plan(seconds(stamp))
+        self.outgoing[RIG_COMMAND].publish(self._encoder.command(stamp, command))
+        if command != self._last or stamp >= self._echo_due:
+            self._echo_due = stamp + NANOSECONDS
+            self.outgoing[WOB_COMMAND].publish(self._encoder.wob_command(command))
+            self.outgoing[RPS_COMMAND].publish(self._encoder.rps_command(command))
+        self._answered, self._last = stamp, command
+        self._repeat_due = time.monotonic() + _REPEAT
+        self._sent += 1
+
+    # --- live set-points ------------------------------------------------------------------------------------------
+
+    def judge_live(self, settings: SimpleNamespace) -> None:
+        """Refuse a set-point that the scene could not have."""
+        if (settings.weight_on_bit, settings.rotation) != self._planned:
+            scene_of(settings)
+
+    def on_live(self) -> None:
+        """Go over to the set-points that were asked for."""
+        from drill_twin.schedule import Schedule
+
+        wanted = (self.settings.weight_on_bit, self.settings.rotation)
+        if wanted == self._planned:
+            return
+        self._planned = wanted
+        self._schedule = Schedule.from_scene(scene_of(self.settings))
+        self._plan = self._schedule.at
+        if self._last is not None:
+            self._plan = Changeover(self._last, self._schedule.at, self._time, self.settings.change_time)
+        self.get_logger().info(f"from {self._time:.2f} s: weight on bit {wanted[0]!r}, speed {wanted[1]!r}")
+
+    # --- end and health -------------------------------------------------------------------------------------------
+
+    def close(self) -> None:
+        """See that the last set-point has arrived."""
+        if self._sent:
+            self.report_health()
+            self.flush(1.0)
+
+    def health(self) -> Status:
+        """What is being commanded."""
+        command = self._last or Command(0.0, 0.0)
+        over = self._time >= self._schedule.duration
+        drivers = self.publishers_of(RIG_COMMAND)
+        values = {
+            "plays": self._plays,
+            "time": f"{self._time:.3f}",
+            "schedule_ends": f"{self._schedule.duration:.3f}",
+            "weight_on_bit": f"{command.weight_on_bit:g}",
+            "speed_rev_s": f"{command.rotation / 6.283185307179586:g}",
+            "commands_sent": str(self._sent),
+        }
+        if len(drivers) > 1:
+            return Status(self.NAME, Level.WARN, f"more than one driver: {', '.join(drivers)}", values)
+        if self._heard is None:
+            return Status(self.NAME, Level.OK, f"waiting for {CLOCK_TOPIC}", values)
+        return Status(self.NAME, Level.OK, "the schedule is over; holding" if over else "driving", values)
+
+
+def run(arguments: Sequence[str], stop: StopRequest) -> None:
+    """Run the rig driver."""
+    run_node(RigDriver, arguments, stop)

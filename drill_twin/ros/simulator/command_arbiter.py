@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The desk where commands arrive: refuses what cannot be meant, keeps the last good set-point, knows who speaks.
+
+One source has the say. Whoever publishes `/rig/command` (both set-points, stamped) is followed; the single values on
+`/rig/wob_command` and `/rig/rps_command` are taken only while nobody does. The rig driver also echoes its set-points
+on the single-value topics (`echoes`). A single value that is no echo, while a driver has the say, comes from somebody
+else: it is counted and reported, not followed.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from drill_twin.ros.simulator.echo_filter import EchoFilter
+from drill_twin.schedule.command import Command
+
+_RECENT = 5.0  # s; for so long a stray value is news
+_TURN = 2.0 * math.pi
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Set-points that can be meant; both ends included."""
+
+    weight_on_bit: tuple[float, float]
+    """Weight on bit [N]."""
+    rotation: tuple[float, float]
+    """Top-drive speed [rad/s]."""
+
+    def why_refused(self, command: Command) -> tuple[str, str] | None:
+        """Kind and sentence of the refusal; None for a good command."""
+        checks = (
+            ("weight on bit", command.weight_on_bit, self.weight_on_bit, 1.0, "N"),
+            ("top-drive speed", command.rotation, self.rotation, _TURN, "rev/s"),
+        )
+        for name, value, (low, high), unit, symbol in checks:
+            if not math.isfinite(value):
+                return "not_finite", f"{name}: expected a finite number, found {value / unit:g} {symbol}"
+            if not low <= value <= high:
+                return "out_of_range", (
+                    f"{name}: expected {low / unit:g} to {high / unit:g} {symbol}, found {value / unit:g} {symbol}"
+                )
+        return None
+
+
+@dataclass(frozen=True)
+class Silence:
+    """What to do when commands stop coming."""
+
+    timeout: float
+    """Wall time without a command after which it counts as silence [s]."""
+    ramp: bool = False
+    """Whether to go to the safe set-point; else the last one is held."""
+    safe: Command = field(default_factory=lambda: Command(0.0, 0.0))
+    """The safe set-point."""
+    ramp_time: float = 5.0
+    """Time to get there [s], simulated."""
+
+
+class CommandArbiter:
+    """Judges commands and holds the set-point."""
+
+    def __init__(
+        self, limits: Limits, silence: Silence, first: Command, *, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._limits = limits
+        self._silence = silence
+        self._clock = clock
+        self._good = first
+        self._applied = first
+        self._last_time: float | None = None
+        self._both_time: float | None = None
+        self._echoes = EchoFilter()
+        self.last_stamp = -1
+        """Stamp [ns] of the last `/rig/command`, followed or refused; what lockstep waits for."""
+        self.accepted = 0
+        """Commands followed."""
+        self.refused: Counter[str] = Counter()
+        """Commands refused, by kind: not_finite, out_of_range, malformed."""
+        self.last_refusal = ""
+        """The last refusal, in words."""
+
+    def rule(self, limits: Limits, silence: Silence) -> None:
+        """Go by other limits from now on."""
+        self._limits, self._silence = limits, silence
+
+    def go_on_with(self, command: Command) -> None:
+        """Take up a run where this command was in force; it counts as just heard."""
+        self._good = self._applied = command
+        self._last_time = self._clock()
+
+    # --- arrivals -------------------------------------------------------------------------------------------------
+
+    def both(self, stamp: int, command: Command) -> None:
+        """A `/rig/command` with its stamp [ns]."""
+        self.last_stamp = stamp
+        self._both_time = self._clock()
+        self._echoes.command(command)
+        self._judge(command)
+
+    def weight_on_bit(self, value: float, *, driver_present: bool) -> None:
+        """A `/rig/wob_command` [N]."""
+        if driver_present and not self._driver_is_silent():
+            self._echoes.weight_on_bit(self._clock(), value)
+        else:
+            self._judge(replace(self._good, weight_on_bit=value))
+
+    def speed(self, value: float, *, driver_present: bool) -> None:
+        """A `/rig/rps_command` [rev/s]."""
+        if driver_present and not self._driver_is_silent():
+            self._echoes.speed(self._clock(), value)
+        else:
+            self._judge(replace(self._good, rotation=value * _TURN))
+
+    def malformed(self, reason: str) -> None:
+        """A message that holds no command."""
+        self.refused["malformed"] += 1
+        self.last_refusal = reason
+
+    def _driver_is_silent(self) -> bool:
+        return self._both_time is not None and self._clock() - self._both_time > self._silence.timeout
+
+    def _judge(self, command: Command) -> None:
+        if why := self._limits.why_refused(command):
+            kind, self.last_refusal = why
+            self.refused[kind] += 1
+            return
+        self._good = command
+        self._last_time = self._clock()
+        self.accepted += 1
+
+    # --- what the simulator asks ----------------------------------------------------------------------------------
+
+    @property
+    def heard(self) -> bool:
+        """Whether a good command has come yet."""
+        return self._last_time is not None
+
+    @property
+    def good(self) -> Command:
+        """The last good set-point."""
+        return self._good
+
+    @property
+    def age(self) -> float:
+        """Wall time since the last good command [s]; infinite before the first."""
+        return math.inf if self._last_time is None else self._clock() - self._last_time
+
+    @property
+    def silent(self) -> bool:
+        """Whether commands have stopped coming."""
+        return self.heard and self.age > self._silence.timeout
+
+    def set_point(self, seconds: float) -> Command:
+        """What to apply over the next `seconds` of simulated time."""
+        if self.silent and self._silence.ramp:
+            share = min(seconds / self._silence.ramp_time, 1.0) if self._silence.ramp_time > 0.0 else 1.0
+            safe, good = self._silence.safe, self._good
+            self._applied = Command(
+                _towards(
+                    self._applied.weight_on_bit, safe.weight_on_bit, share * (good.weight_on_bit - safe.weight_on_bit)
+                ),
+                _towards(self._applied.rotation, safe.rotation, share * (good.rotation - safe.rotation)),
+            )
+        else:
+            self._applied = self._good
+        return self._applied
+
+    def settle_doubts(self) -> None:
+        """Decide which single values were echoes; call about once a second."""
+        self._echoes.settle(self._clock())
+
+    @property
+    def from_others(self) -> int:
+        """Single values from somebody else while a driver had the say."""
+        return self._echoes.strangers
+
+    @property
+    def others_speak(self) -> bool:
+        """Whether somebody else spoke a moment ago, while a driver had the say."""
+        return self._clock() - self._echoes.last_stranger < _RECENT
+
+
+def _towards(value: float, target: float, distance: float) -> float:
+    """`value` moved towards `target` by at most `distance`."""
+    step = min(abs(distance), abs(target - value))
+    return value + math.copysign(step, target - value)

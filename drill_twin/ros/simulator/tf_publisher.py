@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tf of a running twin, where tf2_msgs is installed; the wheels have none, a ROS 2 does."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from drill_twin.io.messages.geometry import StringGeometry
+from drill_twin.io.messages.stamps import stamp_ns
+from drill_twin.io.messages.transforms import Frames, TransformsTemplate, hole_placed
+from drill_twin.twin.frame import Frame
+
+_DEPTH = 100
+
+
+def tf_message() -> Any:
+    """The class tf2_msgs/TFMessage; None where the package is not installed."""
+    try:
+        return importlib.import_module("tf2_msgs.msg").TFMessage
+    except ImportError:
+        return None
+
+
+class Transforms:
+    """Publishes `tf` at the rate of the pictures, and `tf_static` once."""
+
+    def __init__(self, node: Node, kind: Any, geometry: StringGeometry, inclination: float) -> None:
+        """Announce both topics.
+
+        Args:
+            node: Who publishes.
+            kind: `tf_message()`.
+            geometry: Of the string.
+            inclination: Of the hole at the top clamp [rad].
+        """
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._node = node
+        self._moving = node.create_publisher(kind, "tf", _DEPTH)
+        self._fixed = node.create_publisher(kind, "tf_static", latched)
+        self._frames = Frames(geometry)
+        self._template: TransformsTemplate | None = None
+        hole = hole_placed(inclination)
+        self._fixed.publish(TransformsTemplate([hole[:2]]).fill(0, [hole]))
+
+    def publish(self, frame: Frame) -> None:
+        """Where bit and marks are now."""
+        placed = self._frames.placed(frame)
+        if self._template is None:
+            self._template = TransformsTemplate([one[:2] for one in placed])
+        self._moving.publish(self._template.fill(stamp_ns(frame.time), placed))
+
+    def retire(self) -> None:
+        """Take both topics back."""
+        for publisher in (self._moving, self._fixed):
+            self._node.destroy_publisher(publisher)

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The implicit midpoint rule with Newton's method: the whole time loop in one compiled function.
+
+``M (v - v_n) / (dt/2) + forces(u_n + dt/2 v, v) = 0`` for the mid-step velocity v, then ``u += dt v`` and
+``v_n+1 = 2 v - v_n``. Second order, no step limit for linear problems, keeps linear and angular momentum to round-off
+and an undamped rod's energy without drift (Hairer, Lubich and Wanner 2006, ch. IV and VI). Its state is place and
+velocity alone, so a step may be cut or lengthened at will: where Newton fails the step is halved and counted, and it
+grows back by itself.
+
+The loop does not know which unknowns a node has: that is the business of a formulation,
+`drill_twin.solver.spatial` or `drill_twin.solver.lateral`.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.model.mesh import Rod
+from drill_twin.solver.boundary.bit_frame import from_bit, to_bit
+from drill_twin.solver.boundary.rig import set_points
+from drill_twin.solver.state import (
+    CONVERGED,
+    FACTOR,
+    FAILED,
+    HALVINGS,
+    ITERATIONS,
+    KNOWN,
+    LAST_STEP,
+    LOOSE_STEPS,
+    STEP_BEFORE,
+    STEPS,
+    TIME,
+    TOO_MANY_HALVINGS,
+    Limits,
+    State,
+)
+
+MAX_ITERATIONS = 12
+CONVERGENCE_SAFETY = 0.1  # a next change foreseen below this share of the tolerance need not be computed
+# Where a place on the wall sticks and slips in turn from one iteration to the next, none settles: the changes stay
+# small, far below what matters. Such a step is taken, and counted.
+MIN_ITERATIONS_FOR_STALL, STALL_RATIO, LOOSE_FACTOR = 3, 0.25, 10.0
+FORGET = 1e6  # largest remembered factor (a change of 1 would become a million)
+SMALLEST_SHARE = 1.0 / 4096.0  # of the nominal step, before the loop gives up
+
+
+class Effects(NamedTuple):
+    """The effects of a scene, each hook as one compiled function (`drill_twin.solver.kernel_codegen`)."""
+
+    stretch: Any
+    section: Any
+    point: Any
+    end: Any
+    guide: Any
+    done: Any
+
+
+class Formulation(NamedTuple):
+    """How a form of the string is moved, as compiled functions."""
+
+    begin: Any  # (work): before the first step of a frame
+    predict: Any  # (constrained, state, command, step): mid-step velocity to begin with
+    build: Any  # (parameters, rod, work, constrained, state, command, time, h2, fresh, number): fill the system
+    solve: Any  # (work) -> whether it could be solved
+    correct: Any  # (state, limits, work, h2) -> size of the Newton step in tolerances, NaN if not finite
+    accept: Any  # (constrained, state, work, counters, command, step): take the step
+    finish: Any  # (rod, state): fill in what the loop does not need but a reader does
+    order: int  # of Newton's convergence: 2, or 1 where the tangent may be an older one
+
+
+@kernel
+def no_audit(
+    parameters: Any, rod: Rod, work: Any, constrained: Array, state: State, command: Array, time: float, h2: float
+) -> None:
+    """Nobody asked for the books; nothing of this is left in the machine code."""
+
+
+@kernel
+def no_ledger_to_close(parameters: Any, rod: Rod, state: State) -> None:
+    """As `no_audit`."""
+
+
+def bind(
+    form: Formulation, effects: Effects, audit_step: Any = no_audit, close_step: Any = no_ledger_to_close
+) -> Callable[..., int]:
+    """The time loop for one form of the string and a set of effects.
+
+    Args:
+        form: The form.
+        effects: The effects.
+        audit_step: Updates the energy ledger for a step before it is taken (`drill_twin.audit.energy_ledger`).
+        close_step: Completes them once it has been.
+    """
+    begin, predict, build, solve, correct, accept, finish, order = form
+    guide_effects, done_effects = effects.guide, effects.done
+
+    @kernel
+    def newton(
+        parameters: Any,
+        rod: Rod,
+        work: Any,
+        constrained: Array,
+        state: State,
+        limits: Limits,
+        command: Array,
+        time: float,
+        h2: float,
+        counters: Array,
+    ) -> int:
+        """Find the mid-step velocity in ``state.trial``; returns the iterations used, negative if it failed."""
+        before = 1.0
+        for iteration in range(MAX_ITERATIONS):
+            fresh, number = iteration == 0, counters[ITERATIONS] + iteration
+            build(parameters, rod, work, constrained, state, command, time, h2, fresh, number)
+            if not solve(work):
+                return -1 - iteration
+            size = correct(state, limits, work, h2)
+            if not np.isfinite(size):
+                return -1 - iteration
+            if iteration > 0:
+                # the next change is a factor times a power of this one: remember the factor, forgetting slowly
+                state.clock[FACTOR] = max(size / before**order, 0.5 * min(state.clock[FACTOR], FORGET))
+            if size < 1.0 or size**order * state.clock[FACTOR] < CONVERGENCE_SAFETY:
+                return iteration + 1
+            if iteration >= MIN_ITERATIONS_FOR_STALL and size < LOOSE_FACTOR and size > STALL_RATIO * before:
+                counters[LOOSE_STEPS] += 1
+                return iteration + 1
+            before = size
+        return -MAX_ITERATIONS
+
+    @kernel
+    def advance(
+        parameters: Any,
+        rod: Rod,
+        work: Any,
+        constrained: Array,
+        state: State,
+        limits: Limits,
+        command0: Array,
+        command1: Array,
+        start: float,
+        end: float,
+        counters: Array,
+    ) -> int:
+        """Move the string from time `start` to `end`; the set-points go linearly from `command0` to `command1`.
+
+        Returns:
+            0, 1 if the step had to be cut below 1/4096 of the nominal one, or 2 if it was cut more often than the
+            limits allow.
+        """
+        pieces = max(1, int(np.ceil((end - start) / limits.step - 1e-9)))
+        nominal = (end - start) / pieces
+        step = nominal
+        time = start
+        largest = counters[HALVINGS] + limits.max_halvings
+        begin(work)
+        while time < end - 1e-9 * nominal:
+            step = min(step, end - time)
+            h2 = 0.5 * step
+            set_points(command0, command1, (time + h2 - start) / (end - start), work.command)
+            predict(constrained, state, work.command, step)
+            guide_effects(parameters, rod, time + h2, state.trial)
+            used = newton(parameters, rod, work, constrained, state, limits, work.command, time + h2, h2, counters)
+            counters[ITERATIONS] += abs(used)
+            if used < 0:
+                counters[HALVINGS] += 1
+                state.clock[KNOWN] = min(state.clock[KNOWN], 1.0)
+                step *= 0.5
+                if step < SMALLEST_SHARE * nominal:
+                    return FAILED
+                if counters[HALVINGS] > largest:
+                    return TOO_MANY_HALVINGS
+                continue
+            audit_step(parameters, rod, work, constrained, state, work.command, time + h2, h2)
+            time += step
+            set_points(command0, command1, (time - start) / (end - start), work.command)
+            accept(constrained, state, work, counters, work.command, step)
+            counters[STEPS] += 1
+            state.clock[STEP_BEFORE], state.clock[LAST_STEP] = state.clock[LAST_STEP], step
+            state.clock[KNOWN] = min(state.clock[KNOWN] + 1.0, 2.0)
+            to_bit(state.bit_frame, state.u[0], state.v[0])
+            done_effects(parameters, rod, work.command, time, step, state.u, state.v)
+            from_bit(state.bit_frame, state.u[0], state.v[0])
+            close_step(parameters, rod, state)
+            step = min(nominal, 2.0 * step)
+        state.clock[TIME] = end
+        finish(rod, state)
+        return CONVERGED
+
+    return advance

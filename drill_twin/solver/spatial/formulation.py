@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The string in space: seven unknowns per node (r, r', psi), stretch and torsion included.
+
+What the time loop (`drill_twin.solver.midpoint`) needs to know of the unknowns: how to predict, build, solve, correct
+and take a step.
+"""
+
+from typing import Any
+
+from drill_twin.base.arrays import Array
+from drill_twin.base.jit import kernel
+from drill_twin.model.mesh import Rod
+from drill_twin.solver.boundary.bit_frame import from_bit, to_bit, turn_blocks, turn_row, turn_row_back, turn_step_back
+from drill_twin.solver.boundary.rig import ROTATION
+from drill_twin.solver.midpoint import Effects, Formulation
+from drill_twin.solver.spatial import assembly
+from drill_twin.solver.spatial.linear_solver import NODE, solve_blocks
+from drill_twin.solver.spatial.workspace import Workspace
+from drill_twin.solver.state import (
+    BIT_IMPULSE,
+    HOOK_IMPULSE,
+    SPIN,
+    TORQUE_IMPULSE,
+    Limits,
+    State,
+    extrapolation_weights,
+)  # fmt: skip
+
+
+@kernel
+def add_ends(work: Workspace) -> None:
+    """Bring what acts on the bit and the top into the system."""
+    last = work.diagonal.shape[0] - 1
+    for i in range(NODE):
+        for j in range(NODE + 1):
+            work.diagonal[0, i, j] += work.ends[0, i, j]
+            work.diagonal[last, i, j] += work.ends[1, i, j]
+
+
+@kernel
+def constrain(constrained: Array, work: Workspace) -> None:
+    """Take the constrained unknowns out of the system (their velocity is set before the iteration); keep their rows."""
+    last = work.diagonal.shape[0] - 1
+    for end in range(2):
+        node = 0 if end == 0 else last
+        own = work.diagonal[node]
+        other = work.upper[0] if end == 0 else work.lower[last - 1]
+        for i in range(NODE):
+            work.reaction[end, i] = own[i, NODE]
+            for j in range(NODE):
+                work.held_rows[end, i, j] = own[i, j]
+                work.held_rows[end, i, NODE + j] = other[i, j]
+            if constrained[end, i]:
+                for j in range(NODE):
+                    own[i, j] = 0.0
+                    other[i, j] = 0.0
+                own[i, i] = 1.0
+                own[i, NODE] = 0.0
+
+
+@kernel
+def update_reactions(work: Workspace) -> None:
+    """Bring the reactions at the ends up to the Newton step just taken."""
+    last = work.diagonal.shape[0] - 1
+    for end in range(2):
+        own = work.diagonal[0 if end == 0 else last]
+        other = work.diagonal[1 if end == 0 else last - 1]
+        for i in range(NODE):
+            for j in range(NODE):
+                work.reaction[end, i] -= work.held_rows[end, i, j] * own[j, NODE]
+                work.reaction[end, i] -= work.held_rows[end, i, NODE + j] * other[j, NODE]
+
+
+@kernel
+def predict(constrained: Array, state: State, command: Array, step: float) -> None:
+    """First guess of the mid-step velocity: straight on through the last one; constrained unknowns as they will be."""
+    now, last_, before = extrapolation_weights(state.clock, step)
+    last = state.u.shape[0] - 1
+    for i in range(last + 1):
+        for c in range(NODE):
+            state.trial[i, c] = now * state.v[i, c] + last_ * state.middle[i, c] + before * state.earlier[i, c]
+    turn_row(state.bit_frame, state.trial[0])
+    for c in range(NODE):
+        if constrained[0, c]:
+            state.trial[0, c] = 0.0
+        if constrained[1, c]:
+            state.trial[last, c] = 0.0
+    turn_row_back(state.bit_frame, state.trial[0])
+    if constrained[1, SPIN]:
+        state.trial[last, SPIN] = command[ROTATION]
+
+
+@kernel
+def correct(state: State, limits: Limits, work: Workspace, h2: float) -> float:
+    """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
+    update_reactions(work)
+    turn_step_back(state.bit_frame, work.diagonal[0])
+    place = 0.0
+    angle = 0.0
+    total = 0.0
+    for i in range(state.u.shape[0]):
+        for c in range(NODE):
+            change = work.diagonal[i, c, NODE]
+            state.trial[i, c] -= change
+            total += change
+            if c < 3:
+                place = max(place, abs(change))
+            else:
+                angle = max(angle, abs(change))
+    return max(place / limits.place, angle / limits.angle) * h2 + 0.0 * total
+
+
+@kernel
+def accept(constrained: Array, state: State, work: Workspace, counters: Array, command: Array, step: float) -> None:
+    """Take the step: u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n; the top turns as the drive wants it at the end."""
+    for i in range(state.u.shape[0]):
+        for c in range(NODE):
+            v = state.trial[i, c]
+            state.u[i, c] += step * v
+            state.v[i, c] = 2.0 * v - state.v[i, c]
+            state.earlier[i, c] = state.middle[i, c]
+            state.middle[i, c] = v
+    counters[TORQUE_IMPULSE] += work.reaction[1, SPIN] * step
+    counters[HOOK_IMPULSE] += work.reaction[1, 2] * step
+    counters[BIT_IMPULSE] += work.reaction[0, 2] * step
+    if constrained[1, SPIN]:
+        state.v[state.u.shape[0] - 1, SPIN] = command[ROTATION]
+
+
+@kernel
+def solve(work: Workspace) -> bool:
+    """Solve the block system in place."""
+    return solve_blocks(work.lower, work.diagonal, work.upper, work.spare)
+
+
+@kernel
+def begin(work: Workspace) -> None:
+    """Nothing is kept from frame to frame."""
+
+
+@kernel
+def finish(rod: Rod, state: State) -> None:
+    """Nothing is left to fill in."""
+
+
+def bind(effects: Effects) -> Formulation:
+    """The form for a set of effects."""
+    assemble = assembly.bind(effects.stretch, effects.section, effects.point)
+    end_effects = effects.end
+
+    @kernel
+    def build(
+        parameters: Any,
+        rod: Rod,
+        work: Workspace,
+        constrained: Array,
+        state: State,
+        command: Array,
+        time: float,
+        h2: float,
+        fresh: bool,
+        number: float,
+    ) -> None:
+        """Fill the block system: elements, what acts on the ends, and the unknowns that are held."""
+        for i in range(state.u.shape[0]):
+            for c in range(NODE):
+                state.place[i, c] = state.u[i, c] + h2 * state.trial[i, c]
+        assemble(parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v)
+        work.ends[:] = 0.0
+        # the bit is held, pushed and braked along and across the hole where it is
+        turn_blocks(state.bit_frame, work.diagonal[0], work.upper[0], work.lower[0])
+        to_bit(state.bit_frame, state.place[0], state.trial[0])
+        turn_row(state.bit_frame, state.v[0])
+        end_effects(parameters, rod, command, time, h2, state.place, state.trial, state.v, work.ends)
+        from_bit(state.bit_frame, state.place[0], state.trial[0])
+        turn_row_back(state.bit_frame, state.v[0])
+        add_ends(work)
+        constrain(constrained, work)
+
+    return Formulation(begin, predict, build, solve, correct, accept, finish, order=2)

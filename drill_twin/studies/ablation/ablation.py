@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Leave each effect out in turn, see what it costs and what it changes, and find the set that a scene calls for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, field
+from multiprocessing import get_context
+from typing import Any
+
+from drill_twin.accuracy.trial import Trial, run_trial
+from drill_twin.effects import EFFECTS
+from drill_twin.errors import RunError, SceneError
+from drill_twin.scene import load_scene
+from drill_twin.studies.ablation.compare import Quantity, differences, worst
+
+TOGETHER = ("stretch", "torsion")
+"""Effects that only come and go together."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """What leaving something out changed."""
+
+    left_out: tuple[str, ...]
+    """Keys of the effects that were left out; more than one where others need it."""
+    quantities: dict[str, Quantity] = field(default_factory=dict)
+    """What changed, by name; empty if the run failed."""
+    cost_share: float | None = None
+    """Share of the run's cost that goes with it [-]; negative if the run without it is livelier, None if it failed."""
+    iteration_share: float | None = None
+    """Share of the cost of a Newton iteration that goes with it [-]: the price of its code alone."""
+    failure: str = ""
+    """Why there is no run without it; empty if there is one."""
+
+    @property
+    def size(self) -> float:
+        """Largest change in tolerances, infinite without a run."""
+        return float("inf") if self.failure else worst(self.quantities)
+
+    @property
+    def called_for(self) -> bool:
+        """Whether the scene needs it: a change beyond the tolerance that chance does not explain."""
+        return bool(self.failure) or any(quantity.matters for quantity in self.quantities.values())
+
+
+@dataclass(frozen=True)
+class Ablation:
+    """The answer for one scene."""
+
+    scene: str
+    effects: tuple[str, ...]
+    tolerance: float
+    replicas: int
+    baseline: tuple[Trial, ...]
+    changes: tuple[Change, ...]
+    kept: tuple[str, ...]
+    """Effects that the scene calls for at this tolerance."""
+    reduced: Change
+    """What leaving out all the others at once changes."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain types for JSON; a change in tolerances is None where there is nothing to measure it by."""
+        plain = asdict(self)
+        for change in (*plain["changes"], plain["reduced"]):
+            for quantity in change["quantities"].values():
+                if not math.isfinite(quantity["tolerances"]):
+                    quantity["tolerances"] = None
+        return plain
+
+
+def groups(effects: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """What has to be left out together, per effect: the effect and all that need it.
+
+    >>> groups(("stretch", "torsion", "wall", "wall_friction"))
+    [('stretch', 'torsion'), ('wall', 'wall_friction'), ('wall_friction',)]
+    """
+    found: list[tuple[str, ...]] = []
+    for effect in effects:
+        out = {effect, *(TOGETHER if effect in TOGETHER else ())}
+        while more := {key for key in effects if key not in out and set(EFFECTS[key].requires) & out}:
+            out |= more
+        group = tuple(key for key in effects if key in out)
+        if group not in found:
+            found.append(group)
+    return found
+
+
+def ablate(
+    scene: str,
+    overrides: Mapping[str, str],
+    *,
+    tolerance: float,
+    replicas: int,
+    workers: int = 2,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Ablation:
+    """Run a scene with all its effects, without each of them, and with only those it calls for.
+
+    Args:
+        scene: Name or file of the scene.
+        overrides: Changes to it.
+        tolerance: Change that counts, as a share of the value (of the clearance for the radius).
+        replicas: Runs per set of effects, set apart by a small random push; at least 2.
+        workers: Processes.
+        progress: Called with what was left out whenever a set of runs is done.
+
+    Raises:
+        SceneError: The scene, or what is left of it, is none.
+        RunError: The scene itself cannot be run.
+    """
+    effects = tuple(load_scene(scene, overrides=dict(overrides)).effect_names)
+    todo = groups(effects)
+    context = get_context("spawn")  # a forked numba would share its locks
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+
+        def submit(left_out: tuple[str, ...]) -> Any:
+            off = {f"effects.{key}": "off" for key in left_out}
+            return pool.submit(_runs, scene, {**overrides, **off}, replicas)
+
+        pending = [((), submit(())), *((group, submit(group)) for group in todo)]
+        results: dict[tuple[str, ...], tuple[Trial, ...] | str] = {}
+        for group, future in pending:
+            results[group] = future.result()
+            progress(", ".join(group) or "nothing")
+        baseline = results.pop(())
+        if isinstance(baseline, str):
+            raise RunError(f"the scene with all its effects cannot be run: {baseline}")
+        changes = [_change(group, baseline, outcome, tolerance) for group, outcome in results.items()]
+        left_out = _not_called_for(effects, changes)
+        while True:
+            reduced = _change(left_out, baseline, submit(left_out).result() if left_out else baseline, tolerance)
+            progress(f"all of {', '.join(left_out)}" if left_out else "nothing more")
+            if not left_out or not reduced.called_for:
+                break
+            left_out = _one_back(left_out, changes)
+    kept = tuple(key for key in effects if key not in left_out)
+    return Ablation(scene, effects, tolerance, replicas, baseline, tuple(changes), kept, reduced)
+
+
+def _runs(scene: str, overrides: dict[str, str], replicas: int) -> tuple[Trial, ...] | str:
+    """The trials of one set of effects, or why there are none; runs in a process of its own."""
+    try:
+        described = load_scene(scene, overrides=overrides)
+        return tuple(run_trial(described, seed) for seed in range(replicas))
+    except (RunError, SceneError) as error:
+        return str(error)
+
+
+def _change(
+    group: tuple[str, ...], baseline: tuple[Trial, ...], without: tuple[Trial, ...] | str, tolerance: float
+) -> Change:
+    if isinstance(without, str):
+        return Change(group, failure=without)
+    return Change(
+        group, differences(baseline, without, tolerance), _saved(baseline, without, "cost"),
+        _saved(baseline, without, "iteration_cost"),
+    )  # fmt: skip
+
+
+def _saved(before: tuple[Trial, ...], after: tuple[Trial, ...], name: str) -> float:
+    """Share of a cost that is saved, by the quickest run of each: what a busy machine adds is not the effect's."""
+    first: float = min(getattr(trial, name) for trial in before)
+    second: float = min(getattr(trial, name) for trial in after)
+    return 1.0 - second / first
+
+
+def _not_called_for(effects: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
+    """Effects that no change calls for; what another needs stays with it."""
+    wanted = {change.left_out[0] for change in changes if change.called_for}
+    wanted |= {key for key in TOGETHER if set(TOGETHER) & wanted and key in effects}
+    while more := {need for key in wanted for need in EFFECTS[key].requires} - wanted:
+        wanted |= more
+    return tuple(key for key in effects if key not in wanted)
+
+
+def _one_back(left_out: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
+    """Take back the effect whose absence changed most: together, effects may matter that alone do not."""
+    candidates = [change for change in changes if change.left_out[0] in left_out]
+    back = max(candidates, key=lambda change: change.size).left_out[0]
+    wanted = {back, *(TOGETHER if back in TOGETHER else ())}
+    while more := {need for key in wanted for need in EFFECTS[key].requires} - wanted:
+        wanted |= more
+    return tuple(key for key in left_out if key not in wanted)

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The picture of an ablation: what each effect changes, in tolerances, beside what it costs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from drill_twin.studies.ablation.ablation import Ablation, Change
+from drill_twin.studies.ablation.compare import NAMES
+
+NEEDED, SPARED = "#b3402e", "#9aa5ad"
+SMALLEST, LARGEST = 1e-2, 1e2  # tolerances shown
+
+
+def draw(ablation: Ablation, path: Path) -> None:
+    """Write the figure as PNG."""
+    changes = ablation.changes
+    figure = Figure(figsize=(13.0, 1.6 + 0.42 * len(changes)), layout="constrained")
+    axes = figure.subplots(1, len(NAMES) + 1, sharey=True)
+    rows = np.arange(len(changes))
+    for axis, (name, title) in zip(axes, NAMES.items(), strict=False):
+        _bars(axis, rows, [_shown(change, name) for change in changes], [_matters(change, name) for change in changes])
+        axis.set_xscale("log")
+        axis.set_xlim(SMALLEST, LARGEST)
+        axis.axvline(1.0, color="black", linewidth=0.8)
+        axis.set_title(f"change of {title}", fontsize=10)
+        axis.set_xlabel(f"tolerances of {ablation.tolerance:.0%}", fontsize=9)
+    _bars(axes[-1], rows, [100.0 * (change.iteration_share or 0.0) for change in changes], [False] * len(changes))
+    axes[-1].set_title("share of the step time", fontsize=10)
+    axes[-1].set_xlabel("% of an iteration", fontsize=9)
+    axes[0].set_yticks(rows, [_label(change) for change in changes])
+    axes[0].invert_yaxis()
+    figure.suptitle(
+        f"{ablation.scene}: what leaving an effect out changes (red: beyond the tolerance and beyond chance)",
+        fontsize=12,
+    )
+    figure.savefig(path, dpi=120)
+
+
+def _bars(axis: object, rows: np.ndarray, values: list[float], matters: list[bool]) -> None:
+    colours = [NEEDED if needed else SPARED for needed in matters]
+    axis.barh(rows, values, color=colours, height=0.7)  # type: ignore[attr-defined]
+    axis.grid(axis="x", alpha=0.3)  # type: ignore[attr-defined]
+
+
+def _shown(change: Change, name: str) -> float:
+    if change.failure:
+        return LARGEST
+    return float(np.clip(change.quantities[name].tolerances, SMALLEST, LARGEST))
+
+
+def _matters(change: Change, name: str) -> bool:
+    return bool(change.failure) or change.quantities[name].matters
+
+
+def _label(change: Change) -> str:
+    first, *others = change.left_out
+    return f"{first} (with {', '.join(others)})" if others else first

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The cost curve as a picture: error against processor time, both logarithmic."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from drill_twin.accuracy.motion_run import Array
+from drill_twin.studies.convergence.curve import Curve, Measured
+
+COLOURS = {"spatial": "#1f5f8b", "lateral": "#c1652a"}
+NAMES = {"spatial": "in space, every unknown", "lateral": "lateral motion only"}
+PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
+APART = 0.6  # an error this much smaller than the last that was named is named
+FLOOR = 1e-9  # shown in place of zero
+
+
+def draw(curve: Curve, path: Path) -> None:
+    """Write the figure as PNG."""
+    figure = Figure(figsize=(11.0, 5.0), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    _panel(left, curve, "path", "path before the onset")
+    if curve.onset_s is None:
+        _panel(right, curve, "radius", "mean orbit radius over the clearance")
+    else:
+        _panel(right, curve, "onset", f"onset time ({curve.onset_s:.2f} s)")
+    left.legend(loc="lower left", fontsize=9)
+    figure.suptitle(f"{curve.scene}: what accuracy costs in time", fontsize=13)
+    figure.savefig(path, dpi=120)
+
+
+def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
+    rungs = [rung for rung in curve.rungs if rung.rung.tolerance is None]
+    for form, colour in COLOURS.items():
+        of = [rung for rung in rungs if rung.rung.form == form]
+        if of:
+            axis.loglog(
+                [1e3 * rung.cost for rung in of], [_error(rung, quantity) for rung in of],
+                "o", color=colour, markersize=4, alpha=0.6, label=NAMES[form],
+            )  # fmt: skip
+    front = _front(rungs, quantity)
+    axis.loglog(
+        [1e3 * rung.cost for rung in front], [_error(rung, quantity) for rung in front],
+        "-", color="black", linewidth=1.0, label="cheapest for its error",
+    )  # fmt: skip
+    last = np.inf
+    for rung in front:
+        if _error(rung, quantity) < APART * last:
+            last = _error(rung, quantity)
+            axis.annotate(
+                f"{rung.rung.elements} el., {rung.rung.step * 1e3:.2g} ms", (1e3 * rung.cost, last),
+                fontsize=7, xytext=(4, 4), textcoords="offset points",
+            )  # fmt: skip
+    noise = getattr(curve.noise, quantity)
+    if noise:
+        axis.axhline(noise, color="grey", linewidth=0.8, linestyle="--")
+        axis.annotate(
+            "spread of replicas", (1.0, noise), xycoords=("axes fraction", "data"), fontsize=7, ha="right", va="bottom"
+        )
+    axis.set_title(f"error of the {title}", fontsize=11)
+    axis.set_xlabel("processor time per simulated second [ms]")
+    ms = [1e3 * rung.cost for rung in rungs]
+    axis.set_xlim(0.8 * min(ms), 1.6 * max(ms))
+    both: Any = (_inverse, _inverse)
+    faster = axis.secondary_xaxis("top", functions=both)
+    faster.set_xlabel("times faster than real time", fontsize=8)
+    for scale in (axis.xaxis, faster.xaxis):
+        scale.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        scale.set_major_formatter(PLAIN)
+        scale.set_minor_formatter(NullFormatter())
+    axis.set_ylabel("relative error")
+    axis.grid(alpha=0.3, which="both")
+
+
+def _inverse(cost: Array) -> Array:
+    """Milliseconds a second to times faster than real time, and back."""
+    found: Array = 1e3 / np.maximum(cost, FLOOR)
+    return found
+
+
+def _front(rungs: list[Measured], quantity: str) -> list[Measured]:
+    """The rungs with no other that is both cheaper and more accurate in this quantity, cheapest first."""
+    best, front = np.inf, []
+    for rung in sorted(rungs, key=lambda one: one.cost):
+        if _error(rung, quantity) < best:
+            best = _error(rung, quantity)
+            front.append(rung)
+    return front
+
+
+def _error(rung: Measured, quantity: str) -> float:
+    return max(getattr(rung.errors, quantity) or 0.0, FLOOR)

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Simulated runs of which everything is kept: what a rig would see, and the full state that the truth is taken from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.io.adapters import mark_infos
+from drill_twin.scene import parse_scene
+from drill_twin.schedule import Schedule
+from drill_twin.studies.detection.scene import BENCH_SCENE
+from drill_twin.twin.frame import Frame
+from drill_twin.twin.twin import Twin
+from drill_twin.whirl import MarkInfo
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A simulated run; T frames, n + 1 nodes, m marks. Lateral vectors are complex, x + i y."""
+
+    name: str
+    """Name of the run."""
+    marks: tuple[MarkInfo, ...]
+    """The marks, as the analyzer knows them."""
+    time: Array
+    """Times [s], shape (T,)."""
+    top_speed: Array
+    """Speed of the top drive [rad/s], shape (T,)."""
+    point: Complex
+    """Marked points [m], shape (T, m): what a camera sees."""
+    mark_spin: Array
+    """Spin at the marks [rad], shape (T, m)."""
+    mark_force: Array
+    """Wall force at the marks [N], shape (T, m)."""
+    mark_centre: Complex
+    """Centre line at the marks [m], shape (T, m)."""
+    arc: Array
+    """Distance of the nodes from the bit [m], shape (n + 1,)."""
+    centre: Complex
+    """Centre line at the nodes [m], shape (T, n + 1)."""
+    spin: Array
+    """Spin of the nodes [rad], shape (T, n + 1)."""
+    clearance: Array
+    """Clearance at the nodes [m], shape (n + 1,)."""
+    vertical: bool
+    """Whether the hole is vertical."""
+
+
+def simulate(name: str, overrides: Mapping[str, str]) -> Run:
+    """Runs the bench, with some things changed, from its start to its end and keeps everything.
+
+    Raises:
+        SceneError: An override does not fit the scene.
+        RunError: The motion could not be followed.
+    """
+    scene = parse_scene(BENCH_SCENE, name=name, overrides=dict(overrides))
+    schedule, twin = Schedule.from_scene(scene), Twin(scene)
+    period = 1.0 / scene.numerics.frame_rate
+    count = round(schedule.duration / period)
+    frames = [twin.advance(schedule.at((i + 1) * period), period) for i in range(count)]
+    time = np.array([frame.time for frame in frames])
+    return Run(
+        name,
+        tuple(mark_infos(scene)),
+        time,
+        np.array([frame.rig.top_drive_speed for frame in frames]),
+        _lateral(frames, "position", of_marks=True),
+        np.array([frame.marks.spin for frame in frames]),
+        np.array([frame.marks.wall_force for frame in frames]),
+        _lateral(frames, "centre", of_marks=True),
+        np.asarray(twin.rod.arc, float).copy(),
+        _lateral(frames, "positions"),
+        np.array([frame.spin for frame in frames]),
+        np.array([scene.clearance_at(float(arc)) for arc in twin.rod.arc]),
+        math.isclose(scene.hole.top_inclination, 0.0),
+    )
+
+
+def _lateral(frames: list[Frame], field: str, *, of_marks: bool = False) -> Complex:
+    vectors = np.array([getattr(frame.marks if of_marks else frame, field) for frame in frames])
+    lateral: Complex = vectors[..., 0] + 1j * vectors[..., 1]
+    return lateral

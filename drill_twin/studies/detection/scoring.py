@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the analyzer makes of labelled records, and how that compares with the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.studies.detection.ground_truth import Truth
+from drill_twin.studies.detection.signals import Record
+from drill_twin.whirl import Analyzer, MotionPeriod, Summary
+
+STATES = (
+    "at rest",
+    "rotation about a fixed axis",
+    "forward whirl",
+    "rolling along the wall",
+    "second bending",
+    "irregular",
+    "reverse whirl",
+    "spiral",
+    "not observable",
+)
+"""Motion states in the order of the confusion matrix."""
+WITHIN = 0.5
+"""An onset is met within this [rev]."""
+EARLY = 12.0
+"""Before so many revolutions a bow that has just begun to turn is easily taken for a whirl; counted apart [rev]."""
+
+
+def analysed(record: Record) -> Summary:
+    """The findings of a record."""
+    analyzer = Analyzer(record.marks)
+    stamps, speeds = record.stamp.tolist(), record.top_speed.tolist()
+    for i, stamp in enumerate(stamps):
+        spin = None if record.spin is None else record.spin[i]
+        analyzer.push(stamp, record.position[i], spin, speeds[i], None if record.force is None else record.force[i])
+    return analyzer.summary()
+
+
+@dataclass(eq=False)
+class Score:
+    """Counts over many records."""
+
+    onset_error: list[float] = field(default_factory=list)
+    """Found less true onset [rev], where both are."""
+    delay: list[float] = field(default_factory=list)
+    """From the true onset until it was announced [rev]."""
+    early_error: list[float] = field(default_factory=list)
+    """The same of onsets in the first revolutions."""
+    missed: int = 0
+    """Records with an onset that was not found."""
+    false: int = 0
+    """Records without one in which one was found."""
+    records: int = 0
+    string: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(STATES), len(STATES)), np.int64))
+    """Confusion of the string's states: true (row) and found (column), in eighths of a revolution."""
+    marks: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(STATES), len(STATES)), np.int64))
+    """The same of the marks' states."""
+
+    def add(self, truth: Truth, found: Summary, rotation: float, *, early: bool = False) -> None:
+        """Counts a record with its truth and the rotation [rev/s]; `early` onsets apart, where asked for."""
+        self.records += 1
+        if truth.onset is None:
+            self.false += found.onset is not None
+        elif found.onset is None:
+            self.missed += 1
+        elif truth.onset * rotation < EARLY and early:
+            self.early_error.append((found.onset.time_s - truth.onset) * rotation)
+        else:
+            self.onset_error.append((found.onset.time_s - truth.onset) * rotation)
+            self.delay.append((found.onset.detected_s - truth.onset) * rotation)
+        _count(self.string, truth.time, truth.motion, found.motion)
+        for labels, periods in zip(truth.marks, found.mark_motion.values(), strict=True):
+            _count(self.marks, truth.time, labels, periods)
+
+    def merge(self, other: Score) -> None:
+        """Adds the counts of another."""
+        self.onset_error += other.onset_error
+        self.early_error += other.early_error
+        self.delay += other.delay
+        self.missed += other.missed
+        self.false += other.false
+        self.records += other.records
+        self.string += other.string
+        self.marks += other.marks
+
+    @property
+    def onsets(self) -> int:
+        """Records with an onset."""
+        return len(self.onset_error) + self.missed
+
+    @property
+    def met(self) -> float:
+        """Share of the onsets that were found within half a revolution."""
+        return sum(abs(error) <= WITHIN for error in self.onset_error) / self.onsets if self.onsets else float("nan")
+
+
+def f1_scores(confusion: NDArray[np.int64]) -> dict[str, float]:
+    """F1 of each state that occurs in the truth: 2 TP / (2 TP + FP + FN)."""
+    scores = {}
+    for k, state in enumerate(STATES):
+        true, found = int(confusion[k].sum()), int(confusion[:, k].sum())
+        if true:
+            scores[state] = 2.0 * int(confusion[k, k]) / (true + found)
+    return scores
+
+
+def macro_f1(confusion: NDArray[np.int64]) -> float:
+    """Mean F1 of the states that occur in the truth."""
+    scores = f1_scores(confusion)
+    return sum(scores.values()) / len(scores) if scores else float("nan")
+
+
+def states_at(time: NDArray[np.float64], periods: Sequence[MotionPeriod]) -> list[str]:
+    """The state that a timeline names at given times [s]; of periods that start at once, the last."""
+    starts = np.array([period.start_s for period in periods])
+    index = np.maximum(np.searchsorted(starts, time, side="right") - 1, 0)
+    return [periods[i].state.value for i in index.tolist()]
+
+
+def _count(
+    confusion: NDArray[np.int64], time: NDArray[np.float64], labels: Sequence[str], periods: Sequence[MotionPeriod]
+) -> None:
+    if not periods:
+        return
+    for true, found in zip(labels, states_at(time, periods), strict=True):
+        if true:
+            confusion[STATES.index(true), STATES.index(found)] += 1

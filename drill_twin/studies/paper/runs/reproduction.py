@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The whole reproduction in one call: all runs, tables, variants, similarity and the full-size assembly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from drill_twin import __version__
+from drill_twin.errors import SceneError
+from drill_twin.scene import Scene, load_scene
+from drill_twin.studies.paper.runs import full_size
+from drill_twin.studies.paper.runs.cases import MATRIX, Case, scene_of
+from drill_twin.studies.paper.runs.full_size import Disorder, FullSizeRow
+from drill_twin.studies.paper.runs.matrix import compile_for, cores, pool, run_all
+from drill_twin.studies.paper.runs.published import published
+from drill_twin.studies.paper.runs.run import Measured, Run, measure
+from drill_twin.studies.paper.runs.similarity import Scale, similarity
+from drill_twin.studies.paper.runs.table import Row, Trend, rows, trends
+from drill_twin.studies.paper.runs.variants import CASES as VARIANT_CASES
+from drill_twin.studies.paper.runs.variants import VARIANTS, Variant
+
+Key = tuple[str, Case]
+MATRIX_RUN, FULL_SIZE_RUN = "bench", "full size"
+
+
+def _ignore(what: str, done: int, of: int) -> None:
+    """Nobody watches."""
+    del what, done, of
+
+
+@dataclass(frozen=True, eq=False)
+class VariantResult:
+    """What one reading of the bench gives."""
+
+    variant: Variant
+    rows: list[Row]
+    """Those of the table that its runs hold."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reproduction:
+    """Everything that `drill-twin paper` shows."""
+
+    scene: Scene
+    """The bench."""
+    runs: dict[Case, Run]
+    """Runs of the bench."""
+    measured: dict[Case, Measured]
+    rows: list[Row]
+    trends: list[Trend]
+    variants: list[VariantResult] = field(default_factory=list)
+    full_size_runs: dict[Case, Run] = field(default_factory=dict)
+    full_size: list[FullSizeRow] = field(default_factory=list)
+    disorder: list[Disorder] = field(default_factory=list)
+
+    @property
+    def scales(self) -> list[Scale]:
+        """Rod and field."""
+        return similarity(self.scene)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain types for JSON."""
+        return {
+            "version": __version__,
+            "scene": self.scene.name,
+            "numbers": [row.to_dict() for row in self.rows],
+            "trends": [trend.to_dict() for trend in self.trends],
+            "runs": [{**case._asdict(), **asdict(value)} for case, value in sorted(self.measured.items())],
+            "variants": [
+                {"name": v.variant.name, "changes": v.variant.changes, "numbers": [row.to_dict() for row in v.rows]}
+                for v in self.variants
+            ],
+            "similarity": [asdict(scale) for scale in self.scales],
+            "full_size": [row.to_dict() for row in self.full_size],
+            "disorder": [asdict(value) for value in self.disorder],
+        }
+
+
+def reproduce(
+    scene: Scene,
+    *,
+    processes: int | None = None,
+    variants: bool = True,
+    full_size_too: bool = True,
+    progress: Callable[[str, int, int], None] = _ignore,
+) -> Reproduction:
+    """Run everything and put the tables together.
+
+    Args:
+        scene: The bench.
+        processes: How many runs at once; as many as there are cores unless given.
+        variants: Whether to run the other readings of the bench.
+        full_size_too: Whether to run the full-size assembly.
+        progress: Told what ended, how many have ended, and of how many.
+
+    Raises:
+        RunError: A run could not even begin.
+    """
+    wanted: dict[Key, Scene] = {(MATRIX_RUN, case): scene_of(scene, case) for case in MATRIX}
+    if variants:
+        for variant in VARIANTS[1:]:
+            wanted |= {(variant.name, case): scene_of(scene, case, variant.changes) for case in VARIANT_CASES}
+    full = full_size.scenes() if full_size_too else {}
+    wanted = {(FULL_SIZE_RUN, case): described for case, described in full.items()} | dict(
+        sorted(wanted.items(), key=lambda item: -item[0][1].weight_on_bit)
+    )
+    total, ended = len(wanted), 0
+    compile_for(scene)
+    if full_size_too:
+        compile_for(full[full_size.REFERENCE])
+    runs: dict[Key, Run] = {}
+
+    def done(key: Key, run: Run) -> None:
+        nonlocal ended
+        ended += 1
+        runs[key] = run
+        progress(f"{key[0]}, {_words(key[1])}", ended, total)
+
+    processes = processes or cores()
+    run_all(wanted, processes, done)
+    bench = {case: runs[MATRIX_RUN, case] for case in MATRIX}
+    measured = {case: measure(run) for case, run in bench.items()}
+    big = {case: runs[FULL_SIZE_RUN, case] for case in full}
+    return Reproduction(
+        scene, bench, measured, rows(measured), trends(measured),
+        [_variant(variant, runs, measured) for variant in VARIANTS] if variants else [],
+        big, full_size.rows(big) if big else [], _disorder(full, big, processes) if big else [],
+    )  # fmt: skip
+
+
+def _variant(variant: Variant, runs: dict[Key, Run], measured: dict[Case, Measured]) -> VariantResult:
+    if not variant.changes:
+        known = {case: measured[case] for case in VARIANT_CASES}
+    else:
+        known = {case: measure(runs[variant.name, case]) for case in VARIANT_CASES}
+    return VariantResult(variant, [row for row in rows(known) if row.number.weight_on_bit in _LOADS and _ran(row)])
+
+
+_LOADS = {case.weight_on_bit for case in VARIANT_CASES}
+
+
+def _ran(row: Row) -> bool:
+    return Case(row.number.weight_on_bit, row.number.speed) in VARIANT_CASES
+
+
+def _disorder(scenes: dict[Case, Scene], runs: dict[Case, Run], processes: int) -> list[Disorder]:
+    cases = full_size.SPEEDS
+    columns = ([scenes[case] for case in cases], [runs[case] for case in cases])
+    if processes == 1:
+        return list(map(full_size.disorder, cases, *columns))
+    with pool(processes) as workers:
+        return list(workers.map(full_size.disorder, cases, *columns))
+
+
+def _words(case: Case) -> str:
+    if case.weight_on_bit >= 1e4:
+        return f"{case.weight_on_bit * 1e-3:g} kN, {case.speed * 60.0:g} r/min"
+    return str(case)
+
+
+def bench(name: str = "pa6_calibrated") -> Scene:
+    """The bench: the one that ships, or another with the paper's marks.
+
+    Raises:
+        SceneError: There is no such scene, or it lacks a mark whose displacement is published.
+    """
+    scene = load_scene(name)
+    names = [mark.name for mark in scene.string.marks]
+    missing = sorted({number.mark for number in published().bench if number.mark and number.mark not in names})
+    if missing:
+        raise SceneError(
+            f"{scene.name}: expected the paper's marks {', '.join(missing)} in string.marks, "
+            f"found {', '.join(names) or 'none'}; begin the scene with `base: pa6_calibrated`"
+        )
+    return scene

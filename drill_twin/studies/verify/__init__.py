@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Exact checks: each is a scene that is run and compared with a closed form or a published number.
+
+One source for the command `drill-twin verify`, for docs/verification.md and for the tests in test/verify.
+"""
+
+from __future__ import annotations
+
+from fnmatch import fnmatchcase
+from importlib import import_module
+
+from drill_twin.studies.verify.case import CASES, Case
+from drill_twin.studies.verify.row import Row
+
+TOPICS = {
+    "dynamics.lateral_frequencies": "quiet",
+    "statics.buckling": "quiet",
+    "statics.lateral_buckling": "walled",
+    "statics.statics": "quiet",
+    "statics.bending": "bent",
+    "dynamics.waves": "quiet",
+    "dynamics.torsion": "two masses",
+    "dynamics.damping": "quiet",
+    "dynamics.mud": "quiet",
+    "dynamics.rotor": "quiet",
+    "contact.contact": "walled",
+    "statics.curved_hole": "walled, in a curved hole",
+    "contact.bit": "bit",
+    "contact.stick_slip": "two masses",
+    "numerics.conservation": "quiet",
+    "numerics.symmetry": "walled",
+    "numerics.convergence_order": "quiet",
+    "numerics.formulations": "walled",
+    "numerics.default_resolution": "quiet",
+}
+"""Modules with cases, in the order of the page, and the set of effects that (nearly) all of their scenes have: cases
+with the same one run the same compiled code, so one process should run them."""
+
+
+def all_cases() -> list[Case]:
+    """Every case, in the order of the page."""
+    for topic in TOPICS:
+        import_module(f"drill_twin.studies.verify.{topic}")
+    order = list(TOPICS)
+    return sorted(CASES, key=lambda case: order.index(case.topic))
+
+
+def choose(pattern: str = "", *, quick: bool = False) -> list[Case]:
+    """Cases whose name contains the pattern, or matches it if it has a `*` or `?`.
+
+    Args:
+        pattern: Empty for all of them.
+        quick: Leave out the long ones.
+    """
+    wild = any(sign in pattern for sign in "*?")
+    return [
+        case
+        for case in all_cases()
+        if (fnmatchcase(case.name, pattern) if wild else pattern in case.name) and not (quick and case.long)
+    ]
+
+
+__all__ = ["TOPICS", "Case", "Row", "all_cases", "choose"]

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Exact checks of dynamics: frequencies, waves, torsion, damping, mud, rotor."""

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The energy balance of a run, from the books that the kernel keeps (`numerics: {audit: energy}`).
+
+Work done on the string = change of what it stores + heat + residual. The midpoint rule closes this to round-off for
+quadratic energies; for others (large deflection, the wall) the residual is second order in the step, and it holds
+whatever Newton's method left undone. A force that acts without being booked shows in it at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from drill_twin.audit.energy import energy, lateral_energy, wall_energy
+from drill_twin.audit.energy_ledger import (
+    ACCOUNTS,
+    BEGUN,
+    FIRST_EFFECT,
+    LARGEST,
+    LOST,
+    NEWTON,
+    NOW,
+    RESIDUE,
+    START,
+    STORED,
+    WORK,
+    EnergyLedger,
+)
+from drill_twin.base.arrays import Array
+from drill_twin.effects import EFFECTS
+from drill_twin.effects.wall import Parameters as Wall
+from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.twin.frame import EnergyBalance
+
+HEAT = frozenset(key for key, block in EFFECTS.items() if block.energy_class == "heat")
+SLOWEST = 1e-3
+"""Speed below which no motion is worth an audit [m/s]: the energy of the whole string at it is the least scale."""
+
+
+class EnergyAudit:
+    """Reads the ledger of one twin."""
+
+    def __init__(
+        self, ledger: EnergyLedger, effects: Sequence[str], model: DiscreteModel, wall: Wall | None, *, lateral: bool
+    ) -> None:
+        self._books, self._model, self._wall, self._lateral = ledger.books, model, wall, lateral
+        self._effects = tuple(effects)
+        rod = model.rod
+        self._least = 0.5 * float(np.sum(rod.line_mass * rod.length)) * SLOWEST**2
+
+    def begin(self, u: Array, v: Array) -> None:
+        """Remember what is stored at the start of the run; once."""
+        if self._books[NOW, BEGUN] == 0.0:
+            self._books[NOW, BEGUN] = 1.0
+            self._books[START, :STORED] = self._stored(u, v)
+
+    def _stored(self, u: Array, v: Array) -> Array:
+        rod = self._model.rod
+        held = wall_energy(self._model, self._wall, u) if self._wall is not None else 0.0
+        return np.array([*(lateral_energy if self._lateral else energy)(rod, u, v), held])
+
+    def balance(self, u: Array, v: Array) -> tuple[EnergyBalance, float]:
+        """The balance now, and by how much the residual has grown since it was last asked for [J].
+
+        Args:
+            u: Node rows (r, r', psi), shape (n + 1, 7).
+            v: Their velocities.
+        """
+        books = self._books
+        now = self._stored(u, v)
+        work = dict(zip((*ACCOUNTS, *self._effects), books[WORK].tolist(), strict=False))
+        lost = {name: -work[name] for name in self._effects if name in HEAT}
+        if "wall" in self._effects:
+            lost["wall"] = float(books[LOST, FIRST_EFFECT + self._effects.index("wall")])
+        newton = work.pop(ACCOUNTS[NEWTON])
+        kinetic, bending, stretch, torsion, wall = (now - books[START, :STORED]).tolist()
+        given = sum(done for name, done in work.items() if name != "wall")
+        residual = kinetic + bending + stretch + torsion + wall + lost.get("wall", 0.0) - given
+        moving = float(now[0]) + abs(bending + stretch + torsion + wall) + sum(lost.values())
+        books[NOW, LARGEST] = max(books[NOW, LARGEST], moving)
+        grown = residual - float(books[NOW, RESIDUE])
+        books[NOW, RESIDUE] = residual
+        stored = {
+            "kinetic": float(now[0]), "bending": float(now[1]), "stretch": float(now[2]), "torsion": float(now[3]),
+            "gravity": -work.get("gravity", 0.0), "wall": float(now[4]),
+        }  # fmt: skip
+        scale = max(float(books[NOW, LARGEST]), self._least)
+        return EnergyBalance(stored, work, lost, residual, scale, newton), grown

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Why a run was stopped: what was found, which effect is behind it, and what to do."""
+
+import numpy as np
+
+from drill_twin.audit.diagnose import EvaluationPoint, diagnose
+from drill_twin.base.arrays import Array
+from drill_twin.errors import StoppedError
+from drill_twin.twin.dynamics import Dynamics
+from drill_twin.twin.violation import REMEDIES, Violation
+
+
+def failure_report(
+    dynamics: Dynamics, found: Violation, suspect: Array, target: Array, seconds: float, step: float
+) -> StoppedError:
+    """The error about a frame that could not be done.
+
+    Args:
+        dynamics: Back at the last good frame.
+        found: What was found at last.
+        suspect: Node rows u and v in which it was found, shape (2, n + 1, 7).
+        target: Weight on bit [N] and rotation [rad/s] that the frame was to reach.
+        seconds: Its length [s].
+        step: The last time step that was tried [s].
+    """
+    states = [dynamics.unknowns, (suspect[0], suspect[1])] if np.isfinite(suspect).all() else [dynamics.unknowns]
+    moments = [
+        EvaluationPoint(u, v, time, step, command)
+        for u, v in states
+        for time, command in ((dynamics.time + 0.5 * step, dynamics.command), (dynamics.time + seconds, target))
+    ]
+    kept = dynamics.block.copy()  # to ask an effect may change what it remembers
+    effect, doing = diagnose(dynamics.parameters, dynamics.rod, dynamics.effects, moments)
+    dynamics.block[:] = kept
+    kind = "finite" if "no number" in doing else found.kind
+    remedy = REMEDIES["fold in a hole" if kind == "fold" and dynamics.wall is not None else kind]
+    return StoppedError(
+        f"the motion could not be followed past t = {dynamics.time:.6g} s, however often it was "
+        f"taken back and the step halved, down to {step:.2g} s: {found.text}, under {target[0]:.6g} N and "
+        f"{target[1]:.6g} rad/s{f'; {doing}' if doing else ''}. "
+        f"{remedy.capitalize()}",
+        dynamics.time, found.kind, found.node, effect,
+    )  # fmt: skip

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reading the string: tangents, wall forces, marks and the nearness of the wall at one instant, in one compiled call.
+
+In plain numpy a published frame cost as much as the motion between two of them. The wall's force is read with the
+kernel that made it (`drill_twin.effects.wall.press`).
+
+Marks are told in the frame of the hole at their depth, so that an orbit goes round the axis in a curved hole as it does
+in a straight one: x and y from the hole's axis, z along the hole (minus the measured depth). Their x and y are those of
+the frame `hole`, taken along by the smallest turn of z onto the axis, as the spin counts too.
+"""
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.base.arrays import Array, Triple
+from drill_twin.base.jit import kernel
+from drill_twin.effects import wall as walls
+from drill_twin.model.mesh import Rod
+from drill_twin.model.point import Point
+from drill_twin.model.shape_functions import hermite
+from drill_twin.model.wellbore import Axis, Bore, along, aside
+from drill_twin.solver.kernel_cache import load_generated
+
+DEEPEST, WHERE = 0, 1  # places in Sight.nearness
+
+
+class Probe(NamedTuple):
+    """Fixed places on the string, m of them."""
+
+    element: NDArray[np.int64]  # (m,)
+    shape: Array  # (m, 2, 4): value and first derivative
+    share: Array  # (m,) place in the element, 0 to 1
+    offset: Array  # (m,) distance from the centre line [m], 0 on it
+    axis: Axis | None  # the hole there
+
+
+class Sight(NamedTuple):
+    """What is seen; n + 1 nodes and m marks."""
+
+    tangents: Array  # (n + 1, 3)
+    wall_force: Array  # (n + 1,) [N]
+    centre: Array  # (m, 3) [m]
+    position: Array  # (m, 3), offset included [m]
+    velocity: Array  # (m, 3) of `position` [m/s]
+    spin: Array  # (m,) [rad]
+    spin_rate: Array  # (m,) [rad/s]
+    mark_force: Array  # (m,) [N]
+    nearness: Array  # (2,) how far the surface is beyond the wall where it is most so [m], and that Gauss point
+
+
+def make_probe(rod: Rod, places: Array, offset: Array, axis: Axis | None = None) -> Probe:
+    """Locate marks.
+
+    Args:
+        rod: The string.
+        places: Their distance from the bit [m], shape (m,).
+        offset: Their distance from the centre line [m], shape (m,).
+        axis: The hole there; None where it is straight.
+    """
+    arc = np.asarray(places, dtype=float).reshape(-1)
+    element = np.clip(np.searchsorted(rod.arc, arc, side="right") - 1, 0, rod.length.size - 1)
+    xi = (arc - rod.arc[element]) / rod.length[element]
+    shape = np.array(
+        [hermite(np.array([x]), float(rod.length[e]))[0, :2] for x, e in zip(xi, element, strict=True)]
+    ).reshape(-1, 2, 4)
+    return Probe(element.astype(np.int64), shape, xi, np.asarray(offset, dtype=float).reshape(-1), axis)
+
+
+def make_sight(nodes: int, marks: int) -> Sight:
+    """Fresh arrays to see into."""
+    return Sight(
+        np.empty((nodes, 3)), np.zeros(nodes), np.empty((marks, 3)), np.empty((marks, 3)), np.empty((marks, 3)),
+        np.empty(marks), np.empty(marks), np.empty(marks), np.array([-np.inf, 0.0]),
+    )  # fmt: skip
+
+
+@kernel
+def turned(tx: float, ty: float, tz: float, x: float, y: float) -> Triple:
+    """A direction (x, y, 0) after the smallest turn that takes z to the unit vector t."""
+    across = x * tx + y * ty
+    share = across / (1.0 + tz)
+    return x - tx * share, y - ty * share, -across
+
+
+@kernel
+def see_nodes(u: Array, sight: Sight) -> None:
+    """Tangents."""
+    for i in range(u.shape[0]):
+        g = 1.0 / np.sqrt(u[i, 3] ** 2 + u[i, 4] ** 2 + u[i, 5] ** 2)
+        for c in range(3):
+            sight.tangents[i, c] = u[i, 3 + c] * g
+        sight.wall_force[i] = 0.0
+
+
+@kernel
+def see_wall(length: Array, shape: Array, bore: Bore, wall: Any, u: Array, v: Array, sight: Sight) -> None:
+    """Nearness of the wall, and its force shared between the nodes as a lever would."""
+    for e in range(u.shape[0] - 1):
+        for p in range(2):
+            w, place = shape[e, p, 0], 2 * e + p
+            x = w[0] * u[e, 0] + w[1] * u[e, 3] + w[2] * u[e + 1, 0] + w[3] * u[e + 1, 3]
+            y = w[0] * u[e, 1] + w[1] * u[e, 4] + w[2] * u[e + 1, 1] + w[3] * u[e + 1, 4]
+            z = w[0] * u[e, 2] + w[1] * u[e, 5] + w[2] * u[e + 1, 2] + w[3] * u[e + 1, 5]
+            off = aside(bore.axis, place, x, y, z)
+            depth = np.sqrt(off.x**2 + off.y**2 + off.z**2) - bore.clearance[place]
+            if depth > sight.nearness[DEEPEST]:
+                sight.nearness[DEEPEST], sight.nearness[WHERE] = depth, place
+            if wall is not None and depth > 0.0:
+                vx = w[0] * v[e, 0] + w[1] * v[e, 3] + w[2] * v[e + 1, 0] + w[3] * v[e + 1, 3]
+                vy = w[0] * v[e, 1] + w[1] * v[e, 4] + w[2] * v[e + 1, 1] + w[3] * v[e + 1, 4]
+                vz = w[0] * v[e, 2] + w[1] * v[e, 5] + w[2] * v[e + 1, 2] + w[3] * v[e + 1, 5]
+                here = Point(
+                    e, place, 0.0, x, y, z, vx, vy, vz, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, True, 0.0
+                )
+                force = walls.press(wall, here, 0.0).force * 0.5 * length[e]
+                far = w[2] + (w[1] + w[3]) / length[e]  # place of the Gauss point in the element, 0 to 1
+                sight.wall_force[e] += (1.0 - far) * force
+                sight.wall_force[e + 1] += far * force
+
+
+@kernel
+def see_marks(u: Array, v: Array, probe: Probe, sight: Sight) -> None:
+    """Place and velocity of the marks in the frame of the hole at their depth, spin and wall force."""
+    r, dr, t = np.zeros(3), np.zeros(3), np.zeros(3)
+    for m in range(probe.element.shape[0]):
+        e, far, out = probe.element[m], probe.share[m], probe.offset[m]
+        near = 1.0 - far
+        psi = near * u[e, 6] + far * u[e + 1, 6]
+        rate = near * v[e, 6] + far * v[e + 1, 6]
+        w, d = probe.shape[m, 0], probe.shape[m, 1]
+        for c in range(3):
+            r[c] = w[0] * u[e, c] + w[1] * u[e, 3 + c] + w[2] * u[e + 1, c] + w[3] * u[e + 1, 3 + c]
+            dr[c] = w[0] * v[e, c] + w[1] * v[e, 3 + c] + w[2] * v[e + 1, c] + w[3] * v[e + 1, 3 + c]
+            t[c] = d[0] * u[e, c] + d[1] * u[e, 3 + c] + d[2] * u[e + 1, c] + d[3] * u[e + 1, 3 + c]
+        g = 1.0 / np.sqrt(t[0] ** 2 + t[1] ** 2 + t[2] ** 2)
+        arm = turned(t[0] * g, t[1] * g, t[2] * g, out * np.cos(psi), out * np.sin(psi))
+        sweep = turned(t[0] * g, t[1] * g, t[2] * g, -out * rate * np.sin(psi), out * rate * np.cos(psi))
+        off = aside(probe.axis, m, r[0], r[1], r[2])
+        ex = turned(off.tx, off.ty, off.tz, 1.0, 0.0)
+        ey = turned(off.tx, off.ty, off.tz, 0.0, 1.0)
+        ez = (off.tx, off.ty, off.tz)
+        sight.centre[m, 0] = ex[0] * off.x + ex[1] * off.y + ex[2] * off.z
+        sight.centre[m, 1] = ey[0] * off.x + ey[1] * off.y + ey[2] * off.z
+        sight.centre[m, 2] = along(probe.axis, m, r[0], r[1], r[2])
+        vx, vy, vz = dr[0] + sweep[0], dr[1] + sweep[1], dr[2] + sweep[2]
+        sight.position[m, 0] = sight.centre[m, 0] + ex[0] * arm[0] + ex[1] * arm[1] + ex[2] * arm[2]
+        sight.position[m, 1] = sight.centre[m, 1] + ey[0] * arm[0] + ey[1] * arm[1] + ey[2] * arm[2]
+        sight.position[m, 2] = sight.centre[m, 2] + ez[0] * arm[0] + ez[1] * arm[1] + ez[2] * arm[2]
+        sight.velocity[m, 0] = ex[0] * vx + ex[1] * vy + ex[2] * vz
+        sight.velocity[m, 1] = ey[0] * vx + ey[1] * vy + ey[2] * vz
+        sight.velocity[m, 2] = ez[0] * vx + ez[1] * vy + ez[2] * vz
+        sight.spin[m] = psi
+        sight.spin_rate[m] = rate
+        sight.mark_force[m] = near * sight.wall_force[e] + far * sight.wall_force[e + 1]
+
+
+_MODULE = '''"""Reading of the string's state. Written by drill_twin; do not edit."""
+from numba import njit
+
+from drill_twin.base.jit import FLAGS
+from drill_twin.twin.observation import see_marks, see_nodes, see_wall
+
+
+@njit(cache=True, **FLAGS)
+def observe(length, shape, bore, wall, u, v, probe, sight):
+    see_nodes(u, sight)
+    see_wall(length, shape, bore, wall, u, v, sight)
+    see_marks(u, v, probe, sight)
+'''
+
+
+def observe(rod: Rod, bore: Bore, wall: Any, u: Array, v: Array, probe: Probe, sight: Sight) -> None:
+    """Fill `sight` from node rows u, v (r, r', psi).
+
+    Args:
+        rod: The string, n elements.
+        bore: The hole at its Gauss points.
+        wall: Parameters of the wall; None where the scene lists none.
+        u: Node rows, shape (n + 1, 7).
+        v: Their velocities, shape (n + 1, 7).
+        probe: The marks.
+        sight: Result.
+    """
+    _compiled()(rod.length, rod.shape, bore, wall, u, v, probe, sight)
+
+
+@cache
+def _compiled() -> Any:
+    return load_generated("observation", _MODULE).observe

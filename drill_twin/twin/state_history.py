@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The last second of states, for whoever must find out why a run was stopped."""
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+
+SPAN = 1.0
+"""How far back it reaches [s]."""
+MOST_BYTES = 32 * 1024 * 1024
+"""Of all states kept; fewer are kept where strings are long and frames many."""
+
+
+class StateHistory:
+    """States at the ends of the last frames; nothing is allocated per frame."""
+
+    def __init__(self, nodes: int, frame_rate: float) -> None:
+        """Room for a second of frames, or for as many as fit."""
+        count = int(np.clip(np.ceil(SPAN * frame_rate), 1, max(MOST_BYTES // (nodes * 14 * 8), 1)))
+        self._time = np.full(count, np.nan)
+        self._rows = np.zeros((count, 2, nodes, 7))
+        self._next = 0
+
+    def add(self, time: float, u: Array, v: Array) -> None:
+        """Take in a state: node rows (r, r', psi) and their velocities, shape (n + 1, 7) each, at a time [s]."""
+        k = self._next % self._time.size
+        self._time[k] = time
+        self._rows[k, 0], self._rows[k, 1] = u, v
+        self._next += 1
+
+    def forget(self) -> None:
+        """Begin anew."""
+        self._next = 0
+
+    def read(self) -> tuple[Array, Array, Array]:
+        """Times [s], shape (k,), and node rows u and v, shape (k, n + 1, 7) each, oldest first; copies."""
+        count = self._time.size
+        order = np.arange(max(self._next - count, 0), self._next) % count
+        order = order[self._time[order] > self._time[order[-1]] - SPAN - 1e-9] if order.size else order
+        return self._time[order], self._rows[order, 0], self._rows[order, 1]

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What can be said without positions of marks: stick-slip of the bit, and that whirl is not observable."""
+
+from __future__ import annotations
+
+import math
+
+from drill_twin.whirl.findings import Quality, Summary
+from drill_twin.whirl.motion.stick_slip import StickSlip
+from drill_twin.whirl.rotation import TURN, Rotation, Stamps
+
+NOT_OBSERVABLE = "whirl is not observable: there are no lateral positions of marks"
+
+
+class BitOnlyAnalyzer:
+    """Follows the speeds of top drive and bit, sample by sample."""
+
+    def __init__(self) -> None:
+        self.bit = StickSlip()
+        """Stick-slip of the bit."""
+        self._stamps, self._rotation = Stamps(), Rotation()
+        self._accepted = self._incomplete = 0
+
+    @property
+    def quality(self) -> Quality:
+        """Counts of good and bad samples so far."""
+        stamps = self._stamps
+        rate = self._accepted / self._rotation.travel if self._rotation.travel > 0.0 else math.nan
+        return Quality(self._accepted, stamps.duplicate, stamps.late, self._incomplete, samples_per_revolution=rate)
+
+    @property
+    def seconds(self) -> float:
+        """Time from the first to the last sample [s]."""
+        return self._stamps.seconds
+
+    def push(self, stamp_ns: int, top_speed: float, bit_speed: float) -> bool:
+        """Takes in a sample at a header stamp [ns], speeds in [rad/s]; returns whether the bit's motion changed."""
+        if not self._stamps.fresh(stamp_ns):
+            return False
+        if not (math.isfinite(top_speed) or math.isfinite(bit_speed)):
+            self._incomplete += 1
+            return False
+        self._rotation.advance(self._stamps.take(stamp_ns), top_speed, None)
+        self._accepted += 1
+        before = self.bit.motion
+        self.bit.push(stamp_ns * 1e-9, bit_speed)
+        return self.bit.motion is not before
+
+    def summary(self) -> Summary:
+        """The findings so far."""
+        seconds = self._stamps.seconds
+        return Summary(
+            onset=None,
+            mark_onset_s={},
+            whirl_frequency_hz=None,
+            precession_ratio=None,
+            frequency_mark=None,
+            max_radius_m={},
+            rotation_rev_s=self._rotation.angle / TURN / seconds if seconds > 0.0 else None,
+            motion=(),
+            mark_motion={},
+            stick_slip=tuple(self.bit.periods),
+            bit=self.bit.motion,
+            quality=self.quality,
+            notes=(NOT_OBSERVABLE,),
+            observable=False,
+        )
