@@ -24,6 +24,7 @@ from drill_twin import __version__
 from drill_twin.errors import CheckpointError, DrillTwinError
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.schedule.command import Command
+from drill_twin.twin.dynamics import AXIAL
 from drill_twin.twin.twin import Twin
 
 _FORMAT = 1
@@ -134,7 +135,7 @@ class Checkpoint:
         self._refuse_other(twin.scene)
         expected = {name: array.shape for name, array in twin.checkpoint().items()}
         found = {name: array.shape for name, array in self.arrays.items()}
-        if found != expected:
+        if found != expected and found != {name: shape for name, shape in expected.items() if name != AXIAL}:
             odd = sorted(name for name in {*expected, *found} if expected.get(name) != found.get(name))
             raise CheckpointError(
                 f"expected a checkpoint of this twin, found other arrays: {', '.join(odd)}; start the run afresh"

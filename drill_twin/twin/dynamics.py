@@ -28,6 +28,8 @@ from drill_twin.statics.static_start import start_in_equilibrium
 from drill_twin.twin.memory import named_arrays, pack_arrays
 
 SPATIAL, LATERAL = "spatial", "lateral"
+AXIAL = "work.axial"
+"""Array of a lateral string's memory that checkpoints of drill_twin 0.1.0 lack."""
 HALVINGS = 1000
 """How often the step may be cut where nobody says."""
 
@@ -120,6 +122,8 @@ class Dynamics:
         yield from named_arrays("state", self._state)
         yield from named_arrays("effects", self.parameters)  # some of them remember
         yield from (("command", self.command), ("counters", self.counters))
+        if self.form == LATERAL:
+            yield AXIAL, self._work.axial  # the weight last summed begins the next step
 
     def advance(self, target: Array, seconds: float, step: float | None = None, max_halvings: int = HALVINGS) -> bool:
         """Move on; the set-points go linearly from `command`, which is left as it is, to `target`.
@@ -179,9 +183,9 @@ class Dynamics:
 
 
 def take(memory: Iterator[tuple[str, Array]], arrays: Mapping[str, Array]) -> None:
-    """Fill the arrays of a memory from those of the same names."""
+    """Fill the arrays of a memory from those of the same names; `AXIAL` may be missing."""
     for name, array in memory:
-        array[...] = arrays[name]
+        array[...] = arrays.get(name, array) if name == AXIAL else arrays[name]
 
 
 def form_of(scene: Scene) -> str:
