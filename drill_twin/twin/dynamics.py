@@ -74,7 +74,7 @@ class Dynamics:
             *([make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_held)] if audit else []),
         )
         self._held = self.ends.held(scene.string.bit_end)
-        self._work = (make_workspace if self.form == SPATIAL else make_lateral_workspace)(rod.length.size)
+        self._work: Any = (make_workspace if self.form == SPATIAL else make_lateral_workspace)(rod.length.size)
         self._advance: Callable[..., int] | None = None  # once compiled
         command, counters = np.array([scene.rig.first[0], 0.0]), np.zeros(state.COUNTERS)
         memory, self.block = pack_arrays((parameters, state.make_state(rod.length.size), command, counters))
