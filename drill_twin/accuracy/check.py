@@ -9,12 +9,12 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from drill_twin.accuracy.errors import largest_distance
 from drill_twin.accuracy.motion_run import run_motion
 from drill_twin.accuracy.plan import AFTER, Plan, at
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.report.recording import Recording
 
 RICHARDSON = 4.0 / 3.0
@@ -96,8 +96,8 @@ def check(
 
 def _actual(
     plan: Plan,
-    time: NDArray[np.float64],
-    line: NDArray[np.complex128],
+    time: Array,
+    line: ComplexArray,
     onset: float | None,
     progress: Callable[[float], None],
 ) -> float:
@@ -113,13 +113,13 @@ def _actual(
     return RICHARDSON * max(path, abs(onset - motion.onset) / motion.onset)
 
 
-def _precession(time: NDArray[np.float64], line: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _precession(time: Array, line: ComplexArray) -> Array:
     mark = int(np.argmax(np.abs(line).mean(axis=0)))
-    turns: NDArray[np.float64] = np.gradient(np.unwrap(np.angle(line[:, mark])), time) / (2.0 * np.pi)
+    turns: Array = np.gradient(np.unwrap(np.angle(line[:, mark])), time) / math.tau
     return turns
 
 
-def interval(time: NDArray[np.float64], values: NDArray[np.float64], onset: float | None) -> Interval | None:
+def interval(time: Array, values: Array, onset: float | None) -> Interval | None:
     """Interval of the mean of what follows the onset; None where there is too little of it.
 
     Args:

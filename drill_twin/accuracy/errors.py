@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drill_twin.accuracy.motion_run import Motion
+from drill_twin.base.arrays import ComplexArray
 
 SETTLED = 0.5
 """Statistics are taken from this share of the run on."""
@@ -72,7 +72,7 @@ def path_error(motion: Motion, reference: Motion) -> float | None:
     return largest_distance(path, true)
 
 
-def largest_distance(path: NDArray[np.complex128], true: NDArray[np.complex128]) -> float:
+def largest_distance(path: ComplexArray, true: ComplexArray) -> float:
     """Largest distance between paths x + i y, shape (T, m), over the largest deflection of the true ones [-]."""
     largest = float(np.abs(true).max()) if true.size else 0.0
     return float(np.abs(path - true).max()) / largest if largest > 0.0 else 0.0

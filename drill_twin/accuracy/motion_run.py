@@ -13,10 +13,10 @@ from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drill_twin import __version__
 from drill_twin.accuracy.trial import nudge
+from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.adapters import mark_infos
 from drill_twin.scene import Scene, load_scene
@@ -24,7 +24,6 @@ from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer
 
-Array = NDArray[np.float64]
 FORMAT = 3
 """Of kept runs."""
 

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Short names for the types that kernels take."""
+"""Types of the arrays and tuples in signatures."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+Mask = NDArray[np.bool_]
 Bytes = NDArray[np.uint8]
 Triple = tuple[float, float, float]
 Pair = tuple[float, float]

@@ -4,8 +4,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Mask
 from drill_twin.scene import Scene
 
 # Which of (r, r', psi) an end holds: x, y, z, x', y', z', psi.
@@ -36,7 +36,7 @@ class Ends(NamedTuple):
         on_rock = from_top and bool(scene.effects.providing("weight"))
         return cls(from_top, on_rock, scene.rig.top_drive.model != "prescribed")
 
-    def held(self, bit_end: str) -> NDArray[np.bool_]:
+    def held(self, bit_end: str) -> Mask:
         """Which of (r, r', psi) are held at the bit, its end as in the scene, and at the top; shape (2, 7)."""
         held = np.array([BIT_ENDS[bit_end], CLAMPED_TOP])
         if self.from_top:

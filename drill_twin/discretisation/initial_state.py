@@ -8,9 +8,9 @@ from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import axis_at
 from drill_twin.effects.gravity import line_weight
 from drill_twin.model.discrete_model import DiscreteModel
-from drill_twin.model.mesh import Rod
+from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.scene import Scene
-from drill_twin.solver.state import SPIN, State
+from drill_twin.solver.state import State
 
 
 def axial_weight(scene: Scene, model: DiscreteModel) -> Array:

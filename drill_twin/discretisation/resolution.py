@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """How finely to cut string and time when the scene says `auto`."""
 
+import math
+
 import numpy as np
 
 from drill_twin.effects.wall import Parameters as Wall
@@ -24,7 +26,7 @@ def auto_elements(tubes: list[Tube], compression: float) -> int:
     count = 0.0
     for tube in tubes:
         bending = tube_constants(tube)[1]
-        pitch = 2.0 * np.pi * np.sqrt(2.0 * bending / max(compression, 1e-9))
+        pitch = math.tau * np.sqrt(2.0 * bending / max(compression, 1e-9))
         count += tube.length / min(pitch, tube.length * 4.0) * ELEMENTS_PER_PITCH
     return int(np.clip(np.ceil(count), FEWEST, MOST))
 
@@ -41,7 +43,7 @@ def auto_step(tubes: list[Tube], compression: float, speed: float, frame: float)
         speed: Fastest rotation expected [rad/s].
         frame: Time between two published frames [s].
     """
-    turn = 2.0 * np.pi / max(abs(speed), 1e-9)
+    turn = math.tau / max(abs(speed), 1e-9)
     return float(min(0.1 * growth_time(tubes, compression), 0.01 * turn, frame))
 
 

@@ -11,9 +11,9 @@ from drill_twin.base.jit import kernel
 from drill_twin.effects.config import EffectConfig, Incompatibility, Seed
 from drill_twin.effects.random_field import generator
 from drill_twin.effects.random_matrix import MOST_SCATTER, random_matrix
-from drill_twin.model.bit import BIT_TORQUE, DRILLED, SPIN, carried, carry, pressed, rock_height
+from drill_twin.model.bit import BIT_TORQUE, DRILLED, carried, carry, pressed, rock_height
 from drill_twin.model.discrete_model import DiscreteModel
-from drill_twin.model.mesh import Rod
+from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.units import (
     AngularSpeed,
     Dimensionless,

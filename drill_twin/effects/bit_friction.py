@@ -9,9 +9,9 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.effects.config import EffectConfig, Incompatibility
-from drill_twin.model.bit import BIT_TORQUE, SPIN, pressed
+from drill_twin.model.bit import BIT_TORQUE, pressed
 from drill_twin.model.discrete_model import DiscreteModel
-from drill_twin.model.mesh import Rod
+from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.units import Dimensionless, Length, Within
 
 SLIDING = ("sliding", "free")

@@ -9,9 +9,9 @@ from pydantic import model_validator
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.effects.config import EffectConfig
-from drill_twin.model.bit import BIT_TORQUE, SPIN, pressed, resist
+from drill_twin.model.bit import BIT_TORQUE, pressed, resist
 from drill_twin.model.discrete_model import DiscreteModel
-from drill_twin.model.mesh import Rod
+from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.units import AngularSpeed, Dimensionless, Length, TimePerAngle, Within, refuse, show
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from drill_twin.base.arrays import Array, Pair
 from drill_twin.base.jit import kernel
 from drill_twin.effects.config import EffectConfig
-from drill_twin.model.bit import BIT_TORQUE, SPIN, pressed, resist
+from drill_twin.model.bit import BIT_TORQUE, pressed, resist
 from drill_twin.model.discrete_model import DiscreteModel
-from drill_twin.model.mesh import Rod
+from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.units import Length, SquaredTimePerAngle, TimePerAngle, Within
 
 

@@ -7,6 +7,7 @@ of mean square one and correlation exp(-(x / l)^2 / 2) (Shinozuka and Deodatis 1
 N equally likely strata, so that few harmonics follow the spectrum closely.
 """
 
+import math
 from statistics import NormalDist
 
 import numpy as np
@@ -30,7 +31,7 @@ def normal_strata(random: np.random.Generator, number: int) -> Array:
 
 def phases(random: np.random.Generator, number: int) -> Array:
     """Uniform random phases [rad]."""
-    return random.uniform(0.0, 2.0 * np.pi, number)
+    return random.uniform(0.0, math.tau, number)
 
 
 def random_line(

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Shaking of the top: the rig moves its clamp sideways."""
 
+import math
 from collections.abc import Iterator
 from typing import Annotated, Any, NamedTuple
 
@@ -57,7 +58,7 @@ def parameters(block: TopShake, model: DiscreteModel) -> Parameters:
         random = generator(model, block.seed, "top_shake")
         hertz = block.frequency + block.bandwidth * normal_strata(random, HARMONICS)
         phase, amplitude = phases(random, HARMONICS), block.amplitude / np.sqrt(HARMONICS)
-    omega = 2.0 * np.pi * hertz
+    omega = math.tau * hertz
     return Parameters(amplitude * omega, omega, phase, float(np.cos(block.direction)), float(np.sin(block.direction)))
 
 

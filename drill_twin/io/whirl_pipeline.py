@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError, MessageError
 from drill_twin.io.adapters import FindingsEncoder, mark_infos
 from drill_twin.io.messages.decode import JointState, JointStateReader, read_string
@@ -259,7 +260,7 @@ class WhirlPipeline:
         for sample in behind:
             yield from self._push(*sample)
 
-    def _spin(self, spin: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    def _spin(self, spin: Array) -> Array | None:
         """The spin of the marks, or None in a stream that never had one."""
         if self._spin_known is None:
             self._spin_known = bool(np.isfinite(spin).any())

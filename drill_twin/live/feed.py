@@ -8,8 +8,8 @@ import threading
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError, MessageError
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array, read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
@@ -29,8 +29,6 @@ from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion, dec
 from drill_twin.report.curve import along_hole
 from drill_twin.scene import Scene, parse_scene
 
-Array = NDArray[np.float64]
-
 INPUTS = (
     TWIN_SCENE,
     STRING_POSES,
@@ -44,7 +42,6 @@ INPUTS = (
 """Topics that the page lives on."""
 _TRAIL = 400  # places of a mark kept between two pictures
 _FAR = 1e6  # m
-_TURN = 2.0 * math.pi
 
 
 class Feed:
@@ -97,9 +94,9 @@ class Feed:
             rig = read_rig_state(self._rig_reader(raw))
             self._rig = {
                 "wob": rig.bit_force,
-                "rps": rig.top_drive_speed / _TURN,
+                "rps": rig.top_drive_speed / math.tau,
                 "torque": rig.top_drive_torque,
-                "bit_rps": rig.bit_speed / _TURN,
+                "bit_rps": rig.bit_speed / math.tau,
             }
         elif topic == WHIRL_STATE:
             state = read_whirl_state(self._whirl_reader(raw))
@@ -148,7 +145,7 @@ class Feed:
             "pipe": max(0.5 * section.outer_diameter for section in scene.string.sections),
             "clearance": {mark.name: scene.clearance_at(mark.distance_from_bit) for mark in marks},
             "wob": scene.rig.weight_on_bit.value,
-            "rps": scene.rig.rotation.value / _TURN,
+            "rps": scene.rig.rotation.value / math.tau,
         }
 
     def _on_diagnostics(self, raw: bytes) -> None:

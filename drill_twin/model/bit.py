@@ -12,8 +12,8 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, Pair
 from drill_twin.base.jit import kernel
+from drill_twin.model.mesh import SPIN
 
-SPIN = 6  # place of psi in a node's row
 # Places in Bit.now: weight on the bit [N] and minus its slope by the bit's upward velocity [N s/m], both at mid-step;
 # weight on the bit at the start of the run, to which the string is in balance [N].
 WEIGHT, YIELD, INITIAL = 0, 1, 2

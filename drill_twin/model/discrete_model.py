@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.model.mesh import Rod
 from drill_twin.model.shape_functions import gauss_places
 from drill_twin.model.wellbore import Bore
@@ -18,7 +19,7 @@ class DiscreteModel(NamedTuple):
     hole_radius: float  # outside the intervals of another radius [m]
     inclination: float  # of the hole's axis at the top clamp from vertical; the low side is +x [rad]
     bore: Bore  # the hole as the Gauss points meet it
-    contact_radius: NDArray[np.float64]  # of the surface that meets the wall, blades included [m], shape (2 n,)
+    contact_radius: Array  # of the surface that meets the wall, blades included [m], shape (2 n,)
     section: NDArray[np.int64]  # number of the scene's section that each element belongs to, shape (n,)
     seed: int  # of everything random in the scene
     fluid_density: float = 0.0  # of the mud around the string [kg/m3]; 0 = none
@@ -26,11 +27,11 @@ class DiscreteModel(NamedTuple):
     fluid_inside: bool = True  # whether the string's bore is full of it
 
     @property
-    def places(self) -> NDArray[np.float64]:
+    def places(self) -> Array:
         """Arc length of the Gauss points from the bit [m], shape (2 n,)."""
         return places(self.rod)
 
-    def at_places(self, per_element: NDArray[np.float64]) -> NDArray[np.float64]:
+    def at_places(self, per_element: Array) -> Array:
         """Repeat a value per element for its two Gauss points, shape (2 n,)."""
         return np.repeat(per_element, 2)
 
@@ -40,6 +41,6 @@ class DiscreteModel(NamedTuple):
         return float(self.rod.arc[-1])
 
 
-def places(rod: Rod) -> NDArray[np.float64]:
+def places(rod: Rod) -> Array:
     """Arc length of the Gauss points from the bit [m], shape (2 n,)."""
     return (rod.arc[:-1, None] + rod.length[:, None] * gauss_places()).ravel()

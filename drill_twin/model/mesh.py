@@ -8,6 +8,8 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.model.shape_functions import POINTS, element_mass, gauss_places, hermite
 
+SPIN = 6  # column of psi in a node's row (r, r', psi)
+
 
 class Tube(NamedTuple):
     """One section of the string, from the bit up; a uniform tube."""

@@ -4,13 +4,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import survey_of
 from drill_twin.model.wellbore_coordinates import unrolled
 from drill_twin.scene import Scene
-
-Array = NDArray[np.float64]
 
 FINEST = 100
 """Points a curve is drawn with; a mesh with more nodes is drawn as it is."""

@@ -9,9 +9,9 @@ import json
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from plotly.offline import get_plotlyjs
 
+from drill_twin.base.arrays import Array
 from drill_twin.report.figures.style import MARK_COLOURS
 from drill_twin.report.recording import Recording
 
@@ -56,11 +56,11 @@ def plotly_packed() -> str:
     return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
 
 
-def _times(time: NDArray[np.float64]) -> list[float]:
+def _times(time: Array) -> list[float]:
     rounded: list[float] = time.round(4).tolist()
     return rounded
 
 
-def _packed(values: NDArray[np.float64]) -> str:
+def _packed(values: Array) -> str:
     whole = np.clip(np.nan_to_num(values) * _FULL, -32767, 32767).round().astype("<i2")
     return base64.b64encode(whole.tobytes()).decode()

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.errors import BagError, MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.decode import JointState, JointStateReader, read_pose_array, read_string
@@ -38,7 +38,7 @@ from drill_twin.monitor.rejected_steps import GuardRecord
 from drill_twin.report.curve import along_hole, smooth, tangents
 from drill_twin.report.locate import bag_in, finite_number, no_samples, no_scene, run_block
 from drill_twin.report.selection import Selection, described, lacking, open_bag
-from drill_twin.report.track import Array, Track
+from drill_twin.report.track import Track
 from drill_twin.scene import Scene
 from drill_twin.twin.frame import COUNTS
 from drill_twin.whirl import Findings, MarkInfo, Summary
@@ -295,11 +295,11 @@ class Recording:
         values = self.poses.values
         return along_hole(self.scene, smooth(values[:, 0], values[:, 1]))
 
-    def centre_lines(self) -> NDArray[np.complex128]:
+    def centre_lines(self) -> ComplexArray:
         """Centre line z = x + i y at the marks [m], the spin of wall marks taken off, shape (T, m)."""
         marks = self.marks.values
         offset = np.array([place.wall_offset for place in self.scene.mark_table])
-        centre: NDArray[np.complex128] = marks[..., 0] + 1j * marks[..., 1] - offset * np.exp(1j * marks[..., 3])
+        centre: ComplexArray = marks[..., 0] + 1j * marks[..., 1] - offset * np.exp(1j * marks[..., 3])
         return centre
 
 

@@ -7,6 +7,7 @@ Where a rig driver has the say, its plan is changed (live parameters); else the 
 from __future__ import annotations
 
 import argparse
+import math
 import queue
 import webbrowser
 from collections.abc import Mapping, Sequence
@@ -28,7 +29,6 @@ from drill_twin.ros.deployment.security import readable_refusal
 from drill_twin.ros.entry_points import StopRequest
 from drill_twin.schedule.command import Command
 
-_TURN = 6.283185307179586
 _DEPTH = 50  # messages; eyes need no more
 _ASKED = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
 
@@ -112,7 +112,7 @@ class Watch(TwinNode):
         if topic == WOB_COMMAND:
             self.outgoing[topic].publish(self._encoder.wob_command(Command(value, 0.0)))
         else:
-            self.outgoing[topic].publish(self._encoder.rps_command(Command(0.0, value * _TURN)))
+            self.outgoing[topic].publish(self._encoder.rps_command(Command(0.0, value * math.tau)))
 
     def health(self) -> Status:
         """Whether all could be read."""

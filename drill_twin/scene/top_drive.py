@@ -79,6 +79,6 @@ class TopDrive(Part):
             return 0.0, 0.0
         tuned = impedance * (1.0 - self.reflection) / (1.0 + self.reflection)
         proportional = tuned if self.proportional_gain == "auto" else float(self.proportional_gain)
-        slow = 2.0 * math.pi / (4.0 * delay) / SLOWER
+        slow = math.tau / (4.0 * delay) / SLOWER
         integral = proportional * slow if self.integral_gain == "auto" else float(self.integral_gain)
         return proportional, integral

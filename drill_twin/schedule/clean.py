@@ -4,11 +4,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from drill_twin.base.arrays import Array, Mask
 from drill_twin.errors import TableError
-
-Array = npt.NDArray[np.float64]
 
 CORE = 0.5
 """A spike stands off the running median by more than this part of the usual range (5 to 95 percentile) [-] ..."""
@@ -65,7 +63,7 @@ def clean(time: Array, values: Array, *, name: str, longest_gap: float, spike_wi
     )
 
 
-def find_spikes(values: Array, *, window: int) -> npt.NDArray[np.bool_]:
+def find_spikes(values: Array, *, window: int) -> Mask:
     """Which samples belong to spikes: excursions from a running median over `window` samples, shape (rows,).
 
     A window below three samples finds none: there is no neighbour to compare with.
@@ -82,7 +80,7 @@ def find_spikes(values: Array, *, window: int) -> npt.NDArray[np.bool_]:
     return np.isin(region, np.unique(region[core]))
 
 
-def _gaps(time: Array, valid: npt.NDArray[np.bool_], spacing: float) -> list[tuple[float, float]]:
+def _gaps(time: Array, valid: Mask, spacing: float) -> list[tuple[float, float]]:
     """Times between which there is no value although the usual spacing calls for one."""
     known = time[valid]
     edges = [(float(known[i]), float(known[i + 1])) for i in np.flatnonzero(np.diff(known) > 1.5 * spacing)]
@@ -93,5 +91,5 @@ def _gaps(time: Array, valid: npt.NDArray[np.bool_], spacing: float) -> list[tup
     return edges
 
 
-def _runs(mask: npt.NDArray[np.bool_]) -> int:
+def _runs(mask: Mask) -> int:
     return int(np.count_nonzero(np.diff(np.concatenate(([False], mask)).astype(np.int8)) == 1))

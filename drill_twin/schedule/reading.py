@@ -10,11 +10,11 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from drill_twin.base.arrays import Array
 from drill_twin.errors import TableError
 
-Columns = dict[str, npt.NDArray[np.float64]]
+Columns = dict[str, Array]
 """Column name -> its numbers, shape (rows,); a missing value is NaN."""
 
 LARGEST_FILE = 1_000_000_000

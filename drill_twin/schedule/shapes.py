@@ -4,8 +4,8 @@
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
+from drill_twin.base.arrays import Array
 from drill_twin.errors import SceneError
 from drill_twin.scene.rig import SetPoint
 
@@ -35,7 +35,7 @@ def ramp(time: float, start: float, before: float, end: float, after: float) -> 
     return before + (after - before) * _progress(time, start, end)
 
 
-def table(times: npt.NDArray[np.float64], values: npt.NDArray[np.float64], start: float) -> SetPointAt:
+def table(times: Array, values: Array, start: float) -> SetPointAt:
     """Straight lines between measurements, from `start` [s] into the record; its ends are held."""
     origin = float(times[0]) + start
     return lambda time: float(np.interp(origin + time, times, values))

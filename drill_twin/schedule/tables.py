@@ -10,14 +10,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from drill_twin.base.arrays import Array
 from drill_twin.errors import TableError
 from drill_twin.scene.rig import Column
 from drill_twin.schedule.clean import Cleaning, clean
 from drill_twin.schedule.reading import Columns, read_columns
 from drill_twin.units import Dimension, UnitError, factor_of
 from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME
-
-Array = npt.NDArray[np.float64]
 
 _WANTED: dict[str, tuple[Dimension, str]] = {
     "time": (TIME, r"(^|[^a-z])(time|timestamp|stamp|t)([^a-z]|$)"),

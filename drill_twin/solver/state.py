@@ -9,7 +9,6 @@ from drill_twin.base.arrays import Array, Triple
 from drill_twin.base.jit import kernel
 
 CONVERGED, FAILED, TOO_MANY_HALVINGS = 0, 1, 2
-SPIN = 6  # place of psi in a node's row
 
 # Places in State.clock: time [s], last step and the one before it [s], how many of `middle` and `earlier` are known,
 # next Newton change per power of a change.

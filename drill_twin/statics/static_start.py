@@ -19,9 +19,9 @@ from drill_twin.discretisation.initial_state import axial_weight
 from drill_twin.discretisation.resolution import growth_time
 from drill_twin.errors import RunError
 from drill_twin.model.discrete_model import DiscreteModel
+from drill_twin.model.mesh import SPIN
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.solver.state import SPIN
 from drill_twin.statics.static_equilibrium import StringAtRest, settle, torques, wind_up
 
 SMALLEST_LOAD = 1e-3  # by which the balance of a string without weight or load is judged [N]

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drill_twin import __version__
+from drill_twin.base.arrays import Array
 from drill_twin.errors import CheckpointError, DrillTwinError
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.schedule.command import Command
@@ -33,7 +33,7 @@ _LARGEST = 256 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements
 _BAD = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, NotImplementedError, RuntimeError)
 """What zipfile and numpy raise on bytes that are not what they should be."""
 
-Arrays = Mapping[str, NDArray[np.float64]]
+Arrays = Mapping[str, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +155,7 @@ class Checkpoint:
         )
 
 
-def _members(archive: zipfile.ZipFile) -> dict[str, NDArray[np.float64]]:
+def _members(archive: zipfile.ZipFile) -> dict[str, Array]:
     """All arrays of an archive, none larger than its bytes, so that a forged size takes no memory."""
     size = sum(member.file_size for member in archive.infolist())
     if size > _LARGEST:
@@ -163,7 +163,7 @@ def _members(archive: zipfile.ZipFile) -> dict[str, NDArray[np.float64]]:
     return {member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in archive.infolist()}
 
 
-def _array(data: bytes) -> NDArray[np.float64]:
+def _array(data: bytes) -> Array:
     stream = BytesIO(data)
     version = np.lib.format.read_magic(stream)
     if version != (1, 0):

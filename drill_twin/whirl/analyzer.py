@@ -15,13 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.findings import Findings, Quality, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo, checked
 from drill_twin.whirl.motion.stick_slip import StickSlip
 from drill_twin.whirl.rotation import Rotation, Stamps
 from drill_twin.whirl.run_statistics import Tally
-from drill_twin.whirl.sample_bins import Array, Bins, unit_turn
+from drill_twin.whirl.sample_bins import Bins, unit_turn
 from drill_twin.whirl.whirl_estimator import Estimates
 
 FARTHEST = 3.0

@@ -7,7 +7,7 @@ import math
 
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.rotation import TURN, Rotation, Stamps
+from drill_twin.whirl.rotation import Rotation, Stamps
 
 NOT_OBSERVABLE = "whirl is not observable: there are no lateral positions of marks"
 
@@ -56,7 +56,7 @@ class BitOnlyAnalyzer:
             precession_ratio=None,
             frequency_mark=None,
             max_radius_m={},
-            rotation_rev_s=self._rotation.angle / TURN / seconds if seconds > 0.0 else None,
+            rotation_rev_s=self._rotation.angle / math.tau / seconds if seconds > 0.0 else None,
             motion=(),
             mark_motion={},
             stick_slip=tuple(self.bit.periods),

@@ -8,13 +8,9 @@ from dataclasses import asdict, dataclass
 from enum import Enum
 from typing import Any, Literal, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drill_twin.base.arrays import Array
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.motion.stick_slip import BitMotion, StickSlipPeriod
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.whirl.sample_bins import BINS, Array, Bin, ComplexArray
+from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.whirl.sample_bins import BINS, Bin
 
 CAPACITY = 32 * BINS
 """Bins remembered: 32 revolutions or more."""

@@ -6,9 +6,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-TURN = 2.0 * math.pi
+from drill_twin.base.arrays import Array
+
 """One revolution [rad]."""
 
 
@@ -57,9 +57,9 @@ class Rotation:
         self.travel = 0.0
         """Revolutions turned since the first sample, never falling [rev]."""
         self._speed: float | None = None
-        self._spin: NDArray[np.float64] | None = None
+        self._spin: Array | None = None
 
-    def advance(self, step: float, top_speed: float, spin: NDArray[np.float64] | None) -> bool:
+    def advance(self, step: float, top_speed: float, spin: Array | None) -> bool:
         """Turns on by a sample after `step` [s] at `top_speed` [rad/s] (nan: unknown) with `spin` [rad], shape (m,).
 
         Returns whether the rotation is known.
@@ -74,12 +74,12 @@ class Rotation:
         else:
             return False
         self.angle += turned
-        self.travel += abs(turned) / TURN
+        self.travel += abs(turned) / math.tau
         return True
 
-    def _turned_by_spin(self, spin: NDArray[np.float64]) -> float:
+    def _turned_by_spin(self, spin: Array) -> float:
         before = np.full_like(spin, math.nan) if self._spin is None else self._spin
-        wrapped = np.remainder(spin - before + math.pi, TURN) - math.pi
+        wrapped = np.remainder(spin - before + math.pi, math.tau) - math.pi
         known = wrapped[np.isfinite(wrapped)]
         self._spin = spin.copy()
         return float(known.mean()) if known.size else 0.0

@@ -8,10 +8,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.stick_slip import StickSlip
 from drill_twin.whirl.orbit.dominant_precession import Dominant
-from drill_twin.whirl.sample_bins import BINS, Array, Bin
+from drill_twin.whirl.sample_bins import BINS, Bin
 from drill_twin.whirl.whirl_estimator import Estimates
 
 FEW = 6.0
@@ -43,7 +44,7 @@ class Tally:
         orbit = estimates.orbit
         if abs(orbit.recent_rotation) >= estimates.criteria.rest_rotation:
             self._seconds += seconds
-            self._turns += (full.angle - last.angle) / (2.0 * math.pi)
+            self._turns += (full.angle - last.angle) / math.tau
             self._samples += full.samples
             self._travel += full.travel - last.travel
         if fresh and self._onset:

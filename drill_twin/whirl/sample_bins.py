@@ -15,14 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array, ComplexArray, Mask
+
 BINS = 16
 """Bins in a revolution."""
 LONGEST = 0.5
 """Longest bin [s], for a string that hardly turns."""
 
-ComplexArray = NDArray[np.complex128]
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Forces = NDArray[np.floating[Any]]
 
 

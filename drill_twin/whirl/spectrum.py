@@ -11,12 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.whirl.marks import AnalysisError
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 FEWEST = 16
 """Fewest samples of a spectrum."""

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The truth that the analyzer is measured against: prescribed motions get the labels they were made with."""
 
+import math
+
 import numpy as np
 import pytest
 
-from drill_twin.studies.detection.ground_truth import TURN, asynchronous, onset, truth_of
+from drill_twin.studies.detection.ground_truth import asynchronous, onset, truth_of
 from drill_twin.studies.detection.runs import Run
 from drill_twin.studies.detection.scoring import STATES, f1_scores, macro_f1
 from drill_twin.studies.detection.signals import MOTIONS, labelled, steady
@@ -13,7 +15,7 @@ from drill_twin.whirl import MarkInfo, MotionState
 CLEARANCE, OUTER = 0.08, 0.008
 TIME = np.arange(0.0, 25.0, 0.01)
 SPEED = 2.0
-ANGLE = TURN * SPEED * TIME
+ANGLE = math.tau * SPEED * TIME
 GROWN = np.clip((TIME - 10.0) / 1.0, 0.0, 1.0)
 
 
@@ -27,7 +29,7 @@ def run_of(part):
     at = slice(None, None, 2)
     zero = np.zeros_like(spin)
     return Run(
-        "made up", marks, TIME, np.full(TIME.size, TURN * SPEED), centre[:, at], spin[:, at], zero[:, at],
+        "made up", marks, TIME, np.full(TIME.size, math.tau * SPEED), centre[:, at], spin[:, at], zero[:, at],
         centre[:, at], arc, centre, spin, np.full(nodes, CLEARANCE), vertical=True,
     )  # fmt: skip
 
@@ -87,7 +89,7 @@ def test_short_excursion_is_no_onset():
 
 def test_synchronous_part_is_taken_off():
     turn = np.exp(1j * ANGLE)[:, None]
-    rest = asynchronous(0.2 * turn + 0.1 * np.exp(-0.4j * ANGLE)[:, None], ANGLE[:, None], ANGLE / TURN)
+    rest = asynchronous(0.2 * turn + 0.1 * np.exp(-0.4j * ANGLE)[:, None], ANGLE[:, None], ANGLE / math.tau)
     assert np.abs(rest[2000:]) == pytest.approx(0.1, abs=0.003)
 
 

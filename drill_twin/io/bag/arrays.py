@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.io.messages.pose import spin_of
 from drill_twin.io.messages.stamps import NANOSECONDS
 
-Array = NDArray[np.float64]
 Stamps = NDArray[np.int64]
 
 

@@ -8,9 +8,9 @@ from typing import TypeVar
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.errors import BagError, MessageError
 from drill_twin.io.bag.arrays import (
-    Array,
     CommandSeries,
     JointSeries,
     MarkSeries,

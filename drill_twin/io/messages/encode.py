@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
-from numpy.typing import NDArray
 
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.cdr import ClockTemplate, Float64Template, JointStateTemplate, PoseArrayTemplate
@@ -28,13 +29,9 @@ from drill_twin.io.messages.topics import (
 from drill_twin.schedule.command import Command
 from drill_twin.twin.frame import Frame, RigState
 
-Array = NDArray[np.float64]
-
 MARK_AXES = ("x", "y", "z", "spin")
 RIG_JOINTS = ("top_drive", "bit", "block", "bit_torque")
 COMMAND_JOINTS = ("bit", "top_drive")
-
-_TURN = 2.0 * np.pi
 
 
 class CommandEncoder:
@@ -60,7 +57,7 @@ class CommandEncoder:
 
     def rps_command(self, command: Command) -> bytes:
         """Top-drive speed [rev/s] as a Float64."""
-        return self._one.fill(finite_number(RPS_COMMAND, "rotation", command.rotation) / _TURN)
+        return self._one.fill(finite_number(RPS_COMMAND, "rotation", command.rotation) / math.tau)
 
 
 class TwinEncoder:

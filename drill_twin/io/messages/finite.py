@@ -6,12 +6,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 
 
-def finite_only(topic: str, values: NDArray[np.float64]) -> None:
+def finite_only(topic: str, values: Array) -> None:
     """Let an array pass if all of it is finite.
 
     Raises:
@@ -37,7 +37,7 @@ def finite_number(topic: str, what: str, value: float) -> float:
     return value
 
 
-def not_infinite(topic: str, values: NDArray[np.float64]) -> None:
+def not_infinite(topic: str, values: Array) -> None:
     """Let an array pass if none of it is infinite; NaN stands for what is not known.
 
     Raises:

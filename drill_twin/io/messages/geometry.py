@@ -3,16 +3,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.model.wellbore import Axis
 from drill_twin.model.wellbore_coordinates import across, rolled, seen
-
-Array = NDArray[np.float64]
 
 _RING_SEGMENTS = 32
 
@@ -73,7 +72,7 @@ class Widened:
 
     def rings(self, depths: Array) -> Array:
         """Segments of circles at the wall, at measured depths [m]; shape (2 x segments, 3)."""
-        angle = np.linspace(0.0, 2.0 * np.pi, _RING_SEGMENTS + 1)
+        angle = np.linspace(0.0, math.tau, _RING_SEGMENTS + 1)
         circle = self._factor * self._geometry.hole_radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
         segments = np.stack((circle[:-1], circle[1:]), axis=1).reshape(-1, 2)
         if self._geometry.axis_at is None:

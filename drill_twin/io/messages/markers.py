@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.definitions import message
 from drill_twin.io.messages.geometry import StringGeometry, Widened
 from drill_twin.io.messages.topics import FRAME_ID, MARKER_ARRAY
 
-Array = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
 
 _SPHERE, _CYLINDER, _LINE_STRIP, _LINE_LIST, _SPHERE_LIST, _TEXT = 2, 3, 4, 5, 7, 9

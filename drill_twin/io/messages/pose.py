@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from drill_twin.base.arrays import Array
 
 _ANTIPARALLEL = 1e-12
 

@@ -11,16 +11,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.definitions import message
 from drill_twin.io.messages.geometry import StringGeometry, Widened
 from drill_twin.io.messages.pose import orientation
 from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.twin.frame import Frame
-
-Array = NDArray[np.float64]
 
 TF_TYPE = "tf2_msgs/msg/TFMessage"
 MAP = "map"

@@ -10,16 +10,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics, exact
 from drill_twin.io.messages.finite import not_infinite
 from drill_twin.io.messages.topics import FRAME_ID, WHIRL_STATE
-
-Array = NDArray[np.float64]
 
 WHIRL_SCALARS = ("orbit_radius", "precession", "ratio", "confidence")
 STRING_LEVEL = "string"

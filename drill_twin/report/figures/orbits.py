@@ -12,8 +12,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.report.figures.style import GREY, INK, LIGHT, WIDTH, blank, head, mark_label, note
 from drill_twin.report.recording import Recording
 
@@ -63,8 +63,8 @@ def _orbit(
     panel: Axes,
     recording: Recording,
     number: int,
-    time: NDArray[np.float64],
-    centre: NDArray[np.complex128],
+    time: Array,
+    centre: ComplexArray,
     norm: Normalize,
 ) -> None:
     place, wall = recording.scene.mark_table[number], recording.scene.hole.radius * 1e3

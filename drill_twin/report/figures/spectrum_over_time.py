@@ -90,7 +90,7 @@ def _spectra(panel: Axes, recording: Recording, mark: int) -> None:
 def _rotation(panel: Axes, recording: Recording) -> None:
     if not len(recording.rig):
         return
-    time, speed = recording.rig.time, np.abs(recording.rig.values[:, 1]) / (2.0 * math.pi)
+    time, speed = recording.rig.time, np.abs(recording.rig.values[:, 1]) / math.tau
     for multiple in _MULTIPLES:
         style = "--" if multiple == 1 else ":"
         panel.plot(time, multiple * speed, color=INK, linewidth=1.1 if multiple == 1 else 0.9, linestyle=style)

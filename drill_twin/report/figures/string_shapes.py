@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import matplotlib as mpl
@@ -74,7 +75,7 @@ def _box(figure: Figure, recording: Recording, side: int) -> Any:
     """3-D axes with the rings of the wall; z = 0 is the top clamp."""
     panel: Any = figure.add_axes((0.045 + 0.465 * side, 0.0, 0.48, 0.93), projection="3d")
     radius, length = recording.scene.hole.radius * 1e3, recording.scene.length
-    angle = np.linspace(0.0, 2.0 * np.pi, 73)
+    angle = np.linspace(0.0, math.tau, 73)
     for height in np.linspace(-length, 0.0, 6):
         ring = np.full_like(angle, height)
         panel.plot(radius * np.cos(angle), radius * np.sin(angle), ring, color=GREY, linewidth=0.6, alpha=0.7)

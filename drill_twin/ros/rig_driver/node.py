@@ -7,6 +7,7 @@ the next one. So it keeps step at any pace, and a driver that is killed and star
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
@@ -204,7 +205,7 @@ class RigDriver(TwinNode):
             "time": f"{self._time:.3f}",
             "schedule_ends": f"{self._schedule.duration:.3f}",
             "weight_on_bit": f"{command.weight_on_bit:g}",
-            "speed_rev_s": f"{command.rotation / 6.283185307179586:g}",
+            "speed_rev_s": f"{command.rotation / math.tau:g}",
             "commands_sent": str(self._sent),
         }
         if len(drivers) > 1:

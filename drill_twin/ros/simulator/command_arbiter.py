@@ -19,7 +19,6 @@ from drill_twin.ros.simulator.echo_filter import EchoFilter
 from drill_twin.schedule.command import Command
 
 _RECENT = 5.0  # s; for so long a stray value is news
-_TURN = 2.0 * math.pi
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,7 @@ class Limits:
         """Kind and sentence of the refusal; None for a good command."""
         checks = (
             ("weight on bit", command.weight_on_bit, self.weight_on_bit, 1.0, "N"),
-            ("top-drive speed", command.rotation, self.rotation, _TURN, "rev/s"),
+            ("top-drive speed", command.rotation, self.rotation, math.tau, "rev/s"),
         )
         for name, value, (low, high), unit, symbol in checks:
             if not math.isfinite(value):
@@ -114,7 +113,7 @@ class CommandArbiter:
         if driver_present and not self._driver_is_silent():
             self._echoes.speed(self._clock(), value)
         else:
-            self._judge(replace(self._good, rotation=value * _TURN))
+            self._judge(replace(self._good, rotation=value * math.tau))
 
     def malformed(self, reason: str) -> None:
         """A message that holds no command."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
@@ -19,7 +20,6 @@ from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 
-_TURN = 6.283185307179586
 _AHEAD = 1_000_000_000  # ns; a command stamped later than this is not for the frames to come
 
 
@@ -78,10 +78,10 @@ class CommandSubscriptions:
         limits = limits_for(
             self._scene,
             max_weight_on_bit=settings.max_weight_on_bit,
-            max_speed=settings.max_speed * _TURN,
+            max_speed=settings.max_speed * math.tau,
             negative=settings.negative_commands,
         )
-        safe = Command(settings.safe_weight_on_bit, settings.safe_speed * _TURN)
+        safe = Command(settings.safe_weight_on_bit, settings.safe_speed * math.tau)
         return limits, Silence(settings.command_timeout, settings.on_silence == "ramp", safe, settings.safe_ramp_time)
 
     def _on_command(self, raw: bytes, info: Mapping[str, Any]) -> None:

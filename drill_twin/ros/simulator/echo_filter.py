@@ -16,7 +16,6 @@ from drill_twin.schedule.command import Command
 
 _REMEMBERED = 1000  # commands and open questions; a flood must not fill the memory
 _GRACE = 0.5  # s for the command of an echo to arrive
-_TURN = 2.0 * math.pi
 
 
 class EchoFilter:
@@ -32,7 +31,7 @@ class EchoFilter:
 
     def command(self, command: Command) -> None:
         """A driver has sent this."""
-        pair = (_key(command.weight_on_bit), _key(command.rotation / _TURN))
+        pair = (_key(command.weight_on_bit), _key(command.rotation / math.tau))
         for said, value in zip(self._said, pair, strict=True):
             said.pop(value, None)
             said[value] = None

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
@@ -14,8 +15,6 @@ from drill_twin.ros.simulator.command_arbiter import CommandArbiter
 
 if TYPE_CHECKING:
     from drill_twin.ros.simulator.twin_publisher import TwinPublisher
-
-_TURN = 6.283185307179586
 
 
 def health_values(
@@ -40,7 +39,7 @@ def health_values(
         "elements": str(stage.twin.elements),
         "step_s": repr(float(stage.twin.step_size)),
         "weight_on_bit": f"{desk.good.weight_on_bit:g}",
-        "speed_rev_s": f"{desk.good.rotation / _TURN:g}",
+        "speed_rev_s": f"{desk.good.rotation / math.tau:g}",
         "command_age": f"{desk.age:.3f}",
         "commands_accepted": str(desk.accepted),
         "commands_refused": str(sum(desk.refused.values())),

@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
-from drill_twin.model.bit import BIT_WEIGHT, SPIN, TOP_TORQUE, WEIGHT, YIELD, Bit
+from drill_twin.model.bit import BIT_WEIGHT, TOP_TORQUE, WEIGHT, YIELD, Bit
+from drill_twin.model.mesh import SPIN
 
 WEIGHT_ON_BIT, ROTATION = 0, 1
 BIT, TOP, RESIDUAL = 0, 1, 7  # places in the array of the ends, shape (2, 7, 8)

@@ -11,7 +11,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
-from drill_twin.model.mesh import Rod
+from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.solver.boundary.rig import BIT, RESIDUAL, ROTATION, TOP
 from drill_twin.solver.lateral import assembly
 from drill_twin.solver.lateral.assembly import AT_BIT, AT_TOP, TORQUE, WEIGHT, Workspace, make_workspace
@@ -21,7 +21,6 @@ from drill_twin.solver.state import (
     BIT_IMPULSE,
     FACTOR,
     HOOK_IMPULSE,
-    SPIN,
     TORQUE_IMPULSE,
     Limits,
     State,

@@ -9,7 +9,7 @@ from typing import Any
 
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
-from drill_twin.model.mesh import Rod
+from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.solver.boundary.bit_frame import from_bit, to_bit, turn_blocks, turn_row, turn_row_back, turn_step_back
 from drill_twin.solver.boundary.rig import ROTATION
 from drill_twin.solver.midpoint import Effects, Formulation
@@ -19,7 +19,6 @@ from drill_twin.solver.spatial.workspace import Workspace
 from drill_twin.solver.state import (
     BIT_IMPULSE,
     HOOK_IMPULSE,
-    SPIN,
     TORQUE_IMPULSE,
     Limits,
     State,

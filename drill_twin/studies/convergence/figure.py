@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from drill_twin.accuracy.motion_run import Array
+from drill_twin.base.arrays import Array
 from drill_twin.studies.convergence.curve import Curve, Measured
 
 COLOURS = {"spatial": "#1f5f8b", "lateral": "#c1652a"}

@@ -112,5 +112,5 @@ def recorded(run: Run, *, forces: bool) -> Record:
         run.top_speed,
         run.mark_force if forces else None,
         truth_of(run),
-        float(np.abs(run.top_speed[-1])) / (2.0 * math.pi),
+        float(np.abs(run.top_speed[-1])) / math.tau,
     )

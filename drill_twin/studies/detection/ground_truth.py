@@ -13,15 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array, ComplexArray, Mask
 from drill_twin.studies.detection.runs import Run
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Mask = NDArray[np.bool_]
-
-TURN = 2.0 * math.pi
 LEVEL = 0.05
 """Whirl: radius of the asynchronous part over the clearance."""
 STAYS = 1.0
@@ -51,10 +46,10 @@ too, but pass [rev]."""
 def turned(time: Array, speed: Array) -> Array:
     """Revolutions since the first sample, never falling [rev], of a speed [rad/s]; shapes (T,)."""
     steps = 0.5 * np.abs(speed[1:] + speed[:-1]) * np.diff(time)
-    return np.concatenate(([0.0], np.cumsum(steps))) / TURN
+    return np.concatenate(([0.0], np.cumsum(steps))) / math.tau
 
 
-def asynchronous(centre: Complex, spin: Array, revolutions: Array) -> Complex:
+def asynchronous(centre: ComplexArray, spin: Array, revolutions: Array) -> ComplexArray:
     """The centre line without its part synchronous with the spin [m]; all shapes (T, k), `revolutions` (T,)."""
     seen = centre * np.exp(-1j * spin)
     rest = np.empty_like(centre)
@@ -81,13 +76,13 @@ def whirls(radius: Array, revolutions: Array) -> Mask:
     return result
 
 
-def onset(time: Array, whirl: Complex, angle: Array) -> float | None:
+def onset(time: Array, whirl: ComplexArray, angle: Array) -> float | None:
     """First time [s] from which a whirl over the clearance stays above `LEVEL` for a revolution; None if never.
 
     One that does not go round is a string that leans: within `ROUND` revolutions it must have turned by `TURNED`, as
     seen from the hole and from the string. `angle` is that of the rotation [rad]; all shapes (T,).
     """
-    revolutions = np.abs(angle) / TURN
+    revolutions = np.abs(angle) / math.tau
     for start, end in _stretches(np.abs(whirl) > LEVEL):
         if revolutions[end] - revolutions[start] >= STAYS:
             stop = min(end, int(np.searchsorted(revolutions, revolutions[start] + ROUND)))
@@ -125,7 +120,7 @@ def truth_of(run: Run) -> Truth:
     clearance = np.array([mark.clearance for mark in run.marks])
     whirl = asynchronous(run.mark_centre, run.mark_spin, revolutions)
     radius = np.abs(whirl) / clearance
-    angle = TURN * revolutions * (-1.0 if run.top_speed[-1] < 0.0 else 1.0)
+    angle = math.tau * revolutions * (-1.0 if run.top_speed[-1] < 0.0 else 1.0)
     onsets = tuple(onset(run.time, whirl[:, k] / clearance[k], angle) for k in range(clearance.size))
     known = [time for time in onsets if time is not None]
     touching = np.abs(run.mark_centre) > TOUCHING * clearance
@@ -196,19 +191,19 @@ def _string(run: Run, revolutions: Array, whirling: Mask, rolling: Array, at: li
     return _smoothed(states, rough)
 
 
-def _shape(motion: Complex, length: Array) -> Complex:
+def _shape(motion: ComplexArray, length: Array) -> ComplexArray:
     """The shape that turns: the strongest principal part of the nodes' motion, shape (n + 1,)."""
     scaled = motion * np.sqrt(length)
     _, _, parts = np.linalg.svd(scaled, full_matrices=False)
-    shape: Complex = parts[0] / np.sqrt(length)
+    shape: ComplexArray = parts[0] / np.sqrt(length)
     return shape
 
 
-def _planarity(shape: Complex, length: Array) -> float:
+def _planarity(shape: ComplexArray, length: Array) -> float:
     return float(abs((length * shape**2).sum()) / (length * np.abs(shape) ** 2).sum())
 
 
-def _second_lobe(shape: Complex) -> float:
+def _second_lobe(shape: ComplexArray) -> float:
     """Largest radius on one side of the axis over that on the other, in the plane of the shape; at most 1."""
     plane = np.exp(0.5j * np.angle((shape**2).sum()))
     seen = (shape / plane).real
@@ -219,7 +214,7 @@ def _second_lobe(shape: Complex) -> float:
 class _View:
     """The asynchronous part of points of the centre line over time, shape (T, k)."""
 
-    def __init__(self, time: Array, revolutions: Array, whirl: Complex, contact: Mask, speed: Array) -> None:
+    def __init__(self, time: Array, revolutions: Array, whirl: ComplexArray, contact: Mask, speed: Array) -> None:
         self._time, self._revolutions, self._speed = time, revolutions, speed
         self._whirl, self._contact = whirl, contact
         self._velocity = np.gradient(whirl, time, axis=0)
@@ -233,7 +228,7 @@ class _View:
 
     def state(self, i: int, k: int, whirling: bool, rolling: float) -> tuple[str, bool]:
         """Motion of one point at one time, as if it were alone and regular, and whether it is rough."""
-        if abs(self._speed[i]) < REST * TURN:
+        if abs(self._speed[i]) < REST * math.tau:
             return "", False  # hardly turns: not judged
         if not whirling:
             return "rotation about a fixed axis", False

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.io.adapters import mark_infos
 from drill_twin.scene import parse_scene
 from drill_twin.schedule import Schedule
@@ -17,9 +17,6 @@ from drill_twin.studies.detection.scene import BENCH_SCENE
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import MarkInfo
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,17 +31,17 @@ class Run:
     """Times [s], shape (T,)."""
     top_speed: Array
     """Speed of the top drive [rad/s], shape (T,)."""
-    point: Complex
+    point: ComplexArray
     """Marked points [m], shape (T, m): what a camera sees."""
     mark_spin: Array
     """Spin at the marks [rad], shape (T, m)."""
     mark_force: Array
     """Wall force at the marks [N], shape (T, m)."""
-    mark_centre: Complex
+    mark_centre: ComplexArray
     """Centre line at the marks [m], shape (T, m)."""
     arc: Array
     """Distance of the nodes from the bit [m], shape (n + 1,)."""
-    centre: Complex
+    centre: ComplexArray
     """Centre line at the nodes [m], shape (T, n + 1)."""
     spin: Array
     """Spin of the nodes [rad], shape (T, n + 1)."""
@@ -84,7 +81,7 @@ def simulate(name: str, overrides: Mapping[str, str]) -> Run:
     )
 
 
-def _lateral(frames: list[Frame], field: str, *, of_marks: bool = False) -> Complex:
+def _lateral(frames: list[Frame], field: str, *, of_marks: bool = False) -> ComplexArray:
     vectors = np.array([getattr(frame.marks if of_marks else frame, field) for frame in frames])
-    lateral: Complex = vectors[..., 0] + 1j * vectors[..., 1]
+    lateral: ComplexArray = vectors[..., 0] + 1j * vectors[..., 1]
     return lateral

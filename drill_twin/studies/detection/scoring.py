@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.studies.detection.ground_truth import Truth
 from drill_twin.studies.detection.signals import Record
 from drill_twin.whirl import Analyzer, MotionPeriod, Summary
@@ -115,16 +116,14 @@ def macro_f1(confusion: NDArray[np.int64]) -> float:
     return sum(scores.values()) / len(scores) if scores else float("nan")
 
 
-def states_at(time: NDArray[np.float64], periods: Sequence[MotionPeriod]) -> list[str]:
+def states_at(time: Array, periods: Sequence[MotionPeriod]) -> list[str]:
     """The state that a timeline names at given times [s]; of periods that start at once, the last."""
     starts = np.array([period.start_s for period in periods])
     index = np.maximum(np.searchsorted(starts, time, side="right") - 1, 0)
     return [periods[i].state.value for i in index.tolist()]
 
 
-def _count(
-    confusion: NDArray[np.int64], time: NDArray[np.float64], labels: Sequence[str], periods: Sequence[MotionPeriod]
-) -> None:
+def _count(confusion: NDArray[np.int64], time: Array, labels: Sequence[str], periods: Sequence[MotionPeriod]) -> None:
     if not periods:
         return
     for true, found in zip(labels, states_at(time, periods), strict=True):

@@ -13,13 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.studies.detection.ground_truth import GRID, LEVEL, Truth, onset
 from drill_twin.whirl import MarkInfo
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-
-TURN = 2.0 * math.pi
 MOTIONS = (
     "forward whirl",
     "rolling along the wall",
@@ -65,7 +62,7 @@ class _Motion:
     name: str
     ratio: float
     level: float
-    shape: Complex
+    shape: ComplexArray
 
 
 def labelled(seed: int) -> Record:
@@ -81,14 +78,14 @@ def labelled(seed: int) -> Record:
     second = MOTIONS[(seed + 1 + (seed // len(MOTIONS)) % (len(MOTIONS) - 1)) % len(MOTIONS)]
     motions = [_drawn(name, draw, marks) for name in (first, second)]
     time, rate, speed = _clock(draw)
-    angle = speed * TURN * time  # it turns already when the record begins
-    revolutions = np.abs(angle) / TURN
+    angle = speed * math.tau * time  # it turns already when the record begins
+    revolutions = np.abs(angle) / math.tau
     growth = draw.uniform(0.4, 4.0)
     part, change = _moving(motions, revolutions, angle, growth, draw)
     spin = angle[:, None] - 0.3 * np.arange(heights)
     rolls = any(motion.name == MOTIONS[1] for motion in motions)
-    offset = 0.0 if rolls else draw.uniform(0.0, 0.15) * np.exp(1j * draw.uniform(0.0, TURN))
-    rest = offset + draw.uniform(0.0, 0.06) * np.exp(1j * (spin + draw.uniform(0.0, TURN)))
+    offset = 0.0 if rolls else draw.uniform(0.0, 0.15) * np.exp(1j * draw.uniform(0.0, math.tau))
+    rest = offset + draw.uniform(0.0, 0.06) * np.exp(1j * (spin + draw.uniform(0.0, math.tau)))
     centre = part + rest
     centre /= np.maximum(np.abs(centre), 1.0)
     truth = _truth(motions, time, angle, part, change)
@@ -101,10 +98,10 @@ def steady(seed: int, noise: float = 0.05) -> Record:
     clearance, outer = HOLES[int(draw.integers(len(HOLES)))]
     marks = tuple(MarkInfo(f"mark_{k + 1}", 1.0 + k, "wall", outer, clearance) for k in range(4))
     time, rate, speed = _clock(draw)
-    angle = speed * TURN * time
+    angle = speed * math.tau * time
     spin = angle[:, None] - 0.3 * np.arange(4)
-    rest = draw.uniform(0.0, 0.5) + draw.uniform(0.0, 0.2) * np.exp(1j * (spin + draw.uniform(0.0, TURN)))
-    at = np.searchsorted(np.abs(angle) / TURN, np.arange(0.0, abs(angle[-1]) / TURN, 1.0 / GRID))
+    rest = draw.uniform(0.0, 0.5) + draw.uniform(0.0, 0.2) * np.exp(1j * (spin + draw.uniform(0.0, math.tau)))
+    at = np.searchsorted(np.abs(angle) / math.tau, np.arange(0.0, abs(angle[-1]) / math.tau, 1.0 / GRID))
     still = tuple("rotation about a fixed axis" for _ in at)
     truth = Truth(None, (None,) * 4, time[at], still, (still,) * 4)
     return _seen(f"{seed}: steady", marks, time, spin, speed, rest, truth, draw, rate, noise=noise)
@@ -147,7 +144,7 @@ def _clock(draw: np.random.Generator) -> tuple[Array, float, float]:
 
 def _moving(
     motions: list[_Motion], revolutions: Array, angle: Array, growth: float, draw: np.random.Generator
-) -> tuple[Complex, float]:
+) -> tuple[ComplexArray, float]:
     """The asynchronous part over the clearance, shape (T, m), and when the second motion takes over [rev]."""
     change = STEADY + HELD
     parts = []
@@ -155,7 +152,7 @@ def _moving(
         if motion.name == "irregular":
             path = _wandering(revolutions, draw)
         else:
-            path = np.exp(1j * (motion.ratio * angle + draw.uniform(0.0, TURN)))
+            path = np.exp(1j * (motion.ratio * angle + draw.uniform(0.0, math.tau)))
         part = motion.level * path[:, None] * motion.shape
         if number == 0:
             grown = LEVEL / motion.level * np.exp(np.minimum(growth * (revolutions - STEADY), 50.0))
@@ -166,17 +163,17 @@ def _moving(
     return (1.0 - share) * parts[0] + share * parts[1], change
 
 
-def _wandering(revolutions: Array, draw: np.random.Generator) -> Complex:
+def _wandering(revolutions: Array, draw: np.random.Generator) -> ComplexArray:
     """A path without a steady pace or radius: complex Gaussian noise, most of it within 0.6 of the rotation."""
     lines = 24
     pace = draw.normal(0.0, 0.6, lines)
-    phase = draw.uniform(0.0, TURN, lines)
-    path: Complex = np.exp(1j * (TURN * revolutions[:, None] * pace + phase)).sum(axis=1) / math.sqrt(lines)
+    phase = draw.uniform(0.0, math.tau, lines)
+    path: ComplexArray = np.exp(1j * (math.tau * revolutions[:, None] * pace + phase)).sum(axis=1) / math.sqrt(lines)
     return path
 
 
-def _truth(motions: list[_Motion], time: Array, angle: Array, part: Complex, change: float) -> Truth:
-    revolutions, radius = np.abs(angle) / TURN, np.abs(part)
+def _truth(motions: list[_Motion], time: Array, angle: Array, part: ComplexArray, change: float) -> Truth:
+    revolutions, radius = np.abs(angle) / math.tau, np.abs(part)
     at = np.searchsorted(revolutions, np.arange(0.0, revolutions[-1], 1.0 / GRID))
     at = at[at < time.size]
     onsets = tuple(onset(time, part[:, k], angle) for k in range(radius.shape[1]))
@@ -212,7 +209,7 @@ def _seen(
     time: Array,
     spin: Array,
     speed: float,
-    centre: Complex,
+    centre: ComplexArray,
     truth: Truth,
     draw: np.random.Generator,
     rate: float,
@@ -239,7 +236,7 @@ def _seen(
         stamp[kept],
         place[kept],
         spin[kept] if sees_spin else None,
-        np.full(int(kept.sum()), TURN * speed),
+        np.full(int(kept.sum()), math.tau * speed),
         None if force is None else force[kept],
         truth,
         abs(speed),

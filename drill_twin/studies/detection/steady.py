@@ -35,11 +35,11 @@ def false_onsets(hours: float, *, marks: int = 4, rate: float = 20.0, noise: flo
     place = np.empty((count, marks, 2))
     for part in range(math.ceil(hours * 3600.0 / PART)):
         time = part * PART + np.arange(count) / rate
-        spin = 2.0 * math.pi * SPEED * time[:, None] - twist
+        spin = math.tau * SPEED * time[:, None] - twist
         z = CLEARANCE * (OFFSET + BOW * np.exp(1j * spin)) + OUTER * np.exp(1j * spin)
         place[..., 0], place[..., 1] = z.real, z.imag
         place += noise * CLEARANCE * draw.normal(size=place.shape)
         stamps = np.round(time * 1e9).astype(np.int64).tolist()
         for i, stamp in enumerate(stamps):
-            analyzer.push(stamp, place[i], spin[i], 2.0 * math.pi * SPEED)
+            analyzer.push(stamp, place[i], spin[i], math.tau * SPEED)
     return sum(found is not None for found in analyzer.summary().mark_onset_s.values())

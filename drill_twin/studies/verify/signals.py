@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.scenes import LENGTH
 from drill_twin.twin.twin import Twin
 
-Array = NDArray[np.float64]
 AT_REST = Command(weight_on_bit=0.0, rotation=0.0)
 
 
@@ -52,11 +52,11 @@ def squared_frequencies(motion: Array, interval: float, modes: int) -> Array:
     return found
 
 
-def rates(signal: NDArray[Any], interval: float, order: int = 2) -> NDArray[np.complex128]:
+def rates(signal: NDArray[Any], interval: float, order: int = 2) -> ComplexArray:
     """Complex rates lambda [1/s] of a sum of exp(lambda t): each sample is a fixed combination of those before it."""
     history = np.stack([signal[k : k - order] for k in range(order)], -1)
     combination = np.linalg.lstsq(history, signal[order:], rcond=1e-10)[0]
-    found: NDArray[np.complex128] = np.log(np.roots(np.append(1.0, -combination[::-1])).astype(complex)) / interval
+    found: ComplexArray = np.log(np.roots(np.append(1.0, -combination[::-1])).astype(complex)) / interval
     return found
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drill_twin.base.arrays import Array, Mask
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.marks import MarkInfo
 from drill_twin.whirl.motion.irregularity import Roughness
@@ -14,7 +15,6 @@ from drill_twin.whirl.motion.state_hysteresis import Votes
 from drill_twin.whirl.motion.timeline import NO_WHIRL
 from drill_twin.whirl.orbit.orbit import Orbit
 from drill_twin.whirl.orbit.string_shape import Shape
-from drill_twin.whirl.sample_bins import Array, Mask
 from drill_twin.whirl.text import in_words
 
 LONG_AGO = 8.0

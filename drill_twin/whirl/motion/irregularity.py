@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
+from drill_twin.base.arrays import Array, Mask
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.sample_bins import Array, Mask
 
 RISE = 0.1
 """Irregular motion is dated to when its share of the time last rose above this."""

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.motion.timeline import NO_WHIRL, Timeline
-from drill_twin.whirl.sample_bins import Array
 
 STATES = tuple(MotionState)
 INDEX = {state: i for i, state in enumerate(STATES)}

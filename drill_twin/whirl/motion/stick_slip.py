@@ -115,7 +115,7 @@ class StickSlip:
             self._begin(time, bit_speed)
             return
         before, poles = self._poles[1], self._poles
-        gain = 1.0 - math.exp(-2.0 * math.pi * CORNER * step)
+        gain = 1.0 - math.exp(-math.tau * CORNER * step)
         poles[0] += gain * (bit_speed - poles[0])
         poles[1] += gain * (poles[0] - poles[1])
         # Until a cycle is known, the mean is that of all so far; then it forgets over several cycles.

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from drill_twin.whirl.sample_bins import Array, ComplexArray
+from drill_twin.base.arrays import Array, ComplexArray
 
 NOISE_FLOOR = 2e-4
 """Least noise of a radius, over the clearance: bins are not more exact than this."""

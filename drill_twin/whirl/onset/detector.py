@@ -26,6 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drill_twin.base.arrays import Array, Mask
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import ASYNCHRONOUS, History
 from drill_twin.whirl.onset.swept_angle import Turned
@@ -33,7 +34,7 @@ from drill_twin.whirl.onset.threshold_crossing import Crossing, Evidence, asynch
 from drill_twin.whirl.orbit.noise import Noise
 from drill_twin.whirl.orbit.orbit import Orbit
 from drill_twin.whirl.orbit.runout_separation import Baseline
-from drill_twin.whirl.sample_bins import BINS, Array, Mask
+from drill_twin.whirl.sample_bins import BINS
 
 OFTEN = 4
 """A mark that was thrown out is looked at again with every fourth bin."""

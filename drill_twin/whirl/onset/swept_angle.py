@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from drill_twin.whirl.sample_bins import Array, ComplexArray
+from drill_twin.base.arrays import Array, ComplexArray
 
 CREEP = math.radians(1.5)
 """A steady turn takes it at least this much farther in each half of the time [rad]."""

@@ -14,11 +14,11 @@ import math
 
 import numpy as np
 
+from drill_twin.base.arrays import Array, Mask
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import History
 from drill_twin.whirl.onset.threshold_crossing import Crossing, Evidence, synchronous_crossing
 from drill_twin.whirl.orbit.orbit import Orbit
-from drill_twin.whirl.sample_bins import Array, Mask
 
 RELEASE = 0.8
 """The surge is over below this fraction of its threshold."""

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, History
 from drill_twin.whirl.onset.crossing_time import crossing_time, smoothed_radius
 from drill_twin.whirl.orbit.orbit_refit import LONGEST, SHORTEST, Refit, refit
-from drill_twin.whirl.rotation import TURN
-from drill_twin.whirl.sample_bins import Array, ComplexArray
 
 ROUND = math.radians(70.0)
 """An orbit is fitted once it has gone so far round, as seen from the hole and from the string [rad]."""
@@ -79,7 +78,7 @@ def asynchronous_crossing(history: History, known: Evidence, pace: float, since:
         orbit = history.sample[window, 0, mark] - offset - synchronous * history.sample[window, 1, mark]
         again = Refit(offset, synchronous, orbit, pace)
     back = orbit / known.clearance * np.exp(-1j * pace * (time - time[-1]))
-    ratio = pace / (TURN * rotation) if (rotation := _rotation(history, since)) else math.nan
+    ratio = pace / (math.tau * rotation) if (rotation := _rotation(history, since)) else math.nan
     radius = smoothed_radius(back, half, known.noise)
     if known.arm is not None:
         # So early, offset and synchronous part can stand for each other: about the axis it must be as large.
@@ -163,4 +162,4 @@ def _rotation(history: History, bins: int) -> float:
     """Mean rotation over the newest bins [rev/s]."""
     window = history.newest(max(2, min(bins, history.length)))
     angle, time = history.angle[window], history.time[window]
-    return float((angle[-1] - angle[0]) / (TURN * (time[-1] - time[0])))
+    return float((angle[-1] - angle[0]) / (math.tau * (time[-1] - time[0])))

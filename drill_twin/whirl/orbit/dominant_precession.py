@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.whirl.sample_bins import Array
+from drill_twin.base.arrays import Array
 
 WIDTH = 0.02
 """Width of a cell, in precession over rotation."""

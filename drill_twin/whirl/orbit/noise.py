@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.whirl.sample_bins import ComplexArray, Mask
+from drill_twin.base.arrays import ComplexArray, Mask
 
 GAIN = 20.0
 """Power gain of a third difference on white noise."""

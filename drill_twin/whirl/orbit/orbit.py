@@ -12,10 +12,9 @@ import math
 
 import numpy as np
 
+from drill_twin.base.arrays import Array, Mask
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import ASYNCHRONOUS, MOVING, SYNCHRONOUS, History
-from drill_twin.whirl.rotation import TURN
-from drill_twin.whirl.sample_bins import Array, Mask
 
 FEWEST = 4
 """Bins needed for a slope."""
@@ -117,7 +116,7 @@ class Orbit:
         """Precession [rev/s] and its ratio to rotation, positive = forward, and the confidence in them, shape (m,)."""
         row = np.where(whirling, 0, 1)
         every = np.arange(row.size)
-        slope, radius = self.slope[row, every] / TURN, self.radius[row, every]
+        slope, radius = self.slope[row, every] / math.tau, self.radius[row, every]
         coherence = self.coherence[row, every]
         seen = self.seen & (not self.aliased) & (radius > SMALLEST) & (radius > OVER_NOISE * noise) & (slope != 0.0)
         power = radius**2
@@ -133,4 +132,4 @@ def _pace(angle: Array, time: Array) -> float:
     """Mean rate of an angle [rad] over time [s], in [rev/s]."""
     if time.size < 2:
         return 0.0
-    return float((angle[-1] - angle[0]) / ((time[-1] - time[0]) * TURN))
+    return float((angle[-1] - angle[0]) / ((time[-1] - time[0]) * math.tau))

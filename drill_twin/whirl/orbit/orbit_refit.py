@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.whirl.onset.crossing_time import smoothed_radius
-from drill_twin.whirl.sample_bins import Array, ComplexArray
 
 ROUNDS = 3
 LONGEST = 28.0

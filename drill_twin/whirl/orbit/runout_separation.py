@@ -20,10 +20,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drill_twin.base.arrays import Array, ComplexArray, Mask
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.marks import MarkInfo
 from drill_twin.whirl.orbit.orbit_refit import Refit
-from drill_twin.whirl.sample_bins import Array, Bin, ComplexArray, Mask
+from drill_twin.whirl.sample_bins import Bin
 
 SLOWEST = 0.2
 """The memory fades at least as fast as at this rotation [rev/s]."""

@@ -17,10 +17,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
+from drill_twin.base.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.studies.paper.calibration.objective import Loss, lateral, loss_at
 from drill_twin.studies.paper.calibration.unknowns import UNKNOWNS, Unknown, shares_of
@@ -30,8 +30,6 @@ STEP = 0.03
 """Shares by which a number is moved to see how sharply it is known."""
 TOLERATED = 1.0
 """A loss this much higher still counts as the same quality."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

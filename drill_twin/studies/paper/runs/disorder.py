@@ -6,8 +6,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.scene import Scene
 from drill_twin.schedule import Schedule
 from drill_twin.studies.paper.runs.cases import changed
@@ -23,10 +23,8 @@ as fast."""
 EVERY = 0.05
 """Time after which their distance is measured and set back [s]."""
 
-Array = NDArray[np.float64]
 
-
-def spectral_entropy(time: Array, orbit: NDArray[np.complex128]) -> float:
+def spectral_entropy(time: Array, orbit: ComplexArray) -> float:
     """Entropy of the two-sided power spectrum of an orbit x + i y within 10 Hz, over its largest: 0 to 1.
 
     0 is one line (a circle), 1 is noise (Powell and Percival 1979). It grows with the resolution; compare equal

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.errors import RunError
 from drill_twin.io.adapters import mark_infos
 from drill_twin.scene import Scene
@@ -17,7 +17,6 @@ from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer, Summary
 
-Array = NDArray[np.float64]
 FINER = 8
 """Lines of the spectrum per resolved line, so that a peak is read off between them."""
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -144,10 +145,10 @@ def pure_rolling(form: str) -> Iterator[Row]:
     places = []
     for k in range(1000):
         share = min((k + 1) * 0.01 / 2.0, 1.0)
-        frame = twin.advance(Command(weight_on_bit=30.0 * share, rotation=2.0 * np.pi * share), 0.01)
+        frame = twin.advance(Command(weight_on_bit=30.0 * share, rotation=math.tau * share), 0.01)
         places.append(complex(*frame.marks.centre[0, :2]))
     late = np.array(places[-500:])
     turned = np.unwrap(np.angle(late))
-    found = (turned[-1] - turned[0]) / (499 * 0.01) / (2.0 * np.pi)
+    found = (turned[-1] - turned[0]) / (499 * 0.01) / math.tau
     yield Row("precession over rotation [-]", "-r_pipe / r_orbit", "no slip; Vandiver, Nicholson and Shyu 1990",
               float(-RADIUS / np.abs(late).mean()), float(found), 2e-3)  # fmt: skip

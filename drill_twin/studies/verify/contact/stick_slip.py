@@ -7,13 +7,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.effects import bit_torque_tanh
 from drill_twin.scene import load_scene
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import steel
-from drill_twin.studies.verify.signals import Array
 from drill_twin.twin.twin import Twin
 
 INTERVAL = 0.02

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,7 +13,7 @@ from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import EI, KICK, LENGTH, LINE_MASS, WAVE, quiet_scene
 from drill_twin.studies.verify.signals import free_motion, squared_frequencies
 
-UNIT = float(np.sqrt(EI / LINE_MASS)) / LENGTH**2 / (2.0 * np.pi)
+UNIT = float(np.sqrt(EI / LINE_MASS)) / LENGTH**2 / math.tau
 MODES = {
     "guided": (KICK, (4.730040745, 10.995607838, 17.278759657)),  # a symmetric kick leaves the second mode asleep
     "pinned": (WAVE, (3.926602312, 7.068582746, 10.210176123)),
@@ -31,7 +32,7 @@ def frequencies(bit_end: str, form: str) -> Iterator[Row]:
     """
     kick, eigenvalues = MODES[bit_end]
     scene = quiet_scene(kick, bit_end=bit_end, elements=24, step=1e-3, form=form)
-    found = np.sqrt(squared_frequencies(free_motion(scene, 4.0, 0.01), 0.01, modes=8)[:3]) / (2.0 * np.pi)
+    found = np.sqrt(squared_frequencies(free_motion(scene, 4.0, 0.01), 0.01, modes=8)[:3]) / math.tau
     for number, (value, frequency) in enumerate(zip(eigenvalues, found, strict=True)):
         yield Row(
             what=f"frequency at beta L = {value:.4f} [Hz]",
@@ -58,7 +59,7 @@ def frequency_under_load(load: float, form: str) -> Iterator[Row]:
         "a^2, b^2 = sqrt(k^4 + m omega^2 / EI) +- k^2, k^2 = F / 2 EI",
         source="Bokaian 1988, clamped-clamped",
         expected=clamped_frequency(load),
-        computed=float(found) / (2.0 * np.pi),
+        computed=float(found) / math.tau,
         tolerance=1e-4,
     )
 
@@ -78,4 +79,4 @@ def clamped_frequency(load: float) -> float:
     grid = np.linspace(1e-3, 40.0, 4001)
     values = [determinant(omega) for omega in grid]
     first = next(i for i in range(len(grid) - 1) if values[i] * values[i + 1] < 0.0)
-    return float(brentq(determinant, grid[first], grid[first + 1], xtol=1e-14)) / (2.0 * np.pi)
+    return float(brentq(determinant, grid[first], grid[first + 1], xtol=1e-14)) / math.tau

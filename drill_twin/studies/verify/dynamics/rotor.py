@@ -3,15 +3,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import FORMS, SPATIAL, case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import EI, FIRST, LENGTH, LINE_MASS, quiet_scene
-from drill_twin.studies.verify.signals import Array, first_mode, rates, seen_by_the_string
+from drill_twin.studies.verify.signals import first_mode, rates, seen_by_the_string
 from drill_twin.twin.twin import Twin
 
 OFFSET, ANGLE, DRAG = 1e-3, -0.4, 0.25
@@ -131,7 +133,7 @@ def shaken_top(hertz: float, form: str) -> Iterator[Row]:
         rows.append((twin.time, place * np.exp(-1j * DIRECTION)))
     when, places = (np.array(column) for column in zip(*rows, strict=True))
     late = when.real > 16.0
-    angle = 2.0 * np.pi * hertz * when[late].real
+    angle = math.tau * hertz * when[late].real
     fit = np.linalg.lstsq(np.stack([np.sin(angle), np.cos(angle)], -1), places[late].real, rcond=None)[0]
     exact, found = _shaken(hertz), complex(*fit)
     formula = "EI z'''' = (m w^2 - i c w) z, clamped at the bit, moved at the top"
@@ -143,7 +145,7 @@ def shaken_top(hertz: float, form: str) -> Iterator[Row]:
 
 def _shaken(hertz: float) -> complex:
     """Mid-span per sin(2 pi f t) [m]: a combination of cos, sin, cosh and sinh of a complex beta s."""
-    omega = 2.0 * np.pi * hertz
+    omega = math.tau * hertz
     beta = ((LINE_MASS * omega**2 - 1j * BOW_DRAG * omega) / EI) ** 0.25
 
     def value(arc: float) -> Array:

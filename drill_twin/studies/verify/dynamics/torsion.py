@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -161,7 +162,7 @@ def well_mode(drive: Callable[[complex], complex]) -> complex:
         along = np.tanh(s * PIPE_LENGTH / WELL_SPEED)
         return complex((high + load * along) / (high * (load + high * along)) + 1.0 / drive(s))
 
-    s = 1j * 2.0 * np.pi * 0.2209 - 0.01
+    s = 1j * math.tau * 0.2209 - 0.01
     for _ in range(50):
         s -= miss(s) * 1e-6 / (miss(s + 1e-6) - miss(s))
     return s

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import AREA, DENSITY, DIAMETER, LENGTH, SHEAR, YOUNG, quiet_scene
-from drill_twin.studies.verify.signals import Array
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
 

@@ -8,11 +8,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from drill_twin.audit.energy import angular_momentum, energy, gauss_positions
+from drill_twin.base.arrays import Array
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import FORMS, LATERAL, case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import LINE_MASS, quiet_scene
-from drill_twin.studies.verify.signals import AT_REST, Array
+from drill_twin.studies.verify.signals import AT_REST
 from drill_twin.twin.twin import Twin
 
 GRAVITY = 9.81

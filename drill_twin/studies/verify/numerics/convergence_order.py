@@ -7,11 +7,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import FORMS, case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import quiet_scene
-from drill_twin.studies.verify.signals import Array, slope
+from drill_twin.studies.verify.signals import slope
 from drill_twin.twin.twin import Twin
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -25,7 +26,7 @@ def frequencies(bit_end: str, form: str) -> Iterator[Row]:
     """The first three, with a step of 1 ms, which makes nearly all of the error."""
     kick, eigenvalues = MODES[bit_end]
     scene = quiet_scene(kick, bit_end=bit_end, elements=ELEMENTS, step=1e-3, form=form, tolerance=TOLERANCE)
-    found = np.sqrt(squared_frequencies(free_motion(scene, 4.0, 0.01), 0.01, modes=8)[:3]) / (2.0 * np.pi)
+    found = np.sqrt(squared_frequencies(free_motion(scene, 4.0, 0.01), 0.01, modes=8)[:3]) / math.tau
     for value, frequency in zip(eigenvalues, found, strict=True):
         yield Row(f"frequency at beta L = {value:.4f} [Hz]", "f = (beta L)^2 / (2 pi L^2) sqrt(EI / m)",
                   "Blevins 1979, table 8-1", value**2 * UNIT, float(frequency), 1e-3)  # fmt: skip

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import FORMS, case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import ROLLING, WALLED, quiet_scene
-from drill_twin.studies.verify.signals import Array
 from drill_twin.twin.twin import Twin
 
 SYMMETRY = "symmetry"

@@ -6,9 +6,8 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from drill_twin.base.arrays import Array
 
 # What the bit holds: its place across the hole, and its slope.
 _HOLDS = {"guided": (True, True), "pinned": (True, False), "sliding": (False, True), "free": (False, False)}

@@ -7,10 +7,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.studies.verify.case import case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import EI, LENGTH, rod_scene
-from drill_twin.studies.verify.signals import Array, settle
+from drill_twin.studies.verify.signals import settle
 
 BENT = {
     "drag": {"linear": 0.4},

@@ -3,15 +3,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import FORMS, case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import DIAMETER, EI, LINE_MASS, WALLED, quiet_scene
-from drill_twin.studies.verify.signals import Array, rates
+from drill_twin.studies.verify.signals import rates
 from drill_twin.twin.twin import Twin
 
 LONG, PACKET, CLEARANCE = 60.0, 10.0, 0.02
@@ -198,7 +200,7 @@ def helix(form: str) -> Iterator[Row]:
     yield Row("share of the interior that is a steady helix [-]", "1", "geometry", 1.0,
               float(steady.sum() / inside.sum()), 0.2)  # fmt: skip
     yield Row("pitch [m]", "2 pi sqrt(2 EI / F)", LUBINSKI,
-              2.0 * np.pi * float(np.sqrt(2.0 * EI / load)), float(2.0 * np.pi / np.abs(winding[steady]).mean()), 5e-3,
+              math.tau * float(np.sqrt(2.0 * EI / load)), float(math.tau / np.abs(winding[steady]).mean()), 5e-3,
               )  # fmt: skip
     exact = load**2 * float(np.abs(centre[steady]).mean()) / (4.0 * EI)
     yield Row("force of the wall [N/m]", "F^2 r / (4 EI)", LUBINSKI, exact,
