@@ -41,7 +41,7 @@ def test_the_table_has_one_row_a_topic():
 
 
 def test_the_readme_shows_the_table():
-    readme = Path(__file__).resolve().parents[2] / "README.md"
+    readme = Path(__file__).resolve().parents[3] / "README.md"
     assert topic_table() in readme.read_text(encoding="utf-8")
 
 
