@@ -39,7 +39,6 @@ setup(
         "pyyaml",
         "rich>=13",
         "rosbags>=0.11",
-        "ruamel.yaml>=0.18",
         "scipy>=1.11",
         "setuptools",
         "typer>=0.12",

@@ -25,7 +25,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NODES = {make.NAME: make for make in (Simulator, RigDriver, Analyzer, Recorder, Replayer)}
 EXECUTABLES = {*NODES, "twin"}
 # Import name -> distribution, where they differ.
-DISTRIBUTIONS = {"yaml": "pyyaml", "ruamel": "ruamel.yaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
+DISTRIBUTIONS = {"yaml": "pyyaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
 FROM_ROS = {"rclpy", "rcl_interfaces", "std_srvs", "ament_index_python"}
 
 

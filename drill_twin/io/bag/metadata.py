@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from io import StringIO
 from typing import Any
 
-from ruamel.yaml import YAML
+import yaml
 
 from drill_twin.io.messages.definitions import definition, type_hash
 from drill_twin.io.messages.topics import TOPICS, Topic
@@ -26,27 +25,26 @@ def contract_qos(topic: Topic) -> Qos:
         "depth": topic.depth,
         "reliability": "reliable",
         "durability": "transient_local" if topic.latched else "volatile",
-        "deadline": dict(_FOREVER),
-        "lifespan": dict(_FOREVER),
+        "deadline": _FOREVER,
+        "lifespan": _FOREVER,
         "liveliness": "automatic",
-        "liveliness_lease_duration": dict(_FOREVER),
+        "liveliness_lease_duration": _FOREVER,
         "avoid_ros_namespace_conventions": False,
     }
 
 
 def to_yaml(content: Any) -> str:
-    """YAML in block style, as rosbag2 writes it."""
-    yaml = YAML(typ="safe")
-    yaml.default_flow_style = False
-    yaml.width = 4096
-    stream = StringIO()
-    yaml.dump(content, stream)
-    return stream.getvalue()
+    """YAML in block style without aliases, keys in their order, as rosbag2 writes it."""
+    text: str = yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=4096)
+    return text
 
 
-def from_yaml(text: str) -> Any:
-    """Content of a YAML text."""
-    return YAML(typ="safe").load(text)
+class _Dumper(yaml.SafeDumper):
+    """Writes a value that occurs twice two times."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        del data
+        return True
 
 
 @dataclass
@@ -86,7 +84,7 @@ def bag_information(
     """
     times_of_all = [(start, end) for _, start, end, count in files if count] or [(0, 0)]
 
-    def times(start: int, end: int) -> dict[str, Any]:  # afresh each time, or YAML would write references
+    def times(start: int, end: int) -> dict[str, Any]:
         return {
             "starting_time": {"nanoseconds_since_epoch": start},
             "duration": {"nanoseconds": max(end - start, 0)},

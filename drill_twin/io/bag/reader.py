@@ -7,11 +7,11 @@ import re
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
-from ruamel.yaml.error import YAMLError
+import yaml
 
 from drill_twin.errors import BagError
 from drill_twin.io.bag.mcap_file import McapFile
-from drill_twin.io.bag.metadata import Recorded, from_yaml
+from drill_twin.io.bag.metadata import Recorded
 from drill_twin.io.bag.rosbags_file import RosbagsFile
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.topics import GENERIC, TOPICS, TWIN_SCENE
@@ -139,8 +139,8 @@ def _needs_rosbags(folder: Path, files: Sequence[Path]) -> bool:
     if any(file.suffix == ".db3" for file in files):
         return True
     try:
-        mode = from_yaml(metadata.read_text("utf-8"))["rosbag2_bagfile_information"].get("compression_mode", "")
-    except (OSError, YAMLError, UnicodeError, KeyError, TypeError, AttributeError):
+        mode = yaml.safe_load(metadata.read_text("utf-8"))["rosbag2_bagfile_information"].get("compression_mode", "")
+    except (OSError, yaml.YAMLError, UnicodeError, KeyError, TypeError, AttributeError):
         return False  # MCAP files describe themselves
     return str(mode).lower() in {"message", "file"}
 
