@@ -73,10 +73,10 @@ def _on_element(parameters: Any, rod: Rod, name: str, e: int, at: EvaluationPoin
     for p in range(2):
         strain, here = _sample(rod, e, p, at)
         load, stiff, out = np.zeros(4), np.zeros((4, 4)), np.zeros(RESULTANTS)
-        if hasattr(module, "point"):
-            plain(module.point)(parameters, rod, here, 0.5 * at.step, load, stiff)
-        if hasattr(module, "section"):
-            plain(module.section)(parameters, rod, strain, 0.5 * at.step, out)
+        if hasattr(module, "distributed_load"):
+            plain(module.distributed_load)(parameters, rod, here, 0.5 * at.step, load, stiff)
+        if hasattr(module, "section_stress"):
+            plain(module.section_stress)(parameters, rod, strain, 0.5 * at.step, out)
         share = 0.5 * rod.length[e]
         total += share * float(np.linalg.norm(load[:3]) + abs(load[3]) / rod.outer_radius[e])
         total += float(np.linalg.norm(out[:4])) / rod.length[e]
@@ -86,9 +86,9 @@ def _on_element(parameters: Any, rod: Rod, name: str, e: int, at: EvaluationPoin
 def _at_ends(parameters: Any, rod: Rod, name: str, at: EvaluationPoint) -> Array:
     """Size of what an effect does at the bit and at the top [N], shape (2,)."""
     module, ends = effect_module(name), np.zeros((2, 7, 8))
-    if hasattr(module, "end"):
+    if hasattr(module, "end_load"):
         # in the frame of the hole at the top: near enough, to find who is to diagnose
-        plain(module.end)(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
+        plain(module.end_load)(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
     force: Array = np.linalg.norm(ends[:, :3, 7], axis=1) + np.abs(ends[:, 6, 7]) / rod.outer_radius[[0, -1]]
     return force
 

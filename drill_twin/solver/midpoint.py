@@ -50,12 +50,12 @@ SMALLEST_SHARE = 1.0 / 4096.0  # of the nominal step, before the loop gives up
 class Effects(NamedTuple):
     """The effects of a scene, each hook as one compiled function (`drill_twin.solver.kernel_codegen`)."""
 
-    stretch: Any
-    section: Any
-    point: Any
-    end: Any
-    guide: Any
-    done: Any
+    axial_damping: Any
+    section_stress: Any
+    distributed_load: Any
+    end_load: Any
+    prescribed_motion: Any
+    after_step: Any
 
 
 class Formulation(NamedTuple):
@@ -95,7 +95,7 @@ def bind(
         close_step: Completes them once it has been.
     """
     begin, predict, build, solve, correct, accept, finish, order = form
-    guide_effects, done_effects = effects.guide, effects.done
+    prescribed_motion, after_step = effects.prescribed_motion, effects.after_step
 
     @kernel
     def newton(
@@ -162,7 +162,7 @@ def bind(
             h2 = 0.5 * step
             set_points(command0, command1, (time + h2 - start) / (end - start), work.command)
             predict(constrained, state, work.command, step)
-            guide_effects(parameters, rod, time + h2, state.trial)
+            prescribed_motion(parameters, rod, time + h2, state.trial)
             used = newton(parameters, rod, work, constrained, state, limits, work.command, time + h2, h2, counters)
             counters[ITERATIONS] += abs(used)
             if used < 0:
@@ -182,7 +182,7 @@ def bind(
             state.clock[STEP_BEFORE], state.clock[LAST_STEP] = state.clock[LAST_STEP], step
             state.clock[KNOWN] = min(state.clock[KNOWN] + 1.0, 2.0)
             to_bit(state.bit_frame, state.u[0], state.v[0])
-            done_effects(parameters, rod, work.command, time, step, state.u, state.v)
+            after_step(parameters, rod, work.command, time, step, state.u, state.v)
             from_bit(state.bit_frame, state.u[0], state.v[0])
             close_step(parameters, rod, state)
             step = min(nominal, 2.0 * step)

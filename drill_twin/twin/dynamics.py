@@ -89,9 +89,9 @@ class Dynamics:
         if self.scene.rig.start == "equilibrium":
             start_in_equilibrium(self, Dynamics)
         for name in self.scene.effect_names:
-            start = getattr(effect_module(name), "start", None)
-            if start is not None:
-                start(getattr(self.scene.effects, name), self.model, *self.unknowns)
+            module = effect_module(name)
+            if hasattr(module, "initial_state"):
+                module.initial_state(getattr(self.scene.effects, name), self.model, *self.unknowns)
 
     @property
     def _bit_is_held(self) -> bool:

@@ -27,10 +27,10 @@ class Poison:
     end: float
     longest: float
     push: float
-    needs: ClassVar[tuple[str, ...]] = ()
-    gives: ClassVar[tuple[str, ...]] = ()
-    still: ClassVar[tuple[str, ...]] = ()
-    work: ClassVar[str] = "any"
+    requires: ClassVar[tuple[str, ...]] = ()
+    provides: ClassVar[tuple[str, ...]] = ()
+    disabled_for_static: ClassVar[tuple[str, ...]] = ()
+    energy_class: ClassVar[str] = "any"
 
     def check_against(self, _: Any) -> tuple[()]:
         return ()
@@ -48,7 +48,7 @@ def parameters(block: Poison, model: Any) -> Parameters:
 
 
 @kernel
-def point(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
     dose = parameters.poison
     if dose.start <= here.time < dose.end and 2.0 * h2 > dose.longest and here.element == 2:
         load[0] += dose.push
@@ -65,7 +65,8 @@ def install(dose: Poison) -> None:
         module = importlib.util.module_from_spec(spec)
         sys.modules[name] = module
         spec.loader.exec_module(module)
-        drill_twin.effects.poison = module
+        drill_twin.effects.poison = module  # where the generated kernel imports it from
+        drill_twin.effects._FOUND["poison"] = module, module.Poison
     Effects.poison = dose
     if not hasattr(EffectsBase, "unpoisoned"):
         EffectsBase.unpoisoned = EffectsBase.names

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drill_twin.audit.energy_ledger import EFFECTS, WORK
+from drill_twin.audit.energy_ledger import FIRST_EFFECT, WORK
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.solver import kernel_codegen
@@ -110,7 +110,7 @@ def test_a_force_that_is_not_accounted_for_is_caught():
         frame = twin.advance(Command(0.0, 0.0), 0.02)
     braked = frame.energy.work["drag"]
     books = twin.books
-    books._books[WORK, EFFECTS + books._effects.index("drag")] = 0.0
+    books._books[WORK, FIRST_EFFECT + books._effects.index("drag")] = 0.0
     forged, grown = books.balance(*twin.unknowns)
     assert braked < -0.02 * forged.scale
     assert forged.residual == pytest.approx(braked, rel=1e-9)

@@ -16,6 +16,7 @@ from drill_twin.base.jit import kernel
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
 from drill_twin.model.section import BEND_DAMP, COUPLE, MX, MY, RESULTANTS, Strain
+from drill_twin.solver.midpoint import Effects
 
 # Places in Workspace.axial: force at the bit and at the top [N], weight of the string along the axis [N], torque that
 # the top drive must give [N m].
@@ -170,8 +171,9 @@ def scatter_tangent(work: Workspace, e: int) -> None:
                     bottom[row, col] = ke[m, 4 * i + j + 10]
 
 
-def bind(section_effects: Any, point_effects: Any) -> Callable[..., float]:
-    """The assembly for a set of effects, each given as one compiled function (`drill_twin.solver.kernel_codegen`)."""
+def bind(effects: Effects) -> Callable[..., float]:
+    """The assembly for a set of effects."""
+    section_stress, distributed_load = effects.section_stress, effects.distributed_load
 
     @kernel
     def assemble(
@@ -238,7 +240,7 @@ def bind(section_effects: Any, point_effects: Any) -> Callable[..., float]:
                 out = work.resultants
                 out[:] = 0.0
                 out[MX], out[MY] = rod.bending[e] * b[0], rod.bending[e] * b[1]
-                section_effects(parameters, rod, strain, h2, out)
+                section_stress(parameters, rod, strain, h2, out)
                 r, dr, ddr = blend(shape[0], work.ue), blend(shape[0], work.ve), blend(shape[0], work.dv)
                 work.load[:] = 0.0
                 work.stiff[:] = 0.0
@@ -247,7 +249,7 @@ def bind(section_effects: Any, point_effects: Any) -> Callable[..., float]:
                     rate * ddr[0], rate * ddr[1], 0.0, 0.0, 0.0, 1.0, psi, spin_rate, spin_up,
                     cos_psi, sin_psi, fresh, count,
                 )  # fmt: skip
-                point_effects(parameters, rod, here, h2, work.load, work.stiff)
+                distributed_load(parameters, rod, here, h2, work.load, work.stiff)
                 weight = 0.5 * h
                 along += weight * work.load[2]
                 firm += weight * (work.stiff[0, 0] + work.stiff[1, 1])

@@ -199,8 +199,8 @@ def finish(rod: Rod, state: State) -> None:
 
 def bind(effects: Effects) -> Formulation:
     """The form for a set of effects."""
-    assemble = assembly.bind(effects.section, effects.point)
-    end_effects = effects.end
+    assemble = assembly.bind(effects)
+    end_load = effects.end_load
 
     @kernel
     def build(
@@ -224,7 +224,7 @@ def bind(effects: Effects) -> Formulation:
         for end in (0, last):
             state.place[end, SPIN] = state.u[last, SPIN] + h2 * state.trial[last, SPIN]
         work.ends[:] = 0.0
-        end_effects(parameters, rod, command, time, h2, state.place, state.trial, state.v, work.ends)
+        end_load(parameters, rod, command, time, h2, state.place, state.trial, state.v, work.ends)
         # pushed up at the bit, or down at the top with the string's weight added on the way
         tension = work.ends[BIT, 2, RESIDUAL]
         if work.ends[TOP, 2, RESIDUAL] != 0.0 or constrained[0, 2]:

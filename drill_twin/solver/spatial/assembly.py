@@ -21,6 +21,7 @@ from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
 from drill_twin.model.section import BEND_DAMP, TORQUE_RATE, elastic_resultants, section_forces, strain_at
 from drill_twin.model.stretch import stretch_forces, stretching
+from drill_twin.solver.midpoint import Effects
 from drill_twin.solver.spatial.workspace import Workspace
 
 Four = tuple[float, float, float, float]
@@ -160,8 +161,10 @@ def scatter(work: Workspace, e: int) -> None:
             bottom[row, 7] += re[c, i + 2]
 
 
-def bind(stretch_effects: Any, section_effects: Any, point_effects: Any) -> Callable[..., None]:
-    """The assembly for a set of effects, each given as one compiled function (`drill_twin.solver.kernel_codegen`)."""
+def bind(effects: Effects) -> Callable[..., None]:
+    """The assembly for a set of effects."""
+    axial_damping = effects.axial_damping
+    section_stress, distributed_load = effects.section_stress, effects.distributed_load
 
     @kernel
     def assemble(
@@ -187,12 +190,12 @@ def bind(stretch_effects: Any, section_effects: Any, point_effects: Any) -> Call
                 a = (u[e + end, 3], u[e + end, 4], u[e + end, 5])
                 da = (v[e + end, 3], v[e + end, 4], v[e + end, 5])
                 strain = stretching(a, da, h2)
-                viscous = stretch_effects(parameters, e, axial, strain.rate)
+                viscous = axial_damping(parameters, e, axial, strain.rate)
                 stretch_forces(axial, viscous[0], viscous[1], a, strain, h2, work.force, work.saa)
                 add_stretch_at_node(rod, work, e, 1 + 2 * end)
             a, da = blend(rod.middle[e], work.ue), blend(rod.middle[e], work.ve)
             strain = stretching(a, da, h2)
-            viscous = stretch_effects(parameters, e, axial, strain.rate)
+            viscous = axial_damping(parameters, e, axial, strain.rate)
             stretch_forces(axial, viscous[0], viscous[1], a, strain, h2, work.force, work.saa)
             add_stretch_at_middle(rod, work, e)
             own = rod.spin_mass[e] * rate
@@ -213,7 +216,7 @@ def bind(stretch_effects: Any, section_effects: Any, point_effects: Any) -> Call
                     (u[e + 1, 6] - u[e, 6]) / h, psi_rate, (v[e + 1, 6] - v[e, 6]) / h,
                 )  # fmt: skip
                 elastic_resultants(rod.bending[e], rod.torsion[e], s, h2, work.resultants)
-                section_effects(parameters, rod, s, h2, work.resultants)
+                section_stress(parameters, rod, s, h2, work.resultants)
                 section_forces(
                     rod.bending[e], s, (a[0], a[1]), (b[0], b[1]), h2, work.resultants,
                     work.force, work.saa, work.sab, work.sba, work.sbb, work.coupling,
@@ -225,7 +228,7 @@ def bind(stretch_effects: Any, section_effects: Any, point_effects: Any) -> Call
                     e, place, time, r[0], r[1], r[2], dr[0], dr[1], dr[2], rate * ddr[0], rate * ddr[1], rate * ddr[2],
                     s.tx, s.ty, s.tz, psi, psi_rate, rate * (l0 * dw0 + l1 * dw1), cos_psi, sin_psi, fresh, count,
                 )  # fmt: skip
-                point_effects(parameters, rod, here, h2, work.load, work.stiff)
+                distributed_load(parameters, rod, here, h2, work.load, work.stiff)
                 # a couple about t also works on r', since the material turns at psi_dot + A(t, t_dot)
                 work.force[0] -= work.load[3] * a[1] / s.fold
                 work.force[1] += work.load[3] * a[0] / s.fold

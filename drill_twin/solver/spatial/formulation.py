@@ -144,8 +144,8 @@ def finish(rod: Rod, state: State) -> None:
 
 def bind(effects: Effects) -> Formulation:
     """The form for a set of effects."""
-    assemble = assembly.bind(effects.stretch, effects.section, effects.point)
-    end_effects = effects.end
+    assemble = assembly.bind(effects)
+    end_load = effects.end_load
 
     @kernel
     def build(
@@ -170,7 +170,7 @@ def bind(effects: Effects) -> Formulation:
         turn_blocks(state.bit_frame, work.diagonal[0], work.upper[0], work.lower[0])
         to_bit(state.bit_frame, state.place[0], state.trial[0])
         turn_row(state.bit_frame, state.v[0])
-        end_effects(parameters, rod, command, time, h2, state.place, state.trial, state.v, work.ends)
+        end_load(parameters, rod, command, time, h2, state.place, state.trial, state.v, work.ends)
         from_bit(state.bit_frame, state.place[0], state.trial[0])
         turn_row_back(state.bit_frame, state.v[0])
         add_ends(work)
