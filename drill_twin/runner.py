@@ -172,7 +172,7 @@ class _Run:
     @property
     def factor(self) -> float:
         """Simulated time over the time the physics took."""
-        return self._cost.factor
+        return self._cost.realtime_factor
 
     def advance(self, stamp: int, command: Command, duration: float) -> None:
         """Go on to a stamp [ns], where the command holds."""
@@ -183,9 +183,9 @@ class _Run:
         self._stamp = stamp
         self._frames += 1
         self._publish(frame)
-        self._cost.add(duration, stepped - begin, time.perf_counter() - stepped, frame)
-        self._omissions.look(frame)
-        self._interventions.look(frame)
+        self._cost.update(duration, stepped - begin, time.perf_counter() - stepped, frame)
+        self._omissions.update(frame)
+        self._interventions.update(frame)
         if stamp >= self._health_due:
             self._health_due += NANOSECONDS
             self.report_health()
@@ -238,7 +238,7 @@ class _Run:
             Status("simulator", *self._verdict(), simulator),
             Status("analyzer", Level.OK, f"motion: {motion}", analyzer),
         ]
-        self._cost.next_window()
+        self._cost.start_window()
         self._bag.write(DIAGNOSTICS, self._stamp, encode_diagnostics(self._stamp, statuses))
 
     def _verdict(self) -> tuple[Level, str]:
@@ -247,7 +247,7 @@ class _Run:
             return Level.ERROR, guard.stopped
         if guard.last:
             return Level.WARN, guard.last
-        return (Level.WARN, missing[-1]) if missing else (Level.OK, self._cost.sentence())
+        return (Level.WARN, missing[-1]) if missing else (Level.OK, self._cost.text())
 
     def give_up(self, error: RunError) -> str:
         """The run cannot go on: say so in the bag and keep the last good state; returns where, in words."""

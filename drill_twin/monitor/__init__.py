@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run reports of itself in `/diagnostics`: timing, rejected steps, missing effects, drilling progress."""
+"""Values that a run reports of itself in `/diagnostics`: timing, rejected steps, missing effects, drilling progress."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far and how fast a run drills, for the diagnostics; nothing where the scene's bit does not drill."""
+"""Drilled depth and rate of penetration for the diagnostics."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ class DrillingProgress:
         self._last = (twin.time, twin.drilled)
 
     def values(self) -> dict[str, str]:
-        """For the diagnostics: the depth drilled [m], and the rate of penetration since the last report [m/h]."""
+        """Drilled depth [m] and rate of penetration since the last call [m/h]; empty if the bit does not drill."""
         if "bit_cutting" not in self._twin.effects:
             return {}
-        (since, from_depth), now = self._last, (self._twin.time, self._twin.drilled)
-        self._last = now
-        passed = now[0] - since
-        rate = (now[1] - from_depth) / passed if passed > 0.0 else 0.0
-        return {"drilled_m": f"{now[1]:.6f}", "rate_of_penetration_m_h": f"{rate * _HOUR:.3f}"}
+        (last_time, last_depth), time, depth = self._last, self._twin.time, self._twin.drilled
+        self._last = (time, depth)
+        elapsed = time - last_time
+        rate = (depth - last_depth) / elapsed if elapsed > 0.0 else 0.0
+        return {"drilled_m": f"{depth:.6f}", "rate_of_penetration_m_h": f"{rate * _HOUR:.3f}"}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is kept of a run that was stopped: a checkpoint of the last good frame, and the last second of states."""
+"""Files saved when a run fails: a checkpoint of the last good frame, the last second of states, and the error."""
 
 from __future__ import annotations
 
@@ -12,27 +12,28 @@ from drill_twin.schedule.command import Command
 from drill_twin.twin.checkpoint import Checkpoint
 from drill_twin.twin.twin import Twin
 
-CHECKPOINT, LAST_SECOND, WHY = "checkpoint.npz", "last_second.npz", "why.txt"
+CHECKPOINT, LAST_SECOND, REASON = "checkpoint.npz", "last_second.npz", "why.txt"
 
 
 def save_failure(folder: str | Path, twin: Twin, command: Command, error: StoppedError) -> str:
     """Write `checkpoint.npz`, `last_second.npz` (`time`, `u`, `v`, `distance_from_bit`) and `why.txt`.
 
     Args:
-        folder: Where to; made if it is not there.
-        twin: The twin, back at its last good frame.
-        command: The set-points that were in force.
-        error: Why it was stopped.
+        folder: Target folder; created if it is missing.
+        twin: The twin, restored to its last good frame.
+        command: The set-points in force.
+        error: The reason of the stop.
 
     Returns:
-        What was kept and where, in words; or why nothing could be kept: a full disk does not hide the stop.
+        A sentence that names the folder, or the error if the files could not be written; it never raises for those, so
+        that the reason of the stop is not hidden.
     """
     target = Path(folder)
     try:
         Checkpoint.of(twin, command).save(target / CHECKPOINT)
         time, u, v = twin.last_second()
         np.savez(target / LAST_SECOND, time=time, u=u, v=v, distance_from_bit=twin.rod.arc)
-        (target / WHY).write_text(f"{error}\n", encoding="utf-8")
+        (target / REASON).write_text(f"{error}\n", encoding="utf-8")
     except (CheckpointError, OSError) as trouble:
         return f"the state could not be kept: {trouble}"
     return f"the last good state and the last second before it are kept in {target}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run turned out to call for although its scene leaves it out; for diagnostics and summary."""
+"""Detection of effects that the scene leaves out although the motion needs them; for diagnostics and summary."""
 
 from __future__ import annotations
 
@@ -9,43 +9,43 @@ from drill_twin.scene import Scene
 from drill_twin.twin.frame import Frame
 
 KEY = "left_out"
-"""Key in the simulator's diagnostics; several are set apart by `SEPARATOR`."""
+"""Key in the simulator's diagnostics; several sentences are joined by `SEPARATOR`."""
 SEPARATOR = " | "
 
 
-def omissions_of(values: Mapping[str, str]) -> list[str]:
-    """What the values of a simulator's diagnostics say was missing."""
+def recorded_missing_effects(values: Mapping[str, str]) -> list[str]:
+    """The sentences that `MissingEffects.values` put into the simulator's diagnostics."""
     return values[KEY].split(SEPARATOR) if values.get(KEY) else []
 
 
 class MissingEffects:
-    """Looks at every frame for the first sign of an effect that is missing.
+    """Checks every frame for the first sign of a missing effect.
 
     Attributes:
-        found: One sentence each, with time and place, in the order in which they showed.
+        found: One sentence for each, with time and place, in order of appearance.
     """
 
     def __init__(self, scene: Scene) -> None:
         effects = scene.effects
         self.found: list[str] = []
-        self._watch_wall = effects.wall is None
-        self._watch_bit = scene.rig.weight_on_bit.at == "top" and not effects.providing("weight")
+        self._check_wall = effects.wall is None
+        self._check_bit = scene.rig.weight_on_bit.at == "top" and not effects.providing("weight")
 
-    def look(self, frame: Frame) -> None:
-        """Take in one frame."""
-        if self._watch_wall and frame.wall_depth > 0.0:
-            self._watch_wall = False
+    def update(self, frame: Frame) -> None:
+        """Check one frame."""
+        if self._check_wall and frame.wall_depth > 0.0:
+            self._check_wall = False
             self.found.append(
                 f"at {frame.time:.3f} s the string passed through the wall of the hole, {frame.wall_depth_at:.3g} m "
                 "from the bit, and goes on as if there were none: list the effect `wall`"
             )
-        if self._watch_bit and frame.rig.bit_force < 0.0:
-            self._watch_bit = False
+        if self._check_bit and frame.rig.bit_force < 0.0:
+            self._check_bit = False
             self.found.append(
                 f"at {frame.time:.3f} s the bit was pulled with {-frame.rig.bit_force:.4g} N and would have lifted off "
                 "the bottom, which holds it here: list `rock_floor` or `bit_cutting`"
             )
 
     def values(self) -> dict[str, str]:
-        """For the diagnostics; empty while nothing is missing."""
+        """Diagnostics values; empty while nothing is missing."""
         return {KEY: SEPARATOR.join(self.found)} if self.found else {}

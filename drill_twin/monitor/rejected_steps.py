@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the guard did in a run, for diagnostics and summary."""
+"""Frames that the step guard rejected and computed again, and the energy balance; for diagnostics and summary."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from drill_twin.monitor.missing_effects import SEPARATOR
 from drill_twin.twin.frame import EnergyBalance, Frame
 
 ENERGY = "energy_"
-"""Begins the keys of the energy balance, where a scene asks for it: `energy_residual` is the share of `energy_scale_J`,
-`energy_work_drag_J` what that effect did."""
+"""Prefix of the keys of the energy balance, present where a scene asks for it: `energy_residual` is the share of
+`energy_scale_J`, `energy_work_drag_J` the work of that effect."""
 COUNT, NEW, STOP = "guard_interventions", "guard", "guard_stop"
-"""Keys in the simulator's diagnostics: how many so far, those since the last report, and why the run was stopped."""
-MOST = 20
-"""Most interventions that one report tells of in words."""
+"""Keys in the simulator's diagnostics: the count so far, those since the last report, and the reason of a stop."""
+LARGEST_REPORT = 20
+"""Largest number of rejected frames that one report describes."""
 
 
 class RejectedSteps:
-    """Counts what the guard did.
+    """Counts the frames that the step guard rejected.
 
     Attributes:
-        count: How many frames were done again.
-        last: The last one, in words; empty while there is none.
-        stopped: Why the run was stopped; empty while it was not.
+        count: Number of rejected frames.
+        last: Description of the last one; empty if there is none.
+        stopped: Reason of the stop; empty unless the run was stopped.
     """
 
     def __init__(self) -> None:
@@ -33,8 +33,8 @@ class RejectedSteps:
         self._new: list[str] = []
         self._energy: EnergyBalance | None = None
 
-    def look(self, frame: Frame) -> None:
-        """Take in one frame."""
+    def update(self, frame: Frame) -> None:
+        """Count one frame."""
         self._energy = frame.energy
         if frame.intervention is not None:
             self.count += 1
@@ -42,26 +42,33 @@ class RejectedSteps:
             self._new.append(self.last)
 
     def values(self) -> dict[str, str]:
-        """For the diagnostics, once for each report: what is new is told once."""
-        told, left = self._new[:MOST], len(self._new) - MOST
+        """Diagnostics values; each rejected frame is described in one report only."""
+        described, remaining = self._new[:LARGEST_REPORT], len(self._new) - LARGEST_REPORT
         self._new = []
-        if left > 0:
-            told.append(f"and {left} more")
-        values = {COUNT: str(self.count), NEW: SEPARATOR.join(told), STOP: self.stopped}
-        told_values = {key: value for key, value in values.items() if key == COUNT or value}
-        return told_values | (energy_values(self._energy) if self._energy else {})
+        if remaining > 0:
+            described.append(f"and {remaining} more")
+        values = {COUNT: str(self.count)}
+        values |= {key: text for key, text in ((NEW, SEPARATOR.join(described)), (STOP, self.stopped)) if text}
+        return values | (energy_values(self._energy) if self._energy else {})
 
 
 def energy_values(energy: EnergyBalance) -> dict[str, str]:
-    """The energy balance for the diagnostics [J]."""
+    """Diagnostics values of an energy balance [J]."""
     parts = {"stored": energy.stored, "work": energy.work, "dissipated": energy.dissipated}
     values = {f"{kind}_{name}_J": value for kind, part in parts.items() for name, value in part.items()}
     values |= {"residual": energy.share, "scale_J": energy.scale, "newton_J": energy.newton}
     return {f"{ENERGY}{key}": repr(float(value)) for key, value in values.items()}
 
 
-class GuardRecord:
-    """The guard's part of a run, read from the simulator's diagnostics."""
+class RecordedRejections:
+    """Rejected frames and energy balance of a recorded run, read from the simulator's diagnostics.
+
+    Attributes:
+        count: Number of rejected frames.
+        events: Their descriptions.
+        stopped: Reason of the stop; None unless the run was stopped.
+        energy: The last energy balance, by key.
+    """
 
     def __init__(self) -> None:
         self.count = 0
@@ -69,13 +76,13 @@ class GuardRecord:
         self.stopped: str | None = None
         self.energy: dict[str, float] = {}
 
-    def take(self, values: Mapping[str, str]) -> None:
-        """Take in the values of one report."""
+    def update(self, values: Mapping[str, str]) -> None:
+        """Read the values of one report."""
         self.count = int(values[COUNT]) if values.get(COUNT, "").isdecimal() else self.count
         self.events += values[NEW].split(SEPARATOR) if values.get(NEW) else []
         self.stopped = values.get(STOP) or self.stopped
         found = {key.removeprefix(ENERGY): text for key, text in values.items() if key.startswith(ENERGY)}
-        with suppress(ValueError):  # another's value of that name
+        with suppress(ValueError):  # a bag of another program may use such a key
             self.energy |= {key: float(text) for key, text in found.items()}
 
     def summary(self) -> dict[str, object]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What simulating costs, for the diagnostics of a node and of a run without ROS."""
+"""Computing time of a run, in total and by effect; for the diagnostics."""
 
 from __future__ import annotations
 
@@ -8,21 +8,22 @@ from drill_twin.twin.twin import Twin
 
 
 class RunTiming:
-    """What simulating costs: over the last second and over all."""
+    """Real-time factor and step counts, over the whole run and since the last report."""
 
     def __init__(self) -> None:
-        self._all = [0.0, 0.0, 0.0]
+        # Simulated, computing and publishing time [s].
+        self._total = [0.0, 0.0, 0.0]
         self._window = [0.0, 0.0, 0.0]
         self._steps = self._iterations = self._cut = self._loose = 0
         self._window_iterations = 0
         self._slowest = 0.0
 
-    def add(self, simulated: float, computing: float, publishing: float, frame: Frame) -> None:
-        """Count one frame; all in seconds."""
-        for total in (self._all, self._window):
-            total[0] += simulated
-            total[1] += computing
-            total[2] += publishing
+    def update(self, simulated: float, computing: float, publishing: float, frame: Frame) -> None:
+        """Count one frame with its simulated, computing and publishing time [s]."""
+        for times in (self._total, self._window):
+            times[0] += simulated
+            times[1] += computing
+            times[2] += publishing
         self._steps += frame.stats.steps
         self._iterations += frame.stats.iterations
         self._window_iterations += frame.stats.iterations
@@ -30,31 +31,27 @@ class RunTiming:
         self._loose += frame.stats.loose_steps
         self._slowest = max(self._slowest, computing)
 
-    def next_window(self) -> None:
-        """Begin a new second."""
+    def start_window(self) -> None:
+        """Start a new reporting window."""
         self._window = [0.0, 0.0, 0.0]
         self._window_iterations = 0
 
     @property
-    def iteration(self) -> float:
-        """What a Newton iteration has cost in the last second, all that a step needs included [s]; 0 without one."""
+    def seconds_per_iteration(self) -> float:
+        """Computing time over Newton iterations in this window [s]; 0 without an iteration."""
         return self._window[1] / self._window_iterations if self._window_iterations else 0.0
 
-    @staticmethod
-    def _factor(total: list[float]) -> float:
-        return total[0] / total[1] if total[1] else 0.0
-
     @property
-    def factor(self) -> float:
-        """Simulated time over the time spent on the physics; 0 before the first frame."""
-        return self._factor(self._all)
+    def realtime_factor(self) -> float:
+        """Simulated time over computing time; 0 before the first frame."""
+        return _factor(self._total)
 
     def values(self) -> dict[str, str]:
-        """For the diagnostics. The real-time factor is simulated time over the time spent on the physics."""
-        simulated, _, publishing = self._all
+        """Diagnostics values. The real-time factor is simulated time over the computing time of the physics."""
+        simulated, _, publishing = self._total
         return {
-            "realtime_factor": f"{self._factor(self._all):.3f}",
-            "realtime_factor_last_second": f"{self._factor(self._window):.3f}",
+            "realtime_factor": f"{self.realtime_factor:.3f}",
+            "realtime_factor_last_second": f"{_factor(self._window):.3f}",
             "slowest_frame_ms": f"{self._slowest * 1e3:.3f}",
             "publishing_share": f"{publishing / simulated if simulated else 0.0:.4f}",
             "steps": str(self._steps),
@@ -63,39 +60,44 @@ class RunTiming:
             "loose_steps": str(self._loose),
         }
 
-    def sentence(self) -> str:
-        """The cost in words."""
-        factor = self._factor(self._all)
+    def text(self) -> str:
+        """The real-time factor as a sentence."""
+        factor = self.realtime_factor
         return f"physics runs {factor:.1f} times as fast as real time" if factor else "nothing simulated yet"
 
 
-class EffectTiming:
-    """Which share of the cost of a step goes with which effect.
+def _factor(times: list[float]) -> float:
+    simulated, computing, _ = times
+    return simulated / computing if computing else 0.0
 
-    Sampled, not counted: each effect's functions are timed alone at the present shape of the string, one effect a
-    second, and put in relation to what an iteration has cost in that second. The rest is the rod and the solution of
-    its equations. An effect that makes Newton iterate more often costs more than its functions do: `drill-twin effects`
-    measures that by leaving it out.
+
+class EffectTiming:
+    """Share of each effect in the computing time of a step.
+
+    Sampled: each report times the functions of one effect alone, in the present configuration of the string, and
+    relates the times of all to that of a Newton iteration. The remainder is the rod and the solution of its equations.
+    An effect that causes more Newton iterations costs more than its functions do: `drill-twin effects` measures that by
+    leaving it out.
     """
 
     def __init__(self, twin: Twin) -> None:
-        """Compile what times the effects, and time all of them once."""
-        self._price = twin.meter()
-        self._prices = {name: self._price(name) for name in twin.effects}
+        """Compile the timing functions and time every effect once."""
+        self._measure = twin.meter()
+        self._seconds = {name: self._measure(name) for name in twin.effects}
         self._next = 0
 
-    def values(self, iteration: float) -> dict[str, str]:
-        """For the diagnostics, once for each report.
+    def values(self, seconds_per_iteration: float) -> dict[str, str]:
+        """Diagnostics values; times the next effect. Empty if there is no effect, or no iteration to relate to.
 
         Args:
-            iteration: What an iteration costs now [s].
+            seconds_per_iteration: Present computing time of a Newton iteration [s].
         """
-        names = list(self._prices)
-        if not names or not iteration:
+        names = list(self._seconds)
+        if not names or not seconds_per_iteration:
             return {}
         name = names[self._next % len(names)]
         self._next += 1
-        self._prices[name] = self._price(name)
-        shares = {name: price / iteration for name, price in self._prices.items()}
+        self._seconds[name] = self._measure(name)
+        shares = {name: seconds / seconds_per_iteration for name, seconds in self._seconds.items()}
         values = {f"step_cost_{name}": f"{share:.4f}" for name, share in shares.items()}
         return {**values, "step_cost_rod_and_solution": f"{max(1.0 - sum(shares.values()), 0.0):.4f}"}

@@ -33,8 +33,8 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.io.messages.whirl_encode import OnsetMessage, decode_onset
 from drill_twin.io.whirl_pipeline import WhirlPipeline, columns, speeds
-from drill_twin.monitor.missing_effects import omissions_of
-from drill_twin.monitor.rejected_steps import GuardRecord
+from drill_twin.monitor.missing_effects import recorded_missing_effects
+from drill_twin.monitor.rejected_steps import RecordedRejections
 from drill_twin.report.curve import along_hole, smooth, tangents
 from drill_twin.report.locate import bag_in, finite_number, no_samples, no_scene, run_block
 from drill_twin.report.selection import Selection, described, lacking, open_bag
@@ -165,7 +165,7 @@ class Recording:
         self.realtime_factor: float | None = None
         self.steps: dict[str, int] = {}
         self.left_out: list[str] = []
-        self.guard = GuardRecord()
+        self.guard = RecordedRejections()
         self._every, self._seen = max(1, -(-self._pose_count // SHAPES)), 0
         self._decoders = {topic: JointStateReader().read for topic in (MARKS_STATE, RIG_STATE, RIG_COMMAND)}
         self._found: dict[int, bytes] = {}
@@ -253,8 +253,8 @@ class Recording:
                 factor = finite_number(status.values["realtime_factor"])
                 self.realtime_factor = self.realtime_factor if factor is None else factor
                 self.steps |= {k: int(status.values[k]) for k in COUNTS if status.values.get(k, "").isdecimal()}
-                self.left_out = omissions_of(status.values)
-                self.guard.take(status.values)
+                self.left_out = recorded_missing_effects(status.values)
+                self.guard.update(status.values)
 
     # --- what the others ask --------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from scenes import rod_scene
 
 from drill_twin.effects.random_matrix import MOST_SCATTER, random_matrix
-from drill_twin.monitor.drilling_progress import Drilled
+from drill_twin.monitor.drilling_progress import DrillingProgress
 from drill_twin.scene import load_scene
 from drill_twin.schedule.command import Command
 from drill_twin.twin.frame import RigState
@@ -99,7 +99,7 @@ def test_the_bit_lifts_off_and_comes_down_again():
 
 def test_the_diagnostics_tell_depth_and_rate_of_penetration():
     twin, _ = drill(60e3, at="top", seconds=0.2)
-    told, before = Drilled(twin), twin.drilled
+    told, before = DrillingProgress(twin), twin.drilled
     twin.advance(Command(60e3, SPEED), 0.5)
     values = told.values()
     assert float(values["drilled_m"]) == pytest.approx(twin.drilled, abs=1e-6)
@@ -107,7 +107,7 @@ def test_the_diagnostics_tell_depth_and_rate_of_penetration():
     assert rate > 0.0
     assert float(values["rate_of_penetration_m_h"]) == pytest.approx(3600.0 * rate, rel=1e-3)
     assert float(told.values()["rate_of_penetration_m_h"]) == 0.0  # nothing since
-    assert Drilled(Twin(load_scene("pa6_bench"))).values() == {}
+    assert DrillingProgress(Twin(load_scene("pa6_bench"))).values() == {}
 
 
 def random_rate(drawn: np.ndarray, weight: float) -> float:

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.monitor.run_timing import Cost
+from drill_twin.monitor.run_timing import RunTiming
 from drill_twin.scene import hard_scenes, load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.studies import stress
@@ -76,10 +76,10 @@ def test_a_day_of_rotation_is_in_order():
 def test_steps_taken_loosely_are_counted_and_told():
     """300 N press the string on the wall, where places flicker between stick and slip."""
     scene = load_scene("hard/load_300_n")
-    twin, schedule, cost = Twin(scene), Schedule.from_scene(scene), Cost()
+    twin, schedule, cost = Twin(scene), Schedule.from_scene(scene), RunTiming()
     frames = [twin.advance(schedule.at(0.01 * (k + 1)), 0.01) for k in range(200)]
     for frame in frames:
-        cost.add(0.01, frame.stats.wall_seconds, 0.0, frame)
+        cost.update(0.01, frame.stats.wall_seconds, 0.0, frame)
     loose = sum(frame.stats.loose_steps for frame in frames)
     assert 0 < loose < 0.1 * sum(frame.stats.steps for frame in frames)
     assert cost.values()["loose_steps"] == str(loose)

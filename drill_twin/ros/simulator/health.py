@@ -32,7 +32,7 @@ def health_values(
         "simulated_time": f"{stage.twin.time:.6f}",
         "frames": str(stage.frames),
         **stage.cost.values(),
-        **stage.effect_cost.values(stage.cost.iteration),
+        **stage.effect_cost.values(stage.cost.seconds_per_iteration),
         **stage.drilled.values(),
         "overruns": str(pacer.overruns),
         "time_given_up": f"{pacer.given_up:.3f}",
@@ -85,4 +85,4 @@ def verdict(
         return Level.WARN, guard.last
     if stage.omissions.found:
         return Level.WARN, stage.omissions.found[-1]
-    return Level.OK, stage.cost.sentence()
+    return Level.OK, stage.cost.text()

@@ -121,7 +121,7 @@ class Simulation(TwinNode):
                 self.get_logger().error(f"no checkpoint: {self._keeper.trouble}")
             self.report_health()
             self.flush()
-            self.get_logger().info(f"{self._stage.twin.time:.2f} s simulated, {self._stage.cost.sentence()}")
+            self.get_logger().info(f"{self._stage.twin.time:.2f} s simulated, {self._stage.cost.text()}")
 
     # --- readiness and diagnostics --------------------------------------------------------------------------------
 
@@ -144,7 +144,7 @@ class Simulation(TwinNode):
         desk.settle_doubts()
         sources = self._inbox.sources()
         values = health_values(self.settings, stage, desk, self._pacer, keeper, sources)
-        stage.cost.next_window()
+        stage.cost.start_window()
         if len(self.publishers_of(STRING_POSES)) > 1:
             text = f"another simulator publishes {STRING_POSES} in this domain and namespace"
             return Status(self.NAME, Level.ERROR, text, values)

@@ -124,6 +124,6 @@ class TwinPublisher:
         send[CLOCK_TOPIC].publish(encoder.clock(frame.time))
         self.frame = frame
         self.frames += 1
-        self.cost.add(self.period, stepped - begin, time.perf_counter() - stepped, frame)
-        self.omissions.look(frame)
-        self.interventions.look(frame)
+        self.cost.update(self.period, stepped - begin, time.perf_counter() - stepped, frame)
+        self.omissions.update(frame)
+        self.interventions.update(frame)

@@ -120,7 +120,7 @@ def test_stopped_run_leaves_a_whole_bag_of_what_was_simulated(session, tmp_path)
 
 
 def test_run_that_breaks_down_keeps_what_came_before(session, tmp_path, monkeypatch):
-    step, calls = Twin.step, []
+    step, calls = Twin.advance, []
 
     def breaking(twin: Twin, command: Command, seconds: float):
         calls.append(command)
@@ -128,7 +128,7 @@ def test_run_that_breaks_down_keeps_what_came_before(session, tmp_path, monkeypa
             raise RunError("the motion could not be followed past t = 0.5 s")
         return step(twin, command, seconds)
 
-    monkeypatch.setattr(Twin, "step", breaking)
+    monkeypatch.setattr(Twin, "advance", breaking)
     with pytest.raises(RunError, match=r"past t = 0\.5 s; what came before is recorded in .*bag_0"):
         session.run(tmp_path / "bag_0")
     bag = Bag(tmp_path / "bag_0")
