@@ -60,20 +60,21 @@ class NodeThread:
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:
     """Run them all until the simulator is done or one fails."""
-    table = {parameter.name: parameter for make in (ComposedTwin, *_NODES) for parameter in make.PARAMETERS}
+    kinds: tuple[type[TwinNode], ...] = (ComposedTwin, *_NODES)
+    table = {parameter.name: parameter for kind in kinds for parameter in kind.PARAMETERS}
     if asks_for_help(ComposedTwin.NAME, ComposedTwin.PURPOSE, tuple(table.values()), arguments):
         return
     context = initialised(arguments, stop)
     companions: list[NodeThread] = []
     try:
         with stop.at_once(), readable_refusal():
-            record = ComposedTwin(context, also_known=tuple(table))
+            record = ComposedTwin(context, other_parameters=tuple(table))
             others = [Analyzer, *([Recorder] if record.settings.record else [])]
             record.destroy_node()
-            nodes = [make(context, also_known=tuple(table)) for make in others]
+            nodes = [make(context, other_parameters=tuple(table)) for make in others]
             waited = " ".join(["simulator", *(node.NAME for node in nodes)])
-            driver = RigDriver(context, {"wait_for": waited}, also_known=tuple(table))
-            simulator = Simulator(context, also_known=tuple(table))
+            driver = RigDriver(context, {"wait_for": waited}, other_parameters=tuple(table))
+            simulator = Simulator(context, other_parameters=tuple(table))
             # Now, while there is one thread: a signal in mid-import would leave the others half a module.
             for module in ("drill_twin.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)

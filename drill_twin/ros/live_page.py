@@ -51,10 +51,10 @@ class Watch(TwinNode):
     def open(self) -> None:
         """Hear the twin."""
         for topic in (WOB_COMMAND, RPS_COMMAND):
-            self.advertise(topic)
+            self.topics.advertise(topic)
         for topic in INPUTS:
             latched = TOPICS[topic].latched
-            self.listen(topic, partial(self._hear, topic), depth=1 if latched else _DEPTH, latched=latched)
+            self.topics.subscribe(topic, partial(self._hear, topic), depth=1 if latched else _DEPTH, latched=latched)
 
     def _hear(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
@@ -77,7 +77,7 @@ class Watch(TwinNode):
 
     def work(self) -> None:
         """Hear what has come, and send what was asked for."""
-        self.listen_for(0.02)
+        self.spin_once(0.02)
         while not self._asked.empty():
             self._command(*self._asked.get())
         if self._pending:
@@ -105,14 +105,14 @@ class Watch(TwinNode):
                 self._publish(name, value)
 
     def _driver_leads(self) -> bool:
-        return bool(self.publishers_of(RIG_COMMAND)) and self._driver.service_is_ready()
+        return bool(self.topics.publisher_nodes(RIG_COMMAND)) and self._driver.service_is_ready()
 
     def _publish(self, name: str, value: float) -> None:
         topic = _ASKED[name][2]
         if topic == WOB_COMMAND:
-            self.outgoing[topic].publish(self._encoder.wob_command(Command(value, 0.0)))
+            self.topics.publish(topic, self._encoder.wob_command(Command(value, 0.0)))
         else:
-            self.outgoing[topic].publish(self._encoder.rps_command(Command(0.0, value * math.tau)))
+            self.topics.publish(topic, self._encoder.rps_command(Command(0.0, value * math.tau)))
 
     def health(self) -> Status:
         """Whether all could be read."""

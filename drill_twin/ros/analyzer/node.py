@@ -46,9 +46,9 @@ class Analyzer(TwinNode):
     )
 
     def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
+        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
     ) -> None:
-        super().__init__(context, values, also_known)
+        super().__init__(context, values, other_parameters)
         self._pipeline: Any = None
         self._last_sample: float | None = None
         self._announced = False
@@ -62,11 +62,12 @@ class Analyzer(TwinNode):
 
         self._pipeline = WhirlPipeline(load_scene(self.settings.marks_scene) if self.settings.marks_scene else None)
         for topic in (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET):
-            self.advertise(topic)
+            self.topics.advertise(topic)
         self._publish(self._pipeline.start())
-        self.listen(TWIN_SCENE, partial(self._on_message, TWIN_SCENE))
+        self.topics.subscribe(TWIN_SCENE, partial(self._on_message, TWIN_SCENE))
         self._inputs = [
-            self.listen(topic, partial(self._on_message, topic), depth=_DEPTH) for topic in (MARKS_STATE, RIG_STATE)
+            self.topics.subscribe(topic, partial(self._on_message, topic), depth=_DEPTH)
+            for topic in (MARKS_STATE, RIG_STATE)
         ]
 
     def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
@@ -89,7 +90,7 @@ class Analyzer(TwinNode):
 
     def _publish(self, messages: Iterable[tuple[str, bytes]]) -> None:
         for topic, raw in messages:
-            self.outgoing[topic].publish(raw)
+            self.topics.publish(topic, raw)
 
     # --- end and health -------------------------------------------------------------------------------------------
 
@@ -97,9 +98,9 @@ class Analyzer(TwinNode):
         """Analyse what has arrived already, and see that the findings are received."""
         if self._pipeline is None:
             return
-        self.settle(_QUIET)
-        self.report_health()
-        self.flush(2.0)
+        self.drain(_QUIET)
+        self.publish_diagnostics()
+        self.topics.flush(2.0)
 
     def not_ready(self) -> str:
         """Why it cannot analyse yet: a topic has no publisher connected."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The recorder: every topic of the contract, byte for byte, into an MCAP bag that survives kill -9."""
+"""Recorder node: writes every topic of the contract, byte for byte, to an MCAP bag that survives kill -9."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import run_node
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
+from drill_twin.ros.core.raw_subscriptions import Received
 from drill_twin.ros.entry_points import StopRequest
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
 _QUIET = 0.3  # s
-_GATHER = 0.01  # s; waking up for each message would cost as much as writing it
+_BATCH_TIME = 0.01  # s; waking up for each message would cost as much as writing it
 
 
 class Recorder(TwinNode):
-    """Writes what it receives, counts what it does not."""
+    """Writes the messages of all topics to a bag, and counts those it missed."""
 
     NAME: ClassVar = "recorder"
     PURPOSE: ClassVar = "Records every topic of the twin to an MCAP bag."
@@ -45,12 +46,12 @@ class Recorder(TwinNode):
     )
 
     def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
+        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
     ) -> None:
-        super().__init__(context, values, also_known)
+        super().__init__(context, values, other_parameters)
         self._bag: BagWriter | None = None
-        self._look = Tick(1.0)
-        self._broken = False  # a bag that failed once takes no more, so that the first error is the one told
+        self._existence_check_due = Tick(1.0)
+        self._broken = False  # a bag that failed once is not written to again, so that the first error is reported
 
     def open(self) -> None:
         """Create the bag and subscribe."""
@@ -59,18 +60,16 @@ class Recorder(TwinNode):
             raise ParameterError(
                 f"parameter topics: expected topics of {', '.join(TOPICS)}, found {', '.join(unknown)}"
             )
-        self._bag = BagWriter(
+        bag = self._bag = BagWriter(
             self.settings.bag or time.strftime("bags/%Y%m%d_%H%M%S_0"),
             topics=topics,
             largest=self.settings.max_bagfile_size * 1e6,
             longest=self.settings.max_bagfile_duration,
         )
-        self._inputs = [self.listen(topic, self._writer_of(topic), depth=_DEPTH) for topic in topics]
-        self.get_logger().info(f"recording {len(topics)} topics to {self._bag.folder}")
+        self._inputs = [self.topics.subscribe(topic, self._writer_of(bag, topic), depth=_DEPTH) for topic in topics]
+        self.get_logger().info(f"recording {len(topics)} topics to {bag.folder}")
 
-    def _writer_of(self, topic: str) -> Any:
-        bag = self._bag
-
+    def _writer_of(self, bag: BagWriter, topic: str) -> Received:
         def write(raw: bytes, info: Mapping[str, Any]) -> None:
             if self._broken:
                 return
@@ -81,7 +80,7 @@ class Recorder(TwinNode):
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """What goes wrong with the file in mid-run ends the run; it is no bad input."""
+        """Turn an error of the file into one that ends the run: the input was valid."""
         try:
             yield
         except BagError as error:
@@ -89,39 +88,41 @@ class Recorder(TwinNode):
             raise RunError(str(error)) from error
 
     def work(self) -> None:
-        """Record what comes, many messages at a time: DDS has noted when each came. An idle bag is flushed too."""
-        self.listen_for(0.05)
-        time.sleep(_GATHER)
+        """Record many messages at a time, by the times at which DDS received them; flush the bag also when idle."""
+        self.spin_once(0.05)
+        time.sleep(_BATCH_TIME)
+        if self._bag is None:
+            return
         with self._writing():
             self._bag.flush_if_due()
-        if self._look.due():
-            self._refuse_removed()
+        if self._existence_check_due.due():
+            self._check_exists(self._bag)
 
-    def _refuse_removed(self) -> None:
-        """A file without a name can be written to, and is lost; so it is looked for."""
-        if not self._bag.file.exists():
+    def _check_exists(self, bag: BagWriter) -> None:
+        """Refuse to go on with a removed file: writing to it raises no error, and all is lost when it is closed."""
+        if not bag.file.exists():
             self._broken = True
-            raise RunError(f"{self._bag.file}: expected the bag that is being recorded, found it removed; record again")
+            raise RunError(f"{bag.file}: expected the bag that is being recorded, found it removed; record again")
 
     def close(self) -> None:
-        """Record what is still coming, and finish the bag."""
+        """Record what is still arriving, and finish the bag."""
         if self._bag is None:
             return
         try:
             if not self._broken:
-                self.settle(_QUIET)
-                self.report_health()
-                self._refuse_removed()
+                self.drain(_QUIET)
+                self.publish_diagnostics()
+                self._check_exists(self._bag)
         finally:
             if self._bag.file.exists():
                 self._bag.close()
         count = sum(self._bag.counts.values())
-        lost = ", ".join(f"{number} of {topic}" for topic, number in self.dropped.items())
-        say = self.get_logger().warning if lost else self.get_logger().info
-        say(f"{self._bag.folder}: {count} messages recorded, lost: {lost or 'none'}")
+        lost = ", ".join(f"{number} of {topic}" for topic, number in self.topics.dropped.items())
+        log = self.get_logger().warning if lost else self.get_logger().info
+        log(f"{self._bag.folder}: {count} messages recorded, lost: {lost or 'none'}")
 
     def not_ready(self) -> str:
-        """Why it would miss something that is published now; empty when it would not."""
+        """Publishers of its topics that it is not connected to yet, in a sentence; empty when there are none."""
         late = [
             subscription.topic_name
             for subscription in self._inputs
@@ -132,13 +133,13 @@ class Recorder(TwinNode):
     def health(self) -> Status:
         """Messages recorded and lost."""
         counts = self._bag.counts if self._bag else {}
-        lost = sum(self.dropped.values())
+        lost = sum(self.topics.dropped.values())
         values = {
             "bag": str(self._bag.folder) if self._bag else "",
             "messages": str(sum(counts.values())),
             "files": str(self._bag.files if self._bag else 0),
             "lost": str(lost),
-            **{f"lost {topic}": str(number) for topic, number in self.dropped.items()},
+            **{f"lost {topic}": str(number) for topic, number in self.topics.dropped.items()},
         }
         if lost:
             return Status(self.NAME, Level.WARN, f"{lost} messages were lost", values)

@@ -14,7 +14,6 @@ from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS, TWIN_SCENE
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import run_node
-from drill_twin.ros.core.node_startup import wait_for_nodes
 from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
 from drill_twin.ros.entry_points import StopRequest
 
@@ -61,9 +60,9 @@ class Replayer(TwinNode):
     )
 
     def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
+        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
     ) -> None:
-        super().__init__(context, values, also_known)
+        super().__init__(context, values, other_parameters)
         self._over = False
         self._sent = 0
 
@@ -78,10 +77,10 @@ class Replayer(TwinNode):
         self._topics = self._chosen()
         for topic in self._topics:
             if topic != DIAGNOSTICS:  # announced by every node
-                self.advertise(topic)
+                self.topics.advertise(topic)
         self._clock_period = 0.0
         if CLOCK_TOPIC not in self._topics and settings.clock_rate and CLOCK_TOPIC not in settings.leave_out.split():
-            self.advertise(CLOCK_TOPIC)
+            self.topics.advertise(CLOCK_TOPIC)
             self._clock_period = 1.0 / settings.clock_rate
         self._clock_message = ClockTemplate()
         for sentence in self._bag.damage:
@@ -104,11 +103,11 @@ class Replayer(TwinNode):
         # The scene comes first, ahead of its time: an analyzer is only ready once it knows the marks.
         self._scene_sent = TWIN_SCENE in self._topics
         if self._scene_sent:
-            self.outgoing[TWIN_SCENE].publish(next(raw for _, _, raw in self._bag.messages([TWIN_SCENE])))
+            self.topics.publish(TWIN_SCENE, next(raw for _, _, raw in self._bag.messages([TWIN_SCENE])))
         discovered = time.monotonic() + _DISCOVERY
-        while not stop and (time.monotonic() < discovered or self.readers_not_matched()):
-            self.listen_for(0.05)
-        wait_for_nodes(self, self.settings.wait_for, self.settings.wait_timeout, stop)
+        while not stop and (time.monotonic() < discovered or self.barrier.unmatched_readers()):
+            self.spin_once(0.05)
+        self.barrier.wait_for(self.settings.wait_for, self.settings.wait_timeout, stop)
         self._turns = self._play()
         super().run(stop)
 
@@ -126,18 +125,18 @@ class Replayer(TwinNode):
                     continue
                 passed = (stamp - self._bag.start) * 1e-9
                 if self._clock_period and passed >= clock_due:
-                    self.outgoing[CLOCK_TOPIC].publish(self._clock_message.fill(stamp))
+                    self.topics.publish(CLOCK_TOPIC, self._clock_message.fill(stamp))
                     clock_due = passed + self._clock_period * (self.settings.rate or 1.0)
                 if self.settings.rate:
                     while (left := began + passed / self.settings.rate - time.monotonic()) > 0.0:
                         time.sleep(min(left, _LONGEST_WAIT))
                         yield
-                self.outgoing[topic].publish(raw)
+                self.topics.publish(topic, raw)
                 self._sent += 1
                 if not self.settings.rate and not self._sent % _ACKNOWLEDGE:
-                    self.flush(1.0)
+                    self.topics.flush(1.0)
                 if not self._sent % 50:
-                    self.listen_for(0.0)
+                    self.spin_once(0.0)
                     yield
             self._over = not self.settings.loop
 
@@ -149,7 +148,7 @@ class Replayer(TwinNode):
     def close(self) -> None:
         """See that the readers have received everything."""
         if self._sent:
-            self.flush()
+            self.topics.flush()
             self.get_logger().info(f"{self._sent} messages replayed")
 
     def health(self) -> Status:

@@ -76,7 +76,7 @@ def run_in_order(node: TwinNode, stop: StopRequest) -> None:
     try:
         with stop.at_once():
             node.open()
-            if not node.comes_later and not node.shares_parameters:
+            if not node.topics_pending and not node.shares_parameters:
                 refuse_unused(node)
         node.run(stop)
     finally:

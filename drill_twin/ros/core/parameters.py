@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import math
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -98,7 +98,7 @@ def declare(
     table: Sequence[Parameter],
     *,
     values: Mapping[str, Value] | None = None,
-    also_known: Iterable[str] = (),
+    other_names: Iterable[str] = (),
 ) -> SimpleNamespace:
     """Declare a table on a node; returns its values by name.
 
@@ -106,14 +106,14 @@ def declare(
         node: A node without declared parameters of its own.
         table: The parameters.
         values: Defaults of this instance; what the user gives still wins.
-        also_known: Names that belong to other nodes of the same process.
+        other_names: Names that belong to other nodes of the same process.
 
     Raises:
         ParameterError: The user gave a parameter that this node cannot start with.
     """
     given = node._parameter_overrides  # noqa: SLF001 - rclpy offers no public way to see what was given
     names = [parameter.name for parameter in table]
-    _refuse_unknown(given, names, {*names, *also_known})
+    _refuse_unknown(given, names, {*names, *other_names})
     result = {}
     for parameter in table:
         if parameter.name in given:
@@ -123,19 +123,33 @@ def declare(
             value = parameter.checked((values or {}).get(parameter.name, parameter.default))
         node.declare_parameter(parameter.name, value, parameter.descriptor())
         result[parameter.name] = value
-    settings = SimpleNamespace(**result)
-    _follow_changes(node, {parameter.name: parameter for parameter in table if parameter.live}, settings)
-    return settings
+    return SimpleNamespace(**result)
 
 
-def _follow_changes(node: Node, live: Mapping[str, Parameter], settings: SimpleNamespace) -> None:
-    """Take over what is set while the node runs: judged as at the start, then written into the settings."""
+def follow_changes(
+    node: Node,
+    table: Sequence[Parameter],
+    settings: SimpleNamespace,
+    *,
+    check: Callable[[SimpleNamespace], None],
+    changed: Callable[[], None],
+) -> None:
+    """Write live parameters that are set while the node runs into its settings.
 
-    def judge(changes: Sequence[RosParameter]) -> SetParametersResult:
+    Args:
+        node: A node that has declared the table.
+        table: The parameters.
+        settings: Their values by name.
+        check: Called with the settings as they would be; refuses the change by raising a DrillTwinError.
+        changed: Called after the settings have changed.
+    """
+    live = {parameter.name: parameter for parameter in table if parameter.live}
+
+    def checked(changes: Sequence[RosParameter]) -> SetParametersResult:
         try:
             wanted = {change.name: live[change.name].checked(change.value) for change in changes if change.name in live}
             if wanted:
-                node.judge_live(SimpleNamespace(**{**vars(settings), **wanted}))
+                check(SimpleNamespace(**{**vars(settings), **wanted}))
         except DrillTwinError as error:
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
@@ -144,9 +158,9 @@ def _follow_changes(node: Node, live: Mapping[str, Parameter], settings: SimpleN
         known = {change.name: live[change.name].checked(change.value) for change in changes if change.name in live}
         vars(settings).update(known)
         if known:
-            node.on_live()
+            changed()
 
-    node.add_on_set_parameters_callback(judge)
+    node.add_on_set_parameters_callback(checked)
     node.add_post_set_parameters_callback(take_over)
 
 

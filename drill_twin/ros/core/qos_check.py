@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Publishers that a node cannot hear although the name of the topic is right: another type, or too little promised.
+"""Publishers that a subscription is not connected to although the topic's name is right: another type, or weaker QoS.
 
-DDS connects neither and says nothing to the node (of the type) or one line of its own (of the quality).
+DDS reports a mismatch of the type not at all, and one of the quality of service with one line of its own.
 """
 
 from __future__ import annotations
@@ -11,23 +11,24 @@ from collections.abc import Mapping
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-_NOT_NAMED_YET = "_NODE_NAME_UNKNOWN_"
-_WANTED = (  # policy, what we want, what does not do, in words
+UNKNOWN_NODE_NAME = "_NODE_NAME_UNKNOWN_"
+"""Name of a node whose publisher has been discovered and whose name has not."""
+_WANTED = (  # policy, requested, not sufficient, the two in words
     ("reliability", ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT, "reliable", "best_effort"),
     ("durability", DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE, "transient_local", "volatile"),
 )
 
 
-def unheard(node: Node, inputs: Mapping[str, tuple[str, QoSProfile]]) -> str:
-    """The first publisher that a node does not hear, with the reason and what to do; empty when there is none.
+def incompatible_publisher(node: Node, inputs: Mapping[str, tuple[str, QoSProfile]]) -> str:
+    """First publisher that a node is not connected to, with the reason and the remedy; empty when there is none.
 
     Args:
-        node: Who listens.
+        node: The subscribing node.
         inputs: Type and quality of service of its subscriptions, by resolved topic.
     """
     for topic, (kind, wanted) in inputs.items():
         for info in node.get_publishers_info_by_topic(topic):
-            if info.node_name == _NOT_NAMED_YET:
+            if info.node_name == UNKNOWN_NODE_NAME:
                 continue
             who = f"{info.node_namespace.rstrip('/')}/{info.node_name}"
             if info.topic_type != kind:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a node hears: messages are waited for and taken here, everything else is the executor's.
+"""Subscriptions of a node, waited for and taken without rclpy's executor.
 
-A turn of rclpy's executor goes through every entity of a node, some forty of them, in Python: a millisecond, and at 200
-frames a second more than the motion itself. Messages need none of it. So the executor leaves the subscriptions alone;
-thirty times a second it is looked, in one call, whether somebody has asked a service or answered, and only then the
-executor has its turn. For the rest (events of DDS, timers) it has one twice a second.
+A turn of rclpy's executor visits every entity of a node, some forty of them, in Python: a millisecond, and at 200
+frames a second more than the motion itself. Messages need none of it, so the executor skips the subscriptions. Thirty
+times a second one call checks for service requests and answers, and only then the executor spins; for the rest
+(DDS events, timers) it spins twice a second.
 """
 
 from __future__ import annotations
@@ -23,31 +23,31 @@ from rclpy.subscription import Subscription
 from drill_twin.ros.core.drop_counter import DropCounter
 
 _AT_ONCE = 200  # messages of one topic taken in one turn
-_ATTENTION = 0.03  # s; a service call waits no longer than this
-_REST = 0.5  # s; nor does anything else wait longer than this
+_SERVICE_PERIOD = 0.03  # s; longest wait of a service call
+_SPIN_PERIOD = 0.5  # s; longest wait of anything else
 _NANOSECONDS = 1e9
 
 Received = Callable[[bytes, Mapping[str, Any]], None]
-"""Callback of a subscription: the CDR bytes, and when they were sent and received."""
+"""Callback of a subscription: the CDR bytes, and the times at which they were sent and received."""
 
 
 class ManualCallbackGroup(CallbackGroup):
-    """Keeps an executor from taking the messages of a subscription; its events are still the executor's."""
+    """Excludes subscriptions from an executor; their DDS events are still the executor's."""
 
     def can_execute(self, entity: Any) -> bool:
-        """Whether the executor may."""
+        """Whether the executor may process an entity."""
         return not isinstance(entity, Subscription)
 
     def beginning_execution(self, entity: Any) -> bool:
-        """Whether the executor may now."""
+        """Whether the executor may process an entity now."""
         return self.can_execute(entity)
 
     def ending_execution(self, entity: Any) -> None:
-        """Nothing is locked."""
+        """No-op: nothing is locked."""
 
 
 class RawSubscriptions:
-    """The subscriptions of a node, and its executor for all else."""
+    """Raw subscriptions of a node, and the executor for its services, clients and events."""
 
     def __init__(self, node: Node, context: Context) -> None:
         self._node = node
@@ -55,42 +55,52 @@ class RawSubscriptions:
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(node)
         self._incoming: list[tuple[Subscription, Received, str]] = []
-        self.queues = DropCounter()
+        self.drops = DropCounter()
         self._wait_set: Any = None
-        self._attention_due = self._rest_due = 0.0
+        self._services_due = self._spin_due = 0.0
 
     def add(self, subscription: Subscription, received: Received, topic: str = "") -> None:
-        """Hear a topic from now on; its callback group is `ManualCallbackGroup`.
+        """Read a subscription from now on; its callback group is `ManualCallbackGroup`.
 
         Args:
-            subscription: To what.
-            received: Who hears it.
-            topic: Name under which dropped messages are counted; none where only the newest is wanted.
+            subscription: A raw subscription of the node.
+            received: Callback.
+            topic: Name under which dropped messages are counted; empty: they are not counted.
         """
         self._incoming.append((subscription, received, topic))
         self._wait_set = None
 
     def close(self) -> None:
-        """Hear nothing more."""
+        """Destroy all subscriptions."""
         for subscription, _, _ in self._incoming:
             self._node.destroy_subscription(subscription)
         self._incoming.clear()
         self._wait_set = None
 
-    def listen_for(self, seconds: float) -> None:
-        """Wait for something to arrive, at most this long [s], and take it with all that came with it.
+    def spin_once(self, seconds: float) -> None:
+        """Wait for a message, at most this long [s], and process all that have arrived.
 
         Returns sooner when the executor is due.
         """
-        self._wait(min(seconds, self._attention_due - time.monotonic()))
+        self._wait(min(seconds, self._services_due - time.monotonic()))
         self.take_all()
         now = time.monotonic()
-        if now < self._attention_due:
+        if now < self._services_due:
             return
-        if now >= self._rest_due or self._is_asked():
+        if now >= self._spin_due or self._services_waiting():
             self._executor.spin_once(timeout_sec=0.0)
-            self._rest_due = time.monotonic() + _REST
-        self._attention_due = time.monotonic() + _ATTENTION
+            self._spin_due = time.monotonic() + _SPIN_PERIOD
+        self._services_due = time.monotonic() + _SERVICE_PERIOD
+
+    def drain(self, quiet: float, longest: float) -> None:
+        """Process messages until none has come for `quiet` seconds of wall time, or `longest` have passed."""
+        now = time.monotonic()
+        last, end = now, now + longest
+        while now - last < quiet and now < end:
+            if self.take_all():
+                last = now
+            time.sleep(0.01)
+            now = time.monotonic()
 
     def take_all(self) -> int:
         """Hand everything that has arrived to its callback, without waiting; returns how many messages."""
@@ -100,18 +110,18 @@ class RawSubscriptions:
             while waiting < _AT_ONCE and (taken := _take(subscription)) is not None:
                 raw, info = taken
                 if topic:
-                    self.queues.number(topic, info["publication_sequence_number"])
+                    self.drops.add_sequence_number(topic, info["publication_sequence_number"])
                 received(raw, info)
-                waiting += 1  # not for ever: a flood must not keep the node from its work
-            self.queues.took(waiting)
+                waiting += 1  # bounded: a flood must not keep the node from its work
+            self.drops.add_queue_length(waiting)
             count += waiting
         return count
 
-    def settle_queues(self) -> dict[str, str]:
-        """How full the queues were, for the diagnostics."""
+    def queue_report(self) -> dict[str, str]:
+        """Fill and drops of the queues since the last report, for the diagnostics."""
         publishers = {topic: subscription for subscription, _, topic in self._incoming if topic}
-        self.queues.settle(lambda topic: publishers[topic].get_publisher_count() if topic in publishers else 0)
-        return self.queues.values()
+        self.drops.confirm_gaps(lambda topic: publishers[topic].get_publisher_count() if topic in publishers else 0)
+        return self.drops.values()
 
     def _wait(self, seconds: float) -> None:
         if seconds <= 0.0:
@@ -126,8 +136,8 @@ class RawSubscriptions:
             self._wait_set.add_subscription(subscription.handle)
         self._wait_set.wait(round(seconds * _NANOSECONDS))
 
-    def _is_asked(self) -> bool:
-        """Whether a service was called, an answer has come, or a message for rclpy itself, such as its clock."""
+    def _services_waiting(self) -> bool:
+        """Whether a service request, an answer, or a message for rclpy itself (its clock) has arrived."""
         ours = {id(subscription) for subscription, _, _ in self._incoming}
         others = [subscription for subscription in self._node.subscriptions if id(subscription) not in ours]
         services, clients = list(self._node.services), list(self._node.clients)
@@ -148,4 +158,5 @@ class RawSubscriptions:
 
 def _take(subscription: Subscription) -> tuple[bytes, Mapping[str, Any]] | None:
     with subscription.handle:
-        return subscription.handle.take_message(subscription.msg_type, True)
+        taken: tuple[bytes, Mapping[str, Any]] | None = subscription.handle.take_message(subscription.msg_type, True)
+    return taken

@@ -1,34 +1,139 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a node that is ready says: how many readers each of its topics is connected to.
+"""Start-up barrier: a service with which a node says that it is ready, and the wait for those of other nodes.
 
-Two nodes that a third one waits for may both be well and not have met each other yet. Who asks has seen all their
-readers, because a node's `~/ready` service is the last thing it creates; so it can compare.
+Two nodes that a third one waits for may both be running and not be connected to each other yet. A ready node therefore
+answers with the number of readers of each of its topics. The waiting node has discovered all readers of every node
+whose `~/ready` service it sees, because that service is created last; it compares the two numbers.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+import time
+from collections.abc import Callable
 
+from rclpy.client import Client
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
+from rclpy.service import Service
+from std_srvs.srv import Trigger
+
+from drill_twin.errors import RunError
+from drill_twin.ros.core.node_topics import NodeTopics
+from drill_twin.ros.entry_points import StopRequest
+
+_POLL = 0.05  # s
+_ANSWER_TIME = 1.0  # s
 
 
-def connected_readers(publishers: Iterable[Publisher]) -> str:
-    """The message of a node that is ready: readers by topic, as JSON."""
-    return json.dumps({publisher.topic_name: publisher.get_subscription_count() for publisher in publishers})
+class StartupBarrier:
+    """Readiness of a node, and its wait for the readiness of others."""
+
+    def __init__(
+        self, node: Node, topics: NodeTopics, spin_once: Callable[[float], None], not_ready: Callable[[], str]
+    ) -> None:
+        """Connect the barrier to its node.
+
+        Args:
+            node: The node.
+            topics: Its topics.
+            spin_once: Called with a time [s] to process messages and service calls meanwhile.
+            not_ready: Called for the reason why the node is not ready, empty when it is.
+        """
+        self._node = node
+        self._topics = topics
+        self._spin_once = spin_once
+        self._not_ready = not_ready
+        self._service: Service | None = None
+
+    def create_service(self) -> None:
+        """Create the service `~/ready`, after all topics of this node."""
+        if self._service is None:
+            self._service = self._node.create_service(Trigger, "~/ready", self._answer)
+
+    def destroy_service(self) -> None:
+        """Destroy the service `~/ready`."""
+        if self._service is not None:
+            self._node.destroy_service(self._service)
+        self._service = None
+
+    def _answer(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        del request
+        reason = self._not_ready() or self.unmatched_readers()
+        counts = {
+            publisher.topic_name: publisher.get_subscription_count() for publisher in self._topics.publishers.values()
+        }
+        response.success = not reason
+        response.message = reason or json.dumps(counts)
+        return response
+
+    def unmatched_readers(self) -> str:
+        """Topics of this node with a reader that is not connected yet, in a sentence; empty when all are."""
+        late = [
+            topic
+            for topic, publisher in self._topics.publishers.items()
+            if publisher.get_subscription_count() < readers_of(self._node, publisher.topic_name)
+        ]
+        return f"not yet connected to the readers of {', '.join(late)}" if late else ""
+
+    def wait_for(self, names: str, seconds: float, stop: StopRequest) -> None:
+        """Wait until other nodes are ready and the readers of this node are connected.
+
+        Args:
+            names: Node names in this namespace, separated by spaces.
+            seconds: Longest wait [s].
+            stop: Ends the wait early.
+
+        Raises:
+            RunError: A node was not ready in time.
+        """
+        clients = {name: self._node.create_client(Trigger, f"{name}/ready") for name in names.split()}
+        deadline = time.monotonic() + seconds
+        # All must be present before the first is asked: its answer is compared with the readers of all the others.
+        for missing, reached in ((self._absence, "there"), (self._unreadiness, "ready")):
+            for name, client in clients.items():
+                logged = ""
+                while not stop and (reason := missing(client)):
+                    if reason != logged:
+                        self._node.get_logger().info(f"waiting for {name}: {reason}")
+                        logged = reason
+                    if time.monotonic() > deadline:
+                        raise RunError(
+                            f"waited {seconds:g} s for the node {name}: {reason}; start it in the same ROS_DOMAIN_ID "
+                            "and namespace, or take its name out of the parameter wait_for"
+                        )
+                    self._spin_once(_POLL)
+                if logged:
+                    self._node.get_logger().info(f"{name} is {reached}")
+        for client in clients.values():
+            self._node.destroy_client(client)
+        while not stop and self.unmatched_readers() and time.monotonic() < deadline:
+            self._spin_once(_POLL)
+
+    def _absence(self, client: Client) -> str:
+        return "" if client.service_is_ready() else "it is not there yet"
+
+    def _unreadiness(self, client: Client) -> str:
+        answer = client.call_async(Trigger.Request())
+        deadline = time.monotonic() + _ANSWER_TIME
+        while not answer.done():
+            if time.monotonic() > deadline:
+                client.remove_pending_request(answer)
+                return "it did not answer"
+            self._spin_once(_POLL)
+        message: str = answer.result().message
+        return missing_readers(self._node, message) if answer.result().success else message
 
 
-def missing_readers(node: Node, said: str) -> str:
-    """Which readers a ready node is not connected to yet, of those that the asker sees; empty when it is to all.
+def missing_readers(node: Node, answer: str) -> str:
+    """Topics of a ready node that readers known to this node are not connected to; empty when there are none.
 
     Args:
-        node: The asker.
-        said: The message of the ready node; one that is not ours may say anything, and is believed.
+        node: The node that asked.
+        answer: Message of the ready node; one that is not from this package may hold any text, and counts as ready.
     """
     try:
-        counts = json.loads(said)
+        counts = json.loads(answer)
     except json.JSONDecodeError:
         return ""
     if not isinstance(counts, dict):
@@ -38,9 +143,9 @@ def missing_readers(node: Node, said: str) -> str:
 
 
 def readers_of(node: Node, topic: str) -> int:
-    """Readers of a topic, by its full name, that its publishers can be connected to.
+    """Number of readers of a topic, by its full name, that its publishers can be connected to.
 
-    A reader that asks for latched messages where none are offered is never connected; it must hold up nobody.
+    A reader that requests latched messages where none are offered is never connected, so it does not count.
     """
     latched = any(
         offer.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL

@@ -166,7 +166,7 @@ def _watch(children: Mapping[str, Any], duration: float, console: Any, stop: Sto
             task = progress.add_task("compiling and connecting", total=duration)
             patience = Patience()
             while not stop and children["simulator"].exit_code is None:
-                watcher.listen_for(0.1)
+                watcher.spin_once(0.1)
                 for child in children.values():
                     child.check_alive()
                 patience.check(watcher.time)
@@ -174,7 +174,7 @@ def _watch(children: Mapping[str, Any], duration: float, console: Any, stop: Sto
                     factor = f" ({watcher.realtime_factor:.1f} x real time)" if watcher.realtime_factor else ""
                     progress.update(task, completed=watcher.time, description=f"{watcher.motion or 'drilling'}{factor}")
             children["simulator"].check_alive()
-            watcher.settle(0.3)
+            watcher.drain(0.3)
             watcher.destroy_node()
     finally:
         context.try_shutdown()

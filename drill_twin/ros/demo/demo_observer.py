@@ -36,10 +36,10 @@ class DemoObserver(TwinNode):
         """What the simulator last said of itself."""
         self._on_change = on_change
         self._troubles: set[str] = set()
-        self.listen(CLOCK_TOPIC, lambda raw, _: self._on_clock(raw))
-        self.listen(WHIRL_ONSET, lambda raw, _: self._on_onset(raw))
-        self.listen(WHIRL_MOTION, lambda raw, _: self._on_motion(raw))
-        self.listen(DIAGNOSTICS, lambda raw, _: self._on_diagnostics(raw))
+        self.topics.subscribe(CLOCK_TOPIC, lambda raw, _: self._on_clock(raw))
+        self.topics.subscribe(WHIRL_ONSET, lambda raw, _: self._on_onset(raw))
+        self.topics.subscribe(WHIRL_MOTION, lambda raw, _: self._on_motion(raw))
+        self.topics.subscribe(DIAGNOSTICS, lambda raw, _: self._on_diagnostics(raw))
 
     def _on_clock(self, raw: bytes) -> None:
         self.time = seconds(read_clock(raw))

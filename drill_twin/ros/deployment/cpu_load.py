@@ -97,7 +97,7 @@ def _watch(children: Mapping[str, Any], stop: StopRequest, enough: Any) -> Mappi
     try:
         watcher = DemoObserver(context, lambda _: None)
         while not stop and not enough(watcher):
-            watcher.listen_for(0.1)
+            watcher.spin_once(0.1)
             for child in children.values():
                 child.check_alive()
             if time.monotonic() > end:

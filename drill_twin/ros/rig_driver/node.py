@@ -23,12 +23,11 @@ from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import run_node
-from drill_twin.ros.core.node_startup import wait_for_nodes
 from drill_twin.ros.core.pacing import Pacer
 from drill_twin.ros.core.parameters import Parameter, Value
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, scene_of
 from drill_twin.ros.entry_points import StopRequest
-from drill_twin.ros.rig_driver.set_point_transition import Changeover, Plan
+from drill_twin.ros.rig_driver.set_point_transition import Plan, SetPointTransition
 from drill_twin.schedule.command import Command
 
 _QUIET = 0.1  # s
@@ -85,9 +84,9 @@ class RigDriver(TwinNode):
     )
 
     def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
+        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
     ) -> None:
-        super().__init__(context, values, also_known)
+        super().__init__(context, values, other_parameters)
         self._encoder = CommandEncoder()
         self._heard: int | None = None
         self._answered = -1
@@ -107,25 +106,25 @@ class RigDriver(TwinNode):
         self._period = round(NANOSECONDS / (self.settings.frame_rate or scene.numerics.frame_rate))
         self._pacer = Pacer(seconds(self._period))
         self._plays = scene.name
-        if self._schedule.record is not None:
+        if self._schedule.record is not None and scene.rig.table is not None:
             self._plays = str(scene.rig.table.file)
             self.get_logger().info(self._schedule.record.report)
         for topic in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND):
-            self.advertise(topic)
+            self.topics.advertise(topic)
         if self.settings.follow == "clock":
-            self.listen(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
+            self.topics.subscribe(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
 
     def run(self, stop: StopRequest) -> None:
         """Wait for the others, then drive: a set-point sent before its readers are connected is lost to them."""
-        wait_for_nodes(self, self.settings.wait_for, self.settings.wait_timeout, stop)
-        self.settle(_QUIET)  # who joins late is sent old times first
+        self.barrier.wait_for(self.settings.wait_for, self.settings.wait_timeout, stop)
+        self.drain(_QUIET)  # who joins late is sent old times first
         self.get_logger().info(f"driving: {self._plays}, by the {self.settings.follow}")
         super().run(stop)
 
     def work(self) -> None:
         """Send the set-points for the next frame, once it is their turn."""
         if self.settings.follow == "wall":
-            self.listen_for(0.0)
+            self.spin_once(0.0)
             self._heard = 0 if self._heard is None else self._heard + self._period
             self._send(self._heard + self._period)
             self._pacer.wait()
@@ -134,7 +133,7 @@ class RigDriver(TwinNode):
             stuck = time.monotonic() > self._repeat_due
             if stuck or self._answered != self._heard + self._period:
                 self._send(self._heard + self._period)
-        self.listen_for(0.05)
+        self.spin_once(0.05)
 
     @property
     def finished(self) -> bool:
@@ -157,23 +156,23 @@ class RigDriver(TwinNode):
 
     def _send(self, stamp: int) -> None:
         command = self._plan(seconds(stamp))
-        self.outgoing[RIG_COMMAND].publish(self._encoder.command(stamp, command))
+        self.topics.publish(RIG_COMMAND, self._encoder.command(stamp, command))
         if command != self._last or stamp >= self._echo_due:
             self._echo_due = stamp + NANOSECONDS
-            self.outgoing[WOB_COMMAND].publish(self._encoder.wob_command(command))
-            self.outgoing[RPS_COMMAND].publish(self._encoder.rps_command(command))
+            self.topics.publish(WOB_COMMAND, self._encoder.wob_command(command))
+            self.topics.publish(RPS_COMMAND, self._encoder.rps_command(command))
         self._answered, self._last = stamp, command
         self._repeat_due = time.monotonic() + _REPEAT
         self._sent += 1
 
     # --- live set-points ------------------------------------------------------------------------------------------
 
-    def judge_live(self, settings: SimpleNamespace) -> None:
+    def check_change(self, settings: SimpleNamespace) -> None:
         """Refuse a set-point that the scene could not have."""
         if (settings.weight_on_bit, settings.rotation) != self._planned:
             scene_of(settings)
 
-    def on_live(self) -> None:
+    def on_change(self) -> None:
         """Go over to the set-points that were asked for."""
         from drill_twin.schedule import Schedule
 
@@ -184,7 +183,7 @@ class RigDriver(TwinNode):
         self._schedule = Schedule.from_scene(scene_of(self.settings))
         self._plan = self._schedule.at
         if self._last is not None:
-            self._plan = Changeover(self._last, self._schedule.at, self._time, self.settings.change_time)
+            self._plan = SetPointTransition(self._last, self._schedule.at, self._time, self.settings.change_time)
         self.get_logger().info(f"from {self._time:.2f} s: weight on bit {wanted[0]!r}, speed {wanted[1]!r}")
 
     # --- end and health -------------------------------------------------------------------------------------------
@@ -192,14 +191,14 @@ class RigDriver(TwinNode):
     def close(self) -> None:
         """See that the last set-point has arrived."""
         if self._sent:
-            self.report_health()
-            self.flush(1.0)
+            self.publish_diagnostics()
+            self.topics.flush(1.0)
 
     def health(self) -> Status:
         """What is being commanded."""
         command = self._last or Command(0.0, 0.0)
         over = self._time >= self._schedule.duration
-        drivers = self.publishers_of(RIG_COMMAND)
+        drivers = self.topics.publisher_nodes(RIG_COMMAND)
         values = {
             "plays": self._plays,
             "time": f"{self._time:.3f}",

@@ -13,7 +13,7 @@ Plan = Callable[[float], Command]
 
 
 @dataclass(frozen=True)
-class Changeover:
+class SetPointTransition:
     """A plan that is reached by a cubic step, flat at both ends (the STEP of the schedules)."""
 
     before: Command

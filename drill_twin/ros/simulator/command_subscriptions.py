@@ -13,7 +13,8 @@ from drill_twin.io.messages.decode import JointStateReader, read_float64
 from drill_twin.io.messages.encode import read_command
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
-from drill_twin.ros.core.node import NOT_NAMED_YET, TwinNode
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.node_topics import NOT_NAMED_YET
 from drill_twin.ros.core.topic_qos import relative
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter, Silence
 from drill_twin.ros.simulator.command_limits import limits_for
@@ -47,9 +48,9 @@ class CommandSubscriptions:
 
     def listen(self) -> None:
         """Subscribe."""
-        self._node.listen(RIG_COMMAND, self._on_command)
-        self._node.listen(WOB_COMMAND, lambda raw, _: self._on_single(raw, self.desk.weight_on_bit))
-        self._node.listen(RPS_COMMAND, lambda raw, _: self._on_single(raw, self.desk.speed))
+        self._node.topics.subscribe(RIG_COMMAND, self._on_command)
+        self._node.topics.subscribe(WOB_COMMAND, lambda raw, _: self._on_single(raw, self.desk.weight_on_bit))
+        self._node.topics.subscribe(RPS_COMMAND, lambda raw, _: self._on_single(raw, self.desk.speed))
 
     def follow_settings(self) -> None:
         """Go by the node's settings of now."""
@@ -68,7 +69,7 @@ class CommandSubscriptions:
         A driver announces `/rig/command` first, so it is asked for last: else one that comes in between would look
         like somebody with single values.
         """
-        of = self._node.publishers_of
+        of = self._node.topics.publisher_nodes
         singles = {*of(WOB_COMMAND), *of(RPS_COMMAND)}
         drivers = of(RIG_COMMAND)
         return [name for name in (*drivers, *sorted(singles - set(drivers))) if name != NOT_NAMED_YET]

@@ -34,9 +34,9 @@ class Simulation(TwinNode):
     PARAMETERS: ClassVar = PARAMETERS
 
     def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
+        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
     ) -> None:
-        super().__init__(context, values, also_known)
+        super().__init__(context, values, other_parameters)
         self._keeper = CheckpointWriter()
         self._stage: Any = None
         self._inbox: Any = None
@@ -48,16 +48,16 @@ class Simulation(TwinNode):
 
     def work(self) -> None:
         """Take one frame, or wait for what it needs."""
-        self.listen_for(0.0)
+        self.spin_once(0.0)
         if self._must_wait():
             self._pacer.restart()
-            self.listen_for(0.05)
+            self.spin_once(0.05)
             return
         self._advance()
         if self.settings.pace == "realtime":
             self._pacer.wait()
         elif self.settings.pace == "fast" and self._stage.frames % _BURST == 0:
-            self.flush(1.0)
+            self.topics.flush(1.0)
 
     def _must_wait(self) -> bool:
         return not self._active or self._paused or self._over or self._waits_for_command()
@@ -94,7 +94,7 @@ class Simulation(TwinNode):
             return self._picture is not None and self._picture.due()
         return self._stage.frames % max(round(1.0 / (self._period * self.settings.marker_rate)), 1) == 0
 
-    def on_live(self) -> None:
+    def on_change(self) -> None:
         """A parameter was changed."""
         if self._inbox is None:
             return
@@ -119,14 +119,14 @@ class Simulation(TwinNode):
                 self._keeper.finish()
             if self._keeper.trouble:
                 self.get_logger().error(f"no checkpoint: {self._keeper.trouble}")
-            self.report_health()
-            self.flush()
+            self.publish_diagnostics()
+            self.topics.flush()
             self.get_logger().info(f"{self._stage.twin.time:.2f} s simulated, {self._stage.cost.text()}")
 
     # --- readiness and diagnostics --------------------------------------------------------------------------------
 
     @property
-    def comes_later(self) -> bool:
+    def topics_pending(self) -> bool:
         """Whether it is still to be configured."""
         return self._stage is None
 
@@ -145,7 +145,7 @@ class Simulation(TwinNode):
         sources = self._inbox.sources()
         values = health_values(self.settings, stage, desk, self._pacer, keeper, sources)
         stage.cost.start_window()
-        if len(self.publishers_of(STRING_POSES)) > 1:
+        if len(self.topics.publisher_nodes(STRING_POSES)) > 1:
             text = f"another simulator publishes {STRING_POSES} in this domain and namespace"
             return Status(self.NAME, Level.ERROR, text, values)
         if not self._active or self._paused:

@@ -41,9 +41,9 @@ class Simulator(LifecycleNodeMixin, RunControl):
     """Moves the string of a scene under the commands it receives."""
 
     def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, also_known: Sequence[str] = ()
+        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
     ) -> None:
-        RunControl.__init__(self, context, values, also_known)
+        RunControl.__init__(self, context, values, other_parameters)
         LifecycleNodeMixin.__init__(self)
         answer_any_transition(self, self._service_change_state)
         self._born = time.monotonic()
@@ -68,7 +68,7 @@ class Simulator(LifecycleNodeMixin, RunControl):
             self._configure()
         except Exception as error:  # noqa: BLE001 - rclpy would swallow it; `open` raises it
             self._refusal = error
-            self.retire()
+            self.destroy_endpoints()
             if not self.settings.autostart:
                 self.get_logger().error(str(error))
             return _REFUSED
@@ -90,7 +90,7 @@ class Simulator(LifecycleNodeMixin, RunControl):
         """Forget the twin."""
         del state
         self._keeper.finish()
-        self.retire()
+        self.destroy_endpoints()
         self._stage.retire()
         self._stage = None
         self._started = self._paused = False
@@ -113,17 +113,17 @@ class Simulator(LifecycleNodeMixin, RunControl):
         self._period = 1.0 / rate
         self._pacer = Pacer(self._period)
         for topic in TOPICS_OF_TWIN:
-            self.advertise(topic)
+            self.topics.advertise(topic)
         # Latched, so that a driver which comes back in mid-run learns at once what time it is.
-        self.advertise(CLOCK_TOPIC, latched=True)
-        stage = TwinPublisher(self, scene, self._period, settings.pace, self.outgoing)
+        self.topics.advertise(CLOCK_TOPIC, latched=True)
+        stage = TwinPublisher(self, scene, self._period, settings.pace, self.topics.publishers)
         self._inbox = CommandSubscriptions(self, scene, stage.first, lambda: stage.twin.time)
         self._refuse_a_second_one()
         if settings.checkpoint and Path(settings.checkpoint).exists():
             self._go_on_from(settings.checkpoint, stage)
         stage.announce()
         self._inbox.listen()
-        self.on_live()
+        self.on_change()
         actions = (self.pause, self.resume, self.step, self.reset, self.save_checkpoint, self.load_checkpoint)
         self.services_while_configured += offer(self, {action.__name__: action for action in actions})
         self.services_while_configured += offer_where_installed(self, self)
@@ -140,7 +140,7 @@ class Simulator(LifecycleNodeMixin, RunControl):
     def _refuse_a_second_one(self) -> None:
         time.sleep(max(self._born + _DISCOVERY - time.monotonic(), 0.0))
         deadline = time.monotonic() + _LEASE
-        while len(others := self.publishers_of(STRING_POSES)) > 1:
+        while len(others := self.topics.publisher_nodes(STRING_POSES)) > 1:
             if time.monotonic() > deadline:
                 raise DrillTwinError(
                     f"expected to be the only simulator here, found {len(others) - 1} more, publishing "

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Diagnostics of a node: published on `/diagnostics`, and on the console when they report a problem."""
+
+from __future__ import annotations
+
+import re
+import time
+from dataclasses import replace
+
+from rclpy.node import Node
+
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.topics import DIAGNOSTICS
+from drill_twin.ros.core.node_topics import NodeTopics
+
+_REPEAT_AFTER = 60.0  # s without a problem until it is logged again
+
+
+class DiagnosticsPublisher:
+    """Publishes the status of a node, completed by what the node's topics report."""
+
+    def __init__(self, node: Node, topics: NodeTopics) -> None:
+        self._node = node
+        self._topics = topics
+        self._publisher = topics.advertise(DIAGNOSTICS)
+        self._seen: dict[str, float] = {}
+
+    def publish(self, status: Status) -> None:
+        """Publish a status now; a publisher that cannot be connected to turns OK into a warning."""
+        queues = self._topics.queue_report()
+        if status.level == Level.OK and (problem := self._topics.incompatible_publisher()):
+            status = replace(status, level=Level.WARN, text=problem)
+        if status.level != Level.OK:
+            self._log(status.text)
+        name = self._node.get_fully_qualified_name().lstrip("/")
+        named = replace(status, name=name, values={**status.values, **queues})
+        self._publisher.publish(encode_diagnostics(self._node.get_clock().now().nanoseconds, [named]))
+
+    def _log(self, text: str) -> None:
+        """Log a problem unless it was seen in the last minute, perhaps with other numbers."""
+        now, kind = time.monotonic(), re.sub(r"[-+\d.]+", "", text)
+        if now - self._seen.get(kind, -_REPEAT_AFTER) >= _REPEAT_AFTER:
+            self._node.get_logger().warning(text)
+        self._seen[kind] = now
