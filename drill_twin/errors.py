@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Errors a user can act on: each says what was expected, what was found, where, and what to do."""
+"""Errors for the user: each message names the place, expected, found and remedy."""
 
 from typing import Self
 
 
 class DrillTwinError(Exception):
-    """Base of every error that is the user's to mend; the command line prints it as one line."""
+    """Base of all errors that the user can correct; the command line prints it on one line."""
 
 
 class SceneError(DrillTwinError):
@@ -13,7 +13,7 @@ class SceneError(DrillTwinError):
 
 
 class TableError(DrillTwinError):
-    """A table of measured set-points that cannot be played back."""
+    """A table of measured set-points that cannot be used."""
 
 
 class BagError(DrillTwinError):
@@ -21,35 +21,35 @@ class BagError(DrillTwinError):
 
 
 class MessageError(DrillTwinError):
-    """Bytes or values that do not make a message of the topic contract."""
+    """Bytes or values that are no message of the topic contract."""
 
 
 class RunError(DrillTwinError):
-    """A run that could not go on: names the time, the place and the likely remedy."""
+    """A run that cannot continue; the message names time, place and likely remedy."""
 
 
 class StoppedError(RunError):
-    """The guard stopped a run after several tries; the twin is back at the last good frame.
+    """A run stopped by the step guard after several retries; the twin is back at the last good frame.
 
     Attributes:
         time: Simulated time of that frame [s].
-        kind: What was violated (`drill_twin.twin.frame.Intervention`).
-        node: Where it was worst.
-        effect: Key of the effect behind it; empty where none could be named.
+        kind: Kind of the violation (`drill_twin.twin.violation.Violation`).
+        node: Node at which it was largest.
+        effect: Key of the effect that caused it; empty if none was identified.
     """
 
     def __init__(self, message: str, time: float, kind: str, node: int, effect: str) -> None:
         super().__init__(message)
         self.time, self.kind, self.node, self.effect = time, kind, node, effect
 
-    def saying(self, message: str) -> Self:
-        """The same with another text."""
+    def with_message(self, message: str) -> Self:
+        """Copy with another message."""
         return type(self)(message, self.time, self.kind, self.node, self.effect)
 
     def __reduce__(self) -> tuple[type[Self], tuple[str, float, str, int, str]]:
-        """So that it gets from one process to another."""
+        """Support pickling, for transfer between processes."""
         return type(self), (str(self), self.time, self.kind, self.node, self.effect)
 
 
 class CheckpointError(DrillTwinError):
-    """A checkpoint that cannot be written, or that a run cannot go on from."""
+    """A checkpoint that cannot be written, read or resumed."""

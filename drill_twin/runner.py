@@ -137,7 +137,7 @@ class Session:
             except RunError as error:
                 kept = run.give_up(error)
                 text = f"{error}; what came before is recorded in {bag.folder}{kept}"
-                raise (error.saying(text) if isinstance(error, StoppedError) else RunError(text)) from error
+                raise (error.with_message(text) if isinstance(error, StoppedError) else RunError(text)) from error
             run.report_health()
         return Outcome(
             bag.folder, seconds(done * self._period), done == frames, time.monotonic() - began, run.pipeline.summary()

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every room uses: array types, compiler flags of kernels, constants."""
+"""Array types and compiler flags shared by all packages."""

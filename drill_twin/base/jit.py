@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How every kernel is compiled: one decorator, so that the flags are chosen once.
+"""Compiler flags of all kernels, applied by one decorator.
 
 * ``error_model="numpy"``: numba's default checks each division and blocks vectorisation (a factor 1.6 to 2 here).
-* ``fastmath`` without ``nnan`` and ``ninf``: sums may be reordered and fused, yet a NaN stays a NaN, which the
-  guard relies on.
-* ``forceinline``: the pieces of the step share a few structures of arrays; passed to a real call, each array is seven
-  words on the stack (measured: a third of the assembly's time).
-* numba leaves LLVM's vectoriser of straight-line code off by default; the solver's and the element's rows need it.
-* kernels release the GIL, so that a node answers services while the string moves.
-* Nothing is cached here: numba's cache does not see edits in called functions. Only the composed entry point is
-  cached, under a name made of all the sources it is built from (`drill_twin.solver.kernel_codegen`).
+* ``fastmath`` without ``nnan`` and ``ninf``: sums may be reordered and fused, but a NaN stays a NaN, as the step
+  guard requires.
+* ``forceinline``: the functions of a step share structures of arrays; in a real call each array takes seven words on
+  the stack (measured: a third of the assembly time).
+* numba disables LLVM's superword-level vectoriser by default; the rows of solver and element need it.
+* Kernels release the GIL, so that a node answers services during a step.
+* Nothing is cached here: numba's cache ignores edits in called functions. Only the generated entry point is cached,
+  under a name derived from all of its sources (`drill_twin.solver.kernel_codegen`).
 """
 
 from collections.abc import Callable

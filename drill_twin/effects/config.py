@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every effect's block in a scene file has in common."""
+"""Base class of the effects' blocks in a scene file."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
@@ -24,20 +24,20 @@ def _flag(value: Any) -> bool:
 
 
 Seed = Annotated[int, BeforeValidator(_seed), Field(ge=0, le=LARGEST_SEED)]
-"""Seed of what an effect draws at random: the same seed, the same run."""
+"""Seed of the random numbers of an effect; the same seed gives the same run."""
 Flag = Annotated[bool, BeforeValidator(_flag)]
 """True or false."""
-Whole = Literal["torque", "weight"]
+BitReaction = Literal["torque", "weight"]
 EnergyClass = Literal["kept", "heat", "any"]
 
 
 class Incompatibility(NamedTuple):
-    """What in a block contradicts the rest of its scene."""
+    """A contradiction between a block and the rest of its scene."""
 
     place: tuple[str | int, ...]
-    """Keys that lead to it; () for the whole block."""
+    """Keys of its place in the block; () for the whole block."""
     text: str
-    """What was expected and what was found."""
+    """Message: expected and found."""
 
 
 class EffectConfig(BaseModel):
@@ -47,16 +47,16 @@ class EffectConfig(BaseModel):
 
     requires: ClassVar[tuple[str, ...]] = ()
     """Keys of the effects that must be listed too."""
-    provides: ClassVar[tuple[Whole, ...]] = ()
-    """What it gives the whole of, so that a scene lists one such effect: the torque of the rock on the bit, and the
-    force with which the rock carries a weight set at the top."""
+    provides: ClassVar[tuple[BitReaction, ...]] = ()
+    """Reactions of the rock on the bit that it computes in full, so that a scene lists one such effect for each: the
+    torque, and the axial force that supports a weight set at the top."""
     energy_class: ClassVar[EnergyClass] = "any"
-    """What becomes of the energy it takes from the string: all can be had back, all is heat, or neither."""
+    """Energy taken from the string: conservative (`kept`), all dissipated (`heat`), or neither (`any`)."""
     disabled_for_static: ClassVar[tuple[str, ...]] = ()
-    """Fields that are set to nothing while the balance at rest is sought: of effects that move or hold the string."""
+    """Fields set to zero in the search for the static equilibrium: excitation and friction."""
 
-    def check_against(self, scene: Any) -> Iterator[Incompatibility]:  # noqa: ARG002, the blocks of effects use it
-        """What contradicts the rest of the scene; each part of it has been checked by itself.
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:  # noqa: ARG002, the subclasses use it
+        """Yield the contradictions with the rest of the scene, whose parts are valid by themselves.
 
         Args:
             scene: The `drill_twin.scene.Scene` that lists the effect.

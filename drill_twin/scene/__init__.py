@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes: what is drilled, which effects matter, how it is driven; read from YAML with units, checked as a whole."""
+"""Scenes: string, hole, rig, effects and numerics of a run, from YAML with units, validated as a whole."""
 
 from drill_twin.scene.json_schema import scene_json_schema
 from drill_twin.scene.load import load_scene, parse_scene

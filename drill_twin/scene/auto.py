@@ -9,7 +9,7 @@ from pydantic_core import core_schema
 
 
 class OrAuto:
-    """Annotation of a field that may also be the word `auto`."""
+    """Annotation of a field whose value may be the word `auto`."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> Any:

@@ -1,35 +1,53 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks across the parts of a scene: string, hole, rig and effects must go together.
+"""Consistency checks across the parts of a scene: string, hole, rig and effects.
 
-What an effect asks of the rest of the scene stands in its own file (`drill_twin.effects.EffectConfig.check_against`).
+The requirements of an effect stand in its own file (`drill_twin.effects.EffectConfig.check_against`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, get_args
+from typing import Protocol, get_args
 
-from drill_twin.effects.config import Whole
+from drill_twin.effects.config import BitReaction
 from drill_twin.scene.effects import Effects
 from drill_twin.scene.hole import Hole
 from drill_twin.scene.part import refuse_at
 from drill_twin.scene.rig import Rig
-from drill_twin.scene.string import Section, String
-
-if TYPE_CHECKING:
-    from drill_twin.scene.schema import Scene
+from drill_twin.scene.section import Section
+from drill_twin.scene.string import String
 
 TOGETHER = ("stretch", "torsion")
-"""Effects whose unknowns come and go together: the string in space, or its lateral motion only."""
+"""Effects that are listed both or not at all: the spatial formulation, or the lateral one."""
 LARGEST_STRAIN = 0.05
-"""Axial strain that no load may ask for: steel yields at 0.5 %, polyamide at 3 %."""
+"""Largest axial strain under the load [-]: steel yields at 0.5 %, polyamide at 3 %."""
 
 
-def check(scene: Scene) -> None:
-    """Refuse a scene whose parts contradict each other.
+class SceneParts(Protocol):
+    """The parts of a scene (`drill_twin.scene.Scene`)."""
+
+    @property
+    def string(self) -> String:
+        """The drillstring and its marks."""
+
+    @property
+    def hole(self) -> Hole:
+        """The hole."""
+
+    @property
+    def rig(self) -> Rig:
+        """Set-points and duration."""
+
+    @property
+    def effects(self) -> Effects:
+        """Effects to simulate."""
+
+
+def check(scene: SceneParts) -> None:
+    """Reject a scene whose parts contradict each other.
 
     Raises:
-        ValidationError: names the place and both sides of the contradiction.
+        ValidationError: Place and both sides of the contradiction.
     """
     string, hole, rig, effects = scene.string, scene.hole, scene.rig, scene.effects
     _string_fits_the_hole(string, hole)
@@ -49,7 +67,7 @@ def _string_fits_the_hole(string: String, hole: Hole) -> None:
         top, bottom = max(top - section.length, 0.0), top
         narrow = min(
             [hole.radius, *(i.radius for i in hole.intervals if i.top < bottom and i.bottom > top)]
-        )  # the nominal radius counts even where intervals cover the section: between them lies the hole as drilled
+        )  # with the nominal radius, even where intervals cover the section: gaps between them have it
         for key, diameter in _diameters(section):
             if diameter >= 2.0 * narrow:
                 raise refuse_at(
@@ -98,7 +116,7 @@ def _effects_go_together(effects: Effects) -> None:
                 raise refuse_at(
                     ("effects", key), f"expected `{needed}` to be listed too, found it missing: {key} needs {needed}"
                 )
-    for what in get_args(Whole):
+    for what in get_args(BitReaction):
         laws = effects.providing(what)
         if len(laws) > 1:
             raise refuse_at(

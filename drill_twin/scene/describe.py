@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The docstrings under the fields of a model, read from its source when they are asked for.
+"""Docstrings of a model's fields, read from its source on request.
 
-pydantic can collect them itself (`use_attribute_docstrings`), but does so at import, which costs each node 0.08 s.
+pydantic can collect them (`use_attribute_docstrings`), but does so at import, which takes each node 0.08 s.
 """
 
 import ast
@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 
 def descriptions(model: type[BaseModel]) -> dict[str, str]:
-    """Field name -> its docstring on one line, those of the bases included."""
+    """Docstring of each field on one line, by its name, those of the base classes included."""
     found: dict[str, str] = {}
     for base in reversed(model.__mro__):
         if issubclass(base, BaseModel) and base is not BaseModel:
@@ -23,7 +23,7 @@ def descriptions(model: type[BaseModel]) -> dict[str, str]:
 def _own(model: type[BaseModel]) -> dict[str, str]:
     try:
         source = inspect.getsource(model)
-    except OSError:  # made by a call, not by a class statement: its fields describe themselves
+    except OSError:  # made by `create_model`, with descriptions in its fields
         return {}
     (definition,) = ast.parse(textwrap.dedent(source)).body
     if not isinstance(definition, ast.ClassDef):

@@ -10,7 +10,7 @@ from drill_twin.scene.part import Part
 
 
 class EffectsBase(Part):
-    """The effects a scene calls for; one that is not listed is not computed."""
+    """Effects of a scene; one that is not listed is not computed."""
 
     if TYPE_CHECKING:
 
@@ -24,16 +24,16 @@ class EffectsBase(Part):
 
     @property
     def blocks(self) -> dict[str, EffectConfig]:
-        """The blocks that are on."""
+        """Blocks of the effects that are on, by key."""
         return {key: getattr(self, key) for key in self.names}
 
     def providing(self, what: str) -> list[str]:
-        """Keys of the effects that are on and give the whole `torque` or `weight` of the rock on the bit."""
+        """Keys of the effects that are on and compute the rock's reaction on the bit, `torque` or `weight`."""
         return [key for key, block in self.blocks.items() if what in block.provides]
 
 
 def _on_or_off(value: Any) -> Any:
-    """A key without a value, or `on`, is the effect with its defaults; `off` is no effect."""
+    """Block of a key without a value or with `on` (the defaults), None for `off`."""
     if value is None or value is True:
         return {}
     return None if value is False else value
@@ -47,7 +47,7 @@ def _field(block: type[EffectConfig]) -> tuple[Any, Any]:
 if TYPE_CHECKING:
 
     class Effects(EffectsBase):
-        """The effects a scene calls for, one optional block per key of the registry."""
+        """Effects of a scene, one optional block per key of the registry."""
 else:
     Effects = create_model(
         "Effects", __base__=EffectsBase, __module__=__name__, __doc__=EffectsBase.__doc__,

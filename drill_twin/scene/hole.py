@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hole: a cylinder around an axis, straight or surveyed, with a radius that may change with depth."""
+"""The `hole:` part of a scene: straight or surveyed axis, radius by measured depth."""
 
 import math
 from typing import Annotated, Self
@@ -16,22 +16,22 @@ Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km", reason="the lo
 SHARPEST_BEND = 10.0
 """Smallest radius of curvature of the hole, in radii of the hole."""
 LARGEST_TURN = math.radians(150.0)
-"""Largest angle between the hole and its direction at the top [rad]; directions are counted from there."""
+"""Largest angle between the hole and its direction at the top, the reference of all directions [rad]."""
 
 
 class Interval(Part):
-    """A stretch of the hole with a radius of its own: casing, a washout, a narrow place."""
+    """Interval of the hole with a radius of its own: casing, washout, tight spot."""
 
     top: Depth
-    """Measured depth where it begins, from the top clamp [m]."""
+    """Measured depth of its top, from the top clamp [m]."""
     bottom: Depth
-    """Measured depth where it ends [m]."""
+    """Measured depth of its bottom [m]."""
     radius: Annotated[Length, Within(above="0 m", at_most="10 m")]
-    """Radius in between [m]."""
+    """Radius in the interval [m]."""
 
 
 class Station(Part):
-    """A survey station."""
+    """Survey station."""
 
     depth: Depth
     """Measured depth from the top clamp [m]."""
@@ -42,14 +42,14 @@ class Station(Part):
 
 
 class Hole(Part):
-    """The hole the string turns in."""
+    """The hole around the string."""
 
     radius: Annotated[Length, Within(above="0 m", at_most="10 m")]
     """Radius [m], outside of `intervals`."""
     inclination: Annotated[Angle, Within(at_least="0 deg", at_most="180 deg")] = 0.0
     """Angle of the axis of a straight hole from the vertical [rad]; the low side is +x. Not with `survey`."""
     intervals: Annotated[tuple[Interval, ...], Field(max_length=1000)] = ()
-    """Stretches of another radius, from the top down."""
+    """Intervals of another radius, from the top down."""
     survey: Annotated[tuple[Station, ...], Field(max_length=10_000)] = ()
     """Stations from the top clamp down, joined by circular arcs (minimum curvature); left out: a straight hole."""
 
@@ -78,7 +78,7 @@ class Hole(Part):
             raise refuse_at(
                 ("inclination",),
                 f"expected no `inclination` beside a `survey`, found {math.degrees(self.inclination):.6g} deg; "
-                "the survey tells it",
+                "the survey defines it",
             )
         if self.survey[0].depth != 0.0:
             raise refuse_at(

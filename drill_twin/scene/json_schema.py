@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The JSON Schema of scene files, so that editors complete and check them while they are written.
+"""JSON Schema of scene files, for completion and checks in editors.
 
-`config/schema/scene.schema.json` holds it; the first line of a scene points there for yaml-language-server.
+It is exported to `config/schema/scene.schema.json`, to which the first line of a scene points (yaml-language-server).
 """
 
 import inspect
@@ -16,7 +16,7 @@ from drill_twin.scene.schema import Scene
 
 
 def scene_json_schema() -> dict[str, Any]:
-    """The schema (draft 7, which editors know best): units checked, ranges and defaults in the descriptions."""
+    """The schema (draft 7, best supported by editors): units checked, ranges and defaults in the descriptions."""
     schema = Scene.model_json_schema(ref_template="#/definitions/{model}")
     for model in _models(Scene):
         block = schema if model is Scene else schema["$defs"][model.__name__]
@@ -43,12 +43,12 @@ def scene_json_schema() -> dict[str, Any]:
 
 
 def schema_text() -> str:
-    """The schema as the exported file holds it."""
+    """Text of the exported schema file."""
     return json.dumps(scene_json_schema(), indent=2, ensure_ascii=False, sort_keys=True) + "\n"
 
 
 def _models(annotation: Any) -> set[type[BaseModel]]:
-    """Every model in an annotation and in the fields below it."""
+    """Models in an annotation and, recursively, in their fields."""
     if not (inspect.isclass(annotation) and issubclass(annotation, BaseModel)):
         return set().union(*(_models(part) for part in get_args(annotation)))
     return {annotation}.union(*(_models(field.annotation) for field in annotation.model_fields.values()))
@@ -56,8 +56,8 @@ def _models(annotation: Any) -> set[type[BaseModel]]:
 
 _BASE = {
     "type": "string",
-    "description": "Scene (a name, or a path from this file's folder) of which this one writes only what is different; "
-    "lists are given whole.",
+    "description": "Scene (a name, or a path from this file's folder) on which this one is based: only differences are "
+    "written, lists in full.",
 }
 _VALUE_UNLESS_TABLE = {
     "if": {"properties": {"shape": {"const": "table"}}, "required": ["shape"]},
@@ -66,13 +66,13 @@ _VALUE_UNLESS_TABLE = {
 
 
 def _on_off_or_block(field: dict[str, Any]) -> dict[str, Any]:
-    """A block, nothing (the effect with its defaults), or `off`."""
+    """Schema of an effect's key: a block, nothing (the effect with its defaults), or `off`."""
     reference = next(part for part in field["anyOf"] if "$ref" in part)
     return {"description": field["description"], "anyOf": [reference, {"type": ["null", "boolean"]}]}
 
 
 def _readable(node: Any) -> Any:
-    """Titles off, defaults as they are written in files, ranges said in the description."""
+    """Remove titles, write defaults with units, append ranges to the descriptions."""
     if isinstance(node, list):
         return [_readable(item) for item in node]
     if not isinstance(node, dict):
@@ -80,16 +80,16 @@ def _readable(node: Any) -> Any:
     result = {key: _readable(value) for key, value in node.items() if not (key == "title" and isinstance(value, str))}
     if len(result.get("allOf", ())) == 1:  # older releases of pydantic wrap a reference that has a description
         result.update(result.pop("allOf")[0])
-    if "const" in result:  # and they say a single choice twice
+    if "const" in result:  # they also repeat a single choice as `enum`
         result.pop("enum", None)
-    unit, words = result.pop("x-unit", None), result.pop("x-range", "")
+    unit, limits = result.pop("x-unit", None), result.pop("x-range", "")
     for branch in result.get("anyOf", ()):
         if isinstance(branch, dict):
-            unit, words = branch.pop("x-unit", unit), branch.pop("x-range", words)
+            unit, limits = branch.pop("x-unit", unit), branch.pop("x-range", limits)
     if unit and isinstance(result.get("default"), float):
         result["default"] = f"{result['default']:.12g} {unit}"
     if isinstance(result.get("default"), dict):
         del result["default"]
-    if words and "description" in result:
-        result["description"] += f" Range: {words}."
+    if limits and "description" in result:
+        result["description"] += f" Range: {limits}."
     return result

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""YAML text to plain data, with the line of each key and value, so that an error can name it."""
+"""YAML text to plain data with the line of each key and value, for messages."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -24,25 +24,25 @@ _COLLECTIONS = {"tag:yaml.org,2002:map", "tag:yaml.org,2002:seq"}
 
 @dataclass
 class Lines:
-    """The data of a YAML text and where each part of it was written."""
+    """Data of a YAML text and the line of each part."""
 
     name: str
-    """What messages call the text: its file."""
+    """Name of the text in messages: its file."""
     data: dict[str, Any] = field(default_factory=dict)
     lines: dict[Path, int] = field(default_factory=dict)
     """Line (from 1) of each key or list item."""
     overridden: set[Path] = field(default_factory=set)
     """Places set by an override, not by the text."""
     inherited: dict[Path, str] = field(default_factory=dict)
-    """Places taken from the scene named as `base`, and where they are written."""
+    """Places taken from the scene named as `base`, with file and line."""
 
     def order(self, path: Path) -> int:
-        """A number by which places sort as they were written; overrides come first."""
+        """Sort key of a place: its line; overrides come first."""
         place = self._known(path)
         return -1 if place in self.overridden else self.lines.get(place, 0)
 
     def where(self, path: Path) -> str:
-        """`file:line`, or `override`, of a place or of the nearest place around it."""
+        """`file:line`, or `override`, of a place or of the nearest enclosing place."""
         place = self._known(path)
         if place in self.overridden:
             return f"{self.name}: override"
@@ -51,7 +51,7 @@ class Lines:
         return f"{self.name}:{self.lines[place]}" if place in self.lines else self.name
 
     def inherit(self, base: "Lines") -> None:
-        """Take from another text what is not written here: blocks key by key, anything else (lists too) whole."""
+        """Fill in what is missing from another text: blocks key by key, anything else (lists too) as a whole."""
         self._inherit(self.data, base.data, base, ())
 
     def _inherit(self, own: dict[str, Any], below: dict[str, Any], base: "Lines", path: Path) -> None:
@@ -71,10 +71,10 @@ class Lines:
 
 
 def read_lines(text: str, name: str) -> Lines:
-    """Plain data of a YAML text with line numbers.
+    """Parse a YAML text to plain data with line numbers.
 
     Raises:
-        SceneError: malformed, too large or too deep, duplicate keys, tags, or not a mapping at the top.
+        SceneError: Malformed, too large or too deep, duplicate keys, tags, or not a mapping at the top.
     """
     if len(text) > LARGEST_TEXT:
         raise SceneError(f"{name}: expected a scene of at most {LARGEST_TEXT} characters, found {len(text)}")
@@ -120,7 +120,7 @@ def _malformed(error: yaml.YAMLError, name: str) -> SceneError:
 
 
 class _Reader:
-    """Walks the nodes of one text."""
+    """Conversion of the nodes of one text to plain data."""
 
     def __init__(self, result: Lines) -> None:
         self.result = result

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scene files and texts to scenes; every error names file and line."""
+"""Loading of scenes from files and texts; errors name file and line."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,30 +14,30 @@ from drill_twin.scene.problems import scene_error
 from drill_twin.scene.schema import Scene
 
 DEEPEST_BASE = 8
-"""Most scenes that are one based on the other."""
+"""Longest chain of scenes based on one another."""
 
 
 def load_scene(scene: str | Path, *, overrides: Mapping[str, str] | None = None) -> Scene:
-    """The scene of a file or of an installed scene's name, such as `pa6_bench`.
+    """Load a scene from a file or by the name of an installed scene, such as `pa6_bench`.
 
-    Overrides are dotted keys and values as a file would write them: `{"rig.rotation.value": "50 rpm"}`; `wob`, `rps`
-    and `duration` are short for the keys most often set, and `{"effects.bow": "off"}` takes an effect out.
+    Overrides are dotted keys and values as in a file: `{"rig.rotation.value": "50 rpm"}`; `wob`, `rps` and `duration`
+    are short for the keys most often set, and `{"effects.bow": "off"}` removes an effect.
 
-    A file with a `base: pa6_bench` (a name, or a path from the file's folder) writes only what is different from that
-    scene; lists are given whole.
+    A file with `base: pa6_bench` (a name, or a path from the file's folder) contains only the differences from that
+    scene, lists in full.
 
     Raises:
-        SceneError: no such file, not YAML, or not a scene; names file, line, key, what was expected and what was found.
+        SceneError: No such file, not YAML, or not a scene; with file, line, key, expected and found.
     """
     path = scene_path(scene)
     return _build(read_lines(_read(path), str(path)), overrides, folder=path.resolve().parent)
 
 
 def parse_scene(text: str, *, name: str = "scene", overrides: Mapping[str, str] | None = None) -> Scene:
-    """The scene of a YAML text, such as `/twin/scene` carries; its `run` block is left aside.
+    """Parse a scene from a YAML text such as that on `/twin/scene`; a `run` block is ignored.
 
     Raises:
-        SceneError: as `load_scene`.
+        SceneError: As `load_scene`.
     """
     lines = read_lines(text, name)
     lines.data.pop("run", None)
@@ -67,7 +67,7 @@ def _build(lines: Lines, overrides: Mapping[str, str] | None, *, folder: Path) -
 
 
 def _inherit(lines: Lines, folder: Path, depth: int = 0) -> None:
-    """Fill in what the scene named as `base` says."""
+    """Fill in the keys of the scene named as `base`."""
     if "base" not in lines.data:
         return
     name = lines.data.pop("base")
@@ -87,7 +87,7 @@ def _inherit(lines: Lines, folder: Path, depth: int = 0) -> None:
 
 
 def _anchor_table(lines: Lines, folder: Path) -> None:
-    """Make the table's path absolute: from the scene's folder, or from the working folder where it is an override."""
+    """Make the table's path absolute: from the scene's folder, or for an override from the working folder."""
     rig = lines.data.get("rig")
     table = rig.get("table") if isinstance(rig, dict) else None
     file = table.get("file") if isinstance(table, dict) else None

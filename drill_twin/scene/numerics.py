@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How finely the twin computes, and how often it shows."""
+"""The `numerics:` part of a scene: resolution, tolerance, frame rate, seed, audit."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
@@ -39,7 +39,7 @@ class _Whole:
 
 
 class Numerics(Part):
-    """Resolution in space and time; `auto` lets the twin choose."""
+    """Resolution in space and time; `auto` is chosen by the twin."""
 
     elements: Annotated[
         int | Literal["auto"], _Whole(FEWEST_ELEMENTS, MOST_ELEMENTS, 'a number of elements, or "auto",'), OrAuto()
@@ -48,15 +48,15 @@ class Numerics(Part):
     step: Annotated[float | Literal["auto"], Quantity(TIME), Within(at_least="1 ns", at_most="0.1 s"), OrAuto()] = (
         "auto"
     )
-    """Time step [s]; at most the time between two frames."""
+    """Time step [s]; at most the frame interval."""
     tolerance: Annotated[
         float | Literal["auto"], Quantity(DIMENSIONLESS), Within(at_least="1e-10", at_most="1e-3"), OrAuto()
     ] = "auto"
-    """Newton's method stops at changes below this share of the string's smallest radius, less on a hard wall, and of a
-    radian [-]; `auto`: 1e-5, and 1e-6 where no effect takes energy, so that what is left undone adds up."""
+    """Newton's method stops at changes below this share of the string's smallest radius, less on a stiff wall, and of a
+    radian [-]; `auto`: 1e-5, and 1e-6 where no effect dissipates, since the iteration error then accumulates."""
     accuracy: Annotated[Dimensionless, Within(at_least="1e-6", at_most="0.5")] | None = None
-    """Instead of elements and step: the largest error of the marks' paths before the onset of whirl and of the onset
-    time [-], as "1 %"; `drill-twin run` and the simulator choose both from a cost curve (docs/accuracy.md)."""
+    """Instead of elements and step: largest error of the marks' paths before the onset of whirl and of the onset time
+    [-], as "1 %"; `drill-twin run` and the simulator choose both from a cost curve (docs/accuracy.md)."""
     frame_rate: Annotated[Frequency, Within(at_least="1 Hz", at_most="2000 Hz")] = 100.0
     """Frames published per second of simulated time [Hz]."""
     seed: Annotated[int, _Whole(0, 2**63 - 1, "a whole number")] = 1
@@ -64,8 +64,8 @@ class Numerics(Part):
     scheme: Literal["midpoint"] = "midpoint"
     """Time scheme."""
     audit: Literal["none", "energy"] = "none"
-    """`energy`: keep books of what each effect does to the string, published with the diagnostics; costs about as much
-    as two more Newton iterations a step, and nothing when it is `none`."""
+    """`energy`: energy balance with the work of each effect, published with the diagnostics; takes as much time as
+    about two more Newton iterations a step."""
 
     @model_validator(mode="after")
     def _one_says_how_finely(self) -> Self:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values given beside the file: `rig.rotation.value` -> `"50 rpm"`, as the command line and launch files pass them."""
+"""Overrides of scene values, such as `rig.rotation.value` by `"50 rpm"`, from the command line and launch files."""
 
 import re
 from collections.abc import Mapping
@@ -16,19 +16,19 @@ SHORTHANDS = {
     "duration": ("rig.duration", "s"),
     "accuracy": ("numerics.accuracy", ""),
 }
-"""Short names, the key each stands for, and the unit of a bare number."""
+"""Short name -> its key and the unit of a bare number."""
 
 _BARE = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _INDEX = re.compile(r"\[(\w+)\]")
 
 
 def apply_overrides(lines: Lines, overrides: Mapping[str, str]) -> None:
-    """Set each override in the data; a list item is named by its number or its `name`: `string.marks.mark_1.on`.
+    """Set each override in the data; a list item is addressed by its index or `name`: `string.marks.mark_1.on`.
 
-    `accuracy` takes the place of the elements, step and tolerance that the data may name.
+    `accuracy` replaces the elements, step and tolerance of the data.
 
     Raises:
-        SceneError: a key that leads nowhere, or a value that is not YAML.
+        SceneError: An unknown key, or a value that is not YAML.
     """
     if "accuracy" in overrides:
         chosen = dict.fromkeys(("numerics.elements", "numerics.step", "numerics.tolerance"), "auto")
@@ -75,7 +75,7 @@ def _set(lines: Lines, key: str, place: str, value: Any) -> None:
 
 
 def _item(inside: Any, part: str) -> str | int | None:
-    """Key or index by which a part of an override's key is found; None where it cannot be."""
+    """Key or index of a part of an override's key; None if there is none."""
     if isinstance(inside, dict):
         return part
     if isinstance(inside, list):

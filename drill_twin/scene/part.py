@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every part of a scene has in common, and how a check names the place that is wrong."""
+"""Base class of a scene's parts, and validation errors with a place."""
 
 from typing import Any
 
@@ -10,13 +10,13 @@ from drill_twin.units import refuse
 
 
 class Part(BaseModel):
-    """A frozen part of a scene; unknown keys are refused."""
+    """Frozen part of a scene; unknown keys are rejected."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 def refuse_at(place: tuple[str | int, ...], message: str, found: Any = None) -> ValidationError:
-    """A validation error at a place inside the part that is being checked."""
+    """Make a validation error at a place inside the part being checked."""
     return ValidationError.from_exception_data(
         "scene", [InitErrorDetails(type=refuse(message), loc=place, input=found)]
     )

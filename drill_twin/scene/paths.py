@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the installed scenes, launch files and views lie."""
+"""Paths of the installed scenes, launch files and views."""
 
 import sys
 from difflib import get_close_matches
@@ -15,7 +15,7 @@ def config_dir() -> Path:
     """The folder with `scenes/` in it: beside the package in a source tree, else in the ROS or Python installation.
 
     Raises:
-        SceneError: where the package was installed without its data.
+        SceneError: The package was installed without its data.
     """
     folders = list(_candidates())
     for folder in folders:
@@ -31,15 +31,15 @@ def presets() -> dict[str, Path]:
 
 
 def hard_scenes() -> dict[str, Path]:
-    """Names (`hard/...`) and files, sorted, of the scenes that are hard to compute; `drill-twin hard` runs them."""
+    """Names (`hard/...`) and files, sorted, of the scenes of `drill-twin hard`: the demanding ones."""
     return {f"hard/{path.stem}": path for path in sorted((config_dir() / "hard").glob("*.yaml"))}
 
 
 def scene_path(scene: str | Path) -> Path:
-    """The file a user means by a path or by a preset's name.
+    """File of a scene given by its path or by the name of an installed scene.
 
     Raises:
-        SceneError: where there is no such file; lists the presets.
+        SceneError: No such file; the installed scenes are listed.
     """
     path = Path(scene)
     if path.is_file():
@@ -66,7 +66,7 @@ def _candidates() -> "list[Path]":
         from ament_index_python.packages import get_package_share_directory
 
         roots.append(Path(get_package_share_directory("drill_twin")))
-    except (ImportError, LookupError, OSError):  # no ROS environment, or one without this package: look on
+    except (ImportError, LookupError, OSError):  # no ROS environment, or one without this package
         pass
     roots.append(Path(sys.prefix) / "share" / "drill_twin")
     source = Path(__file__).resolve().parents[2] / "config"

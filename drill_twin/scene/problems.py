@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""pydantic's findings as messages of ours: where, what was expected, what was found, what was likely meant."""
+"""Messages for pydantic's validation errors: place, expected, found, nearest valid name."""
 
 import difflib
 import inspect
@@ -15,7 +15,7 @@ from drill_twin.units import Quantity, show
 
 
 def scene_error(error: ValidationError, lines: Lines, model: type[BaseModel]) -> SceneError:
-    """One line about the first problem in the file; the number of others is said."""
+    """Error with one line on the first problem in the file and the number of others."""
     found = error.errors(include_url=False)
     places = [tuple(detail["loc"]) for detail in found]
     causes = [detail for detail, place in zip(found, places, strict=True) if not _has_cause_inside(place, places)]
@@ -27,29 +27,29 @@ def scene_error(error: ValidationError, lines: Lines, model: type[BaseModel]) ->
 
 
 def path_text(path: Path) -> str:
-    """`string.sections[0].length` for a place in the data."""
+    """Text of a place in the data: `string.sections[0].length`."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return "".join(parts).removeprefix(".")
 
 
 def nearest(name: str, known: "list[str]") -> str:
-    """`, did you mean "radius"?` where one of the known names is close."""
+    """Suggestion such as `, did you mean "radius"?` if one of the known names is close, else an empty text."""
     folded = {word.lower(): word for word in known}
     close = difflib.get_close_matches(name.lower(), folded, n=1, cutoff=0.6)
     return f', did you mean "{folded[close[0]]}"?' if close else ""
 
 
 def _has_cause_inside(place: Path, places: "list[Path]") -> bool:
-    """Whether a problem only follows from one inside it: a list is short because its item is wrong."""
+    """True if a problem only follows from another at a place inside it: a list is short as its item is invalid."""
     return any(len(other) > len(place) and other[: len(place)] == place for other in places)
 
 
 def _message(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> str:
     place = tuple(detail["loc"])
-    return f"{lines.where(place)}: {path_text(place)}: {_words(detail, place, model)}"
+    return f"{lines.where(place)}: {path_text(place)}: {_explanation(detail, place, model)}"
 
 
-def _words(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> str:
+def _explanation(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> str:
     kind, found, context = detail["type"], detail["input"], detail.get("ctx", {})
     if kind == "drill_twin":
         return str(context["message"])
@@ -89,7 +89,7 @@ def _expected(model: type[BaseModel], place: Path) -> str:
 
 
 def _keys(model: type[BaseModel], place: Path) -> list[str]:
-    """Keys of the block at a place."""
+    """Valid keys of the block at a place."""
     inside: type[BaseModel] | None = model
     for part in place:
         if isinstance(part, str) and inside:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rig: weight on bit and rotation over time."""
+"""The `rig:` part of a scene: weight on bit and rotation over time, top drive, recorded table."""
 
 from typing import Annotated, Any, Literal, Self
 
@@ -15,15 +15,15 @@ _SpeedRange = Within(at_least="-100 rev/s", at_most="100 rev/s", reason="no rig 
 
 
 class SetPoint(Part):
-    """One set-point over time."""
+    """Set-point over time."""
 
     shape: Shape = "constant"
     """`constant`: `value` throughout; `step`: smooth cubic from `initial` to `value` (STEP of ADAMS); `ramp`: straight
     line; `table`: the column in `rig.table`."""
     start: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
-    """When the change begins [s]."""
+    """Time at which the change begins [s]."""
     duration: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
-    """How long the change takes [s]; 0 s = at once."""
+    """Duration of the change [s]; 0 s = a jump."""
     initial: float = 0.0
     value: float = 0.0
 
@@ -37,7 +37,7 @@ class SetPoint(Part):
         return data
 
     @model_validator(mode="after")
-    def _takes_what_is_given(self) -> Self:
+    def _has_no_unused_keys(self) -> Self:
         unused = {
             "constant": ("initial", "start", "duration"),
             "table": ("value", "initial", "start", "duration"),
@@ -52,27 +52,27 @@ class SetPoint(Part):
 
 
 class WeightOnBit(SetPoint):
-    """Weight on bit; negative values pull."""
+    """Weight on bit; negative = tension."""
 
     value: Annotated[Force, _LoadRange] = 0.0
-    """Weight on bit reached [N]."""
+    """Final weight on bit [N]."""
     initial: Annotated[Force, _LoadRange] = 0.0
     """Weight on bit before `start` [N]."""
     at: Literal["bit", "top"] = "bit"
-    """Where the load is applied and counted: pushed up at the bit, or set at the top."""
+    """Point of application of the load: upwards at the bit, or at the top."""
 
 
 class Rotation(SetPoint):
     """Speed of the top drive; positive is right-handed about the upward axis."""
 
     value: Annotated[AngularSpeed, _SpeedRange] = 0.0
-    """Speed reached [rad/s]."""
+    """Final speed [rad/s]."""
     initial: Annotated[AngularSpeed, _SpeedRange] = 0.0
     """Speed before `start` [rad/s]."""
 
 
 class Column(Part):
-    """A column of a table of measurements."""
+    """Column of a recorded table."""
 
     column: Annotated[str, Field(min_length=1, max_length=200)]
     """Header of the column in a CSV file, or name of the variable in a MAT file."""
@@ -81,10 +81,10 @@ class Column(Part):
 
 
 class RecordedTable(Part):
-    """A record of a real rig to play back; without `file` the scene loads, but its set-points cannot be played."""
+    """Recorded set-points of a rig; without `file` the scene loads, but cannot be run."""
 
     file: str = ""
-    """CSV or MAT file; a relative path counts from the scene file (or, as an override, from the working folder)."""
+    """CSV or MAT file; a relative path is taken from the scene file (for an override, from the working folder)."""
     time: Column | None = None
     """Time stamps."""
     weight_on_bit: Column | None = None
@@ -92,30 +92,30 @@ class RecordedTable(Part):
     rotation: Column | None = None
     """Measured speed of the top drive."""
     start: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
-    """Where in the record playback begins, from its first stamp [s]."""
+    """Start of the playback in the record, from its first stamp [s]."""
     longest_gap: Annotated[Time, Within(above="0 s", at_most="1e6 s")] = 1.0
-    """Gaps up to this long are bridged by straight lines [s]; a longer one is an error."""
+    """Longest gap to be interpolated linearly [s]; a longer one is an error."""
     spike_window: Annotated[Time, Within(at_least="0 s", at_most="100 s")] = 0.1
-    """Width of the median filter that finds spikes [s]; 0 s = keep them."""
+    """Width of the median filter that detects spikes [s]; 0 s = keep them."""
 
 
 class Rig(Part):
-    """Set-points of the rig and how long to drill."""
+    """Set-points of the rig and duration of the run."""
 
     weight_on_bit: WeightOnBit = WeightOnBit(value=0.0)
     """Weight on bit over time."""
     rotation: Rotation = Rotation(value=0.0)
     """Top-drive speed over time."""
     top_drive: TopDrive = TopDrive()
-    """What turns the string so."""
+    """Top drive."""
     duration: Annotated[Time, Within(above="0 s", at_most="1e6 s")]
     """Simulated time [s]."""
     start: Literal["axis", "equilibrium"] = "axis"
-    """How a run begins. `axis`: the string on the axis of the hole, at rest, set-points from their `initial`.
-    `equilibrium`: the set-points hold their `value` from the first instant; the string lies in static balance under
-    that weight, wound up by what brakes it, and turns as one."""
+    """Initial state. `axis`: the string on the axis of the hole, at rest, set-points from their `initial`.
+    `equilibrium`: the set-points hold their `value` from the first instant; the string is in static equilibrium under
+    that weight, twisted by the resisting torques, and rotates rigidly."""
     table: RecordedTable | None = None
-    """Record that set-points of shape `table` play."""
+    """Recorded table of the set-points of shape `table`."""
 
     @model_validator(mode="after")
     def _has_the_columns(self) -> Self:
@@ -132,6 +132,6 @@ class Rig(Part):
 
     @property
     def first(self) -> tuple[float, float]:
-        """Weight on bit [N] and speed of the top drive [rad/s] at the first instant; 0 where a record will tell."""
+        """Weight on bit [N] and speed of the top drive [rad/s] at the first instant; 0 for recorded ones."""
         load, turn = self.weight_on_bit, self.rotation
         return (load.value, turn.value) if self.start == "equilibrium" else (load.initial, turn.initial)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scene: everything one run of the twin needs to know, checked as a whole."""
+"""Scene: the complete input of a run, validated as a whole."""
 
 from typing import Annotated, NamedTuple, Self
 
@@ -15,11 +15,11 @@ from drill_twin.scene.string import String
 from drill_twin.scene.write import yaml_text
 
 TOLERANCE, LOSSLESS_TOLERANCE = 1e-5, 1e-6
-"""What `auto` stands for with an effect that takes energy, and without [-]."""
+"""Newton tolerance for `auto`, with a dissipative effect and without [-]."""
 
 
 class MarkPlace(NamedTuple):
-    """A mark with what an analysis needs to know of its place."""
+    """Place of a mark, as the whirl analysis needs it."""
 
     name: str
     """Name on the topics."""
@@ -31,22 +31,22 @@ class MarkPlace(NamedTuple):
     """Distance of the mark from the centre line [m]: the outer radius (blades included) on the wall, 0 on the
     centre."""
     clearance: float
-    """How far the centre line can move before the string touches the wall [m]."""
+    """Lateral distance of the centred string from the wall [m]."""
 
 
 class Scene(Part):
-    """What is drilled and which effects matter; floats are SI, text in a file carries its unit."""
+    """String, hole, rig, effects and numerics of a run; floats are SI, text in a file has its unit."""
 
     name: Annotated[str, Field(min_length=1, max_length=100)]
     """Short name, used in titles and folders."""
     description: Annotated[str, Field(max_length=5000)] = ""
-    """What the scene shows."""
+    """Purpose of the scene."""
     provenance: Annotated[str, Field(max_length=5000)] = ""
-    """Where the numbers come from; `stand-in` or `estimated` where they are not measured."""
+    """Source of the numbers; `stand-in` or `estimated` for those that are not measured."""
     string: String
     """The drillstring and its marks."""
     hole: Hole
-    """The hole it turns in."""
+    """The hole around it."""
     rig: Rig
     """Set-points and duration."""
     effects: Effects
@@ -69,13 +69,13 @@ class Scene(Part):
         return self.string.radius_at(distance_from_bit)
 
     def clearance_at(self, distance_from_bit: float) -> float:
-        """How far the centre line can move before the string touches the wall [m]."""
+        """Lateral distance of the centred string from the wall at an arc length from the bit [m]."""
         depth = max(self.length - distance_from_bit, 0.0)
         return self.hole.radius_at(depth) - self.outer_radius_at(distance_from_bit)
 
     @property
     def least_clearance(self) -> float:
-        """What the narrowest place of the hole leaves the widest of the string [m]."""
+        """Smallest radius of the hole minus largest radius of the string [m]."""
         hole, widest = self.hole, max(piece.contact_diameter for piece in self.string.pieces) / 2.0
         return min([hole.radius, *(i.radius for i in hole.intervals if i.top < self.length)]) - widest
 
@@ -86,7 +86,7 @@ class Scene(Part):
 
     @property
     def tolerance(self) -> float:
-        """Newton's tolerance, `numerics.tolerance` or what `auto` makes of it [-]."""
+        """Newton tolerance: `numerics.tolerance`, or the value chosen for `auto` [-]."""
         if self.numerics.tolerance != "auto":
             return self.numerics.tolerance
         return (
@@ -97,7 +97,7 @@ class Scene(Part):
 
     @property
     def mark_table(self) -> tuple[MarkPlace, ...]:
-        """The marks in the scene's order, with radius and clearance at their place."""
+        """Marks in the scene's order, with radius and clearance at their place."""
         return tuple(
             MarkPlace(
                 name=mark.name,
@@ -110,5 +110,5 @@ class Scene(Part):
         )
 
     def to_yaml(self) -> str:
-        """The resolved scene as text: SI units and defaults written out; `parse_scene` reads it to an equal scene."""
+        """Resolved scene as text, SI units and defaults written out; `parse_scene` reads it to an equal scene."""
         return yaml_text(self.model_dump(mode="json", exclude_none=True))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The top drive: how the string is turned when its speed is not simply prescribed."""
+"""Top drive: prescribed speed, speed controller, or impedance control."""
 
 import math
 from typing import Annotated, Literal, Self
@@ -12,41 +12,42 @@ from drill_twin.units import Dimensionless, Inertia, Quantity, RotationalDamping
 from drill_twin.units.dimension import ROTATIONAL_DAMPING, ROTATIONAL_STIFFNESS
 
 SLOWER = 10.0
-"""The integral part tuned by `auto` turns over at this part of the string's first torsional frequency."""
+"""First torsional frequency of the string over the corner frequency of the integral part tuned by `auto`."""
 
 
 class TopDrive(Part):
-    """How the top of the string is turned; the command is `rig.rotation`."""
+    """Model of the top drive; its command is `rig.rotation`."""
 
     model: Literal["prescribed", "speed_controller", "impedance"] = "prescribed"
-    """`prescribed`: turns as commanded, whatever the torque; `speed_controller`: motor torque proportional + integral
-    in the error of speed; `impedance`: the same, tuned to swallow torsional waves (soft torque)."""
+    """`prescribed`: rotates as commanded at any torque; `speed_controller`: motor torque proportional + integral in the
+    error of speed; `impedance`: the same, tuned to absorb torsional waves (soft torque)."""
     inertia: Annotated[Inertia, Within(at_least="0 kg m^2", at_most="1e6 kg m^2", reason="top drives have 1e3")] = 0.0
     """Moment of inertia of drive and motor about the string's axis [kg m^2]."""
     damping: Annotated[RotationalDamping, Within(at_least="0 N m s/rad", at_most="1e9 N m s/rad")] = 0.0
     """Viscous friction of bearings and gears [N m s/rad]."""
     torque_limit: Annotated[Torque, Within(above="0 N m", at_most="1e9 N m")] | None = None
-    """Largest torque of the motor [N m]; without it the motor gives any torque."""
+    """Largest torque of the motor [N m]; unlimited if left out."""
     proportional_gain: Annotated[
         float | Literal["auto"],
         Quantity(ROTATIONAL_DAMPING),
         Within(at_least="0 N m s/rad", at_most="1e12 N m s/rad", reason="above, the turn is as good as prescribed"),
         OrAuto(),
     ] = "auto"
-    """Motor torque per error of speed [N m s/rad]; `auto` (for `impedance` only) takes it from `reflection`."""
+    """Motor torque per error of speed [N m s/rad]; `auto` (for `impedance` only): from `reflection`."""
     integral_gain: Annotated[
         float | Literal["auto"],
         Quantity(ROTATIONAL_STIFFNESS),
         Within(at_least="0 N m/rad", at_most="1e12 N m/rad", reason="above, the turn is as good as prescribed"),
         OrAuto(),
     ] = "auto"
-    """Motor torque per error of angle [N m/rad]; 0 N m/rad lets the speed droop under torque. `auto` (for `impedance`
-    only) holds the speed at a tenth of the string's first torsional frequency and below."""
+    """Motor torque per error of angle [N m/rad]; with 0 N m/rad the speed droops under torque. `auto` (for `impedance`
+    only): speed is controlled up to a tenth of the string's first torsional frequency."""
     reflection: Annotated[Dimensionless, Within(above="-1", below="1", reason="-1 is a held top, 1 a free one")] = 0.0
-    """Share of a torsional wave's velocity that the top sends back [-]; with `impedance` and gains of `auto`."""
+    """Reflection coefficient of torsional waves at the top, for their velocity [-]; with `impedance` and gains of
+    `auto`."""
 
     @model_validator(mode="after")
-    def _takes_what_is_given(self) -> Self:
+    def _has_no_unused_keys(self) -> Self:
         unused: tuple[str, ...] = ()
         if self.model == "prescribed":
             unused = ("inertia", "damping", "torque_limit", "proportional_gain", "integral_gain", "reflection")
@@ -67,9 +68,9 @@ class TopDrive(Part):
     def gains(self, impedance: float, delay: float) -> tuple[float, float]:
         """Proportional [N m s/rad] and integral gain [N m/rad] of the motor.
 
-        A drive of impedance Z at the end of a line of impedance Z_0 sends back r = (Z_0 - Z) / (Z_0 + Z) of a wave's
-        velocity (textbook line theory; for drillstrings Halsey, Kyllingstad and Kylling 1988), so Z = Z_0 (1 - r) /
-        (1 + r).
+        A drive of impedance Z at the end of a line of impedance Z_0 reflects r = (Z_0 - Z) / (Z_0 + Z) of a wave's
+        velocity (transmission line theory; for drillstrings Halsey, Kyllingstad and Kylling 1988), hence
+        Z = Z_0 (1 - r) / (1 + r).
 
         Args:
             impedance: Z_0 = J sqrt(G rho) of the string at the top [N m s/rad].

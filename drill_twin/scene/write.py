@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plain data to YAML text that reads back to the same data."""
+"""YAML text of plain data."""
 
 import re
 from typing import Any
@@ -10,13 +10,13 @@ _LINE_BREAKS_OF_UNICODE = re.compile("[\x85\u2028\u2029\ufeff]")
 
 
 def yaml_text(data: dict[str, Any]) -> str:
-    """Keys in their order, text in UTF-8 as it is; quoted with escapes where YAML would read another line break."""
+    """YAML text that reads back to the same data: keys in order, UTF-8, Unicode line breaks escaped."""
     text: str = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=110)
     return text
 
 
 class _Dumper(yaml.SafeDumper):
-    """The safe dumper, which alone would write such line breaks bare."""
+    """Safe dumper that escapes Unicode line breaks."""
 
 
 def _represent(dumper: _Dumper, text: str) -> yaml.ScalarNode:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-points of the rig over time: constant, STEP, ramp, or a measured record."""
+"""Set-points of the rig over time: constant, step, ramp, or recorded."""
 
 from drill_twin.schedule.command import Command
 from drill_twin.schedule.extremes import extremes

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measured set-points made playable: spikes taken out, gaps bridged, both counted."""
+"""Cleaning of measured set-points: spikes removed, gaps interpolated, both counted."""
 
 from dataclasses import dataclass
 
@@ -9,34 +9,34 @@ from drill_twin.base.arrays import Array, Mask
 from drill_twin.errors import TableError
 
 CORE = 0.5
-"""A spike stands off the running median by more than this part of the usual range (5 to 95 percentile) [-] ..."""
+"""Least deviation of a spike's peak from the running median, over the 5 to 95 percentile range [-]."""
 FLANK = 0.1
-"""... and reaches as far as the signal stays off the median by this part of the usual range [-]."""
+"""Least deviation of its other samples from the median, over the same range [-]."""
 SCATTER = 6.0
-"""A spike also stands off by more than this many standard deviations of the scatter about the median [-]."""
+"""Least deviation in standard deviations of the scatter about the median [-]."""
 
 
 @dataclass(frozen=True)
 class Cleaning:
-    """What was done to one column."""
+    """Counts of the corrections to one column."""
 
     spikes: int = 0
-    """Number of spikes taken out."""
+    """Number of spikes removed."""
     spike_samples: int = 0
     """Samples in them."""
     gaps: int = 0
-    """Number of gaps bridged."""
+    """Number of gaps interpolated."""
     gap_samples: int = 0
-    """Samples missing in them, at the record's usual spacing."""
+    """Samples missing in them, at the record's median spacing."""
     longest_gap: float = 0.0
-    """Longest gap bridged [s]."""
+    """Longest gap interpolated [s]."""
 
 
 def clean(time: Array, values: Array, *, name: str, longest_gap: float, spike_window: float) -> tuple[Array, Cleaning]:
-    """One column without spikes and gaps, shape (rows,), and what was done; `time` [s] must increase.
+    """Remove spikes and gaps from one column, shape (rows,), and count them; `time` [s] must increase.
 
     Raises:
-        TableError: no value at all, or a gap that is too long to bridge.
+        TableError: No value at all, or a gap longer than `longest_gap`.
     """
     spacing = float(np.median(np.diff(time)))
     valid = np.isfinite(values)
@@ -64,9 +64,9 @@ def clean(time: Array, values: Array, *, name: str, longest_gap: float, spike_wi
 
 
 def find_spikes(values: Array, *, window: int) -> Mask:
-    """Which samples belong to spikes: excursions from a running median over `window` samples, shape (rows,).
+    """Mask of the samples in spikes: excursions from a running median over `window` samples, shape (rows,).
 
-    A window below three samples finds none: there is no neighbour to compare with.
+    A window below three samples finds none.
     """
     from scipy.ndimage import label, median_filter
 
@@ -81,7 +81,7 @@ def find_spikes(values: Array, *, window: int) -> Mask:
 
 
 def _gaps(time: Array, valid: Mask, spacing: float) -> list[tuple[float, float]]:
-    """Times between which there is no value although the usual spacing calls for one."""
+    """Start and end of the intervals without a value that exceed the median spacing by half or more."""
     known = time[valid]
     edges = [(float(known[i]), float(known[i + 1])) for i in np.flatnonzero(np.diff(known) > 1.5 * spacing)]
     if known[0] > time[0]:

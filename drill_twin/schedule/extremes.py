@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The largest set-points that a schedule holds."""
+"""Extremes of a schedule."""
 
 import numpy as np
 
@@ -10,12 +10,12 @@ from drill_twin.schedule.shapes import table
 
 
 def extremes(scene: Scene) -> Command:
-    """Sizes of the largest weight on bit or pull [N] and of the fastest rotation [rad/s] of a scene's whole schedule.
+    """Largest weight on bit in size [N] and fastest rotation [rad/s] of a scene's whole schedule.
 
-    A record that the scene does not name yet tells nothing: 0.
+    0 for a record without a file.
 
     Raises:
-        TableError: a record that cannot be played.
+        TableError: A record that cannot be used.
     """
     rig = scene.rig
     plays = "table" in (rig.weight_on_bit.shape, rig.rotation.shape)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Columns of numbers from CSV and MATLAB files, as they stand there."""
+"""Reading of columns of numbers from CSV and MATLAB files."""
 
 import csv
 import json
@@ -48,10 +48,10 @@ _MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "inf", "-inf", "+inf"}
 
 
 def read_columns(path: Path) -> Columns:
-    """Every column of numbers in a file.
+    """Read all columns of numbers of a file.
 
     Raises:
-        TableError: no such file, not a table, or a cell that is not a number (with its line).
+        TableError: No such file, not a table, or a cell that is not a number (with its line).
     """
     if not path.is_file():
         what = "a folder" if path.is_dir() else "nothing there"
@@ -63,7 +63,7 @@ def read_columns(path: Path) -> Columns:
 
 
 def _read_matlab(path: Path) -> Columns:
-    """By scipy in a process of its own: a damaged MAT file can make it crash, or ask for any amount of memory."""
+    """Read a MAT file by scipy in a separate process: a damaged one can crash it or request any amount of memory."""
     try:
         done = subprocess.run(
             [sys.executable, "-c", _LOAD_MATLAB, str(path)], capture_output=True, timeout=_PATIENCE, check=False
@@ -116,13 +116,13 @@ def _read_csv(path: Path) -> Columns:
 
 
 def _delimiter(header: str) -> str:
-    """The delimiter that splits the header into most columns; spaces only where nothing else does."""
+    """Most frequent delimiter of the header; a space if there is no other."""
     best = max(_DELIMITERS, key=header.count)
     return best if header.count(best) else " "
 
 
 def _number(cell: str, delimiter: str) -> float | None:
-    """The value of a cell, NaN where it is missing, None where it is text; knows the decimal comma."""
+    """Value of a cell, NaN if it is missing, None if it is text; decimal commas are read."""
     if cell.lower() in _MISSING:
         return math.nan
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The set-points of a scene over time."""
+"""Set-points of a scene over time."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -16,23 +16,23 @@ from drill_twin.schedule.tables import Table, read_table
 
 @dataclass(frozen=True)
 class Schedule:
-    """What the rig sets and when; the same for the rig driver's topics and for a run without ROS."""
+    """Set-points over time; the same for the rig driver's topics and for a run without ROS."""
 
     weight_on_bit: SetPointAt
     """Time [s] -> weight on bit [N]."""
     rotation: SetPointAt
     """Time [s] -> speed of the top drive [rad/s]."""
     duration: float
-    """How long the scene lasts [s]; afterwards the last set-points hold."""
+    """Duration of the scene [s]; afterwards the last set-points hold."""
     record: Table | None = None
-    """The record that is played, with its report, where the scene plays one."""
+    """Recorded table of the scene, if any."""
 
     @classmethod
     def from_scene(cls, scene: Scene) -> Self:
-        """The schedule of a scene; reads the record where a set-point has shape `table`.
+        """Make the schedule of a scene; reads the record if a set-point has shape `table`.
 
         Raises:
-            TableError: no record given, or one that cannot be played.
+            TableError: No record given, or one that cannot be used.
         """
         rig = scene.rig
         record = record_of(scene) if "table" in (rig.weight_on_bit.shape, rig.rotation.shape) else None
@@ -49,15 +49,15 @@ class Schedule:
         return cls(function("weight_on_bit"), function("rotation"), rig.duration, record)
 
     def at(self, time: float) -> Command:
-        """Both set-points at a time [s] from the start of the run."""
+        """Set-points at a time [s] from the start of the run."""
         return Command(weight_on_bit=self.weight_on_bit(time), rotation=self.rotation(time))
 
 
 def record_of(scene: Scene) -> Table:
-    """The record that a scene's set-points of shape `table` play.
+    """Record of a scene's set-points of shape `table`.
 
     Raises:
-        TableError: no record given, or one that cannot be played.
+        TableError: No record given, or one that cannot be used.
     """
     source = scene.rig.table
     if source is None or not source.file:
@@ -71,11 +71,11 @@ def record_of(scene: Scene) -> Table:
     return _read(source, wanted, (there.st_mtime_ns, there.st_size) if there else None)
 
 
-@lru_cache(maxsize=1)  # a run asks three times: for its twins' resolution and for its set-points
+@lru_cache(maxsize=1)  # a run reads it three times: for the resolution of its twins and for its set-points
 def _read(
     source: RecordedTable,
     wanted: tuple[str, ...],
-    stamp: tuple[int, int] | None,  # noqa: ARG001 - tells one content of the file from another
+    stamp: tuple[int, int] | None,  # noqa: ARG001 - part of the cache's key: changes with the file's content
 ) -> Table:
     return read_table(
         source.file,

@@ -14,7 +14,7 @@ SetPointAt = Callable[[float], float]
 
 
 def shape(set_point: SetPoint) -> SetPointAt:
-    """The function of time of a set-point that needs no table."""
+    """Function of time of a set-point that is not recorded."""
     initial, final, start, duration = set_point.initial, set_point.value, set_point.start, set_point.duration
     if set_point.shape == "constant":
         return lambda _: final
@@ -26,17 +26,17 @@ def shape(set_point: SetPoint) -> SetPointAt:
 
 
 def step(time: float, start: float, before: float, end: float, after: float) -> float:
-    """STEP of ADAMS: a cubic from `before` to `after`, level at both ends; at once where start = end."""
+    """Cubic from `before` to `after` with zero slope at both ends (STEP of ADAMS); a jump if start = end."""
     return before + (after - before) * _smooth(_progress(time, start, end))
 
 
 def ramp(time: float, start: float, before: float, end: float, after: float) -> float:
-    """A straight line from `before` to `after`; at once where start = end."""
+    """Straight line from `before` to `after`; a jump if start = end."""
     return before + (after - before) * _progress(time, start, end)
 
 
 def table(times: Array, values: Array, start: float) -> SetPointAt:
-    """Straight lines between measurements, from `start` [s] into the record; its ends are held."""
+    """Linear interpolation of measurements, from `start` [s] into the record; constant beyond its ends."""
     origin = float(times[0]) + start
     return lambda time: float(np.interp(origin + time, times, values))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Records of a real rig as set-points: columns found, converted to SI, cleaned, and all of it said."""
+"""Recorded set-points of a rig: columns selected, converted to SI, cleaned, with a report."""
 
 import difflib
 import re
@@ -26,7 +26,7 @@ _WANTED: dict[str, tuple[Dimension, str]] = {
         r"(^|[^a-z])(rpm|rps|top[ _-]?(drive)?[ _-]?(speed|rpm)|rotary[ _-]?speed|rotation)([^a-z]|$)",
     ),
 }
-"""Quantity -> its dimension and the names by which its column is known without being told."""
+"""Quantity -> its dimension and the pattern of its column's name, if the scene does not give it."""
 
 _UNIT_IN_NAME = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]")
 _UNIT_BY_NAME = {"rpm": "rpm", "rps": "rev/s"}
@@ -34,10 +34,10 @@ _UNIT_BY_NAME = {"rpm": "rpm", "rps": "rev/s"}
 
 @dataclass(frozen=True)
 class Table:
-    """A record on one time axis, in SI, without spikes and gaps."""
+    """Recorded set-points on one time axis, in SI, without spikes and gaps."""
 
     path: Path
-    """The file it came from."""
+    """Source file."""
     time: Array
     """Stamps [s], increasing, shape (rows,)."""
     weight_on_bit: Array | None
@@ -45,20 +45,20 @@ class Table:
     rotation: Array | None
     """Speed of the top drive [rad/s], shape (rows,)."""
     cleaning: dict[str, Cleaning]
-    """What was done to each column."""
+    """Corrections by column."""
     report: str
-    """The same in words, and how long the record is."""
+    """The corrections and the length of the record as text."""
 
     @property
     def duration(self) -> float:
-        """From first to last stamp [s]."""
+        """Time from first to last stamp [s]."""
         return float(self.time[-1] - self.time[0])
 
     def column(self, name: str) -> Array:
-        """`weight_on_bit` or `rotation`, shape (rows,).
+        """Values of `weight_on_bit` or `rotation`, shape (rows,).
 
         Raises:
-            TableError: the record was read without it.
+            TableError: The record was read without it.
         """
         values: Array | None = getattr(self, name)
         if values is None:
@@ -76,13 +76,13 @@ def read_table(
     longest_gap: float = 1.0,
     spike_window: float = 0.1,
 ) -> Table:
-    """Read a CSV or MAT record; a column that is not named is found by an obvious name and the unit in its header.
+    """Read a CSV or MAT record; a column that is not given is found by a common name and the unit in its header.
 
-    Gaps (missing stamps, NaN) up to `longest_gap` [s] are bridged by straight lines; spikes are found against a running
+    Gaps (missing stamps, NaN) up to `longest_gap` [s] are interpolated linearly; spikes are detected against a running
     median over `spike_window` [s] (0 keeps them).
 
     Raises:
-        TableError: no such file or column, an unknown unit, time that runs backwards, or a gap too long to bridge.
+        TableError: No such file or column, an unknown unit, decreasing time, or a gap longer than `longest_gap`.
     """
     file = Path(path)
     columns = read_columns(file)
@@ -145,7 +145,7 @@ def _unit_of(file: Path, column: str, name: str) -> str:
 
 
 def _increasing(file: Path, stamps: Array) -> tuple[npt.NDArray[np.intp], str]:
-    """Rows with a stamp of their own, and what was left out."""
+    """Rows with a distinct stamp, and a note on those left out."""
     rows = np.flatnonzero(np.isfinite(stamps))
     missing = len(stamps) - len(rows)
     steps = np.diff(stamps[rows])
@@ -167,10 +167,10 @@ def _increasing(file: Path, stamps: Array) -> tuple[npt.NDArray[np.intp], str]:
 def _report(file: Path, stamps: Array, cleaning: dict[str, Cleaning], note: str) -> str:
     spacing = float(np.median(np.diff(stamps)))
     head = f"{file.name}: {len(stamps)} rows over {stamps[-1] - stamps[0]:.6g} s, {1.0 / spacing:.6g} per second{note}"
-    return "; ".join([head, *(f"{name}: {_words(done)}" for name, done in cleaning.items())])
+    return "; ".join([head, *(f"{name}: {_cleaning_text(done)}" for name, done in cleaning.items())])
 
 
-def _words(done: Cleaning) -> str:
+def _cleaning_text(done: Cleaning) -> str:
     spikes = f"{_count(done.spikes, 'spike')} ({_count(done.spike_samples, 'sample')}) taken out"
     gaps = (
         f"{_count(done.gaps, 'gap')} ({_count(done.gap_samples, 'sample')}, longest {done.longest_gap:.3g} s) bridged"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Quantities with units: text such as `"40 N"` outside, SI floats inside."""
+"""Quantities with units: text such as `"40 N"` in files, SI floats in memory."""
 
 from drill_twin.units.dimension import DIMENSIONS, Dimension
 from drill_twin.units.fields import (

@@ -1,30 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The dimensions scene files know, each with its SI unit and a good way to write it."""
+"""Physical dimensions in scene files, each with its SI unit and examples."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Dimension:
-    """A physical dimension as scene files know it: its name, its SI unit and a few good ways to write it."""
+    """Physical dimension of a quantity."""
 
     name: str
-    """What a message calls it: `length`."""
+    """Name in messages: `length`."""
     unit: str
-    """The SI unit [-] that values are held and written in: `m`."""
+    """SI unit of values: `m`."""
     examples: tuple[str, ...] = ()
-    """Ways to write such a quantity, the best first; they appear in messages and in the editor."""
+    """Examples for messages and editors, the best first."""
     also: tuple[str, ...] = ()
-    """Units of other dimensions that mean the same, such as `N m` for `N m/rad`."""
+    """Other units accepted for it, such as `N m` for `N m/rad`."""
 
     @property
     def article(self) -> str:
-        """The name with its article: `an angle`."""
+        """Name with its article: `an angle`."""
         return ("an " if self.name[0] in "aeiou" else "a ") + self.name
 
     @property
     def expected(self) -> str:
-        """What a message says was expected: `a length such as "16.5 mm"`."""
+        """Expected value in messages: `a length such as "16.5 mm"`."""
         return f'{self.article} such as "{self.examples[0]}"' if self.examples else self.article
 
 

@@ -20,12 +20,12 @@ from drill_twin.units.registry import UnitError
 
 
 def refuse(message: str) -> PydanticCustomError:
-    """A validation error whose message is shown as it stands."""
+    """Make a validation error with a message."""
     return PydanticCustomError("drill_twin", "{message}", {"message": message})
 
 
 def show(value: object) -> str:
-    """How a message quotes what was found, on one short line."""
+    """Quote a found value for a message, on one short line."""
     if value is None:
         return "nothing"
     return f'"{short(value)}"' if isinstance(value, str) else short(repr(value))
@@ -33,7 +33,7 @@ def show(value: object) -> str:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Annotation of a float field: its dimension, hence its unit."""
+    """Annotation of a float field with its dimension."""
 
     dimension: Dimension
 
@@ -48,7 +48,7 @@ class Quantity:
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        """What an editor checks while typing."""
+        """Pattern, examples and unit for editors."""
         if self.dimension == DIMENSIONLESS:
             percent = {"type": "string", "pattern": editor_pattern(self.dimension), "examples": ["30 %"]}
             return {"anyOf": [{"type": "number"}, percent], "x-unit": ""}
@@ -79,7 +79,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Within:
-    """Annotation of a quantity field: the range allowed, written with units, and why."""
+    """Annotation of a quantity field with its range, in units, and the reason for it."""
 
     above: str | None = None
     """Open lower bound, such as `0 m`."""
@@ -90,7 +90,7 @@ class Within:
     at_most: str | None = None
     """Closed upper bound."""
     reason: str = ""
-    """Said after the range in messages."""
+    """Explanation after the range in messages."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         """Check the parsed value; the message quotes what was written."""
@@ -100,7 +100,7 @@ class Within:
         )  # fmt: skip
         written = [(text, holds) for text, holds in limits if text is not None]
         schema = handler(source)
-        # several dimensions may share a unit, such as stiffness and force per length: the field's own is meant
+        # several dimensions share a unit, such as stiffness and force per length: use that of the field
         dimension = schema.get("metadata", {}).get("dimension") or dimension_of(written[0][0])
         bounds = [(parse(text, dimension), holds) for text, holds in written]
 
@@ -108,7 +108,7 @@ class Within:
             result: float = inner(value)
             if not all(holds(result, bound) for bound, holds in bounds):
                 text = show(value) if isinstance(value, str) else write(result, dimension)
-                raise refuse(f"expected {dimension.article}, {self.words}, found {text}")
+                raise refuse(f"expected {dimension.article}, {self.range_text}, found {text}")
             return result
 
         return core_schema.no_info_wrap_validator_function(check, schema)
@@ -116,8 +116,8 @@ class Within:
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
-        """The range as words for the editor, and as far as text can be checked: no minus sign where none is allowed."""
-        result = {**handler(schema), "x-range": self.words}
+        """Range as text for editors; in patterns only the sign can be checked."""
+        result = {**handler(schema), "x-range": self.range_text}
         lowest = self.above or self.at_least
         if lowest is not None and parse(lowest, dimension_of(lowest)) >= 0.0 and "pattern" in result:
             result["pattern"] = result["pattern"].replace("[+-]?", "[+]?", 1)
@@ -136,11 +136,11 @@ class Within:
         return {key: bound for key, bound in keywords.items() if bound is not None}
 
     @property
-    def words(self) -> str:
-        """The range in words: `above 0 m and at most 5 m`."""
+    def range_text(self) -> str:
+        """Range as text: `above 0 m and at most 5 m`."""
         named = (("above", self.above), ("at least", self.at_least), ("below", self.below), ("at most", self.at_most))
-        words = " and ".join(f"{name} {bound}" for name, bound in named if bound is not None)
-        return f"{words} ({self.reason})" if self.reason else words
+        text = " and ".join(f"{name} {bound}" for name, bound in named if bound is not None)
+        return f"{text} ({self.reason})" if self.reason else text
 
 
 Length = Annotated[float, Quantity(dim.LENGTH)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Texts with units to SI floats and back: `"40 N"`, `"2 rev/s"`, `"12 1/4 in"`, their dimension checked."""
+"""Parsing and writing of quantities with units, such as `"40 N"` or `"12 1/4 in"`, with a check of the dimension."""
 
 import difflib
 import math
@@ -8,7 +8,7 @@ from functools import cache
 
 from drill_twin.units.dimension import DIMENSIONLESS, DIMENSIONS, Dimension
 from drill_twin.units.registry import (
-    WORDS,
+    UNIT_NAMES,
     Dimensionality,
     UnitError,
     UnknownUnitError,
@@ -23,7 +23,7 @@ _QUANTITY = re.compile(rf"\s*({_NUMBER}){_FRACTION}(?:(?<=[\d.])|\s)\s*([^\d\s.+
 
 
 def parse(text: str, dimension: Dimension) -> float:
-    """The SI value of a text such as `"40 N"`; raises UnitError with what was expected and what was found."""
+    """Parse a text such as `"40 N"` to its SI value; raises UnitError with expected and found."""
     value, unit = split(text, dimension)
     factor, found = _factor_or_raise(unit, text, dimension)
     if found not in _accepted(dimension):
@@ -36,7 +36,7 @@ def parse(text: str, dimension: Dimension) -> float:
 
 
 def split(text: str, dimension: Dimension) -> tuple[float, str]:
-    """The number and the unit of a text; `12 1/4 in` and `1/2 in` are read as drillers write them."""
+    """Split a text into number and unit; fractions such as `12 1/4 in` and `1/2 in` are read."""
     match = _QUANTITY.fullmatch(text)
     if match is None:
         raise UnitError(f'expected {dimension.expected}, found "{short(text)}" (not a number with a unit)')
@@ -52,7 +52,7 @@ def split(text: str, dimension: Dimension) -> tuple[float, str]:
 
 
 def factor_of(unit: str, dimension: Dimension) -> float:
-    """SI factor of a unit, for columns of numbers; raises UnitError where its dimension is another."""
+    """SI factor of a unit, for columns of numbers; raises UnitError if it has another dimension."""
     factor, found = _factor_or_raise(unit, unit, dimension)
     if found not in _accepted(dimension):
         raise UnitError(f'expected a unit of {dimension.name} such as "{dimension.unit}", found "{short(unit)}"')
@@ -60,12 +60,12 @@ def factor_of(unit: str, dimension: Dimension) -> float:
 
 
 def write(value: float, dimension: Dimension) -> str:
-    """The text of an SI value that `parse` reads back to the same float: `0.0165 m`."""
+    """Text of an SI value that `parse` reads back to the same float: `0.0165 m`."""
     return f"{value!r} {dimension.unit}".rstrip()
 
 
 def dimension_name(dimensionality: Dimensionality) -> str:
-    """What a message calls a dimensionality: `mass`, or its powers where it has no name."""
+    """Name of a dimensionality for messages: `mass`, or its powers if it has none."""
     named = _named(dimensionality)
     if named:
         return named.name
@@ -73,11 +73,11 @@ def dimension_name(dimensionality: Dimensionality) -> str:
 
 
 def dimension_of(text: str) -> Dimension:
-    """The dimension of a text of ours, such as a bound; raises UnitError where the table has none."""
+    """Dimension of a quantity's text, such as a bound; raises UnitError if it is not in the table."""
     _, unit = split(text, DIMENSIONLESS)
     named = _named(si_factor(unit)[1])
     if named is None:
-        raise UnitError(f'"{text}" has no dimension that scenes know')
+        raise UnitError(f'expected a dimension known to scenes, found "{text}"')
     return named
 
 
@@ -101,15 +101,15 @@ def _factor_or_raise(unit: str, text: str, dimension: Dimension) -> tuple[float,
 
 
 def short(text: str) -> str:
-    """A text on one line of at most 60 characters, for messages."""
+    """Shorten a text to one line of at most 60 characters, for messages."""
     line = " ".join(text.split())
     return line if len(line) <= 60 else line[:57] + "..."
 
 
 @cache
 def editor_pattern(dimension: Dimension) -> str:
-    """A regular expression (ECMA 262) for texts of a dimension: simple units by name, products of units by shape."""
-    fitting = sorted(_simple_units(dimension, (*short_names(), *WORDS)), key=lambda name: (-len(name), name))
+    """Regular expression (ECMA 262) for texts of a dimension: simple units by name, products of units by shape."""
+    fitting = sorted(_simple_units(dimension, (*short_names(), *UNIT_NAMES)), key=lambda name: (-len(name), name))
     simple = "|".join(fitting)
     product = r"[^\s0-9]+\s*[*·/^ ]\s*\S.*"
     number = r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?(\s+[0-9]+/[0-9]+|/[0-9]+)?"
@@ -118,7 +118,7 @@ def editor_pattern(dimension: Dimension) -> str:
 
 
 def _unknown_unit(name: str, dimension: Dimension) -> str:
-    """The message with the nearest unit: of the dimension called for, else of any."""
+    """Message with the nearest unit of the expected dimension, else of any."""
     for known in (_simple_units(dimension, short_names()), short_names()):
         same = [unit for unit in known if unit.lower() == name.lower()]
         near = same or difflib.get_close_matches(name, known, n=1, cutoff=0.5)
@@ -129,5 +129,5 @@ def _unknown_unit(name: str, dimension: Dimension) -> str:
 
 @cache
 def _simple_units(dimension: Dimension, names: tuple[str, ...]) -> list[str]:
-    """Those of the names that are units of the dimension."""
+    """Select the names that are units of the dimension."""
     return [name for name in names if si_factor(name)[1] in _accepted(dimension)]

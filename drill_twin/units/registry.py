@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The units that scenes may use, and what each is in SI.
+"""Units of scenes and their SI factors.
 
-pint does the algebra. Its own registry of a thousand units takes 0.2 s to load, so ours holds only what drillers and
-laboratories write, and it makes the angle a dimension: `2 Hz` is then not mistaken for a speed of rotation.
+pint does the algebra. Its own registry of a thousand units takes 0.2 s to load; this one holds the units of drilling
+and laboratories, with the angle as a dimension: `2 Hz` is then not mistaken for a speed of rotation.
 """
 
 import re
@@ -58,14 +58,14 @@ PLAIN = (
     "in", "ft", "min", "h", "deg", "°", "rev", "rpm", "t", "lb", "lbf", "klbf", "kip", "psi", "gal", "ppg",
     "cP", "percent", "%",
 )  # fmt: skip
-WORDS = (
+UNIT_NAMES = (
     "meter", "meters", "metre", "metres", "inch", "inches", "foot", "feet", "second", "seconds", "sec",
     "minute", "minutes", "hour", "hours", "hr", "gram", "grams", "tonne", "tonnes", "pound", "pounds", "newton",
     "newtons", "pascal", "pascals", "joule", "joules", "watt", "watts", "hertz", "radian", "radians", "degree",
     "degrees", "revolution", "revolutions", "turn", "turns", "liter", "liters", "litre", "litres", "gallon",
     "gallons",
 )  # fmt: skip
-"""Names that may be written; pint alone would also take the plural `Ns` for `N`."""
+"""Accepted long names; pint alone would also accept the plural `Ns` for `N`."""
 
 Dimensionality = tuple[tuple[str, float], ...]
 """Base dimensions and their powers, sorted; empty for a number."""
@@ -85,20 +85,20 @@ _PINT_ERRORS = (
     ValueError,
     ArithmeticError,
 )
-"""What pint lets out for malformed products such as `N(` or `m**/s`."""
+"""Raised by pint for malformed products such as `N(` or `m**/s`."""
 
 
 class UnitError(SceneError, ValueError):
-    """A text that is not a number with a known unit of the dimension called for."""
+    """A text that is not a number with a known unit of the expected dimension."""
 
 
 class UnknownUnitError(UnitError):
-    """A unit's name that the registry lacks; the only argument is the name."""
+    """A name that is no unit of the registry; the only argument is the name."""
 
 
 @cache
 def registry() -> "pint.UnitRegistry[float]":
-    """The units a scene may use (built once, in a few milliseconds)."""
+    """The pint registry (built once, in a few milliseconds)."""
     units: pint.UnitRegistry[float] = pint.UnitRegistry(None)
     units.load_definitions(DEFINITIONS.strip().splitlines())
     return units
@@ -106,7 +106,7 @@ def registry() -> "pint.UnitRegistry[float]":
 
 @cache
 def si_factor(unit: str) -> tuple[float, Dimensionality]:
-    """SI factor and dimensionality of a unit text; raises UnitError where there is no such unit."""
+    """SI factor and dimensionality of a unit text; raises UnitError if there is no such unit."""
     text = unit.replace("**", "^").replace("²", "^2").replace("³", "^3")
     if len(text) > _LONGEST_UNIT or not _UNIT.fullmatch(text):
         raise UnitError(f'"{" ".join(unit.split())[:_LONGEST_UNIT]}" is not a unit')
@@ -124,17 +124,17 @@ def si_factor(unit: str) -> tuple[float, Dimensionality]:
 
 
 def tidy(value: float) -> float:
-    """The short decimal next to a value that only rounding in a conversion set apart from it."""
+    """Remove the rounding error of a conversion: the value rounded to 12 digits, if that is within 4e-16 of it."""
     short = float(f"{value:.12g}")
     return short if abs(short - value) <= 4e-16 * abs(value) else value
 
 
 @cache
 def short_names() -> tuple[str, ...]:
-    """Short names, the plain ones first."""
+    """Short names, those without prefix first."""
     return (*PREFIXED, *PLAIN, *(prefix + unit for unit in PREFIXED for prefix in PREFIXES if prefix))
 
 
 @cache
 def _known() -> frozenset[str]:
-    return frozenset((*short_names(), *WORDS))
+    return frozenset((*short_names(), *UNIT_NAMES))

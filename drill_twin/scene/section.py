@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Section of the string: a tube with its material, blades and tool joints."""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, NamedTuple, Self
+
+from pydantic import model_validator
+
+from drill_twin.scene.part import Part, refuse_at
+from drill_twin.units import Density, Dimensionless, Length, Pressure, Within
+
+MOST_JOINTS = 2000
+"""Most tool joints of a section; each needs an element or two."""
+
+
+class Piece(NamedTuple):
+    """Uniform piece of the string: a section, or the pipe or a tool joint of one."""
+
+    length: float
+    """Length [m]."""
+    outer_diameter: float
+    """Outer diameter of the body [m]."""
+    contact_diameter: float
+    """Diameter in contact with the wall, blades included [m]."""
+    section: "Section"
+    """Section of the piece, with inner diameter and material."""
+
+
+class Joints(Part):
+    """Tool joints of a section: short lengths of larger outer diameter; bore and material are the section's."""
+
+    spacing: Annotated[Length, Within(above="0 m", at_most="1 km")]
+    """Distance between joints [m]; the upper end of each such length of the section is a joint."""
+    length: Annotated[Length, Within(above="0 m", at_most="10 m")]
+    """Length of a joint [m]."""
+    diameter: Annotated[Length, Within(above="0 m", at_most="5 m")]
+    """Outer diameter of a joint [m], for stiffness, mass and wall contact."""
+
+
+class Section(Part):
+    """Section of the string: a uniform tube or rod, with or without tool joints."""
+
+    name: str = ""
+    """Name in reports."""
+    length: Annotated[Length, Within(above="0 m", at_most="20 km")]
+    """Length [m]."""
+    outer_diameter: Annotated[Length, Within(above="0 m", at_most="5 m")]
+    """Outer diameter [m]."""
+    inner_diameter: Annotated[Length, Within(at_least="0 m", at_most="5 m")] = 0.0
+    """Inner diameter [m]; 0 m = solid."""
+    youngs_modulus: Annotated[Pressure, Within(at_least="1 kPa", at_most="10000 GPa")]
+    """Young's modulus E [Pa]."""
+    poisson_ratio: Annotated[Dimensionless, Within(above="-1", at_most="0.5")]
+    """Poisson's ratio [-], for the shear modulus."""
+    density: Annotated[Density, Within(above="0 kg/m^3", at_most="30000 kg/m^3", reason="osmium has 22600")]
+    """Density of the material [kg/m^3]."""
+    blade_diameter: Annotated[Length, Within(above="0 m", at_most="5 m")] | None = None
+    """Diameter over the blades of a stabiliser [m], for wall contact and wall marks; stiffness and mass are the tube's.
+    Left out: the outer diameter."""
+    joints: Joints | None = None
+    """Tool joints, if any."""
+
+    @model_validator(mode="after")
+    def _is_a_tube(self) -> Self:
+        if self.inner_diameter >= self.outer_diameter:
+            raise refuse_at(
+                ("inner_diameter",),
+                f"expected less than the outer diameter ({self.outer_diameter:.6g} m), "
+                f"found {self.inner_diameter:.6g} m",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _blades_stand_out(self) -> Self:
+        if self.blade_diameter is not None and self.blade_diameter < self.outer_diameter:
+            raise refuse_at(
+                ("blade_diameter",),
+                f"expected at least the outer diameter ({self.outer_diameter:.6g} m), "
+                f"found {self.blade_diameter:.6g} m",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _joints_fit(self) -> Self:
+        joints = self.joints
+        if joints is None:
+            return self
+        if joints.diameter < self.outer_diameter:
+            raise refuse_at(
+                ("joints", "diameter"),
+                f"expected at least the outer diameter ({self.outer_diameter:.6g} m), found {joints.diameter:.6g} m",
+            )
+        if joints.length >= joints.spacing:
+            raise refuse_at(
+                ("joints", "length"),
+                f"expected less than the spacing ({joints.spacing:.6g} m), found {joints.length:.6g} m",
+            )
+        if not 1.0 <= self.length / joints.spacing <= MOST_JOINTS:
+            raise refuse_at(
+                ("joints", "spacing"),
+                f"expected between 1 and {MOST_JOINTS} joints in the section ({self.length:.6g} m long), "
+                f"found {joints.spacing:.6g} m",
+            )
+        return self
+
+    @property
+    def contact_diameter(self) -> float:
+        """Diameter in contact with the wall between joints, blades included [m]."""
+        return self.blade_diameter or self.outer_diameter
+
+    def pieces(self) -> Iterator[Piece]:
+        """Yield the uniform pieces from the bit up."""
+        rest = self.length
+        if self.joints is not None:
+            pipe = self.joints.spacing - self.joints.length
+            contact = max(self.joints.diameter, self.contact_diameter)
+            for _ in range(int(self.length / self.joints.spacing * (1.0 + 1e-12))):
+                yield Piece(pipe, self.outer_diameter, self.contact_diameter, self)
+                yield Piece(self.joints.length, self.joints.diameter, contact, self)
+                rest -= self.joints.spacing
+        if rest > 1e-9 * self.length:
+            yield Piece(rest, self.outer_diameter, self.contact_diameter, self)
+
+    @property
+    def area(self) -> float:
+        """Cross-section A [m^2]."""
+        return math.pi / 4.0 * (self.outer_diameter**2 - self.inner_diameter**2)
+
+    @property
+    def second_moment(self) -> float:
+        """Second moment of area I for bending [m^4]; the polar moment J is twice this."""
+        return math.pi / 64.0 * (self.outer_diameter**4 - self.inner_diameter**4)
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus G = E / (2 (1 + nu)) [Pa]."""
+        return self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
+
+    @property
+    def mass_per_length(self) -> float:
+        """Mass per length [kg/m]."""
+        return self.density * self.area
