@@ -87,7 +87,7 @@ def _at_ends(parameters: Any, rod: Rod, name: str, at: EvaluationPoint) -> Array
     """Size of what an effect does at the bit and at the top [N], shape (2,)."""
     module, ends = effect_module(name), np.zeros((2, 7, 8))
     if hasattr(module, "end_load"):
-        # in the frame of the hole at the top: near enough, to find who is to diagnose
+        # in the frame of the hole at the top: near enough, to find which effect is behind a failure
         plain(module.end_load)(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
     force: Array = np.linalg.norm(ends[:, :3, 7], axis=1) + np.abs(ends[:, 6, 7]) / rod.outer_radius[[0, -1]]
     return force

@@ -76,13 +76,11 @@ class EffectTimer:
         effects: Those that are timed: they act at every iteration.
     """
 
-    def __init__(self, effects: tuple[str, ...], form: str, hole: str, parameters: Any, rod: Rod) -> None:
+    def __init__(self, effects: tuple[str, ...], parameters: Any, rod: Rod) -> None:
         """Compile the loops, or take them from where compiled code is kept.
 
         Args:
-            effects: As for `build_kernel`, and so are form and hole.
-            form: Of the string.
-            hole: Kind of hole.
+            effects: As for `build_kernel`.
             parameters: Of the kernel; copied, since some effects remember something there.
             rod: The string, n elements.
         """
@@ -95,7 +93,7 @@ class EffectTimer:
         ]
         self.effects = tuple(name for name in effects if any(_has(name, hook) for hook in _TIMED))
         text = _HEAD + "".join(parts)
-        self._module = load_generated("effect_timing", text, form, hole, packages=packages_of(effects))
+        self._module = load_generated("effect_timing", text, type(parameters).__module__, packages=packages_of(effects))
         self._parameters, self._rod = deepcopy(parameters), rod
         self._load, self._stiff, self._resultants = np.zeros(4), np.zeros((4, 4)), np.zeros(RESULTANTS)
         self._ends = np.zeros((2, 7, 8))

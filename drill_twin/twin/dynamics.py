@@ -172,7 +172,7 @@ class Dynamics:
 
     def meter(self) -> Callable[[str], float]:
         """Times an effect: by its name, what it takes of one Newton iteration now [s]; 0 for those that take none."""
-        meter = EffectTimer(self.parameters._fields[1:], self.form, self.hole, self.parameters, self.rod)
+        meter = EffectTimer(self.parameters._fields[1:], self.parameters, self.rod)
 
         def price(effect: str) -> float:
             return (

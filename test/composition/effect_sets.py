@@ -46,7 +46,7 @@ Choice = frozenset[str]
 def allowed(on: Choice) -> bool:
     """Whether a scene may list these together."""
     listed = on | ({"torsion"} if "stretch" in on else set())
-    if any(set(EFFECTS[key].needs) - listed for key in on):
+    if any(set(EFFECTS[key].requires) - listed for key in on):
         return False
     return all(len(on & set(group)) <= 1 for group in EXCLUSIVE)
 
@@ -67,7 +67,7 @@ def covering() -> tuple[Choice, ...]:
             for group in EXCLUSIVE:
                 drawn -= set(random.permutation(sorted(drawn & set(group)))[1:])
             listed = drawn | ({"torsion"} if "stretch" in drawn else set())
-            drawn = {key for key in drawn if set(EFFECTS[key].needs) <= listed}
+            drawn = {key for key in drawn if set(EFFECTS[key].requires) <= listed}
             if allowed(frozenset(drawn)):
                 pool.append(frozenset(drawn))
     wanted = set().union(*(pairs_of(on) for on in pool))

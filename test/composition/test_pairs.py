@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Effects build_kernel: sets that hold every pair of effects on and on, on and off, off and off compile and run."""
+"""Effects compose: sets that hold every pair of effects on and on, on and off, off and off compile and run."""
 
 import itertools
 

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The run loop: advance the twin by a frame, encode it, count its cost, diagnose it.
+
+A session without ROS and the simulator node both drive this loop; they differ in the sink that takes the messages (a
+bag, memory, DDS) and in what decides when the next frame is due.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from drill_twin.errors import RunError
+from drill_twin.io.adapters import describe_run, string_geometry
+from drill_twin.io.messages.diagnostics import Level
+from drill_twin.io.messages.encode import TwinEncoder, encode_string
+from drill_twin.io.messages.geometry import StringGeometry
+from drill_twin.io.messages.topics import (
+    CLOCK_TOPIC,
+    MARKS_STATE,
+    RIG_STATE,
+    STRING_MARKERS,
+    STRING_POSES,
+    TWIN_SCENE,
+)
+from drill_twin.monitor.drilling_progress import DrillingProgress
+from drill_twin.monitor.missing_effects import MissingEffects
+from drill_twin.monitor.rejected_steps import RejectedSteps
+from drill_twin.monitor.run_timing import EffectTiming, RunTiming
+from drill_twin.scene import Scene
+from drill_twin.schedule.command import Command
+from drill_twin.twin.checkpoint import Checkpoint
+from drill_twin.twin.frame import Frame
+from drill_twin.twin.twin import Twin
+
+TOPICS = (RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, CLOCK_TOPIC)
+"""Topics that the loop sends."""
+
+Sink = Callable[[str, bytes], None]
+"""Takes a topic and the CDR bytes of a message."""
+
+
+def compile_kernel(scene: Scene, period: float) -> None:
+    """Compile the kernel of a scene, or load it from the cache, by the first frame of a twin that is then dropped.
+
+    Args:
+        scene: The scene.
+        period: Simulated time of a frame [s].
+    """
+    Twin(scene).advance(Command(*scene.rig.first), period)
+
+
+class RunLoop:
+    """Advances the twin of a scene and sends its frames to a sink.
+
+    Attributes:
+        scene: The scene.
+        period: Simulated time of a frame [s].
+        twin: The twin.
+        frame: The last frame; None before the first.
+        frames: Number of frames since the start of the run.
+        timing: Cost of the run.
+        missing_effects: Effects that the run called for and the scene leaves out.
+        rejected_steps: Frames that the step guard rejected, and why the run was stopped.
+    """
+
+    def __init__(
+        self, scene: Scene, period: float, sink: Sink, *, pace: str = "fast", time_effects: bool = False
+    ) -> None:
+        """Build the twin; compiles its kernel where `compile_kernel` has not.
+
+        Args:
+            scene: The scene.
+            period: Simulated time of a frame [s].
+            sink: Takes the messages.
+            pace: realtime, fast or lockstep, for the description of the run.
+            time_effects: Whether the cost of each effect is measured for the diagnostics.
+
+        Raises:
+            DrillTwinError: The scene cannot be run (as `Twin`).
+        """
+        self.scene, self.period = scene, period
+        self._sink, self._pace, self._time_effects = sink, pace, time_effects
+        self.first = Command(*scene.rig.first)
+        """Set-points at the start."""
+        self.timing = RunTiming()
+        self._begin(Twin(scene))
+        self._encoder = TwinEncoder(self.geometry)
+
+    def _begin(self, twin: Twin) -> None:
+        self.twin = twin
+        self.frame: Frame | None = None
+        self.frames = 0
+        self.missing_effects = MissingEffects(self.scene)
+        self.rejected_steps = RejectedSteps()
+        self._drilling = DrillingProgress(twin)
+        self._effect_timing = EffectTiming(twin) if self._time_effects else None
+
+    @property
+    def geometry(self) -> StringGeometry:
+        """Sizes of string and hole for markers and tf."""
+        return string_geometry(self.twin)
+
+    def announce(self) -> None:
+        """Send the description of the run and its time: of a new run, or of one resumed from a checkpoint."""
+        self._sink(TWIN_SCENE, encode_string(describe_run(self.twin, self._pace)))
+        self._sink(CLOCK_TOPIC, self._encoder.clock(self.twin.time))
+
+    def reset(self) -> None:
+        """Start a new run at time zero."""
+        self._begin(Twin(self.scene))
+        self.announce()
+
+    def resume(self, checkpoint: Checkpoint) -> None:
+        """Go on from a checkpoint.
+
+        Raises:
+            CheckpointError: It is of another scene.
+        """
+        checkpoint.restore(self.twin)
+        self.rejected_steps = RejectedSteps()
+        self._drilling = DrillingProgress(self.twin)
+        self.frames = round(self.twin.time / self.period)
+
+    def advance(
+        self,
+        command: Command,
+        *,
+        markers: bool = False,
+        exaggeration: float | None = None,
+        also: Callable[[Frame], None] | None = None,
+    ) -> Frame:
+        """Advance by a frame and send it.
+
+        Args:
+            command: Set-points at the end of the frame.
+            markers: Whether `/string/markers` is due.
+            exaggeration: Factor of lateral motion in them; the default where None.
+            also: Called with the frame before `/clock` is sent.
+
+        Raises:
+            RunError: The motion could not be followed; the twin is back at the last good frame.
+        """
+        began = time.perf_counter()
+        try:
+            frame = self.twin.advance(command, self.period)
+        except RunError as error:
+            self.rejected_steps.stopped = str(error)
+            raise
+        advanced = time.perf_counter()
+        self.frame = frame
+        self.frames += 1
+        self._send(frame, markers=markers, exaggeration=exaggeration, also=also)
+        self.timing.update(self.period, advanced - began, time.perf_counter() - advanced, frame)
+        self.missing_effects.update(frame)
+        self.rejected_steps.update(frame)
+        return frame
+
+    def _send(
+        self, frame: Frame, *, markers: bool, exaggeration: float | None, also: Callable[[Frame], None] | None
+    ) -> None:
+        sink, encoder = self._sink, self._encoder
+        sink(RIG_STATE, encoder.rig_state(frame))
+        sink(MARKS_STATE, encoder.marks(frame))
+        sink(STRING_POSES, encoder.poses(frame))
+        if markers:
+            sink(STRING_MARKERS, encoder.markers(frame, exaggeration))
+        if also is not None:
+            also(frame)
+        # Last: a driver that answers the clock can rely on the frame being out.
+        sink(CLOCK_TOPIC, encoder.clock(frame.time))
+
+    def diagnostics(self) -> dict[str, str]:
+        """Named values of the run for `/diagnostics`; begins a new window of the timing."""
+        effect_cost = (
+            {} if self._effect_timing is None else self._effect_timing.values(self.timing.seconds_per_iteration)
+        )
+        values = {
+            "simulated_time": f"{self.twin.time:.6f}",
+            "frames": str(self.frames),
+            **self.timing.values(),
+            **effect_cost,
+            **self._drilling.values(),
+            "elements": str(self.twin.elements),
+            "step_s": repr(float(self.twin.step_size)),
+            **self.missing_effects.values(),
+            **self.rejected_steps.values(),
+        }
+        self.timing.start_window()
+        return values
+
+    def verdict(self) -> tuple[Level, str]:
+        """Level and sentence for `/diagnostics`: why the run was stopped, what was rejected, what is missing."""
+        if self.rejected_steps.stopped:
+            return Level.ERROR, self.rejected_steps.stopped
+        if self.rejected_steps.last:
+            return Level.WARN, self.rejected_steps.last
+        if self.missing_effects.found:
+            return Level.WARN, self.missing_effects.found[-1]
+        return Level.OK, self.timing.text()
