@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -11,6 +10,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+
+from drill_twin.studies.json_io import json_text
 
 
 def out() -> Console:
@@ -24,8 +25,8 @@ def err() -> Console:
 
 
 def print_json(value: Any) -> None:
-    """JSON on stdout."""
-    print(json.dumps(value, indent=2, allow_nan=False, ensure_ascii=False))
+    """Print JSON on stdout."""
+    print(json_text(value), end="")
 
 
 def pairs(rows: Iterable[tuple[str, str]]) -> Table:

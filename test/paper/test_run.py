@@ -13,8 +13,8 @@ from drill_twin.studies.paper.runs import run as module
 from drill_twin.studies.paper.runs.cases import Case, scene_of
 from drill_twin.studies.paper.runs.disorder import largest_lyapunov, spectral_entropy
 from drill_twin.studies.paper.runs.full_size import NEAR_BIT, REFERENCE, rows, steady_from
-from drill_twin.studies.paper.runs.matrix import run_all
 from drill_twin.studies.paper.runs.run import measure, run, x_spectrum
+from drill_twin.studies.pool import run_jobs
 from drill_twin.twin.twin import Twin
 
 
@@ -24,9 +24,8 @@ def hard_push(quick_bench):
 
 
 def test_the_same_run_has_the_same_bits_and_one_process_those_of_two(quick_bench, hard_push):
-    found = {}
-    scenes = {case: scene_of(quick_bench, case) for case in (Case(300.0, 2.0), Case(20.0, 2.0))}
-    run_all(scenes, 2, found.__setitem__)
+    jobs = {case: (scene_of(quick_bench, case),) for case in (Case(300.0, 2.0), Case(20.0, 2.0))}
+    found = run_jobs(run, jobs, 2)
     again = found[Case(300.0, 2.0)]
     for name in ("time", "point", "velocity", "centre", "spin_rate"):
         assert (getattr(again, name) == getattr(hard_push, name)).all()

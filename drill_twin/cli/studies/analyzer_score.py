@@ -29,6 +29,7 @@ def analyzer_score(
     from drill_twin.cli.show import err, print_json
     from drill_twin.studies.detection.measure import QUICK, Plan, measure
     from drill_twin.studies.detection.text import markdown
+    from drill_twin.studies.json_io import json_text
 
     names = ("analyzer_score.md", "analyzer_score.json", "confusion.png")
     if out is not None:
@@ -39,13 +40,11 @@ def analyzer_score(
     plain = result.to_dict()
     text = markdown(plain)
     if out is not None:
-        import json as plain_json
-
         from drill_twin.studies.detection.figure import confusion_figure
 
         out.mkdir(parents=True, exist_ok=True)
         write_file(out / names[0], text)
-        write_file(out / names[1], plain_json.dumps(plain, indent=2, allow_nan=False) + "\n")
+        write_file(out / names[1], json_text(plain))
         confusion_figure(result, out / names[2])
     if json:
         print_json(plain)

@@ -54,11 +54,11 @@ def cost(
     from drill_twin.cli.folder import folder_name, make_folder, write_file
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
-    from drill_twin.report.summary import to_json
     from drill_twin.scene import load_scene
     from drill_twin.studies.convergence import ladder, measure
     from drill_twin.studies.convergence.curve import ELEMENTS, STEPS
     from drill_twin.studies.convergence.figure import draw
+    from drill_twin.studies.json_io import json_text
 
     changes = overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)
@@ -72,7 +72,7 @@ def cost(
             scene, changes, rungs, folder / "runs", replicas=replicas, workers=workers,
             progress=lambda line: progress.update(task, advance=1, description=line),
         )  # fmt: skip
-    write_file(folder / "cost.json", to_json(curve.to_dict()))
+    write_file(folder / "cost.json", json_text(curve.to_dict()))
     write_file(folder / "cost.csv", _csv(curve))
     draw(curve, folder / "cost.png")
     curve.promise.save(folder / "accuracy.json")

@@ -54,9 +54,9 @@ def effects(
     from drill_twin.cli.folder import folder_name, new_folder, write_file
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
-    from drill_twin.report.summary import to_json
     from drill_twin.scene import load_scene
     from drill_twin.studies.ablation import ablate, groups
+    from drill_twin.studies.json_io import json_text
 
     changes = overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)
@@ -69,7 +69,7 @@ def effects(
             progress.update(task, advance=1, description=f"done without {left_out}")
 
         ablation = ablate(scene, changes, tolerance=tolerance, replicas=replicas, workers=workers, progress=done)
-    write_file(folder / "effects.json", to_json(ablation.to_dict()))
+    write_file(folder / "effects.json", json_text(ablation.to_dict()))
     from drill_twin.studies.ablation.figure import draw
 
     draw(ablation, folder / "effects.png")

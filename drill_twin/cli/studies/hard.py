@@ -124,11 +124,11 @@ def _write(
 ) -> None:
     from drill_twin.cli.folder import write_file
     from drill_twin.cli.show import err
-    from drill_twin.report.summary import to_json
+    from drill_twin.studies.json_io import json_text
     from drill_twin.studies.stress.page import to_data, to_page
 
     options = [*(["--only", only] if only else []), *flags, "--page", page.as_posix()]
     write_file(page, to_page(results, outcomes, " ".join(["drill-twin hard", *options])))
     data = page.with_suffix(".json")
-    write_file(data, to_json(to_data(results, outcomes)))
+    write_file(data, json_text(to_data(results, outcomes)))
     err().print(f"{page}, {data}", markup=False, soft_wrap=True)

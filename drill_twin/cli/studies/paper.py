@@ -39,6 +39,7 @@ def paper(
 
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.cli.show import err, print_json
+    from drill_twin.studies.json_io import json_text
     from drill_twin.studies.paper.runs.reproduction import bench, reproduce
 
     described = bench(scene)
@@ -52,7 +53,6 @@ def paper(
     spent = time.monotonic() - began
     with err().status("drawing"):
         from drill_twin.studies.paper.pages.figures import draw
-        from drill_twin.studies.paper.pages.json_io import json_text
         from drill_twin.studies.paper.pages.markdown import build_markdown
         from drill_twin.studies.paper.pages.page import build_page
 
@@ -88,11 +88,11 @@ def calibrate(
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.cli.show import err, grid, print_json
     from drill_twin.cli.show import out as screen
+    from drill_twin.studies.json_io import json_text
     from drill_twin.studies.paper.calibration import text
     from drill_twin.studies.paper.calibration.calibrate import calibrate as search
-    from drill_twin.studies.paper.pages.json_io import json_text
-    from drill_twin.studies.paper.runs.matrix import cores
     from drill_twin.studies.paper.runs.reproduction import bench
+    from drill_twin.studies.pool import cores
 
     described = bench(scene)
     for name in (CALIBRATION, TRADE_OFF):

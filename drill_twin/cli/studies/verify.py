@@ -133,11 +133,11 @@ def _table(outcomes: Sequence[Outcome]) -> Table:
 def _write(page: Path, outcomes: Sequence[Outcome], *, only: str, quick: bool) -> None:
     from drill_twin.cli.folder import write_file
     from drill_twin.cli.show import err
-    from drill_twin.report.summary import to_json
+    from drill_twin.studies.json_io import json_text
     from drill_twin.studies.verify.page import to_data, to_page
 
     options = [*(["--only", only] if only else []), *(["--quick"] if quick else []), "--page", page.as_posix()]
     write_file(page, to_page(outcomes, " ".join(["drill-twin verify", *options])))
     data = page.with_suffix(".json")
-    write_file(data, to_json(to_data(outcomes)))
+    write_file(data, json_text(to_data(outcomes)))
     err().print(f"{page}, {data}", markup=False, soft_wrap=True)

@@ -3,11 +3,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, field
-from multiprocessing import get_context
 from typing import Any
 
 from drill_twin.accuracy.trial import Trial, run_trial
@@ -15,9 +12,13 @@ from drill_twin.effects import EFFECTS
 from drill_twin.errors import RunError, SceneError
 from drill_twin.scene import load_scene
 from drill_twin.studies.ablation.compare import Quantity, differences, worst
+from drill_twin.studies.pool import run_jobs
 
 TOGETHER = ("stretch", "torsion")
 """Effects that only come and go together."""
+
+Group = tuple[str, ...]
+"""Keys of effects that are left out together."""
 
 
 @dataclass(frozen=True)
@@ -62,13 +63,8 @@ class Ablation:
     """What leaving out all the others at once changes."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON; a change in tolerances is None where there is nothing to measure it by."""
-        plain = asdict(self)
-        for change in (*plain["changes"], plain["reduced"]):
-            for quantity in change["quantities"].values():
-                if not math.isfinite(quantity["tolerances"]):
-                    quantity["tolerances"] = None
-        return plain
+        """Plain types for JSON (`drill_twin.studies.json_io`)."""
+        return asdict(self)
 
 
 def groups(effects: tuple[str, ...]) -> list[tuple[str, ...]]:
@@ -112,32 +108,29 @@ def ablate(
         RunError: The scene itself cannot be run.
     """
     effects = tuple(load_scene(scene, overrides=dict(overrides)).effect_names)
-    todo = groups(effects)
-    context = get_context("spawn")  # a forked numba would share its locks
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
 
-        def submit(left_out: tuple[str, ...]) -> Any:
-            off = {f"effects.{key}": "off" for key in left_out}
-            return pool.submit(_runs, scene, {**overrides, **off}, replicas)
+    def run(left_out: list[Group], name: str = "") -> dict[Group, tuple[Trial, ...] | str]:
+        jobs = {group: (scene, {**overrides, **_off(group)}, replicas) for group in left_out}
+        return run_jobs(_runs, jobs, workers, done=lambda group, _: progress(name + (", ".join(group) or "nothing")))
 
-        pending = [((), submit(())), *((group, submit(group)) for group in todo)]
-        results: dict[tuple[str, ...], tuple[Trial, ...] | str] = {}
-        for group, future in pending:
-            results[group] = future.result()
-            progress(", ".join(group) or "nothing")
-        baseline = results.pop(())
-        if isinstance(baseline, str):
-            raise RunError(f"the scene with all its effects cannot be run: {baseline}")
-        changes = [_change(group, baseline, outcome, tolerance) for group, outcome in results.items()]
-        left_out = _not_called_for(effects, changes)
-        while True:
-            reduced = _change(left_out, baseline, submit(left_out).result() if left_out else baseline, tolerance)
-            progress(f"all of {', '.join(left_out)}" if left_out else "nothing more")
-            if not left_out or not reduced.called_for:
-                break
-            left_out = _one_back(left_out, changes)
+    results = run([(), *groups(effects)])
+    baseline = results.pop(())
+    if isinstance(baseline, str):
+        raise RunError(f"the scene with all its effects cannot be run: {baseline}")
+    changes = [_change(group, baseline, trials, tolerance) for group, trials in results.items()]
+    left_out = _not_called_for(effects, changes)
+    while True:
+        reduced = _change(left_out, baseline, run([left_out], "all of ")[left_out] if left_out else baseline, tolerance)
+        if not left_out or not reduced.called_for:
+            break
+        left_out = _one_back(left_out, changes)
     kept = tuple(key for key in effects if key not in left_out)
     return Ablation(scene, effects, tolerance, replicas, baseline, tuple(changes), kept, reduced)
+
+
+def _off(group: Group) -> dict[str, str]:
+    """Changes to a scene that leave the effects of a group out."""
+    return {f"effects.{key}": "off" for key in group}
 
 
 def _runs(scene: str, overrides: dict[str, str], replicas: int) -> tuple[Trial, ...] | str:

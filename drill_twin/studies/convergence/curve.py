@@ -4,9 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ from drill_twin.accuracy.errors import Errors, compare, spread
 from drill_twin.accuracy.motion_run import Motion, kept_run
 from drill_twin.errors import RunError, SceneError
 from drill_twin.scene import Scene, load_scene
+from drill_twin.studies.pool import run_jobs
 from drill_twin.twin.twin import Twin
 
 ELEMENTS = (0.375, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
@@ -159,18 +158,10 @@ def measure(
 
     described = load_scene(scene, overrides=dict(overrides))
     exact = converged(rungs)
-    jobs: list[tuple[Rung, int | None]] = [(exact, None), *((exact, seed) for seed in range(replicas))]
-    jobs += [(rung, None) for rung in rungs]
-    done: dict[tuple[Rung, int | None], Motion | str] = {}
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        futures = {
-            pool.submit(kept_run, scene, {**overrides, **rung.overrides()}, seed, folder): (rung, seed)
-            for rung, seed in jobs
-        }
-        for future in as_completed(futures):
-            rung, seed = futures[future]
-            done[rung, seed] = future.result()
-            progress(rung.words)
+    keys: list[tuple[Rung, int | None]] = [(exact, None), *((exact, seed) for seed in range(replicas))]
+    keys += [(rung, None) for rung in rungs]
+    jobs = {(rung, seed): (scene, {**overrides, **rung.overrides()}, seed, folder) for rung, seed in keys}
+    done = run_jobs(kept_run, jobs, workers, done=lambda key, _: progress(key[0].words))
     reference = done[exact, None]
     if isinstance(reference, str):
         raise RunError(f"the converged run of {described.name} failed: {reference}")

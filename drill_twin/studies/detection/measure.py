@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -15,6 +14,7 @@ from drill_twin.studies.detection.cases import BENCH, bench, rattling, recorded,
 from drill_twin.studies.detection.scoring import STATES, Score, analysed, f1_scores, macro_f1
 from drill_twin.studies.detection.signals import Record, labelled, steady
 from drill_twin.studies.detection.steady import false_onsets
+from drill_twin.studies.pool import run_jobs
 
 
 @dataclass(frozen=True)
@@ -68,28 +68,28 @@ class Result:
 def measure(plan: Plan, *, workers: int = 1, progress: Callable[[str], None] = lambda _: None) -> Result:
     """Makes every record of a plan, has it analysed, and counts."""
     result = Result(plan)
-    with ProcessPoolExecutor(workers) as pool:
-        hours = pool.submit(false_onsets, plan.hours) if plan.hours else None
-        for name, records in pool.map(_one, _jobs(plan), chunksize=2):
-            progress(name)
-            for kind, score in records:
-                getattr(result, kind).merge(score)
-                result.worst += [
-                    (error, name) for error in score.onset_error if abs(error) > 0.5 and kind != "with_forces"
-                ]
-        if hours is not None:
-            progress("steady rotation")
-            result.false_onsets = hours.result()
+    jobs = {job: (plan, *job) for job in _jobs(plan)}
+    for name, found in run_jobs(_one, jobs, workers, done=lambda _, named: progress(named[0])).values():
+        if isinstance(found, int):
+            result.false_onsets = found
+            continue
+        for kind, score in found:
+            getattr(result, kind).merge(score)
+            result.worst += [(error, name) for error in score.onset_error if abs(error) > 0.5 and kind != "with_forces"]
     return result
 
 
 def _jobs(plan: Plan) -> Iterator[tuple[str, int]]:
+    if plan.hours:
+        yield "hours", 0
     for kind in ("rattling", "bench", "drawn", "kinematic", "still"):
         yield from ((kind, number) for number in range(getattr(plan, kind)))
 
 
-def _one(job: tuple[str, int]) -> tuple[str, list[tuple[str, Score]]]:
-    kind, number = job
+def _one(plan: Plan, kind: str, number: int) -> tuple[str, list[tuple[str, Score]] | int]:
+    """Name and scores of a record, or name and number of false onsets of the steady rotation."""
+    if kind == "hours":
+        return "steady rotation", false_onsets(plan.hours)
     if kind in {"kinematic", "still"}:
         record = labelled(number) if kind == "kinematic" else steady(number)
         return record.name, [("kinematic", _scored(record, states=kind == "kinematic"))]

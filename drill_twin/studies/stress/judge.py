@@ -4,14 +4,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from drill_twin.errors import RunError
 from drill_twin.schedule import Schedule
+from drill_twin.studies.pool import run_jobs
 from drill_twin.studies.stress.bound import deepest_allowed
 from drill_twin.studies.stress.case import STOPS, HardCase
 from drill_twin.twin.frame import Frame
@@ -61,11 +62,8 @@ class Result:
         return self.verdict.startswith("ok")
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON; a number that is none is None."""
-        plain = asdict(self) | {"ok": self.ok}
-        return {
-            key: None if isinstance(value, float) and not isfinite(value) else value for key, value in plain.items()
-        }
+        """Plain types for JSON (`drill_twin.studies.json_io`)."""
+        return asdict(self) | {"ok": self.ok}
 
 
 class Watch:
@@ -93,7 +91,33 @@ class Watch:
             self.gained = self.gained or next((k for k, heat in frame.energy.dissipated.items() if heat < least), "")
 
 
-def run_case(case: HardCase, *, energy: bool = False) -> Result:
+def run_hard(
+    cases: Sequence[HardCase],
+    *,
+    workers: int = 2,
+    energy: bool = False,
+    progress: Callable[[Result], None] = lambda _: None,
+) -> list[Result]:
+    """Run the cases on several processes, the longest first.
+
+    The forms of a scene follow each other, so that two workers compile two kernels.
+
+    Args:
+        cases: What to run.
+        workers: Processes.
+        energy: Whether to audit the energy, which takes kernels of its own.
+        progress: Called with each result as a case ends.
+
+    Returns:
+        Results in the order of the cases.
+    """
+    ordered = sorted(cases, key=lambda case: -case.seconds if case.long else 0.0)
+    jobs = {case: (case, energy) for case in ordered}
+    found = run_jobs(run_case, jobs, workers, done=lambda _, result: progress(result))
+    return [found[case] for case in cases]
+
+
+def run_case(case: HardCase, energy: bool = False) -> Result:
     """Run a case, with the energy audit if asked for; a run that stops is a finding, not an error."""
     scene = case.scene(energy=energy)
     schedule = Schedule.from_scene(scene)

@@ -18,7 +18,7 @@ FORMS = (SPATIAL, LATERAL)
 Function = Callable[..., Iterable[Row]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Case:
     """One run, or a few that belong together."""
 

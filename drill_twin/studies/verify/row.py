@@ -44,10 +44,9 @@ class Row:
         return math.isfinite(self.error) and abs(self.error) <= self.tolerance
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON; a number that is none is None."""
-        plain = asdict(self) | {"error": self.error, "ok": self.ok}
-        numbers = ("expected", "computed", "error")
-        return plain | {key: float(plain[key]) if math.isfinite(plain[key]) else None for key in numbers}
+        """Plain types for JSON (`drill_twin.studies.json_io`)."""
+        numbers = {"expected": float(self.expected), "computed": float(self.computed), "error": self.error}
+        return asdict(self) | numbers | {"ok": self.ok}
 
 
 __all__ = ["Row"]

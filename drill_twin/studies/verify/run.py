@@ -5,12 +5,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from contextlib import ExitStack
 from dataclasses import dataclass
-from multiprocessing import get_context
 from typing import Any
 
+from drill_twin.studies.pool import run_jobs
 from drill_twin.studies.verify import TOPICS, all_cases
 from drill_twin.studies.verify.case import Case
 from drill_twin.studies.verify.row import Row
@@ -46,59 +44,33 @@ class Outcome:
 def run_cases(
     cases: Sequence[Case], *, workers: int = 2, progress: Callable[[Outcome], None] = lambda _: None
 ) -> list[Outcome]:
-    """Run the cases, each worker keeping to one compiled kernel as long as there is work for it.
+    """Run the cases on several processes.
 
     Args:
         cases: What to run.
         workers: Processes.
-        progress: Called with each outcome as it comes.
+        progress: Called with each outcome as a case ends.
 
     Returns:
         Outcomes in the order of the cases.
     """
-    left = list(cases)
-    last = [""] * workers
-    found: dict[str, Outcome] = {}
-    context = get_context("spawn")  # a forked numba would share its locks
-    with ExitStack() as stack:
-        pools = [stack.enter_context(ProcessPoolExecutor(1, mp_context=context)) for _ in range(workers)]
-        running: dict[Future[tuple[tuple[Row, ...], float]], tuple[int, Case]] = {}
-
-        def begin(worker: int) -> None:
-            case = left.pop(_next(left, last[worker], [*last[:worker], *last[worker + 1 :]]))
-            last[worker] = _kernel(case)
-            running[pools[worker].submit(_run, case.name)] = (worker, case)
-
-        for worker in range(min(workers, len(left))):
-            begin(worker)
-        while running:
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                worker, case = running.pop(future)
-                error = future.exception()
-                rows, seconds = ((), 0.0) if error else future.result()
-                failure = f"{type(error).__name__}: {error}" if error else "" if rows else "it gave no numbers"
-                found[case.name] = Outcome(case, rows, seconds, failure)
-                progress(found[case.name])
-                if left:
-                    begin(worker)
-    return [found[case.name] for case in cases]
+    found = run_jobs(
+        _run, {case: (case.name,) for case in cases}, workers,
+        done=lambda case, result: progress(Outcome(case, *result)), kernel=_kernel,
+    )  # fmt: skip
+    return [Outcome(case, *result) for case, result in found.items()]
 
 
 def _kernel(case: Case) -> str:
-    """Cases with the same answer run the same compiled code, by and large."""
+    """Cases with the same set of effects and the same formulation run nearly always the same compiled code."""
     return f"{TOPICS.get(case.topic, case.topic)}/{case.form}"
 
 
-def _next(left: Sequence[Case], own: str, others: Sequence[str]) -> int:
-    """Index of the case to run next: of the worker's own kernel, else of one that nobody else is at."""
-    for index, case in enumerate(left):
-        if _kernel(case) == own:
-            return index
-    return next((index for index, case in enumerate(left) if _kernel(case) not in others), 0)
-
-
-def _run(name: str) -> tuple[tuple[Row, ...], float]:
-    """Rows of the case of this name and the seconds they took; runs in a process of its own."""
+def _run(name: str) -> tuple[tuple[Row, ...], float, str]:
+    """Rows of the case of this name, the seconds they took, and why there are none; called in a worker process."""
     began = time.perf_counter()
-    case = {case.name: case for case in all_cases()}[name]
-    return tuple(case.run()), time.perf_counter() - began
+    try:
+        rows = tuple({case.name: case for case in all_cases()}[name].run())
+    except Exception as error:  # noqa: BLE001  a case that fails is reported in the table; the others go on
+        return (), 0.0, f"{type(error).__name__}: {error}"
+    return rows, time.perf_counter() - began, "" if rows else "it gave no numbers"

@@ -24,7 +24,8 @@ from drill_twin.base.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.studies.paper.calibration.objective import Loss, lateral, loss_at
 from drill_twin.studies.paper.calibration.unknowns import UNKNOWNS, Unknown, shares_of
-from drill_twin.studies.paper.runs.matrix import compile_for, pool
+from drill_twin.studies.paper.runs.run import compile_for
+from drill_twin.studies.pool import process_pool
 
 STEP = 0.03
 """Shares by which a number is moved to see how sharply it is known."""
@@ -135,7 +136,7 @@ def calibrate(
         compile_for(form)
     first = qmc.Sobol(len(UNKNOWNS), seed=seed).random_base2((population - 1).bit_length())[:population]
     first[0] = own
-    with pool(processes) if processes > 1 else nullcontext() as workers:
+    with process_pool(processes) if processes > 1 else nullcontext() as workers:
         search = _Search(scene, workers, progress, population * (generations + 1))
         if generations:
             differential_evolution(

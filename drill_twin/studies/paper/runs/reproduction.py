@@ -13,13 +13,13 @@ from drill_twin.scene import Scene, load_scene
 from drill_twin.studies.paper.runs import full_size
 from drill_twin.studies.paper.runs.cases import MATRIX, Case, scene_of
 from drill_twin.studies.paper.runs.full_size import Disorder, FullSizeRow
-from drill_twin.studies.paper.runs.matrix import compile_for, cores, pool, run_all
 from drill_twin.studies.paper.runs.published import published
-from drill_twin.studies.paper.runs.run import Measured, Run, measure
+from drill_twin.studies.paper.runs.run import Measured, Run, compile_for, measure, run
 from drill_twin.studies.paper.runs.similarity import Scale, similarity
 from drill_twin.studies.paper.runs.table import Row, Trend, rows, trends
 from drill_twin.studies.paper.runs.variants import CASES as VARIANT_CASES
 from drill_twin.studies.paper.runs.variants import VARIANTS, Variant
+from drill_twin.studies.pool import cores, run_jobs
 
 Key = tuple[str, Case]
 MATRIX_RUN, FULL_SIZE_RUN = "bench", "full size"
@@ -110,18 +110,16 @@ def reproduce(
     compile_for(scene)
     if full_size_too:
         compile_for(full[full_size.REFERENCE])
-    runs: dict[Key, Run] = {}
 
-    def done(key: Key, run: Run) -> None:
+    def done(key: Key, _: Run) -> None:
         nonlocal ended
         ended += 1
-        runs[key] = run
         progress(f"{key[0]}, {_words(key[1])}", ended, total)
 
     processes = processes or cores()
-    run_all(wanted, processes, done)
+    runs = run_jobs(run, {key: (described,) for key, described in wanted.items()}, processes, done=done)
     bench = {case: runs[MATRIX_RUN, case] for case in MATRIX}
-    measured = {case: measure(run) for case, run in bench.items()}
+    measured = {case: measure(found) for case, found in bench.items()}
     big = {case: runs[FULL_SIZE_RUN, case] for case in full}
     return Reproduction(
         scene, bench, measured, rows(measured), trends(measured),
@@ -146,12 +144,8 @@ def _ran(row: Row) -> bool:
 
 
 def _disorder(scenes: dict[Case, Scene], runs: dict[Case, Run], processes: int) -> list[Disorder]:
-    cases = full_size.SPEEDS
-    columns = ([scenes[case] for case in cases], [runs[case] for case in cases])
-    if processes == 1:
-        return list(map(full_size.disorder, cases, *columns))
-    with pool(processes) as workers:
-        return list(workers.map(full_size.disorder, cases, *columns))
+    jobs = {case: (case, scenes[case], runs[case]) for case in full_size.SPEEDS}
+    return list(run_jobs(full_size.disorder, jobs, processes).values())
 
 
 def _words(case: Case) -> str:

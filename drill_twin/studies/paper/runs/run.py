@@ -54,6 +54,12 @@ class Run:
         return float(self.time[0])
 
 
+def compile_for(scene: Scene) -> None:
+    """Compile the kernel of a scene in this process, so that the workers find it in the cache."""
+    schedule, period = Schedule.from_scene(scene), 1.0 / scene.numerics.frame_rate
+    Twin(scene).advance(schedule.at(period), period)
+
+
 def run(scene: Scene, seconds: float | None = None, progress: Callable[[float], None] | None = None) -> Run:
     """Run a scene to its end, or for `seconds`; a run that cannot be followed further keeps what came before.
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Results as JSON."""
+"""Results of studies as JSON."""
 
 from __future__ import annotations
 
