@@ -123,10 +123,10 @@ fuzz: setup-test
 	@DRILL_TWIN_FUZZ=10000 $(PYTHON) -m pytest test/fuzz -q -s
 
 random-scenes: setup-test
-	@DRILL_TWIN_SCENES=10000 $(PYTHON) -m pytest test/hard/test_random_scenes.py -q -m 'long or not long'
+	@DRILL_TWIN_SCENES=10000 $(PYTHON) -m pytest test/studies/stress/test_random_scenes.py -q -m 'long or not long'
 
 day: setup-test
-	@DRILL_TWIN_DAY=1 $(PYTHON) -m pytest test/hard/test_hard_scenes.py -q -k day
+	@DRILL_TWIN_DAY=1 $(PYTHON) -m pytest test/studies/stress/test_hard_scenes.py -q -k day
 
 browser: setup-test
 	@$(PYTEST) test/ros/test_watch.py -q -m 'long or not long'

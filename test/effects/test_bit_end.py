@@ -3,9 +3,9 @@
 
 import numpy as np
 import pytest
-from scenes import EI, LENGTH, rod_scene
 
 from drill_twin.schedule.command import Command
+from drill_twin.studies.verify.scenes import EI, LENGTH, rod_scene
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from end_scenes import steel
 from pydantic import ValidationError
-from scenes import rod_scene
 
 from drill_twin.effects.random_matrix import MOST_SCATTER, random_matrix
 from drill_twin.monitor.drilling_progress import DrillingProgress
 from drill_twin.scene import load_scene
 from drill_twin.schedule.command import Command
+from drill_twin.studies.verify.scenes import rod_scene
 from drill_twin.twin.frame import RigState
 from drill_twin.twin.twin import Twin
 

@@ -4,9 +4,9 @@
 import numpy as np
 import pytest
 from quiet import AT_REST, quiet_scene
-from scenes import LENGTH
 
 from drill_twin.effects.random_field import generator, random_line
+from drill_twin.studies.verify.scenes import LENGTH
 from drill_twin.twin.twin import Twin
 
 DAMPING = {"bending_time": 0.02, "stretch_time": 2e-3, "torsion_time": 2e-3}

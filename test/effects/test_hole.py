@@ -4,10 +4,10 @@
 import numpy as np
 import pytest
 from hole_scenes import ON_THE_WALL, SETTLING, bend, with_parts
-from scenes import DIAMETER, EA, EI, LINE_MASS
 
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
+from drill_twin.studies.verify.scenes import DIAMETER, EA, EI, LINE_MASS
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
 

@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 from quiet import AT_REST, FIRST, FORMS, first_mode, quiet_scene
-from scenes import LENGTH, LINE_MASS
 
+from drill_twin.studies.verify.scenes import LENGTH, LINE_MASS
 from drill_twin.twin.twin import Twin
 
 

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from end_scenes import with_rig
 from pydantic import ValidationError
-from scenes import LENGTH, rod_scene
 
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.dynamics.torsion import IDLE
+from drill_twin.studies.verify.scenes import LENGTH, rod_scene
 from drill_twin.twin.twin import Twin
 
 ROD_INERTIA = 1100.0 * np.pi / 32.0 * 0.0165**4 * LENGTH

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from hole_scenes import ON_THE_WALL, bend, with_parts
-from scenes import DIAMETER, LINE_MASS
 
 from drill_twin.effects import wall, wall_friction
 from drill_twin.model.point import Point
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
+from drill_twin.studies.verify.scenes import DIAMETER, LINE_MASS
 from drill_twin.twin.twin import Twin
 
 PLACE, H2, CLEARANCE = 17, 1e-3, 0.01

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Exact checks: each is a scene that is run and compared with a closed form or a published number.
 
-One source for the command `drill-twin verify`, for docs/verification.md and for the tests in test/verify.
+One source for the command `drill-twin verify`, for docs/verification.md and for the tests in test/studies/verify.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ _HEAD = """# Verification
 What the twin computes, beside closed forms and published numbers. Every row is a scene that is run by the twin as any
 other; what is compared with it are formulas, zeros and tables only. The tolerance is what elements, step and reading
 explain, and each case says why. `drill-twin verify` runs all of this on your machine and ends with exit code 1 if a row
-misses; the tests in `test/verify` run the same cases.
+misses; the tests in `test/studies/verify` run the same cases.
 
 *Form* is how the string is computed: `spatial` with stretch and torsion, `lateral` without them
 ([design.md](design.md)). Error and tolerance are shares of the expected number; with `abs` they are in its unit.

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from holding import cases_of, check
+from exact_cases import cases_of, check
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The exact checks: buckling, frequencies, statics, waves, and what the two forms of the string have in common."""
 
-from holding import cases_of, check
+from exact_cases import cases_of, check
 
 from drill_twin.studies.verify import TOPICS, Case
 
-ELSEWHERE = {"numerics.conservation", "numerics.symmetry", "numerics.convergence_order"}  # test/invariant, test/order
+ELSEWHERE = {"numerics.conservation", "numerics.symmetry", "numerics.convergence_order"}  # files of their own
 
 
 @cases_of(*(topic for topic in TOPICS if topic not in ELSEWHERE))

@@ -8,9 +8,9 @@ A wave of velocity is reflected by (Z_1 - Z_2) / (Z_1 + Z_2) and goes on with 2 
 import numpy as np
 import pytest
 from hole_scenes import ON_THE_WALL, with_parts
-from scenes import AREA, DENSITY, DIAMETER, POISSON, YOUNG
 
 from drill_twin.schedule.command import Command
+from drill_twin.studies.verify.scenes import AREA, DENSITY, DIAMETER, POISSON, YOUNG
 from drill_twin.twin.twin import Twin
 
 INTERVAL, SPAN = 2e-5, 5.0

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Orders of convergence, read off as slopes: four in space, two in time."""
 
-from holding import cases_of, check
+from exact_cases import cases_of, check
 
 from drill_twin.studies.verify import Case
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Puts the shared scenes and signal tools of the exact checks on the path."""
+"""Path of the scenes that several tests share."""
 
 import sys
 from pathlib import Path

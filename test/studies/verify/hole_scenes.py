@@ -3,9 +3,8 @@
 
 from typing import Any
 
-from scenes import rod_scene
-
 from drill_twin.scene import Scene
+from drill_twin.studies.verify.scenes import rod_scene
 
 ON_THE_WALL: dict[str, Any] = {
     "gravity": {"magnitude": 0.0},
