@@ -78,7 +78,7 @@ def check(
     """
     onset = recording.summary.onset_s
     duration = recording.duration
-    factor = recording.realtime_factor
+    factor = recording.log.realtime_factor
     line = recording.centre_lines()
     time = recording.marks.time
     clearance = np.array([place.clearance for place in recording.scene.mark_table])

@@ -113,9 +113,9 @@ def draw(recording: Recording, folder: Path) -> ReportFiles:
 
 def default_folder(bag: Path) -> Path:
     """Where a report goes if nobody says so: `out/run/bag_0` -> `out/run`; any other `x` -> `x_report` beside it."""
-    from drill_twin.report.locate import bag_in
+    from drill_twin.io.bag.files import bag_path
 
-    found = bag_in(bag).absolute()
+    found = bag_path(bag).absolute()
     if found.suffix in {".mcap", ".db3"} and found.is_file():
         found = found.parent if found.parent.name == "bag_0" else found.with_suffix("")
     return found.parent if found.name == "bag_0" else found.with_name(f"{found.name}_report")

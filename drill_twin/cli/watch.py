@@ -38,12 +38,12 @@ def watch(
 
 def _play(bag: Path, host: str, port: int, *, browser: bool) -> None:
     from drill_twin.cli.show import err
+    from drill_twin.io.bag.files import bag_path
     from drill_twin.live.player import Player
     from drill_twin.live.server import PageServer
-    from drill_twin.report.locate import bag_in
 
     with err().status("reading the bag"):
-        player = Player(bag_in(bag))
+        player = Player(bag_path(bag))
     server = PageServer(player.picture, player.asked, host=host, port=port)
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):

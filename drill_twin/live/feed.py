@@ -26,7 +26,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion, decode_onset, read_whirl_state
-from drill_twin.report.curve import along_hole
+from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import Scene, parse_scene
 
 INPUTS = (

@@ -19,7 +19,7 @@ Message = tuple[str, int, bytes]
 """Topic, time [ns], CDR."""
 
 _MOMENT = 0.02  # s
-_STAMP_AT, _STAMPED = 4, 12  # bytes
+_STAMPED = 12  # bytes
 _HIGHEST_RATE = 64.0
 
 
@@ -34,7 +34,7 @@ def in_simulated_time(messages: Iterable[Message]) -> Iterator[Message]:
     last, back = None, 0
     for topic, recorded, raw in messages:
         if topic == STRING_POSES and len(raw) >= _STAMPED:
-            stamp = unpack_stamp(raw, _STAMP_AT)
+            stamp = unpack_stamp(raw)
             if last is None:
                 yield from ((name, stamp, content) for name, _, content in early)
                 early.clear()

@@ -30,7 +30,7 @@ def view_data(recording: Recording) -> str:
     shapes = shapes[:, np.unique(np.linspace(0, shapes.shape[1] - 1, _POINTS).round().astype(int))]
     every = -(-len(recording.marks) // _SAMPLES)
     centre = recording.centre_lines()[::every]
-    height = recording.marks.values[::every, :, 2]
+    height = recording.marks.position[::every, :, 2]
     paths = np.stack((centre.real / radius, centre.imag / radius, height / length), axis=-1)
     onset = recording.summary.onset
     data: dict[str, Any] = {

@@ -56,7 +56,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         bag = read_recording(bag)
     elif isinstance(bag, Bag):
         bag = Recording(bag)
-    found, run = bag.summary, bag.run_info
+    found, run, log = bag.summary, bag.log.info, bag.log
     onset = found.onset
     summary = {
         "scene": bag.scene.name if bag.scene_known else None,
@@ -77,10 +77,10 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "bit": found.bit,
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
-        "realtime_factor": bag.realtime_factor,
-        **{key: bag.steps.get(key) for key in COUNTS},
-        "guard": bag.guard.summary(),
-        "energy": bag.guard.energy or None,
+        "realtime_factor": log.realtime_factor,
+        **{key: log.steps.get(key) for key in COUNTS},
+        "guard": log.guard.summary(),
+        "energy": log.guard.energy or None,
         "elements": run.get("elements", bag.nodes - 1 if bag.nodes else None),
         "step_s": run.get("step_s"),
         "effects": list(run.get("effects", bag.scene.effect_names if bag.scene_known else ())),
@@ -128,7 +128,7 @@ def bit_peak(bag: Recording) -> float | None:
     """Frequency of the highest line in the spectrum of the bit's speed above 0.1 Hz [Hz]; None where there is none."""
     if not len(bag.rig):
         return None
-    time, speed = bag.rig.time, bag.rig.values[:, 2]
+    time, speed = bag.rig.time, bag.rig.bit_speed
     try:
         peak = two_sided_spectrum(time, speed.astype(complex)).peak(SLOWEST, math.inf)
     except AnalysisError:
@@ -143,11 +143,12 @@ def to_json(summary: dict[str, Any]) -> str:
 
 
 def _notes(bag: Recording) -> list[str]:
-    notes = list(bag.left_out)
-    if bag.guard.stopped:
-        notes.append(f"the run was stopped: {bag.guard.stopped}")
-    elif bag.guard.count:
-        notes.append(f"the guard had {bag.guard.count} frames done again with a smaller step; see `guard`")
+    guard = bag.log.guard
+    notes = list(bag.log.left_out)
+    if guard.stopped:
+        notes.append(f"the run was stopped: {guard.stopped}")
+    elif guard.count:
+        notes.append(f"the guard had {guard.count} frames done again with a smaller step; see `guard`")
     if bag.rotation_from_spin and bag.places:
         notes.append("the bag holds no rig states: the rotation is taken from the spin of the marks")
     if bag.runs > 1:

@@ -10,10 +10,9 @@ from poison import Poison, install, poisoned
 
 from drill_twin.errors import RunError, StoppedError
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.series import diagnostics
 from drill_twin.io.messages import topics
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array
-from drill_twin.io.messages.diagnostics import Level
+from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
 from drill_twin.report.summary import summarise
 from drill_twin.runner import Session
 from drill_twin.scene import Scene
@@ -139,7 +138,8 @@ def session():
 
 
 def guard_reports(bag):
-    return [status for _, statuses in diagnostics(Bag(bag)) for status in statuses if status.name == "simulator"]
+    messages = Bag(bag).messages((topics.DIAGNOSTICS,))
+    return [status for *_, raw in messages for status in decode_diagnostics(raw)[1] if status.name == "simulator"]
 
 
 def test_an_intervention_is_in_bag_diagnostics_and_summary(session, tmp_path):

@@ -116,19 +116,17 @@ def test_interactive_view_holds_the_motion(page, recording):
 
 
 def test_text_of_a_scene_cannot_break_the_page(known_bag, tmp_path, monkeypatch):
-    recording = read_recording(known_bag)
     nasty = "</script><script>alert(1)</script><b>&"
-    recording.scene = recording.scene.model_copy(update={"description": nasty, "provenance": nasty})
-    page = Page(build_report(recording, tmp_path).page.read_text("utf-8"))
+    scene = read_recording(known_bag).scene.model_copy(update={"description": nasty, "provenance": nasty})
+    page = Page(build_report(read_recording(known_bag, scene), tmp_path).page.read_text("utf-8"))
     assert nasty in page.words
     assert "alert(1)" not in "".join(page.scripts.values())
 
 
 def test_page_says_that_a_curved_hole_is_drawn_straight(page, files, known_bag):
     assert "drawn straight" not in page.words
-    recording = read_recording(known_bag)
     curved = {"hole.survey": "[{depth: 0 m, inclination: 0 deg}, {depth: 5 m, inclination: 20 deg}]"}
-    recording.scene = load_scene("pa6_bench", overrides=curved)
+    recording = read_recording(known_bag, load_scene("pa6_bench", overrides=curved))
     summary = json.loads(files.summary.read_text("utf-8"))
     assert "drawn straight" in Page(build_page(recording, summary, files.figures)).words
 

@@ -13,7 +13,7 @@ from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.encode import RIG_JOINTS
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WHIRL_STATE
-from drill_twin.report import read_recording, summarise
+from drill_twin.report import build_report, read_recording, summarise
 from drill_twin.report.selection import Selection
 from drill_twin.report.summary import to_json
 
@@ -125,6 +125,14 @@ def test_neither_rig_states_nor_spin(foreign, write):
     bag = write([row for row in foreign if row[0] != RIG_STATE])
     with pytest.raises(BagError, match=r"expected the rotation, .* found neither"):
         chosen(bag, clearance=0.08175, rim=0.00825)
+
+
+def test_marks_alone_are_drawn(messages, write, tmp_path):
+    """No rig states, no poses, no diagnostics: the rotation is that of the marks."""
+    recording = read_recording(write([row for row in messages if row[0] in {TWIN_SCENE, MARKS_STATE}]))
+    assert recording.rotation_from_spin
+    assert build_report(recording, tmp_path / "report").page.exists()
+    assert recording.summary.precession_ratio == pytest.approx(-0.3, abs=0.01)
 
 
 # --- no marks

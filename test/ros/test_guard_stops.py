@@ -10,10 +10,9 @@ import pytest
 from std_msgs.msg import Float64
 
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.series import diagnostics
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array
-from drill_twin.io.messages.diagnostics import Level
-from drill_twin.io.messages.topics import RIG_STATE, STRING_POSES, WOB_COMMAND
+from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
+from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_STATE, STRING_POSES, WOB_COMMAND
 from drill_twin.report.summary import summarise
 from drill_twin.studies.verify.scenes import rod_scene
 from drill_twin.twin.checkpoint import Checkpoint
@@ -77,6 +76,7 @@ def test_a_simulator_whose_step_was_too_large_goes_on(bench):
     told = [status.values["guard"] for status in bench.history if "guard" in status.values]
     assert len(told) == 1
     assert "taken back and done again with a step of 0.000625 s" in told[0]
-    recorded = [s for _, found in diagnostics(Bag(bench.folder / "bag_0")) for s in found if s.name == "simulator"]
+    messages = Bag(bench.folder / "bag_0").messages((DIAGNOSTICS,))
+    recorded = [s for *_, raw in messages for s in decode_diagnostics(raw)[1] if s.name == "simulator"]
     assert recorded[-1].values["guard_interventions"] == "1"
     assert summarise(bench.folder / "bag_0")["guard"]["interventions"] == 1

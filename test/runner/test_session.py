@@ -13,10 +13,11 @@ from drill_twin import __version__
 from drill_twin.errors import BagError, RunError
 from drill_twin.io.adapters import string_geometry
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.series import command_series, diagnostics, mark_series, onset, whirl_series
 from drill_twin.io.messages import topics
+from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.topics import TOPICS
+from drill_twin.report import read_recording
 from drill_twin.runner import Session
 from drill_twin.scene import parse_scene
 from drill_twin.schedule import Command, Schedule
@@ -45,7 +46,7 @@ def test_bag_is_whole_and_holds_every_topic_of_the_contract(bench_run):
 
 
 def test_frames_are_stamped_on_the_grid_of_the_frame_rate(bench_run):
-    stamps = mark_series(Bag(bench_run.bag)).stamp
+    stamps = read_recording(bench_run.bag).marks.stamp
     assert (stamps == np.arange(1, 301) * 10_000_000).all()
 
 
@@ -61,7 +62,7 @@ def test_bytes_are_those_of_the_twin_stepped_by_hand(bench_run, bench_scene):
 
 
 def test_commands_follow_the_schedule(bench_run, bench_scene):
-    sent, schedule = command_series(Bag(bench_run.bag)), Schedule.from_scene(bench_scene)
+    sent, schedule = read_recording(bench_run.bag).commands, Schedule.from_scene(bench_scene)
     wanted = [schedule.at(time) for time in sent.time]
     assert sent.weight_on_bit.tolist() == [command.weight_on_bit for command in wanted]
     assert sent.rotation.tolist() == [command.rotation for command in wanted]
@@ -81,18 +82,19 @@ def test_scene_on_the_bag_makes_it_self_describing(bench_run, bench_scene):
 
 
 def test_whirl_is_found_while_it_runs(bench_run):
-    bag = Bag(bench_run.bag)
+    recording = read_recording(bench_run.bag)
     assert bench_run.summary.onset is not None
-    announced = onset(bag)
+    announced = recording.live.onset
     assert (announced.time, announced.mark) == (bench_run.summary.onset.time_s, bench_run.summary.onset.mark)
-    radius = whirl_series(bag).orbit_radius
+    assert (recording.live.messages, recording.live.differing) == (300, 0)
+    radius = recording.whirl.orbit_radius
     assert radius.shape == (300, 4)
     assert np.nanmax(radius) > 0.05
     assert recorded(bench_run.bag, topics.WHIRL_ONSET)[0] != recorded(bench_run.bag, topics.WHIRL_ONSET)[-1]
 
 
 def test_health_is_reported_each_second_with_the_cost(bench_run):
-    reports = diagnostics(Bag(bench_run.bag))
+    reports = [decode_diagnostics(raw) for raw in recorded(bench_run.bag, topics.DIAGNOSTICS)]
     assert [stamp for stamp, _ in reports][:3] == [1_000_000_000, 2_000_000_000, 3_000_000_000]
     simulator = next(status for status in reports[-1][1] if status.name == "simulator")
     assert float(simulator.values["realtime_factor"]) > 0.0

@@ -3,20 +3,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
-import yaml
-
 from drill_twin.errors import BagError
-from drill_twin.io.bag.mcap_file import McapFile
+from drill_twin.io.bag.files import BagFile, open_files
 from drill_twin.io.bag.metadata import Recorded
-from drill_twin.io.bag.rosbags_file import RosbagsFile
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.topics import GENERIC, TOPICS, TWIN_SCENE
-
-_SUFFIXES = (".mcap", ".db3", ".zstd")
 
 
 class Bag:
@@ -36,7 +30,7 @@ class Bag:
             BagError: There is none, it is not a bag, it is empty, or it is not from this package.
         """
         self.path = Path(path)
-        self._files, unbegun = _open_files(self.path)
+        self._files, unbegun = open_files(self.path)
         self.damage: list[str] = [*(text for file in self._files for text in file.damage), *unbegun]
         self.topics: dict[str, Recorded] = _merged(self._files)
         starts = [file.start for file in self._files if file.start is not None]
@@ -103,48 +97,6 @@ class Bag:
             )
 
 
-BagFile = McapFile | RosbagsFile
-
-
-def _open_files(path: Path) -> tuple[list[BagFile], list[str]]:
-    """The files of a bag; and in words those of a split bag whose writer was killed as it began them."""
-    if not path.exists():
-        raise BagError(f"{path}: expected a bag folder or file, found nothing there; check the path")
-    if path.is_file():
-        return [_open_file(path)], []
-    try:
-        files = sorted((file for file in path.iterdir() if file.suffix in _SUFFIXES), key=_natural)
-    except OSError as error:
-        raise BagError(f"{path}: expected a readable bag folder, found {error.strerror or error}") from error
-    if not files:
-        raise BagError(f"{path}: expected a bag (.mcap or .db3) in this folder, found {_inside(path)}")
-    if _needs_rosbags(path, files):
-        return [RosbagsFile(path)], []
-    empty = [file for file in files[1:] if not file.stat().st_size]
-    unbegun = [f"{file.name} is empty: its writer was killed as it began" for file in empty]
-    return [_open_file(file) for file in files if file not in empty], unbegun
-
-
-def _open_file(path: Path) -> BagFile:
-    return RosbagsFile(path) if path.suffix == ".db3" else McapFile(path)
-
-
-def _needs_rosbags(folder: Path, files: Sequence[Path]) -> bool:
-    """Whether `metadata.yaml` says more than plain MCAP files do: sqlite3, or compression by rosbag2."""
-    metadata = folder / "metadata.yaml"
-    if any(file.suffix == ".zstd" for file in files):
-        return True
-    if not metadata.exists():
-        return False
-    if any(file.suffix == ".db3" for file in files):
-        return True
-    try:
-        mode = yaml.safe_load(metadata.read_text("utf-8"))["rosbag2_bagfile_information"].get("compression_mode", "")
-    except (OSError, yaml.YAMLError, UnicodeError, KeyError, TypeError, AttributeError):
-        return False  # MCAP files describe themselves
-    return str(mode).lower() in {"message", "file"}
-
-
 def _merged(files: Sequence[BagFile]) -> dict[str, Recorded]:
     topics: dict[str, Recorded] = {}
     for file in files:
@@ -154,17 +106,3 @@ def _merged(files: Sequence[BagFile]) -> dict[str, Recorded]:
             else:
                 topics[name] = topic
     return topics
-
-
-def _natural(path: Path) -> list[tuple[int, str]]:
-    """Order of split bags: `run_2` before `run_10`."""
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.name)]
-
-
-def _inside(path: Path) -> str:
-    """What a folder that is not a bag holds, with a hint where a bag lies one level deeper."""
-    entries = sorted(path.iterdir())
-    for entry in entries:
-        if entry.is_dir() and any(file.suffix in _SUFFIXES for file in entry.iterdir()):
-            return f"one a level deeper; name {entry}"
-    return f"{', '.join(entry.name for entry in entries[:5])}; not a bag" if entries else "nothing in it"

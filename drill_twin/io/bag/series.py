@@ -1,223 +1,256 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Read the topics of a bag into arrays over time, by header stamps."""
+"""Topics as arrays over time: each message adds a row, properties give the columns; T samples, by header stamp."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeVar
+import math
+from dataclasses import astuple, fields, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array
-from drill_twin.errors import BagError, MessageError
-from drill_twin.io.bag.arrays import (
-    CommandSeries,
-    JointSeries,
-    MarkSeries,
-    PoseSeries,
-    RigSeries,
-    WhirlSeries,
-)
-from drill_twin.io.bag.reader import Bag
-from drill_twin.io.messages.decode import JointState, JointStateReader, read_pose_array
-from drill_twin.io.messages.diagnostics import Status, decode_diagnostics
-from drill_twin.io.messages.encode import MARK_AXES, RIG_JOINTS, read_command
+from drill_twin.errors import MessageError
+from drill_twin.io.messages.decode import JointStateReader, read_pose_array
+from drill_twin.io.messages.encode import MARK_AXES, RIG_JOINTS, read_command, read_rig_state
+from drill_twin.io.messages.pose import spin_of, tangent_of
 from drill_twin.io.messages.stamps import NANOSECONDS
-from drill_twin.io.messages.topics import (
-    DIAGNOSTICS,
-    MARKS_STATE,
-    RIG_COMMAND,
-    RIG_STATE,
-    STRING_POSES,
-    WHIRL_MOTION,
-    WHIRL_ONSET,
-    WHIRL_STATE,
-)
-from drill_twin.io.messages.whirl_encode import (
-    WHIRL_SCALARS,
-    Motion,
-    OnsetMessage,
-    decode_motion,
-    decode_onset,
-    read_whirl_state,
-)
+from drill_twin.io.messages.whirl_encode import read_whirl_state
+from drill_twin.io.whirl_pipeline import columns, speeds
+from drill_twin.twin.frame import RigState
 
-T = TypeVar("T")
+_ALL, _XYZ, _SPIN = slice(None), slice(3), 3
+_UNKNOWN_RIG = RigState(*[math.nan] * len(fields(RigState)))
 
 
-def joint_series(bag: Bag, topic: str) -> JointSeries:
-    """All messages of a JointState topic.
+class Series:
+    """Rows of one shape at rising stamps; a row whose stamp does not rise is left out."""
 
-    Raises:
-        BagError: There is none, one cannot be decoded, or the joints change.
-    """
-    reader = JointStateReader()
-    states = _decoded(bag, topic, reader.read)
-    names = states[0].names
-    for state in states:
-        if state.names != names:
-            raise BagError(
-                f"{bag.path}: expected the joints {', '.join(names)} on {topic} throughout, "
-                f"found {', '.join(state.names)} at {state.stamp / NANOSECONDS:.3f} s; "
+    def __init__(self) -> None:
+        self._stamps: list[int] = []
+        self._rows: list[Array] = []
+        self._stacked = np.zeros(0)
+
+    def __len__(self) -> int:
+        return len(self._stamps)
+
+    def append(self, stamp: int, row: Any) -> None:
+        """Append a row at a stamp [ns].
+
+        Raises:
+            MessageError: The row has another shape than those before.
+        """
+        values = np.asarray(row, np.float64)
+        if self._rows and values.shape != self._rows[0].shape:
+            raise MessageError(
+                f"expected {self._rows[0].shape} values as in the messages before, found {values.shape}; "
                 "the bag holds more than one scene"
             )
-    return JointSeries(
-        np.array([state.stamp for state in states], np.int64),
-        names,
-        _stacked(bag, topic, [state.position for state in states]),
-        _stacked(bag, topic, [state.velocity for state in states]),
-        _stacked(bag, topic, [state.effort for state in states]),
-    )
+        if not self._stamps or stamp > self._stamps[-1]:
+            self._stamps.append(stamp)
+            self._rows.append(values)
+
+    @property
+    def stamp(self) -> NDArray[np.int64]:
+        """Header stamps [ns], shape (T,)."""
+        return np.array(self._stamps, np.int64)
+
+    @property
+    def time(self) -> Array:
+        """Header stamps as time [s], shape (T,)."""
+        return self.stamp / NANOSECONDS
+
+    @property
+    def values(self) -> Array:
+        """The rows, shape (T, ...); read-only."""
+        if len(self._stacked) != len(self._rows):
+            self._stacked = np.array(self._rows, np.float64)
+            self._stacked.flags.writeable = False
+        return self._stacked
 
 
-def pose_series(bag: Bag) -> PoseSeries:
-    """`/string/poses`.
+class _Column:
+    """Property of a series: one part of each row, shape (T, ...); of shape (0,) where there is no row."""
 
-    Raises:
-        BagError: There is none, one cannot be decoded, or the number of nodes changes.
+    def __init__(self, *place: int | slice) -> None:
+        self._place = (_ALL, *place)
+
+    def __get__(self, series: Series, owner: type[Series]) -> Array:
+        return series.values[self._place] if len(series) else series.values
+
+
+class MarkSeries(Series):
+    """`/marks/state`; m marks. NaN where the messages have no z, spin, velocity or force."""
+
+    position = _Column(0, _ALL, _XYZ)
+    """Positions [m], shape (T, m, 3)."""
+    spin = _Column(0, _ALL, _SPIN)
+    """Spins [rad], not wrapped, shape (T, m)."""
+    velocity = _Column(1, _ALL, _XYZ)
+    """Velocities [m/s], shape (T, m, 3)."""
+    spin_rate = _Column(1, _ALL, _SPIN)
+    """Spin rates [rad/s], shape (T, m)."""
+    wall_force = _Column(2, _ALL, _XYZ)
+    """Forces of the wall on the string [N], shape (T, m, 3)."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: tuple[str, ...] = ()
+        """Names of the marks, as in the first message."""
+        self._reader = JointStateReader()
+        self._layout: tuple[str, ...] = ()
+        self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
+
+    def add_message(self, raw: bytes) -> None:
+        """Append a message.
+
+        Raises:
+            MessageError: It cannot be decoded, has no positions, or lacks a mark of the first message.
+        """
+        state = self._reader.read(raw)
+        names = self.names or tuple(name.removesuffix("/x") for name in state.names if name.endswith("/x"))
+        if not names or not state.position.size:
+            raise MessageError(f"expected x, y, z and spin of marks, found {', '.join(state.names) or 'nothing'}")
+        lost = [name for name in names if f"{name}/x" not in state.names]
+        if lost:
+            raise MessageError(
+                f"expected the marks {', '.join(names)} as in the messages before, found none of {', '.join(lost)}; "
+                "the bag holds more than one scene"
+            )
+        if state.names != self._layout:
+            self._columns, self._layout, self.names = columns(state.names, names), state.names, names
+        missing = np.full(len(state.names), np.nan)
+        parts = (part if part.size else missing for part in (state.position, state.velocity, state.effort))
+        self.append(state.stamp, [np.append(part, np.nan)[self._columns] for part in parts])
+
+
+class RigSeries(Series):
+    """`/rig/state`, as in `drill_twin.twin.frame.RigState`; each of shape (T,), NaN where another rig has no such
+    joint.
     """
-    poses = _decoded(bag, STRING_POSES, read_pose_array)
-    return PoseSeries(
-        np.array([pose.stamp for pose in poses], np.int64),
-        _stacked(bag, STRING_POSES, [pose.position for pose in poses]),
-        _stacked(bag, STRING_POSES, [pose.orientation for pose in poses]),
-    )
+
+    top_drive_angle = _Column(0)
+    """[rad]"""
+    top_drive_speed = _Column(1)
+    """[rad/s]"""
+    top_drive_torque = _Column(2)
+    """[N m]"""
+    bit_angle = _Column(3)
+    """[rad]"""
+    bit_speed = _Column(4)
+    """[rad/s]"""
+    bit_torque = _Column(5)
+    """[N m]"""
+    bit_force = _Column(6)
+    """Weight on bit [N]."""
+    block_position = _Column(7)
+    """[m]"""
+    block_velocity = _Column(8)
+    """[m/s]"""
+    hookload = _Column(9)
+    """[N]"""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._reader = JointStateReader()
+
+    def add_message(self, raw: bytes) -> None:
+        """Append a message.
+
+        Raises:
+            MessageError: It cannot be decoded, or has no speed of the top drive.
+        """
+        state = self._reader.read(raw)
+        if state.names == RIG_JOINTS:
+            rig = read_rig_state(state)
+        else:
+            top_drive, bit = speeds(state)
+            rig = replace(_UNKNOWN_RIG, top_drive_speed=top_drive, bit_speed=bit)
+        self.append(state.stamp, astuple(rig))
 
 
-def mark_series(bag: Bag) -> MarkSeries:
-    """`/marks/state`.
+class CommandSeries(Series):
+    """`/rig/command`."""
 
-    Raises:
-        BagError: There is none, one cannot be decoded, or the joints are not those of marks.
-    """
-    joints = joint_series(bag, MARKS_STATE)
-    marks = tuple(name.removesuffix("/x") for name in joints.names if name.endswith("/x"))
-    if joints.names != tuple(f"{mark}/{axis}" for mark in marks for axis in MARK_AXES):
-        raise _other_joints(bag, MARKS_STATE, f"<mark>/{', <mark>/'.join(MARK_AXES)}", joints.names)
-    shape = (joints.stamp.size, len(marks), len(MARK_AXES))
-    position, velocity, effort = (
-        _filled(bag, MARKS_STATE, values, joints).reshape(shape)
-        for values in (joints.position, joints.velocity, joints.effort)
-    )
-    return MarkSeries(
-        joints.stamp,
-        marks,
-        position[..., :3],
-        position[..., 3],
-        velocity[..., :3],
-        velocity[..., 3],
-        np.hypot(effort[..., 0], effort[..., 1]),
-    )
+    weight_on_bit = _Column(0)
+    """Weight on bit [N], shape (T,)."""
+    rotation = _Column(1)
+    """Top-drive speed [rad/s], shape (T,)."""
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._reader = JointStateReader()
 
-def rig_series(bag: Bag) -> RigSeries:
-    """`/rig/state`.
+    def add_message(self, raw: bytes) -> None:
+        """Append a message.
 
-    Raises:
-        BagError: There is none, one cannot be decoded, or a joint is missing.
-    """
-    joints = joint_series(bag, RIG_STATE)
-    if joints.names != RIG_JOINTS:
-        raise _other_joints(bag, RIG_STATE, ", ".join(RIG_JOINTS), joints.names)
-    position, velocity, effort = (
-        _filled(bag, RIG_STATE, values, joints).T for values in (joints.position, joints.velocity, joints.effort)
-    )
-    return RigSeries(
-        joints.stamp,
-        top_drive_angle=position[0],
-        top_drive_speed=velocity[0],
-        top_drive_torque=effort[0],
-        bit_angle=position[1],
-        bit_speed=velocity[1],
-        bit_torque=effort[3],
-        bit_force=effort[1],
-        block_position=position[2],
-        block_velocity=velocity[2],
-        hookload=effort[2],
-    )
-
-
-def command_series(bag: Bag) -> CommandSeries:
-    """`/rig/command`.
-
-    Raises:
-        BagError: There is none, one cannot be decoded, or a set-point is missing.
-    """
-    reader = JointStateReader()
-
-    def both(raw: bytes) -> tuple[int, float, float]:
-        state = reader.read(raw)
+        Raises:
+            MessageError: It cannot be decoded, or lacks a set-point.
+        """
+        state = self._reader.read(raw)
         command = read_command(state)
-        return state.stamp, command.weight_on_bit, command.rotation
-
-    rows = _decoded(bag, RIG_COMMAND, both)
-    stamps, forces, speeds = zip(*rows, strict=True)
-    return CommandSeries(np.array(stamps, np.int64), np.array(forces, np.float64), np.array(speeds, np.float64))
+        self.append(state.stamp, (command.weight_on_bit, command.rotation))
 
 
-def whirl_series(bag: Bag) -> WhirlSeries:
-    """`/whirl/state`, the findings of the analyzer that ran live.
+class PoseSeries(Series):
+    """`/string/poses`; n + 1 nodes, 0 = bit."""
 
-    Raises:
-        BagError: There is none, one cannot be decoded, or the joints are not those of findings.
-    """
-    joints = joint_series(bag, WHIRL_STATE)
-    first = JointState(int(joints.stamp[0]), joints.names, joints.position[0], joints.velocity[0], joints.effort[0])
-    try:
-        marks = read_whirl_state(first).marks
-    except MessageError as error:
-        raise BagError(f"{bag.path}: {WHIRL_STATE}: {error}") from error
-    values = joints.position.reshape(joints.stamp.size, len(marks), len(WHIRL_SCALARS))
-    return WhirlSeries(joints.stamp, marks, *np.moveaxis(values, 2, 0))
+    position = _Column(_ALL, _XYZ)
+    """Positions [m], shape (T, n + 1, 3)."""
+    orientation = _Column(_ALL, slice(3, 7))
+    """Unit quaternions x y z w, shape (T, n + 1, 4)."""
 
+    def __init__(self, every: int = 1) -> None:
+        super().__init__()
+        self._every, self._seen = every, 0
 
-def motions(bag: Bag) -> list[tuple[int, list[Motion]]]:
-    """All messages on `/whirl/motion`: header stamp [ns] and motion states; empty where there are none."""
-    return _decoded(bag, WHIRL_MOTION, decode_motion, needed=False)
+    def add_message(self, raw: bytes) -> None:
+        """Append a message, if it is one of those that are kept: the first of each `every`.
 
+        Raises:
+            MessageError: It cannot be decoded, or the number of nodes has changed.
+        """
+        if self._seen % self._every == 0:
+            poses = read_pose_array(raw)
+            self.append(poses.stamp, np.concatenate((poses.position, poses.orientation), axis=1))
+        self._seen += 1
 
-def onset(bag: Bag) -> OnsetMessage | None:
-    """The onset that the live analyzer announced last on `/whirl/onset`, if any."""
-    announced = _decoded(bag, WHIRL_ONSET, decode_onset, needed=False)
-    return announced[-1][1] if announced else None
+    @property
+    def tangent(self) -> Array:
+        """Unit tangents, shape (T, n + 1, 3)."""
+        return tangent_of(self.orientation)
 
-
-def diagnostics(bag: Bag) -> list[tuple[int, list[Status]]]:
-    """All messages on `/diagnostics`: header stamp [ns] and statuses; empty where there are none."""
-    return _decoded(bag, DIAGNOSTICS, decode_diagnostics, needed=False)
-
-
-def _decoded(bag: Bag, topic: str, decode: Callable[[bytes], T], *, needed: bool = True) -> list[T]:
-    values = []
-    for _, stamp, raw in bag.messages((topic,)):
-        try:
-            values.append(decode(raw))
-        except MessageError as error:
-            raise BagError(f"{bag.path}: {topic} recorded at {stamp} ns: {error}") from error
-    if needed and not values:
-        raise BagError(
-            f"{bag.path}: expected messages on {topic}, found none; the bag holds "
-            f"{', '.join(name for name, recorded in bag.topics.items() if recorded.count)}"
-        )
-    return values
+    @property
+    def spin(self) -> Array:
+        """Spins [rad], unwrapped over time, shape (T, n + 1)."""
+        return np.unwrap(spin_of(self.orientation), axis=0, period=4.0 * np.pi)
 
 
-def _stacked(bag: Bag, topic: str, rows: list[Array]) -> Array:
-    try:
-        return np.stack(rows)
-    except ValueError as error:
-        raise BagError(
-            f"{bag.path}: expected messages of one size on {topic}, found several; the bag holds more than one scene"
-        ) from error
+class WhirlSeries(Series):
+    """`/whirl/state`; m marks."""
 
+    orbit_radius = _Column(0)
+    """Radius of the centre line's orbit [m], shape (T, m)."""
+    precession = _Column(1)
+    """Precession [rev/s], positive = forward, shape (T, m)."""
+    ratio = _Column(2)
+    """Precession over rotation, shape (T, m)."""
+    confidence = _Column(3)
+    """Confidence, 0 to 1, shape (T, m)."""
 
-def _filled(bag: Bag, topic: str, values: Array, joints: JointSeries) -> Array:
-    if values.shape[1] != len(joints.names):
-        raise BagError(
-            f"{bag.path}: expected position, velocity and effort of each joint on {topic}, found one of them empty"
-        )
-    return values
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: tuple[str, ...] = ()
+        """Names of the marks."""
+        self._reader = JointStateReader()
 
+    def add_message(self, raw: bytes) -> None:
+        """Append a message.
 
-def _other_joints(bag: Bag, topic: str, expected: str, found: tuple[str, ...]) -> BagError:
-    return BagError(f"{bag.path}: expected the joints {expected} on {topic}, found {', '.join(found) or 'none'}")
+        Raises:
+            MessageError: It cannot be decoded, or is not one of findings.
+        """
+        state = read_whirl_state(self._reader.read(raw))
+        self.names = state.marks
+        self.append(state.stamp, (state.orbit_radius, state.precession, state.ratio, state.confidence))

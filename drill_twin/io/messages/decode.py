@@ -69,7 +69,7 @@ class JointStateReader:
         """
         if len(raw) == self._length and raw[self._text] == self._text_bytes and self._gaps_agree(raw):
             arrays = [np.frombuffer(raw, np.float64, count, offset).copy() for count, offset in self._places]
-            return JointState(unpack_stamp(raw, _STAMP), self._names, *arrays)
+            return JointState(unpack_stamp(raw), self._names, *arrays)
         state, frame_id = _decoded(raw)
         self._learn(raw, state, frame_id)
         return state
@@ -160,7 +160,7 @@ def read_pose_array(raw: bytes) -> PoseArray:
             raise ValueError("bytes left over")
     except (struct.error, ValueError) as error:
         raise MessageError(f"expected the CDR bytes of a {POSE_ARRAY}, found {len(raw)} others ({error})") from error
-    return PoseArray(unpack_stamp(raw, _STAMP), poses[:, :3], poses[:, 3:])
+    return PoseArray(unpack_stamp(raw), poses[:, :3], poses[:, 3:])
 
 
 def _read_poses_slowly(raw: bytes) -> PoseArray:

@@ -41,3 +41,9 @@ def orientation(tangents: Array, spin: Array, out: Array) -> Array:
 def spin_of(quaternions: Array) -> Array:
     """Spins [rad], in (-2 pi, 2 pi], of quaternions x y z w, shape (..., 4): the inverse of `orientation`."""
     return 2.0 * np.arctan2(quaternions[..., 2], quaternions[..., 3])
+
+
+def tangent_of(quaternions: Array) -> Array:
+    """Unit tangents, shape (..., 3), of quaternions x y z w, shape (..., 4): their turn of z."""
+    x, y, z, w = np.moveaxis(quaternions, -1, 0)
+    return np.stack((2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)), axis=-1)

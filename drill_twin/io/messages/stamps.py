@@ -14,6 +14,8 @@ NANOSECONDS = 1_000_000_000
 TIME = struct.Struct("<iI")
 """`builtin_interfaces/Time` in CDR: int32 seconds, uint32 nanoseconds."""
 
+_STAMP_AT = 4  # bytes; the encapsulation comes first
+
 
 def stamp_ns(time: float) -> int:
     """Simulated time [s] as integer nanoseconds, rounded to the nearest.
@@ -45,9 +47,11 @@ def pack_stamp(buffer: bytearray, offset: int, stamp: int) -> None:
         ) from error
 
 
-def unpack_stamp(raw: bytes, offset: int) -> int:
-    """Read a stamp [ns] from little-endian CDR bytes."""
-    whole, part = TIME.unpack_from(raw, offset)
+def unpack_stamp(raw: bytes) -> int:
+    """Stamp [ns] at the start of a message in little-endian CDR, as in a header; 0 where there are too few bytes."""
+    if len(raw) < _STAMP_AT + TIME.size:
+        return 0
+    whole, part = TIME.unpack_from(raw, _STAMP_AT)
     return int(whole) * NANOSECONDS + int(part)
 
 

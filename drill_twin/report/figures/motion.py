@@ -63,9 +63,9 @@ def _band(panel: Axes, row: int, periods: tuple[MotionPeriod, ...], end: float) 
 
 
 def _ratio(panel: Axes, recording: Recording) -> None:
-    time, ratios = recording.orbits.time, recording.orbits.values[:, 2]
+    time, ratios = recording.whirl.time, recording.whirl.ratio
     clearance = np.array([place.clearance for place in recording.scene.mark_table])
-    large = recording.orbits.values[:, 0] > Criteria().onset_radius * clearance
+    large = recording.whirl.orbit_radius > Criteria().onset_radius * clearance
     for mark, name in enumerate(recording.findings.marks):
         panel.plot(time, ratios[:, mark], linewidth=0.8, alpha=0.25, **mark_style(mark))
         wide = np.where(large[:, mark], ratios[:, mark], np.nan)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from drill_twin.report.figures.style import BLUE, GREY, ORANGE, draw_onset, over_time
@@ -16,16 +17,16 @@ _KILO = 5000.0
 def set_points(recording: Recording) -> Figure:
     """Two panels: weight on bit, and speeds of top drive and bit."""
     figure, (weight, speed) = over_time(recording, [1.35, 1.35], title="Weight on bit and rotation")
-    time, rig = recording.rig.time, recording.rig.values
-    largest = max(abs(rig[:, 0]).max(), 1.0)
+    time, rig = recording.rig.time, recording.rig
+    largest = np.max(np.abs(rig.bit_force), initial=1.0)
     scale, unit = (1e-3, "kN") if largest > _KILO else (1.0, "N")
     if len(recording.commands):
-        asked, commands = recording.commands.time, recording.commands.values
-        weight.plot(asked, scale * commands[:, 0], color=GREY, linewidth=4.5, alpha=0.4, label="commanded")
-        speed.plot(asked, commands[:, 1] / math.tau, color=GREY, linewidth=4.5, alpha=0.4, label="commanded")
-    weight.plot(time, scale * rig[:, 0], color=BLUE, label="applied")
-    speed.plot(time, rig[:, 1] / math.tau, color=BLUE, label="top drive")
-    speed.plot(time, rig[:, 2] / math.tau, color=ORANGE, linestyle="--", label="bit")
+        commanded, commands = recording.commands.time, recording.commands
+        weight.plot(commanded, scale * commands.weight_on_bit, color=GREY, linewidth=4.5, alpha=0.4, label="commanded")
+        speed.plot(commanded, commands.rotation / math.tau, color=GREY, linewidth=4.5, alpha=0.4, label="commanded")
+    weight.plot(time, scale * rig.bit_force, color=BLUE, label="applied")
+    speed.plot(time, rig.top_drive_speed / math.tau, color=BLUE, label="top drive")
+    speed.plot(time, rig.bit_speed / math.tau, color=ORANGE, linestyle="--", label="bit")
     weight.set_ylabel(f"weight on bit [{unit}]")
     speed.set_ylabel("rotation [rev/s]")
     for panel in (weight, speed):

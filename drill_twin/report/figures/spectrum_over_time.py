@@ -31,9 +31,9 @@ def spectrum_over_time(recording: Recording) -> Figure:
     figure, (lines, radii) = over_time(recording, [2.9, 1.3], title=f"Spectrum over time, {name}", headed=True)
     _spectra(lines, recording, mark)
     _rotation(lines, recording)
-    time, values = recording.orbits.time, recording.orbits.values
+    time, radius = recording.whirl.time, recording.whirl.orbit_radius
     for number, place in enumerate(recording.places):
-        radii.plot(time, 1e3 * values[:, 0, number], linewidth=1.0, label=place.name, **mark_style(number))
+        radii.plot(time, 1e3 * radius[:, number], linewidth=1.0, label=place.name, **mark_style(number))
     radii.set_ylim(bottom=0.0)
     radii.set_ylabel("orbit radius [mm]")
     radii.set_title("Distance of the centre line from the axis", fontsize=10.5, pad=4)
@@ -82,15 +82,15 @@ def _spectra(panel: Axes, recording: Recording, mark: int) -> None:
         pad=4,
     )
     panel.grid(visible=False)
-    moved, precession = recording.orbits.values[:, 0, mark], recording.orbits.values[:, 1, mark]
+    moved, precession = recording.whirl.orbit_radius[:, mark], recording.whirl.precession[:, mark]
     wide = np.where(moved > _STRING_MARK * np.nanmax(moved), precession, np.nan)
-    panel.plot(recording.orbits.time, wide, ".", markersize=1.2, color=VERMILION)
+    panel.plot(recording.whirl.time, wide, ".", markersize=1.2, color=VERMILION)
 
 
 def _rotation(panel: Axes, recording: Recording) -> None:
     if not len(recording.rig):
         return
-    time, speed = recording.rig.time, np.abs(recording.rig.values[:, 1]) / math.tau
+    time, speed = recording.rig.time, np.abs(recording.rig.top_drive_speed) / math.tau
     for multiple in _MULTIPLES:
         style = "--" if multiple == 1 else ":"
         panel.plot(time, multiple * speed, color=INK, linewidth=1.1 if multiple == 1 else 0.9, linestyle=style)

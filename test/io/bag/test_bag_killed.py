@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A writer that dies leaves a bag: kill -9 of a real process, any cut, any damage."""
 
-import shutil
 import signal
 import subprocess
 import sys
@@ -9,13 +8,11 @@ import time
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import Reader
 
 from drill_twin.errors import BagError
 from drill_twin.io.bag.mcap_file import McapFile
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.recovery import recover
-from drill_twin.io.bag.series import pose_series
+from drill_twin.io.bag.series import PoseSeries
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.topics import STRING_POSES
 
@@ -56,26 +53,14 @@ def test_kill_9_loses_at_most_the_last_fifth_of_a_second(killed):
     assert not (folder / "metadata.yaml").exists()
     bag = Bag(folder)
     assert bag.truncated
-    poses = pose_series(bag)
+    poses = PoseSeries()
+    for _, _, raw in bag.messages((STRING_POSES,)):
+        poses.add_message(raw)
     numbers = poses.position[:, 0, 0]
     np.testing.assert_array_equal(numbers, np.arange(numbers.size))  # nothing missing in between
     assert number > 200
     assert len(list(folder.iterdir())) == 1 or stamp > 0.3e9 * (len(list(folder.iterdir())) - 1) > 0.9e9
     assert stamp - poses.stamp[-1] < 0.2e9
-
-
-def test_a_killed_bag_is_recovered_for_any_tool(killed):
-    folder, _, _ = killed
-    with pytest.raises(FileNotFoundError):
-        Reader(folder)
-    whole = recover(folder)
-    assert whole == folder.with_name("run_recovered_0")
-    bag = Bag(whole)
-    assert not bag.truncated
-    assert list(bag.messages()) == list(Bag(folder).messages())
-    with Reader(whole) as reader:
-        assert reader.message_count == bag.message_count
-    assert "ends in the middle" in (whole / "metadata.yaml").read_text()
 
 
 def test_what_is_flushed_is_safe_while_the_writer_lives(tmp_path, messages):
@@ -151,7 +136,6 @@ def test_a_damaged_chunk_is_left_out_and_said(write_bag, messages, tmp_path):
     assert "damaged chunk" in bag.damage[0]
     found = list(bag.messages())
     assert len(found) == len(messages) - 1
-    assert len(list(Bag(recover(file.parent)).messages())) == len(found)
 
 
 def test_messages_of_topics_whose_names_are_lost_are_said(write_bag):
@@ -162,18 +146,3 @@ def test_messages_of_topics_whose_names_are_lost_are_said(write_bag):
     file.write_bytes(bytes(content))
     contents = McapFile(file)
     assert any("names were lost" in text for text in contents.damage)
-
-
-def test_recovering_twice_does_not_overwrite(write_bag):
-    folder = write_bag()
-    recover(folder)
-    with pytest.raises(BagError, match="run_recovered_0: expected a new folder"):
-        recover(folder)
-
-
-def test_recovery_of_a_file_to_a_given_folder(write_bag, messages, tmp_path):
-    folder = recover(write_bag() / "run_0.mcap", tmp_path / "mended")
-    assert sorted(file.name for file in folder.iterdir()) == ["mended_0.mcap", "metadata.yaml"]
-    assert list(Bag(folder).messages()) == messages
-    shutil.rmtree(folder)
-    assert STRING_POSES in Bag(recover(tmp_path / "run_0")).topics

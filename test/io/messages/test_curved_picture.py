@@ -16,7 +16,7 @@ from drill_twin.live.feed import Feed
 from drill_twin.model.survey import survey
 from drill_twin.model.wellbore import along, aside
 from drill_twin.model.wellbore_coordinates import across, rolled, seen, unrolled
-from drill_twin.report.curve import along_hole
+from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import load_scene, parse_scene
 
 FACTOR = 20.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The string's curve between its nodes, so that a coarse mesh is not drawn with corners it does not have."""
+"""Curve of the string between its nodes, for drawing: cubic like the elements, not a polygon."""
 
 from __future__ import annotations
 
@@ -11,21 +11,15 @@ from drill_twin.model.wellbore_coordinates import unrolled
 from drill_twin.scene import Scene
 
 FINEST = 100
-"""Points a curve is drawn with; a mesh with more nodes is drawn as it is."""
-
-
-def tangents(orientation: Array) -> Array:
-    """Unit tangents of poses: z turned by unit quaternions x y z w, shape (..., 4) -> (..., 3)."""
-    x, y, z, w = np.moveaxis(orientation, -1, 0)
-    return np.stack((2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)), axis=-1)
+"""Points of a drawn curve; a mesh with more nodes is drawn without further points."""
 
 
 def along_hole(scene: Scene, curves: Array) -> Array:
-    """Curves as seen along the hole: x and y off its axis, z minus the measured depth; a straight hole is so already.
+    """Curves in coordinates of the wellbore: x and y off its axis, z = minus the measured depth.
 
     Args:
-        scene: What is drilled.
-        curves: Places of the frame `hole` from the bit up [m], shape (T, k, 3).
+        scene: The scene; curves of a straight hole are returned unchanged.
+        curves: Positions in the frame `hole` from the bit up [m], shape (T, k, 3).
     """
     line = survey_of(scene)
     if line is None or not curves.size:
@@ -36,7 +30,7 @@ def along_hole(scene: Scene, curves: Array) -> Array:
 
 
 def smooth(position: Array, tangent: Array) -> Array:
-    """Cubic Hermite curve through nodes with their tangents, as the twin's own elements are.
+    """Cubic Hermite curve through nodes with their tangents.
 
     Args:
         position: Node positions [m], shape (T, n + 1, 3).

@@ -4,14 +4,14 @@
 import numpy as np
 import pytest
 
-from drill_twin.io.messages.pose import orientation
-from drill_twin.report.curve import FINEST, smooth, tangents
+from drill_twin.io.messages.pose import orientation, tangent_of
+from drill_twin.report.string_curve import FINEST, smooth
 
 
 def test_tangents_come_back_from_orientations(make_frame):
     frame = make_frame(nodes=17)
     turned = orientation(frame.tangents, frame.spin, np.empty((17, 4)))
-    assert tangents(turned) == pytest.approx(frame.tangents, abs=1e-12)
+    assert tangent_of(turned) == pytest.approx(frame.tangents, abs=1e-12)
 
 
 def test_straight_string_stays_straight():

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a bag says of its run in texts: the `run` block of the scene and the simulator's diagnostics."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import yaml
+
+from drill_twin.io.messages.decode import read_string
+from drill_twin.io.messages.diagnostics import decode_diagnostics
+from drill_twin.monitor.missing_effects import recorded_missing_effects
+from drill_twin.monitor.rejected_steps import RecordedRejections
+from drill_twin.twin.frame import COUNTS
+
+_SIMULATORS = {"simulator", "twin"}
+
+
+class RunLog:
+    """Latest state of the texts of a run."""
+
+    def __init__(self, info: dict[str, Any] | None = None) -> None:
+        self.info = info or {}
+        """The `run` block: version, seed, elements, step, effects, pace, start."""
+        self.realtime_factor: float | None = None
+        """Simulated time over the time the physics took."""
+        self.steps: dict[str, int] = {}
+        """Counts of time steps, by the names in `COUNTS`."""
+        self.left_out: list[str] = []
+        """Effects that the scene leaves out and that matter, a sentence each."""
+        self.guard = RecordedRejections()
+        """Rejected frames, and the energy balance."""
+
+    def on_scene(self, raw: bytes) -> None:
+        """Read a `/twin/scene`.
+
+        Raises:
+            MessageError: It cannot be decoded.
+        """
+        self.info = _run_block(read_string(raw)) or self.info
+
+    def on_diagnostics(self, raw: bytes) -> None:
+        """Read a `/diagnostics`; statuses of other nodes than the simulator are ignored.
+
+        Raises:
+            MessageError: It cannot be decoded.
+        """
+        for status in decode_diagnostics(raw)[1]:
+            values = status.values
+            if status.name.rpartition("/")[2] in _SIMULATORS and "realtime_factor" in values:
+                factor = _finite(values["realtime_factor"])
+                self.realtime_factor = self.realtime_factor if factor is None else factor
+                self.steps |= {key: int(values[key]) for key in COUNTS if values.get(key, "").isdecimal()}
+                self.left_out = recorded_missing_effects(values)
+                self.guard.update(values)
+
+
+def _run_block(text: str) -> dict[str, Any]:
+    """The `run` block of a scene text; empty where there is none, or where the text is no YAML."""
+    try:
+        data = yaml.safe_load(text)
+    except yaml.YAMLError:
+        return {}  # the whirl pipeline reports what is wrong with the scene
+    run = data.get("run") if isinstance(data, dict) else None
+    return dict(run) if isinstance(run, dict) else {}
+
+
+def _finite(text: str) -> float | None:
+    """The number in a text; None if it is none, or not finite."""
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
