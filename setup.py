@@ -7,7 +7,7 @@ from setuptools import find_packages, setup
 
 PACKAGE = "drill_twin"
 SHARE = f"share/{PACKAGE}"
-NODES = ("simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin")
+EXECUTABLES = sorted(file.stem for file in Path("config/nodes").glob("*.yaml"))
 
 
 def config_files() -> list[tuple[str, list[str]]]:
@@ -72,7 +72,7 @@ setup(
     license="Apache-2.0",
     entry_points={
         "console_scripts": [
-            *(f"{node} = {PACKAGE}.ros.entry_points:{node}" for node in NODES),
+            *(f"{name} = {PACKAGE}.ros.entry_points:main" for name in EXECUTABLES),
             f"drill-twin = {PACKAGE}.cli:main",
         ],
     },

@@ -26,8 +26,8 @@ def load(
     all threads of DDS. What the simulator spends on the motion and on publishing it measures itself.
     """
     from drill_twin.cli.show import err, grid, out, print_json
+    from drill_twin.ros.core.stop_request import StopRequest
     from drill_twin.ros.deployment.cpu_load import LoadOptions, run_load
-    from drill_twin.ros.entry_points import StopRequest
 
     stop = StopRequest()
     stop.install()

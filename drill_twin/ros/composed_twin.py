@@ -17,8 +17,8 @@ from drill_twin.ros.bag.recorder import Recorder
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import asks_for_help, initialised, run_in_order
 from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment.security import readable_refusal
-from drill_twin.ros.entry_points import StopRequest
 from drill_twin.ros.rig_driver.node import RigDriver
 from drill_twin.ros.simulator.node import Simulator
 

@@ -2,113 +2,83 @@
 """Entry points of the nodes: signals first, then the imports, then the node; one line and an exit code for an error.
 
 Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go on, 2 refused to start.
+
+A new node is a class of `core.node.TwinNode`, a row in `NODES` and one in `deployment.security.RIGHTS`, and the two
+files printed from its tables: `config/nodes/NAME.yaml` by `python -m drill_twin.ros NAME --parameters`, and
+`config/security/NAME.policy.xml` by `policy_text`. Its executable, help text and tests follow from these.
 """
 
 from __future__ import annotations
 
 import importlib
-import signal
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from types import FrameType
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.ros.core.stop_request import Stopped, StopRequest
 
 NODES = {
-    "simulator": "drill_twin.ros.simulator.node",
-    "rig_driver": "drill_twin.ros.rig_driver.node",
-    "analyzer": "drill_twin.ros.analyzer.node",
-    "recorder": "drill_twin.ros.bag.recorder",
-    "replayer": "drill_twin.ros.bag.replayer",
-    "twin": "drill_twin.ros.composed_twin",
-    "demo": "drill_twin.ros.demo.demo",
-    "watch": "drill_twin.ros.live_page",
+    "simulator": "drill_twin.ros.simulator.node:Simulator",
+    "rig_driver": "drill_twin.ros.rig_driver.node:RigDriver",
+    "analyzer": "drill_twin.ros.analyzer.node:Analyzer",
+    "recorder": "drill_twin.ros.bag.recorder:Recorder",
+    "replayer": "drill_twin.ros.bag.replayer:Replayer",
 }
-"""What can be started, and the module with its `run`."""
-_REMINDER = 0.02  # s until a signal that came in mid-import is looked at again
+"""Module and class of each node."""
+PROGRAMS = {
+    "twin": "drill_twin.ros.composed_twin:run",
+    "demo": "drill_twin.ros.demo.demo:run",
+    "watch": "drill_twin.ros.live_page:run",
+}
+"""Module and function of what starts several nodes, or takes other arguments than those of ROS."""
+EXECUTABLES = (*NODES, *PROGRAMS)
 
 
-class Stopped(BaseException):
-    """A signal came while the node was still starting; not an Exception, so that nothing swallows it."""
+def load(name: str) -> Any:
+    """Import the class of a node, or the function of a program.
+
+    Raises:
+        DrillTwinError: There is none of that name, or a module it needs is not installed.
+    """
+    if name not in EXECUTABLES:
+        raise DrillTwinError(f"expected one of {', '.join(EXECUTABLES)}, found {name!r}")
+    module, _, attribute = {**NODES, **PROGRAMS}[name].partition(":")
+    try:
+        return getattr(importlib.import_module(module), attribute)
+    except ModuleNotFoundError as error:
+        raise _missing(error) from error
 
 
-class StopRequest:
-    """Becomes true once, on SIGINT or SIGTERM. `with request.at_once()`: a signal ends the block immediately."""
-
-    def __init__(self) -> None:
-        self._asked = False
-        self._at_once = False
-        self._reminded = False
-
-    def __bool__(self) -> bool:
-        return self._asked
-
-    def set(self) -> None:
-        """Ask to stop, as a signal would."""
-        self._asked = True
-
-    def install(self) -> None:
-        """Take over both signals; only the main thread of a process can."""
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):  # the last one is our own reminder
-            signal.signal(number, self._on_signal)
-
-    @contextmanager
-    def at_once(self) -> Iterator[None]:
-        """Within this block a signal raises Stopped: for long work that has nothing to put in order."""
-        self._at_once = True
-        try:
-            if self._asked:
-                raise Stopped
-            yield
-        finally:
-            self._at_once = False
-            if self._reminded:  # it must not ring once the interpreter is gone
-                signal.setitimer(signal.ITIMER_REAL, 0.0)
-                self._reminded = False
-
-    def _on_signal(self, number: int, frame: FrameType | None) -> None:
-        del number
-        self._asked = True
-        if not self._at_once:
-            return
-        if _imports(frame):
-            self._reminded = True
-            signal.setitimer(signal.ITIMER_REAL, _REMINDER)
-            return
-        self._at_once = False
-        raise Stopped
-
-
-def _imports(frame: FrameType | None) -> bool:
-    """Whether a module is being imported: an exception there can leave the lock of all imports locked for ever."""
-    while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
-            return True
-        frame = frame.f_back
-    return False
-
-
-def start(node: str, arguments: Sequence[str] | None = None) -> int:
-    """Run one node of this package until it ends or is asked to; returns the exit code."""
+def start(name: str, arguments: Sequence[str] | None = None) -> int:
+    """Run a node or a program of this package until it ends or is asked to; returns the exit code."""
     stop = StopRequest()
     stop.install()
+    given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         with stop.at_once():
-            try:
-                module = importlib.import_module(NODES[node])
-            except ModuleNotFoundError as error:
-                raise _missing(error) from error
-        module.run(list(sys.argv[1:] if arguments is None else arguments), stop)
+            target = load(name)
+        if name in NODES:
+            from drill_twin.ros.core.node_main import run_node
+
+            run_node(target, given, stop)
+        else:
+            target(given, stop)
     except Stopped:
-        if node != "demo":  # a node was asked to end, and did; a demo that never drilled has not succeeded
+        if name != "demo":  # a node that was asked to end has done so; a demo without a run has not succeeded
             return 0
         print("demo: error: stopped before it began; nothing was recorded", file=sys.stderr, flush=True)
         return 1
     except DrillTwinError as error:
-        print(f"{node}: error: {error}", file=sys.stderr, flush=True)
+        print(f"{name}: error: {error}", file=sys.stderr, flush=True)
         return 1 if isinstance(error, RunError) else 2
     return 0
+
+
+def main() -> None:
+    """Console script of every executable: runs the one that the script is named after."""
+    sys.exit(start(Path(sys.argv[0]).name))
 
 
 def _missing(error: ModuleNotFoundError) -> DrillTwinError:
@@ -116,33 +86,3 @@ def _missing(error: ModuleNotFoundError) -> DrillTwinError:
     if error.name and not error.name.startswith(("rclpy", "rcl_", "std_", "sensor_", "geometry_", "diagnostic_")):
         remedy = "run `make setup`, or pip install the requirements of drill_twin into this Python"
     return DrillTwinError(f"expected the Python module {error.name!r}, found none in {sys.prefix}; {remedy}")
-
-
-def simulator() -> None:
-    """`ros2 run drill_twin simulator`."""
-    sys.exit(start("simulator"))
-
-
-def rig_driver() -> None:
-    """`ros2 run drill_twin rig_driver`."""
-    sys.exit(start("rig_driver"))
-
-
-def analyzer() -> None:
-    """`ros2 run drill_twin analyzer`."""
-    sys.exit(start("analyzer"))
-
-
-def recorder() -> None:
-    """`ros2 run drill_twin recorder`."""
-    sys.exit(start("recorder"))
-
-
-def replayer() -> None:
-    """`ros2 run drill_twin replayer`."""
-    sys.exit(start("replayer"))
-
-
-def twin() -> None:
-    """`ros2 run drill_twin twin`."""
-    sys.exit(start("twin"))

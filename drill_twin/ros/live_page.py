@@ -25,8 +25,8 @@ from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_
 from drill_twin.live.feed import INPUTS, Feed
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import initialised, run_in_order
+from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment.security import readable_refusal
-from drill_twin.ros.entry_points import StopRequest
 from drill_twin.schedule.command import Command
 
 _DEPTH = 50  # messages; eyes need no more

@@ -153,7 +153,7 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
     bench.until_ready("simulator")
     flood = (
         "import time; from drill_twin.ros.core.node_main import initialised; from rclpy.node import Node;"
-        "from drill_twin.ros.entry_points import StopRequest; from sensor_msgs.msg import JointState;"
+        "from drill_twin.ros.core.stop_request import StopRequest; from sensor_msgs.msg import JointState;"
         "from drill_twin.io.messages.encode import CommandEncoder; from drill_twin.schedule import Command;"
         "node = Node('flood', context=initialised([], StopRequest()));"
         "publisher = node.create_publisher(JointState, 'rig/command', 10);"
@@ -181,7 +181,7 @@ def test_a_crowd_of_slow_subscribers_does_not_hold_up_time(bench):
     simulator = bench.start("simulator", wait_for_command=False)
     crowd = (
         "import time; from drill_twin.ros.core.node_main import initialised;"
-        "from drill_twin.ros.entry_points import StopRequest;"
+        "from drill_twin.ros.core.stop_request import StopRequest;"
         "from rclpy.node import Node; from geometry_msgs.msg import PoseArray;"
         "node = Node('crowd', context=initialised([], StopRequest()));"
         "readers = [node.create_subscription(PoseArray, 'string/poses', print, 5, raw=True) for _ in range(10)]\n"

@@ -12,17 +12,14 @@ import pytest
 import yaml
 
 import drill_twin
-from drill_twin.ros.analyzer.node import Analyzer
-from drill_twin.ros.bag.recorder import Recorder
-from drill_twin.ros.bag.replayer import Replayer
+from drill_twin.ros import entry_points
 from drill_twin.ros.composed_twin import ComposedTwin
 from drill_twin.ros.core.parameters import file_text
-from drill_twin.ros.rig_driver.node import RigDriver
-from drill_twin.ros.simulator.node import Simulator
+from drill_twin.ros.deployment.security import RIGHTS
 from drill_twin.scene import presets
 
 ROOT = Path(__file__).resolve().parents[2]
-NODES = {make.NAME: make for make in (Simulator, RigDriver, Analyzer, Recorder, Replayer)}
+NODES = {name: entry_points.load(name) for name in entry_points.NODES}
 EXECUTABLES = {*NODES, "twin"}
 # Import name -> distribution, where they differ.
 DISTRIBUTIONS = {"yaml": "pyyaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
@@ -53,7 +50,9 @@ def test_versions_and_licences_agree(setup_arguments):
 
 def test_every_executable_exists(setup_arguments):
     scripts = dict(line.split(" = ") for line in setup_arguments["entry_points"]["console_scripts"])
-    assert set(scripts) >= EXECUTABLES
+    assert set(scripts) == EXECUTABLES | {"drill-twin"}
+    assert set(NODES) == set(RIGHTS)
+    assert all(name == entry_points.load(name).NAME for name in NODES)
     for entry in scripts.values():
         module, _, function = entry.partition(":")
         assert callable(getattr(importlib.import_module(module), function))
@@ -118,7 +117,7 @@ def test_a_parameter_file_is_what_the_table_of_the_node_prints(node):
 
 def test_the_parameter_file_of_the_twin_holds_defaults_of_its_nodes():
     values = yaml.safe_load((ROOT / "config" / "nodes" / "twin.yaml").read_text("utf-8"))["/**"]["ros__parameters"]
-    nodes = (ComposedTwin, Simulator, RigDriver, Analyzer, Recorder)
+    nodes = (ComposedTwin, *(NODES[name] for name in ("simulator", "rig_driver", "analyzer", "recorder")))
     known = {parameter.name: parameter.default for make in nodes for parameter in make.PARAMETERS}
     # A parameter given to the process reaches every node that has it, so one name must have one default.
     assert all(known[parameter.name] == parameter.default for make in nodes for parameter in make.PARAMETERS)

@@ -10,8 +10,9 @@ import pytest
 from std_msgs.msg import Float64
 
 from drill_twin.io.messages.topics import WOB_COMMAND
+from drill_twin.ros.entry_points import NODES
 
-NODES = ("simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin")
+EXECUTABLES = (*NODES, "twin")
 
 
 def _parameters(node, bench, small_bag):
@@ -24,7 +25,7 @@ def _parameters(node, bench, small_bag):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
-@pytest.mark.parametrize("node", NODES)
+@pytest.mark.parametrize("node", EXECUTABLES)
 def test_a_running_node_ends_when_asked(bench, small_bag, node, number):
     process = bench.start(node, **_parameters(node, bench, small_bag))
     bench.until(lambda: (process.code is not None) or bool(bench.statuses), what=f"diagnostics of {node}")
@@ -45,7 +46,7 @@ def test_a_signal_in_the_middle_of_an_import_waits_for_its_end(bench):
             sys.executable,
             "-c",
             (
-                "import sys, time; from drill_twin.ros.entry_points import Stopped, StopRequest\n"
+                "import sys, time; from drill_twin.ros.core.stop_request import Stopped, StopRequest\n"
                 f"sys.path.insert(0, {str(bench.folder)!r}); stop = StopRequest(); stop.install()\n"
                 "try:\n"
                 "    with stop.at_once(): import slow_module; time.sleep(30.0)\n"

@@ -23,9 +23,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.node_main import run_node
 from drill_twin.ros.core.parameters import Parameter, Value
-from drill_twin.ros.entry_points import StopRequest
 
 _DEPTH = 1000  # messages; 5 s at 200 Hz
 _STALE = 1.0  # s without a sample
@@ -132,8 +130,3 @@ class Analyzer(TwinNode):
         if silent > _STALE:
             return Status(self.NAME, Level.STALE, f"no sample for {silent:.1f} s", values)
         return Status(self.NAME, Level.OK, f"motion: {pipeline.motion}", values)
-
-
-def run(arguments: Sequence[str], stop: StopRequest) -> None:
-    """Run the analyzer."""
-    run_node(Analyzer, arguments, stop)

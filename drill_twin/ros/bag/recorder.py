@@ -15,11 +15,9 @@ from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.node_main import run_node
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
 from drill_twin.ros.core.raw_subscriptions import Received
-from drill_twin.ros.entry_points import StopRequest
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
 _QUIET = 0.3  # s
@@ -144,8 +142,3 @@ class Recorder(TwinNode):
         if lost:
             return Status(self.NAME, Level.WARN, f"{lost} messages were lost", values)
         return Status(self.NAME, Level.OK, f"{values['messages']} messages recorded", values)
-
-
-def run(arguments: Sequence[str], stop: StopRequest) -> None:
-    """Run the recorder."""
-    run_node(Recorder, arguments, stop)

@@ -13,9 +13,8 @@ from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS, TWIN_SCENE
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.node_main import run_node
 from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
-from drill_twin.ros.entry_points import StopRequest
+from drill_twin.ros.core.stop_request import StopRequest
 
 _DISCOVERY = 0.6  # s; a living node has been found by then
 _LONGEST_WAIT = 0.05  # s
@@ -155,8 +154,3 @@ class Replayer(TwinNode):
         """How far the replay is."""
         values = {"bag": self.settings.bag, "rate": f"{self.settings.rate:g}", "messages": str(self._sent)}
         return Status(self.NAME, Level.OK, f"{self._sent} of {self._bag.message_count} messages replayed", values)
-
-
-def run(arguments: Sequence[str], stop: StopRequest) -> None:
-    """Run the replayer."""
-    run_node(Replayer, arguments, stop)

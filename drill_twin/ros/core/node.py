@@ -23,7 +23,7 @@ from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, Value, declare, follow_changes
 from drill_twin.ros.core.raw_subscriptions import RawSubscriptions
 from drill_twin.ros.core.startup_barrier import StartupBarrier
-from drill_twin.ros.entry_points import StopRequest
+from drill_twin.ros.core.stop_request import StopRequest
 
 _DIAGNOSTICS_PERIOD = 1.0  # s
 

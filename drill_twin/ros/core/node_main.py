@@ -15,9 +15,9 @@ from drill_twin.errors import DrillTwinError
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Parameter, file_text, help_text
 from drill_twin.ros.core.qos_overrides import refuse_unused
+from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import discovery
 from drill_twin.ros.deployment.security import readable_refusal
-from drill_twin.ros.entry_points import StopRequest
 
 
 def run_node(make: type[TwinNode], arguments: Sequence[str], stop: StopRequest) -> None:

@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 
 from drill_twin.errors import RunError
 from drill_twin.ros.core.node_topics import NodeTopics
-from drill_twin.ros.entry_points import StopRequest
+from drill_twin.ros.core.stop_request import StopRequest
 
 _POLL = 0.05  # s
 _ANSWER_TIME = 1.0  # s

@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 
 from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.demo.result import check_bag, draw_report
 from drill_twin.ros.deployment.processes import processes
-from drill_twin.ros.entry_points import StopRequest
 
 _STARTING = 150.0  # s to compile and connect
 _PATIENCE = 5.0  # simulated seconds may take this many times as long

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from drill_twin.errors import RunError
+from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment.processes import processes
-from drill_twin.ros.entry_points import StopRequest
 
 _STARTING = 150.0  # s to compile and connect
 _SETTLED = 2.0  # s of simulated time after which everything has been used once

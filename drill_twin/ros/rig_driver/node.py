@@ -22,11 +22,10 @@ from drill_twin.io.messages.encode import CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.node_main import run_node
 from drill_twin.ros.core.pacing import Pacer
 from drill_twin.ros.core.parameters import Parameter, Value
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, scene_of
-from drill_twin.ros.entry_points import StopRequest
+from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.rig_driver.set_point_transition import Plan, SetPointTransition
 from drill_twin.schedule.command import Command
 
@@ -212,8 +211,3 @@ class RigDriver(TwinNode):
         if self._heard is None:
             return Status(self.NAME, Level.OK, f"waiting for {CLOCK_TOPIC}", values)
         return Status(self.NAME, Level.OK, "the schedule is over; holding" if over else "driving", values)
-
-
-def run(arguments: Sequence[str], stop: StopRequest) -> None:
-    """Run the rig driver."""
-    run_node(RigDriver, arguments, stop)

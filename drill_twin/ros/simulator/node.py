@@ -22,12 +22,10 @@ from rclpy.lifecycle.node import LifecycleNodeMixin
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, STRING_POSES, WOB_COMMAND
 from drill_twin.ros.core.lifecycle import answer_any_transition
-from drill_twin.ros.core.node_main import run_node
 from drill_twin.ros.core.pacing import Pacer
 from drill_twin.ros.core.parameters import Value
 from drill_twin.ros.core.scene_parameters import resolved, scene_of
 from drill_twin.ros.core.topic_qos import relative
-from drill_twin.ros.entry_points import StopRequest
 from drill_twin.ros.simulator.run_control import RunControl
 from drill_twin.ros.simulator.simulation_interfaces import offer_where_installed
 from drill_twin.ros.simulator.trigger_services import offer
@@ -148,8 +146,3 @@ class Simulator(LifecycleNodeMixin, RunControl):
                     "another domain or namespace"
                 )
             time.sleep(0.1)
-
-
-def run(arguments: Sequence[str], stop: StopRequest) -> None:
-    """Run the simulator."""
-    run_node(Simulator, arguments, stop)
