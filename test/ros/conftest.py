@@ -42,7 +42,7 @@ from drill_twin.twin.twin import Twin  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 _DOMAINS = itertools.count(os.getpid())  # each bench another one: who was killed stays in the graph for a while
-LONG = 90.0  # s; a kernel may have to be compiled first
+LONG = 90.0  # s; longest wait for anything: a kernel may have to be compiled, a busy machine may stall a process
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -51,14 +51,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Take what a fault's marker says along to the report.
-
-    Every test here waits for what it needs, yet a shared machine may stall a process for longer than any limit: such a
-    test is tried once more, and the summary counts it. Not the soak, which may take an hour.
-    """
+    """Take what a fault's marker says along to the report."""
     for item in items:
-        if Path(item.fspath).parent == Path(__file__).parent and "soak" not in item.name:
-            item.add_marker(pytest.mark.flaky(reruns=1, reruns_delay=3))
         for mark in item.iter_markers("fault"):
             item.user_properties.append(("fault", mark.args))
 
@@ -101,7 +95,7 @@ class Process:
     def send(self, number: int) -> None:
         self._popen.send_signal(number)
 
-    def wait(self, seconds: float = 20.0) -> int:
+    def wait(self, seconds: float = LONG) -> int:
         try:
             return self._popen.wait(seconds)
         except subprocess.TimeoutExpired:
@@ -169,11 +163,11 @@ class Bench:
         self._processes: list[Process] = []
         self.statuses: dict[str, Status] = {}
         self.history: list[Status] = []
-        self._heard_topics: list[Subscription] = []
+        self._subscriptions: list[Subscription] = []
         self._taken = 0
         self.asked_ready = 0.0
         self.node.create_service(Trigger, "~/ready", self._answer_ready)
-        self.listen(DIAGNOSTICS, self._on_diagnostics)
+        self.subscribe(DIAGNOSTICS, self._on_diagnostics)
 
     def start(self, node: str, *arguments: str, **parameters: object) -> Process:
         """A node with parameters; text is quoted."""
@@ -195,7 +189,7 @@ class Bench:
         self._processes.append(process)
         return process
 
-    def listen(self, topic: str, received: Callable[[bytes], None], *, latched: bool = False) -> None:
+    def subscribe(self, topic: str, received: Callable[[bytes], None], *, latched: bool = False) -> None:
         durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
         quality = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
 
@@ -204,23 +198,23 @@ class Bench:
             received(raw)
 
         kind = message_class(TOPICS[topic])
-        self._heard_topics.append(self.node.create_subscription(kind, topic, callback, quality, raw=True))
+        self._subscriptions.append(self.node.create_subscription(kind, topic, callback, quality, raw=True))
 
     def collect(self, topic: str, *, latched: bool = False) -> list[bytes]:
         """All messages of a topic from now on."""
         raws: list[bytes] = []
-        self.listen(topic, raws.append, latched=latched)
+        self.subscribe(topic, raws.append, latched=latched)
         return raws
 
     def publisher(self, topic: str):
         """A publisher that is matched with at least one reader before it is returned."""
         publisher = self.node.create_publisher(message_class(TOPICS[topic]), topic, 10)
-        self.until(lambda: publisher.get_subscription_count() > 0, 20.0, f"a reader of {topic}")
+        self.until(lambda: publisher.get_subscription_count() > 0, what=f"a reader of {topic}")
         return publisher
 
     def drain(self) -> None:
         """Take all that has arrived; who published it has waited until it had, and publishes no more."""
-        quiet, end = 0, time.monotonic() + 20.0
+        quiet, end = 0, time.monotonic() + LONG
         while quiet < 3:
             assert time.monotonic() < end, "expected the topics to fall silent"
             before = self._taken
@@ -260,7 +254,7 @@ class Bench:
     def call(self, service: str, request=None, kind=Trigger):
         """The answer of a service."""
         client = self.node.create_client(kind, service)
-        self.until(client.service_is_ready, 20.0, service)
+        self.until(client.service_is_ready, what=service)
         answer = client.call_async(kind.Request() if request is None else request)
         self.until(answer.done, what=f"the answer of {service}")
         self.node.destroy_client(client)
@@ -271,7 +265,7 @@ class Bench:
         request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
         return self.call(f"/{node}/set_parameters", request, SetParameters).results[0]
 
-    def until_status(self, node: str, wanted: Callable[[Status], bool], seconds: float = 20.0) -> Status:
+    def until_status(self, node: str, wanted: Callable[[Status], bool], seconds: float = LONG) -> Status:
         """Until a node's diagnostics say something, from now on."""
         self.statuses.pop(node, None)
         try:
@@ -300,7 +294,7 @@ class Bench:
         """As a node of ours answers: `wait_for="simulator test"` holds a driver until the test misses nothing."""
         del request
         self.asked_ready = time.monotonic()
-        late = [topic.topic_name for topic in self._heard_topics if not self._connected(topic)]
+        late = [topic.topic_name for topic in self._subscriptions if not self._connected(topic)]
         response.success, response.message = not late, f"not yet connected to {', '.join(late)}" if late else ""
         return response
 

@@ -18,7 +18,7 @@ def test_the_simulator_chooses_what_was_asked_for(bench, compiled):
     overrides = "; ".join(f"{key}={value}" for key, value in CHANGES.items())
     options = {"pace": "fast", "wait_for_command": False, "duration": 2.0}
     node = bench.start("simulator", accuracy="2 %", overrides=overrides, **options)
-    assert node.wait(60.0) == 0
+    assert node.wait() == 0
     bench.drain()
     run = yaml.safe_load(read_string(scenes[-1]))["run"]
     assert (run["elements"], run["step_s"]) == (numerics.elements, numerics.step)

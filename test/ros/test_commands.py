@@ -84,7 +84,7 @@ def test_who_commands_in_vain_is_told_why(bench, simulator):
     bench.publisher(WOB_COMMAND).publish(Float64(data=1e9))
     told = "waiting for the first good command; the last one was refused: weight on bit: expected 0 to 400 N"
     bench.until_status("simulator", lambda status: status.text.startswith(told))
-    bench.until(lambda: told in simulator.text, 20.0, "the console to say so too")
+    bench.until(lambda: told in simulator.text, what="the console to say so too")
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ def test_silence_ramps_to_the_safe_set_point_when_asked(bench, joints):
     bench.until_ready("simulator")
     command = bench.publisher(RIG_COMMAND)
     command.publish(CommandEncoder().command(0, Command(40.0, 12.0)))
-    bench.until(lambda: len(state) > 150, 20.0)
+    bench.until(lambda: len(state) > 150)
     samples = joints(state)
     drive, bit = samples[0].index("top_drive"), samples[0].index("bit")
     assert max(sample.effort[bit] for sample in samples) == 40.0
@@ -139,7 +139,7 @@ def test_silence_ramps_to_the_safe_set_point_when_asked(bench, joints):
 
 def test_the_echo_of_the_rig_driver_is_no_second_source(bench, simulator):
     driver = bench.start("rig_driver")
-    status = bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 2.5, 60.0)
+    status = bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 2.5)
     assert status.values["command_sources"] == "/rig_driver"
     assert status.values["commands_from_others"] == "0"
     assert status.values["dropped"] == "0"
@@ -151,7 +151,7 @@ def test_the_echo_of_the_rig_driver_is_no_second_source(bench, simulator):
 
 def test_a_person_beside_the_driver_is_reported_and_not_followed(bench, simulator):
     driver = bench.start("rig_driver")
-    bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 0.3, 60.0)
+    bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 0.3)
     weight = bench.publisher(WOB_COMMAND)
     weight.publish(Float64(data=123.0))
     status = bench.until_status("simulator", lambda status: status.values["commands_from_others"] == "1")
@@ -164,7 +164,7 @@ def test_a_person_beside_the_driver_is_reported_and_not_followed(bench, simulato
 @pytest.mark.fault("two drivers at once", "both are named in the diagnostics of the simulator")
 def test_two_drivers_are_detected(bench, simulator):
     drivers = [bench.start("rig_driver"), bench.start("rig_driver", "-r", "__node:=other_driver")]
-    status = bench.until_status("simulator", lambda status: "more than one source" in status.text, 60.0)
+    status = bench.until_status("simulator", lambda status: "more than one source" in status.text)
     assert status.values["command_sources"] == "/other_driver, /rig_driver"
     assert status.level == 1
     for driver in drivers:
@@ -179,13 +179,13 @@ def test_a_driver_that_is_killed_and_comes_back_picks_up_in_lockstep(bench, join
     driver = bench.start("rig_driver", wait_for="simulator test")
     bench.until(lambda: len(states) > 50, what="the string to move")
     driver.kill()
-    bench.until_status("simulator", lambda status: "the lockstep waits" in status.text, 60.0)
+    bench.until_status("simulator", lambda status: "the lockstep waits" in status.text)
     bench.drain()
     before = len(states)
     driver = bench.start("rig_driver")
     bench.until(lambda: len(states) > before + 50, what="the string to move on")
     assert driver.end() == 0
-    status = bench.until_status("simulator", lambda status: "the lockstep waits" in status.text, 60.0)
+    status = bench.until_status("simulator", lambda status: "the lockstep waits" in status.text)
     bench.drain()
     # A frame for each command, and none left out; a command that was not answered in time is sent again.
     stamps = [sample.stamp for sample in joints(states)]

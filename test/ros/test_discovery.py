@@ -66,7 +66,7 @@ def _join(bench):
     rclpy.init(args=[], context=context, domain_id=bench.domain, signal_handler_options=SignalHandlerOptions.NO)
     node = Node("newcomer", context=context)
     try:
-        bench.until(lambda: node.count_publishers(RIG_STATE) > 0, 20.0)
+        bench.until(lambda: node.count_publishers(RIG_STATE) > 0)
     finally:
         node.destroy_node()
         context.try_shutdown()

@@ -39,7 +39,7 @@ def test_an_own_driver_and_an_own_analyzer_take_part(bench, joints):
         max(math.hypot(*sample.position.reshape(-1, 4)[k, :2]) for k in range(len(sample.names) // 4))
         for sample in joints(marks)
     ]
-    bench.until(lambda: len(largest) > 0 and largest[-1].data == pytest.approx(wanted[-1]), 10.0)
+    bench.until(lambda: len(largest) > 0 and largest[-1].data == pytest.approx(wanted[-1]))
     assert analyzer.end() == 0, analyzer.text
     assert driver.end() == 0, driver.text
     assert "mark_1 " in analyzer.text

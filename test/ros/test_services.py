@@ -118,7 +118,7 @@ def test_a_simulator_that_is_killed_goes_on_from_its_checkpoint(bench):
     given = {"pace": "lockstep", "checkpoint": file, "checkpoint_period": 0.2}
     simulator = bench.start("simulator", duration=60.0, **given)
     driver = bench.start("rig_driver", wait_for="simulator test")
-    bench.until_status("simulator", lambda status: float(status.values["checkpoint_time"] or 0.0) > 0.5, 60.0)
+    bench.until_status("simulator", lambda status: float(status.values["checkpoint_time"] or 0.0) > 0.5)
     simulator.kill()
     bench.drain()
     before = {raw[4:12]: raw for raw in map(bytes, states)}
@@ -139,5 +139,5 @@ def test_a_simulator_that_is_killed_goes_on_from_its_checkpoint(bench):
     assert driver.end() == 0
     # Where the file stands at the end of the run, nothing is left to do, and that is said.
     again = bench.start("simulator", duration=float(end), **given)
-    assert again.wait(60.0) == 2
+    assert again.wait() == 2
     assert "where the run was over" in again.text

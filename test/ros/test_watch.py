@@ -155,9 +155,9 @@ def test_the_page_of_a_running_twin_shows_it_and_commands_it(bench, browse, tmp_
     assert browser.text("wob") == "40.0 N"
     assert browser.text("rps") == "2.00 rev/s"
     assert "x real time" in browser.text("factor")
-    bench.until(lambda: browser.text("motion") not in {"", "unknown"}, 20.0, "the motion")
+    bench.until(lambda: browser.text("motion") not in {"", "unknown"}, what="the motion")
     for canvas, least in (("string", 0.01), ("orbit_mark_1", 0.004), ("orbit_mark_2", 0.004)):
-        bench.until(lambda c=canvas, n=least: browser.drawn(c) > n, 20.0, canvas)
+        bench.until(lambda c=canvas, n=least: browser.drawn(c) > n, what=canvas)
 
     def applied():
         sample = JointStateReader().read(bytes(states[-1]))
@@ -165,16 +165,14 @@ def test_the_page_of_a_running_twin_shows_it_and_commands_it(bench, browse, tmp_
 
     browser.slide("wob_slider", 55)
     browser.slide("rps_slider", 3)
-    bench.until(
-        lambda: applied() == (pytest.approx(55.0), pytest.approx(3.0)), 20.0, "the plan of the driver to change"
-    )
+    bench.until(lambda: applied() == (pytest.approx(55.0), pytest.approx(3.0)), what="the plan of the driver to change")
     status = bench.until_status("simulator", bool)
     assert status.values["commands_from_others"] == "0"
     # Without a driver the sliders are the single set-points.
     assert driver.end() == 0
     bench.until_status("simulator", lambda status: "/rig_driver" not in status.values["command_sources"])
     browser.slide("wob_slider", 20)
-    bench.until(lambda: applied()[0] == pytest.approx(20.0), 20.0, "the single set-point")
+    bench.until(lambda: applied()[0] == pytest.approx(20.0), what="the single set-point")
     browser.screenshot(tmp_path / "page.png")
     assert (tmp_path / "page.png").stat().st_size > 20_000
     for process in (page, analyzer, simulator):
