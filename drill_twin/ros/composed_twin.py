@@ -15,7 +15,7 @@ from typing import ClassVar
 from drill_twin.ros.analyzer.node import Analyzer
 from drill_twin.ros.bag.recorder import Recorder
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.node_main import asks_for_help, initialised, run_in_order
+from drill_twin.ros.core.node_main import init_context, print_help, run_in_order
 from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment.security import readable_refusal
@@ -62,9 +62,9 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     """Run them all until the simulator is done or one fails."""
     kinds: tuple[type[TwinNode], ...] = (ComposedTwin, *_NODES)
     table = {parameter.name: parameter for kind in kinds for parameter in kind.PARAMETERS}
-    if asks_for_help(ComposedTwin.NAME, ComposedTwin.PURPOSE, tuple(table.values()), arguments):
+    if print_help(ComposedTwin.NAME, ComposedTwin.PURPOSE, tuple(table.values()), arguments):
         return
-    context = initialised(arguments, stop)
+    context = init_context(arguments, stop)
     companions: list[NodeThread] = []
     try:
         with stop.at_once(), readable_refusal():

@@ -24,7 +24,7 @@ from drill_twin.io.messages.encode import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_COMMAND
 from drill_twin.live.feed import INPUTS, Feed
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.node_main import initialised, run_in_order
+from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment.security import readable_refusal
 from drill_twin.schedule.command import Command
@@ -131,7 +131,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     own = list(arguments)
     ros = own[own.index("--ros-args") :] if "--ros-args" in own else []
     given = parser.parse_args(own[: len(own) - len(ros)])
-    context = initialised(ros, stop)
+    context = init_context(ros, stop)
     try:
         with stop.at_once(), readable_refusal():
             node = Watch(context)

@@ -155,10 +155,10 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
     simulator = bench.start("simulator")
     bench.until_ready("simulator")
     flood = (
-        "import time; from drill_twin.ros.core.node_main import initialised; from rclpy.node import Node;"
+        "import time; from drill_twin.ros.core.node_main import init_context; from rclpy.node import Node;"
         "from drill_twin.ros.core.stop_request import StopRequest; from sensor_msgs.msg import JointState;"
         "from drill_twin.io.messages.encode import CommandEncoder; from drill_twin.schedule import Command;"
-        "node = Node('flood', context=initialised([], StopRequest()));"
+        "node = Node('flood', context=init_context([], StopRequest()));"
         "publisher = node.create_publisher(JointState, 'rig/command', 10);"
         "raw = CommandEncoder().command(0, Command(40.0, 12.0)); begun = time.monotonic(); sent = 0\n"
         "while sent < 120_000:\n"
@@ -184,10 +184,10 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
 def test_a_crowd_of_slow_subscribers_does_not_hold_up_time(bench):
     simulator = bench.start("simulator", wait_for_command=False)
     crowd = (
-        "import time; from drill_twin.ros.core.node_main import initialised;"
+        "import time; from drill_twin.ros.core.node_main import init_context;"
         "from drill_twin.ros.core.stop_request import StopRequest;"
         "from rclpy.node import Node; from geometry_msgs.msg import PoseArray;"
-        "node = Node('crowd', context=initialised([], StopRequest()));"
+        "node = Node('crowd', context=init_context([], StopRequest()));"
         "readers = [node.create_subscription(PoseArray, 'string/poses', print, 5, raw=True) for _ in range(10)]\n"
         "while True:\n"
         "    time.sleep(0.2)\n"

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all nodes share: parameters, quality of service, subscriptions, start-up, shutdown."""
+"""Base of all nodes: loop, topics, parameters, quality of service, diagnostics, start-up and shutdown."""

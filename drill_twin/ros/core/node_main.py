@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nodes from their arguments to their end: started with our defaults, ended in order whatever happens."""
+"""Start, run and end of a node: from its arguments to an orderly shutdown after any error."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from drill_twin.ros.deployment import discovery
 from drill_twin.ros.deployment.security import readable_refusal
 
 
-def run_node(make: type[TwinNode], arguments: Sequence[str], stop: StopRequest) -> None:
-    """Start one node, run it, and end it in order whatever happens.
+def run_node(kind: type[TwinNode], arguments: Sequence[str], stop: StopRequest) -> None:
+    """Start one node, run it, and shut it down in order, also after an error.
 
     Raises:
-        DrillTwinError: It refused to start or could not go on.
+        DrillTwinError: The node refused to start or could not go on.
     """
-    if asks_for_help(make.NAME, make.PURPOSE, make.PARAMETERS, arguments):
+    if print_help(kind.NAME, kind.PURPOSE, kind.PARAMETERS, arguments):
         return
-    context = initialised(arguments, stop)
+    context = init_context(arguments, stop)
     try:
         with stop.at_once(), readable_refusal():
-            node = make(context)
+            node = kind(context)
         run_in_order(node, stop)
     finally:
         context.try_shutdown()
 
 
-def initialised(arguments: Sequence[str], stop: StopRequest) -> Context:
-    """An rclpy context for these arguments, with our discovery defaults and without rclpy's signal handlers.
+def init_context(arguments: Sequence[str], stop: StopRequest) -> Context:
+    """Initialise an rclpy context with the discovery defaults of this package and without rclpy's signal handlers.
 
     Raises:
-        DrillTwinError: The arguments are none that ROS knows.
+        DrillTwinError: The arguments are not valid ROS arguments.
     """
     _refuse_misplaced(arguments)
     discovery.prepare()
@@ -50,9 +50,9 @@ def initialised(arguments: Sequence[str], stop: StopRequest) -> Context:
         with stop.at_once():
             rclpy.init(args=list(arguments), context=context, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy raises several classes of its own here, and RuntimeError
-        said = _first_line(error)
-        hint = "" if ".yaml" in said else "; write -p NAME:=VALUE, -r FROM:=TO or --params-file FILE.yaml"
-        raise DrillTwinError(f"ROS arguments: {said}{hint}") from error
+        text = _first_line(error)
+        hint = "" if ".yaml" in text else "; write -p NAME:=VALUE, -r FROM:=TO or --params-file FILE.yaml"
+        raise DrillTwinError(f"ROS arguments: {text}{hint}") from error
     if left := remove_ros_args(["", *arguments])[1:]:
         context.try_shutdown()
         raise DrillTwinError(f"expected only --help or --ros-args ..., found {' '.join(left)!r}")
@@ -60,12 +60,12 @@ def initialised(arguments: Sequence[str], stop: StopRequest) -> Context:
 
 
 def _refuse_misplaced(arguments: Sequence[str]) -> None:
-    """Without --ros-args, ROS takes NAME:=VALUE for a renaming; the parameter that was meant would keep its default."""
-    of_ros = False
+    """Refuse NAME:=VALUE outside --ros-args: ROS takes it for a remapping, and the parameter would keep its default."""
+    in_ros_args = False
     for word, before in zip(arguments, ["", *arguments], strict=False):
-        of_ros = word == "--ros-args" or (of_ros and word != "--")
-        if ":=" in word and not (of_ros and before.startswith("-") and before != "--ros-args"):
-            remedy = "-p" if of_ros else "--ros-args -p"
+        in_ros_args = word == "--ros-args" or (in_ros_args and word != "--")
+        if ":=" in word and not (in_ros_args and before.startswith("-") and before != "--ros-args"):
+            remedy = "-p" if in_ros_args else "--ros-args -p"
             raise DrillTwinError(
                 f"expected -p NAME:=VALUE or -r FROM:=TO after --ros-args, found {word!r}; write {remedy} {word}"
             )
@@ -86,8 +86,8 @@ def run_in_order(node: TwinNode, stop: StopRequest) -> None:
             node.destroy_node()
 
 
-def asks_for_help(name: str, purpose: str, table: Sequence[Parameter], arguments: Sequence[str]) -> bool:
-    """Whether --help was given, or --parameters for the node's parameter file; prints it."""
+def print_help(name: str, purpose: str, table: Sequence[Parameter], arguments: Sequence[str]) -> bool:
+    """Print the text that --help or --parameters (the parameter file) asks for; returns whether one was given."""
     if {"-h", "--help"} & set(arguments):
         print(help_text(name, purpose, table))
     elif list(arguments) == ["--parameters"]:

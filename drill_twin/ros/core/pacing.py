@@ -1,32 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Wall time: frames at their times, what happens when the machine cannot keep up, and what is due once a while."""
+"""Pacing by the wall clock: frames at their times, and periodic actions."""
 
 from __future__ import annotations
 
 import time
 
-_LONGEST_SLEEP = 0.05  # s; a signal waits no longer than this
+_LONGEST_SLEEP = 0.05  # s; longest delay of a signal
 
 
 class Pacer:
-    """Holds a loop to one frame every `period` seconds of wall time.
+    """Limits a loop to one frame every `period` seconds of wall time.
 
     A late frame is counted as an overrun and the next one comes sooner, so that the mean rate holds. Once the loop is
-    further behind than `patience`, the lost time is given up, counted, and pacing starts afresh: simulated time then
-    falls behind the wall clock, instead of ever more frames being rushed out.
+    later than `max_lag` [s], the lag is dropped and counted, and pacing starts afresh: simulated time then falls behind
+    the wall clock, and no burst of frames follows.
     """
 
-    def __init__(self, period: float, patience: float = 0.2) -> None:
+    def __init__(self, period: float, max_lag: float = 0.2) -> None:
         self._period = period
-        self._patience = patience
+        self._max_lag = max_lag
         self._deadline: float | None = None
         self.overruns = 0
         """Frames that were not ready at their time."""
         self.given_up = 0.0
-        """Wall time by which simulated time has fallen behind for good [s]."""
+        """Dropped lag: wall time by which simulated time has fallen behind for good [s]."""
 
     def restart(self) -> None:
-        """Forget the past: the next frame is on time."""
+        """Start afresh: the next frame is on time."""
         self._deadline = None
 
     def wait(self) -> None:
@@ -38,7 +38,7 @@ class Pacer:
         late = now - self._deadline
         if late > 0.0:
             self.overruns += 1
-            if late > self._patience:
+            if late > self._max_lag:
                 self.given_up += late
                 self._deadline = now
             return
@@ -47,7 +47,7 @@ class Pacer:
 
 
 class Tick:
-    """True once every `period` seconds of wall time."""
+    """Timer that is due once every `period` seconds of wall time."""
 
     def __init__(self, period: float) -> None:
         self._period = period

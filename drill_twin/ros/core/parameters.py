@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Typed parameters: one table a node, from which come descriptors, checks, defaults and the help text.
+"""Typed parameters: one table per node, the source of its descriptors, checks, defaults and help text.
 
 A node refuses to start on a parameter of the wrong type, out of range or misspelled, with one line.
 """
@@ -43,10 +43,10 @@ class Parameter:
     live: bool = False
     """Whether it can be changed while the node runs."""
     such_as: str = ""
-    """A text that would do."""
+    """Example of a valid text."""
 
     def expected(self) -> str:
-        """What a value must be, in words."""
+        """Expected type and range of a value, in words."""
         if self.choices:
             return f"one of {', '.join(self.choices)}"
         text = _TYPE_NAMES[type(self.default)]
@@ -57,10 +57,10 @@ class Parameter:
         return f"{text} [{self.unit}]" if self.unit else text
 
     def checked(self, value: object) -> Value:
-        """The value in the type of the default.
+        """Value converted to the type of the default.
 
         Raises:
-            ParameterError: It is none that this parameter may have.
+            ParameterError: It has another type or is out of range.
         """
         wanted = type(self.default)
         if wanted is float and isinstance(value, int) and not isinstance(value, bool):
@@ -79,7 +79,7 @@ class Parameter:
         )
 
     def descriptor(self) -> ParameterDescriptor:
-        """What `ros2 param describe` shows."""
+        """Descriptor that `ros2 param describe` shows."""
         description = f"{self.description} [{self.unit}]" if self.unit else self.description
         descriptor = ParameterDescriptor(description=description, read_only=not self.live)
         if self.choices:
@@ -111,7 +111,7 @@ def declare(
     Raises:
         ParameterError: The user gave a parameter that this node cannot start with.
     """
-    given = node._parameter_overrides  # noqa: SLF001 - rclpy offers no public way to see what was given
+    given = node._parameter_overrides  # noqa: SLF001 - rclpy has no public access to the given overrides
     names = [parameter.name for parameter in table]
     _refuse_unknown(given, names, {*names, *other_names})
     result = {}
@@ -174,7 +174,7 @@ def _refuse_unknown(given: Mapping[str, RosParameter], names: Sequence[str], kno
 
 
 def file_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
-    """The parameter file of a node, `config/nodes/NAME.yaml`: every parameter with its default and what it is."""
+    """Parameter file of a node, `config/nodes/NAME.yaml`: every parameter with its default and description."""
     reading = "read when the node starts; those marked live can be set while it runs"
     if not any(parameter.live for parameter in table):
         reading = "each is read once, when the node starts"
@@ -203,7 +203,7 @@ def _yaml(value: Value) -> str:
 
 
 def help_text(name: str, purpose: str, table: Sequence[Parameter]) -> str:
-    """What `NODE --help` prints."""
+    """Text that `NODE --help` prints."""
     lines = [
         f"usage: {name} [--ros-args [-p NAME:=VALUE ...] [--params-file FILE] [-r FROM:=TO ...]]",
         "",

@@ -18,15 +18,15 @@ _PREFIX = "qos_overrides."
 OVERRIDABLE = QoSOverridingOptions(
     (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
 )
-"""What can be set of each topic: history, depth, reliability, durability."""
+"""Policies that can be set for each topic: history, depth, reliability, durability."""
 
 
 @contextmanager
 def readable_overrides(topic: str) -> Iterator[None]:
-    """One line for an override that is none.
+    """Turn rclpy's errors about an override into one line.
 
     Raises:
-        ParameterError: Its value is of no such policy.
+        ParameterError: The value is not one of that policy.
     """
     try:
         yield
@@ -38,12 +38,12 @@ def readable_overrides(topic: str) -> Iterator[None]:
 
 
 def refuse_unused(node: Node) -> None:
-    """Refuse overrides of topics that this node does not have: they are misspelled, and would be lost in silence.
+    """Refuse overrides of topics that this node does not have: rclpy ignores misspelled ones silently.
 
     Raises:
-        ParameterError: There is one.
+        ParameterError: An override names no topic of this node.
     """
-    given = node._parameter_overrides  # noqa: SLF001 - rclpy offers no public way to see what was given
+    given = node._parameter_overrides  # noqa: SLF001 - rclpy has no public access to the given overrides
     known = [name for name in node._parameters if name.startswith(_PREFIX)]  # noqa: SLF001
     for name in given:
         if name.startswith(_PREFIX) and name not in known:

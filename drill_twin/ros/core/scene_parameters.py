@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes as the parameters of a node name them, with what they change about them."""
+"""Scene of a node, from its parameters: name or path, and overrides."""
 
 from __future__ import annotations
 
@@ -21,12 +21,11 @@ _PAIR = re.compile(r"\s*(?P<key>[^=\s][^=]*?)\s*=\s*(?P<value>.+?)\s*", re.DOTAL
 
 
 def scene_of(settings: SimpleNamespace) -> Scene:
-    """The scene that the parameters scene, overrides and, where a node has them, weight_on_bit, rotation,
-    accuracy and table name.
+    """Scene of the parameters scene, overrides and, where a node has them, weight_on_bit, rotation, accuracy, table.
 
     Raises:
         SceneError: It cannot be loaded.
-        ParameterError: The overrides are none.
+        ParameterError: The overrides are not pairs KEY=VALUE.
     """
     changes = _pairs(settings.overrides)
     for parameter, key in (("weight_on_bit", "wob"), ("rotation", "rps"), ("accuracy", "accuracy")):
@@ -37,16 +36,16 @@ def scene_of(settings: SimpleNamespace) -> Scene:
     return load_scene(settings.scene, overrides=changes)
 
 
-def resolved(scene: Scene, duration: float, say: Callable[[str], object]) -> Scene:
-    """The scene with elements and step, chosen where it asks for an accuracy; says what to expect.
+def resolved(scene: Scene, duration: float, log: Callable[[str], object]) -> Scene:
+    """Scene with elements and step chosen for its accuracy, where it has one; reports the expected error.
 
     Args:
         scene: The scene.
         duration: Simulated time of the run [s]; 0: as the scene says.
-        say: Called with a line.
+        log: Called with a line of text.
 
     Raises:
-        SceneError: That accuracy cannot be promised.
+        SceneError: The accuracy cannot be reached.
     """
     if scene.numerics.accuracy is None:
         return scene
@@ -54,9 +53,9 @@ def resolved(scene: Scene, duration: float, say: Callable[[str], object]) -> Sce
     from drill_twin.accuracy.error_model import kept
 
     if kept(scene) is None:
-        say("no cost curve of this scene yet: measuring a small one")
+        log("no cost curve of this scene yet: measuring a small one")
     plan = resolve(scene, duration=duration or None)
-    say(plan.sentence)
+    log(plan.sentence)
     return plan.scene
 
 
@@ -73,7 +72,7 @@ def _pairs(text: str) -> dict[str, str]:
 
 
 def _playing(scene: Scene, table: str) -> dict[str, str]:
-    """Overrides that make a scene play a table: both set-points from it, unless the scene says which."""
+    """Overrides that make a scene play a table: both set-points are taken from it, unless the scene says which."""
     changes = {"rig.table.file": table}
     rig = scene.rig
     if "table" not in {rig.weight_on_bit.shape, rig.rotation.shape}:

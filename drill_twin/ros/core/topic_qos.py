@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Topics of the contract as rclpy wants them: classes, relative names, quality of service."""
+"""Topics of the contract in rclpy's terms: message classes, relative names, quality of service."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from drill_twin.io.messages.topics import DIAGNOSTICS, Topic
 
 
 def relative(topic: str) -> str:
-    """Topics follow the node's namespace, so that two twins can share a domain; diagnostics are one for all."""
+    """Topic name relative to the node's namespace, so that two twins can share a domain; `/diagnostics` is global."""
     return topic if topic == DIAGNOSTICS else topic.lstrip("/")
 
 
 def message_class(topic: Topic) -> Any:
-    """The rclpy class of a topic's messages."""
+    """Message class of a topic in rclpy, which has no common base class."""
     package, _, name = topic.type_name.split("/")
     return getattr(importlib.import_module(f"{package}.msg"), name)
 
 
 def quality(topic: Topic, *, depth: int = 0, latched: bool | None = None) -> QoSProfile:
-    """Quality of service of a topic; 0 and None: depth and durability of the contract."""
+    """Quality of service of a topic; depth 0 and latched None stand for those of the contract."""
     keep = topic.latched if latched is None else latched
     return QoSProfile(
         reliability=ReliabilityPolicy.RELIABLE,

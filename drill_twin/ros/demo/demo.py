@@ -149,10 +149,10 @@ def _watch(children: Mapping[str, Any], duration: float, console: Any, stop: Sto
     # Imported after the children were started: a fork must not meet the threads of DDS.
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    from drill_twin.ros.core.node_main import initialised
+    from drill_twin.ros.core.node_main import init_context
     from drill_twin.ros.demo.demo_observer import DemoObserver
 
-    context = initialised([], stop)
+    context = init_context([], stop)
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description}"),

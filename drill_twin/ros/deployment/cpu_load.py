@@ -89,10 +89,10 @@ def _commands(options: LoadOptions, folder: Path) -> dict[str, Mapping[str, obje
 def _watch(children: Mapping[str, Any], stop: StopRequest, enough: Any) -> Mapping[str, str]:
     """Look on until something has been seen; the looker itself costs the simulator a reader, so it goes again."""
     # Imported after the children were started: a fork must not meet the threads of DDS.
-    from drill_twin.ros.core.node_main import initialised
+    from drill_twin.ros.core.node_main import init_context
     from drill_twin.ros.demo.demo_observer import DemoObserver
 
-    context = initialised([], stop)
+    context = init_context([], stop)
     end = time.monotonic() + _STARTING
     try:
         watcher = DemoObserver(context, lambda _: None)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the nodes find each other: on this host only unless told otherwise, and fast.
+"""Discovery of the nodes: on this host only, and fast, unless the environment says otherwise.
 
-Without our Fast DDS profile a node that joins later is found after up to 3 s, with it within 0.5 s. What the user
-has set in the environment always stays.
+Without the Fast DDS profile of this package a node that joins later is discovered after up to 3 s, with it within
+0.5 s. Variables that the user has set keep their values.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ _HIGHEST_POSSIBLE = 232
 
 
 def prepare() -> None:
-    """Set what DDS reads from the environment when it starts; call before `rclpy.init`.
+    """Set the environment variables that DDS reads when it starts; called before `rclpy.init`.
 
     Raises:
-        DrillTwinError: ROS_DOMAIN_ID is not a domain, or security is asked for that would not be there.
+        DrillTwinError: ROS_DOMAIN_ID is not a domain, or the required security is not available.
     """
     refuse_unsecured()
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
@@ -37,15 +37,15 @@ def prepare() -> None:
 
 
 def profile_path() -> Path:
-    """The Fast DDS profile of this package."""
+    """Path of the Fast DDS profile of this package."""
     return config_dir() / "dds" / "discovery.xml"
 
 
 def domain_of_environment() -> int | None:
-    """ROS_DOMAIN_ID, None when not set.
+    """ROS_DOMAIN_ID as a number; None when not set.
 
     Raises:
-        DrillTwinError: It is not a whole number from 0 to 232.
+        DrillTwinError: The variable is not a whole number from 0 to 232.
     """
     text = os.environ.get("ROS_DOMAIN_ID", "").strip()
     if not text:
@@ -56,20 +56,20 @@ def domain_of_environment() -> int | None:
 
 
 class DomainClaim:
-    """A DDS domain that no other demo or test on this machine uses while this object lives.
+    """Exclusive use of a DDS domain among the demos and tests on this machine.
 
-    The claim is an abstract socket name: it ends with the process, whatever ends that, and leaves no file.
+    The claim is an abstract socket name: it ends with the process, also after a kill, and leaves no file.
     """
 
     def __init__(self, wanted: int | None = None, *, start: int | None = None) -> None:
         """Claim one domain.
 
         Args:
-            wanted: This one, or fail; None: the first that is free.
-            start: Where to begin looking, by default spread by process id.
+            wanted: The domain; None: the first that is free.
+            start: First domain to try, by default spread by process id.
 
         Raises:
-            DrillTwinError: It is taken, or all are.
+            DrillTwinError: That domain, or every domain, is in use.
         """
         first = os.getpid() if start is None else start
         choices = [wanted] if wanted is not None else [1 + (first + k) % HIGHEST_DOMAIN for k in range(HIGHEST_DOMAIN)]
@@ -92,5 +92,5 @@ class DomainClaim:
         )
 
     def release(self) -> None:
-        """Give the domain back."""
+        """End the claim."""
         self._socket.close()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Nodes as child processes: started with their own log, ended in order, never left behind."""
+"""Nodes as child processes: each with its own log, ended in order, and never orphaned."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from pathlib import Path
 
 from drill_twin.errors import RunError
 
-_PATIENCE = 10.0  # s for each signal, before the next and harsher one
+_SIGNAL_TIMEOUT = 10.0  # s after each signal, before the next and harsher one
 _SET_PARENT_DEATH_SIGNAL = 1  # linux/prctl.h
 _LOG_LINES = 8
 
 
 class Child:
-    """One node as a process of its own."""
+    """Node in a process of its own."""
 
     def __init__(self, node: str, parameters: Mapping[str, object], environment: Mapping[str, str], log: Path) -> None:
         self.node = node
@@ -33,7 +33,7 @@ class Child:
                 stdin=subprocess.DEVNULL,
                 stdout=stream,
                 stderr=subprocess.STDOUT,
-                start_new_session=True,  # Ctrl-C reaches the supervisor alone, which ends its children in order
+                start_new_session=True,  # Ctrl-C reaches the parent only, which ends its children in order
                 preexec_fn=_end_with_parent,  # noqa: PLW1509 - no thread runs yet when children are started
             )
 
@@ -59,28 +59,28 @@ class Child:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
             if self.exit_code is None:
                 self._process.send_signal(number)
-                self.wait(_PATIENCE)
+                self.wait(_SIGNAL_TIMEOUT)
         return self._process.wait()
 
-    def last_words(self) -> str:
-        """The last lines of its log."""
+    def log_tail(self) -> str:
+        """Last lines of its log."""
         lines = self.log.read_text("utf-8", "replace").strip().splitlines()
         return "\n".join(f"  {line}" for line in lines[-_LOG_LINES:])
 
     def check_alive(self) -> None:
-        """Raise when it has ended with an error.
+        """Raise an error if the process has ended with one.
 
         Raises:
-            RunError: It has; the message holds its last words.
+            RunError: It has; the message holds the end of its log.
         """
         if self.exit_code:
             raise RunError(
-                f"{self.node} ended with exit code {self.exit_code}; the end of {self.log}:\n{self.last_words()}"
+                f"{self.node} ended with exit code {self.exit_code}; the end of {self.log}:\n{self.log_tail()}"
             )
 
 
 def _yaml(value: object) -> str:
-    """A parameter's value as `-p name:=value` wants it; a text stays a text, whatever it looks like."""
+    """Value of a parameter in the syntax of `-p name:=value`; a text is quoted, as it may look like a number."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
@@ -97,7 +97,7 @@ def _end_with_parent() -> None:
 def processes(
     commands: Mapping[str, Mapping[str, object]], environment: Mapping[str, str], logs: Path
 ) -> Iterator[dict[str, Child]]:
-    """The nodes as child processes; ended in order when the block is left, whatever ends it.
+    """Run nodes as child processes, ended in order when the block is left, also by an error.
 
     Raises:
         RunError: On leaving without another error: a node ended with another exit code than 0.
@@ -113,5 +113,5 @@ def processes(
         if code:
             raise RunError(
                 f"{node} ended with exit code {code}; its log, {children[node].log}, ends with\n"
-                f"{children[node].last_words()}"
+                f"{children[node].log_tail()}"
             )

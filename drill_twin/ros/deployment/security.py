@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""SROS2: who may say and hear what, as policy files, and no start without the security that was asked for.
+"""SROS2: permissions of the nodes as policy files, and refusal to start without the required security.
 
 The Fast DDS of the wheels is built without security plugins; with a whole ROS 2 Jazzy they are there.
 """
@@ -50,18 +50,18 @@ _LIFECYCLE = (
 _CONTROLS = ("~/load_checkpoint", "~/pause", "~/reset", "~/resume", "~/save_checkpoint", "~/step")
 _STANDARD = tuple(f"~/{name}" for name in SERVICES)
 WHERE_INSTALLED = {"tf2_msgs": ("/tf", "/tf_static"), "simulation_interfaces": _STANDARD}
-"""Topics and services that the simulator has where these packages are installed; the wheels have neither."""
+"""Topics and services that the simulator has if these packages are installed; the wheels have neither."""
 _OF_EVERY_NODE = ("/parameter_events", "/rosout", DIAGNOSTICS)
 
 
 @dataclass(frozen=True)
 class Rights:
-    """What a node may do; nothing else."""
+    """Permissions of a node."""
 
     publish: Sequence[str] = ()
     """Topics it publishes, beside those of every node."""
     subscribe: Sequence[str] = ()
-    """Topics it hears."""
+    """Topics it subscribes to."""
     reply: Sequence[str] = ()
     """Services it offers, beside those of every node."""
     request: Sequence[str] = ()
@@ -83,11 +83,11 @@ RIGHTS: dict[str, Rights] = {
     "recorder": Rights((), tuple(TOPICS)),
     "replayer": Rights(tuple(topic for topic in TOPICS if topic != DIAGNOSTICS), (), (), _READY),
 }
-"""Least privilege: a test compares it with what running nodes do."""
+"""Least privilege: a test compares the permissions with the topics and services of running nodes."""
 
 
 def policy_text(node: str) -> str:
-    """The SROS2 policy of a node, `config/security/NODE.policy.xml`."""
+    """SROS2 policy of a node, `config/security/NODE.policy.xml`."""
     rights = RIGHTS[node]
     publish = sorted({*_OF_EVERY_NODE, *rights.publish})
     lists = (
@@ -117,7 +117,7 @@ def policy_text(node: str) -> str:
 
 
 def refuse_unsecured() -> None:
-    """Refuse to start where `ROS_SECURITY_STRATEGY=Enforce` is set but would not be heeded.
+    """Refuse to start if `ROS_SECURITY_STRATEGY=Enforce` is set but would have no effect.
 
     Raises:
         DrillTwinError: ROS 2 would start without security, or has no keys.
@@ -130,7 +130,7 @@ def refuse_unsecured() -> None:
             "ROS_SECURITY_STRATEGY=Enforce: expected ROS_SECURITY_ENABLE=true beside it, found "
             f"{enabled or 'none'}, with which ROS 2 would start unsecured; set it, or unset ROS_SECURITY_STRATEGY"
         )
-    if not os.path.isdir(keys):  # noqa: PTH112 - a path of the environment, looked at once
+    if not os.path.isdir(keys):  # noqa: PTH112 - a path of the environment, used once
         raise DrillTwinError(
             f"ROS_SECURITY_STRATEGY=Enforce: expected the folder of the keys in ROS_SECURITY_KEYSTORE, found "
             f"{keys or 'none'}; make one with ros2 security create_keystore"
@@ -139,10 +139,10 @@ def refuse_unsecured() -> None:
 
 @contextmanager
 def readable_refusal() -> Iterator[None]:
-    """One line where ROS refuses to make a node.
+    """Turn the errors with which rclpy refuses to create a node into one line.
 
     Raises:
-        DrillTwinError: It does.
+        DrillTwinError: rclpy refused to create it.
     """
     try:
         yield
