@@ -44,7 +44,7 @@ def _play(bag: Path, host: str, port: int, *, browser: bool) -> None:
 
     with err().status("reading the bag"):
         player = Player(bag_path(bag))
-    server = PageServer(player.picture, player.asked, host=host, port=port)
+    server = PageServer(player.snapshot, player.on_request, host=host, port=port)
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A live page in the browser: the string in the hole, the orbits, the motion, and two sliders. Knows no ROS."""
+"""Live page in the browser, without ROS: string in the hole, orbits, motion, and sliders for two set-points."""

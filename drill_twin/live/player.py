@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plays a bag into the page: at a rate, from a time, stopped and on again."""
+"""Playback of a bag on the live page, in simulated time."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from drill_twin.errors import DrillTwinError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.stamps import unpack_stamp
 from drill_twin.io.messages.topics import STRING_POSES, TWIN_SCENE, WHIRL_ONSET
-from drill_twin.live.feed import INPUTS, Feed
+from drill_twin.live.page_state import INPUTS, PageState
 
 Message = tuple[str, int, bytes]
 """Topic, time [ns], CDR."""
 
-_MOMENT = 0.02  # s
+_PERIOD = 0.02  # s, between two updates
 _STAMPED = 12  # bytes
 _HIGHEST_RATE = 64.0
 
 
 def in_simulated_time(messages: Iterable[Message]) -> Iterator[Message]:
-    """Messages with the simulated time [ns] of the frame they follow instead of that of their recording.
+    """Messages with the simulated time [ns] of the frame they follow in place of their time of recording.
 
-    A run in lockstep, or as fast as possible, was recorded in no time; a paused one stood still. Where simulated time
-    goes back, as after a reset, it goes on from where it was. Ahead of the first frame its own time counts, and in a
-    bag without frames that of the recording.
+    The time of recording says little: a run in lockstep or at full speed is recorded faster than simulated time, and a
+    paused one slower. Where simulated time steps back, as after a reset, the result continues from where it was.
+    Messages before the first frame get its time; those of a bag without frames keep their time of recording.
     """
     early: list[Message] = []
     last, back = None, 0
@@ -49,36 +49,36 @@ def in_simulated_time(messages: Iterable[Message]) -> Iterator[Message]:
 
 
 class Player:
-    """A bag as a run that happens again, with a hand on its time."""
+    """Seekable playback of a bag, in a thread of its own."""
 
     def __init__(self, path: Path) -> None:
         """Open a bag.
 
         Raises:
-            BagError: It is none.
+            BagError: It is not a bag.
         """
         bag = Bag(path)
         self._messages = list(in_simulated_time(bag.messages(INPUTS)))
-        # From the first frame on: before it, the nodes waited for each other.
+        # Playback starts at the first frame: before it, the nodes waited for each other.
         self._start = next((stamp for topic, stamp, _ in self._messages if topic == STRING_POSES), bag.start)
         self.length = ((self._messages[-1][1] if self._messages else bag.end) - self._start) * 1e-9
         """Length of the recording [s]."""
-        self.feed = Feed()
+        self.state = PageState()
         self._lock = threading.Lock()
-        self._at, self._next, self._rate, self._playing, self._over = 0.0, 0, 1.0, True, False
+        self._at, self._next, self._rate, self._playing, self._closed = 0.0, 0, 1.0, True, False
         self._thread = threading.Thread(target=self._play, name="player", daemon=True)
         self._thread.start()
 
-    def picture(self) -> Mapping[str, Any]:
-        """What the page shows."""
+    def snapshot(self) -> Mapping[str, Any]:
+        """State of the page, with that of the playback."""
         player = {"at": min(self._at, self.length), "length": self.length, "playing": self._playing}
-        return {**self.feed.picture(), "player": player}
+        return {**self.state.snapshot(), "player": player}
 
-    def asked(self, request: Mapping[str, Any]) -> None:
-        """Play, stop, go to a time [s], or change the rate.
+    def on_request(self, request: Mapping[str, Any]) -> None:
+        """Play or pause, seek to a time [s], or set the rate, as the page requests.
 
         Raises:
-            DrillTwinError: It is none of these.
+            DrillTwinError: Another request.
         """
         unknown = set(request) - {"play", "seek", "rate"}
         if unknown:
@@ -87,33 +87,33 @@ class Player:
             if "play" in request:
                 self._playing = bool(request["play"])
                 if self._playing and self._at >= self.length:
-                    self._go_to(0.0)
+                    self._seek(0.0)
             if "rate" in request:
                 self._rate = min(max(float(request["rate"]), 0.0), _HIGHEST_RATE)
             if "seek" in request:
-                self._go_to(min(max(float(request["seek"]), 0.0), self.length))
+                self._seek(min(max(float(request["seek"]), 0.0), self.length))
 
     def close(self) -> None:
-        """Stop playing."""
-        self._over = True
+        """End the playback."""
+        self._closed = True
         self._thread.join(5.0)
 
-    def _go_to(self, at: float) -> None:
-        """Show what held then: the scene and the onset from before, all else from the second before."""
+    def _seek(self, at: float) -> None:
+        """Seek to a time [s]: restore scene and onset, and play the second before it at once."""
         self._at = at
         place = self._start + round(at * 1e9)
-        self.feed.forget()
+        self.state.clear()
         begin = next((k for k, message in enumerate(self._messages) if message[1] > place - 10**9), 0)
         for topic in (TWIN_SCENE, WHIRL_ONSET):
-            before = [raw for name, stamp, raw in self._messages if name == topic and stamp <= place]
-            if before:
-                self.feed.take(topic, before[-1])
+            earlier = [raw for name, stamp, raw in self._messages if name == topic and stamp <= place]
+            if earlier:
+                self.state.update(topic, earlier[-1])
         self._next = begin
 
     def _play(self) -> None:
         last = time.monotonic()
-        while not self._over:
-            time.sleep(_MOMENT)
+        while not self._closed:
+            time.sleep(_PERIOD)
             now = time.monotonic()
             with self._lock:
                 if self._playing:
@@ -121,7 +121,7 @@ class Player:
                 place = self._start + round(self._at * 1e9)
                 while self._next < len(self._messages) and self._messages[self._next][1] <= place:
                     topic, _, raw = self._messages[self._next]
-                    self.feed.take(topic, raw)
+                    self.state.update(topic, raw)
                     self._next += 1
                 if self._at >= self.length:
                     self._at, self._playing = self.length, False

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Serves the page and keeps it up to date over a websocket; takes what its sliders ask for.
+"""Web server of the live page: sends snapshots over a websocket, and receives requests of the sliders.
 
-It listens on this host alone unless told otherwise, and a page from elsewhere that is open in the same browser is
-turned away: who commands a rig must have come from here.
+It listens on this host alone by default. Connections from pages of other origins are refused, because requests can
+command a rig.
 """
 
 from __future__ import annotations
@@ -23,38 +23,48 @@ from websockets.sync.server import ServerConnection, serve
 
 from drill_twin.errors import DrillTwinError, RunError
 
-_PERIOD = 0.05  # s between two pictures
-_LONGEST = 4096  # bytes of a request
+_PERIOD = 0.05  # s, between two snapshots
+_LARGEST_REQUEST = 4096  # bytes
 _LOCAL = {"127.0.0.1", "localhost", "[::1]"}
 
-Asked = Callable[[Mapping[str, Any]], None]
-"""Does what the page asks for; raises a DrillTwinError that the page shows."""
+RequestHandler = Callable[[Mapping[str, Any]], None]
+"""Carries out a request of the page; raises a DrillTwinError, which the page shows."""
 
 
 class PageServer:
-    """The page, live, for any number of browsers."""
+    """Server of the page for any number of browsers."""
 
     def __init__(
-        self, picture: Callable[[], Mapping[str, Any]], asked: Asked, *, host: str = "127.0.0.1", port: int = 8000
+        self,
+        snapshot: Callable[[], Mapping[str, Any]],
+        on_request: RequestHandler,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 8000,
     ) -> None:
-        """Begin to serve.
+        """Start to serve.
 
         Args:
-            picture: What the page shows now.
-            asked: Called with what the page asks for.
+            snapshot: Returns the present state of the page.
+            on_request: Called with each request of the page.
             host: Address to listen on.
             port: Port; 0 takes a free one.
 
         Raises:
             RunError: The port is taken.
         """
-        self._picture, self._asked, self._host = picture, asked, host
+        self._snapshot, self._on_request, self._host = snapshot, on_request, host
         self._page = files("drill_twin.live").joinpath("page.html").read_bytes()
-        self._news = threading.Condition()
-        self._text, self._number, self._over = "{}", 0, False
+        self._updated = threading.Condition()
+        self._text, self._number, self._closed = "{}", 0, False
         try:
             self._server = serve(
-                self._talk, host, port, process_request=self._answer, max_size=_LONGEST, compression=None
+                self._serve_connection,
+                host,
+                port,
+                process_request=self._respond,
+                max_size=_LARGEST_REQUEST,
+                compression=None,
             )
         except OSError as error:
             raise RunError(
@@ -65,30 +75,30 @@ class PageServer:
         self.url = f"http://{'127.0.0.1' if host in {'', '0.0.0.0'} else host}:{self.port}/"  # noqa: S104 - not a bind
         self._threads = [
             threading.Thread(target=self._server.serve_forever, name="page", daemon=True),
-            threading.Thread(target=self._tell, name="pictures", daemon=True),
+            threading.Thread(target=self._update, name="snapshots", daemon=True),
         ]
         for thread in self._threads:
             thread.start()
 
     def close(self) -> None:
-        """Send everybody away."""
-        with self._news:
-            self._over = True
-            self._news.notify_all()
+        """Close all connections and stop."""
+        with self._updated:
+            self._closed = True
+            self._updated.notify_all()
         self._server.shutdown()
         for thread in self._threads:
             thread.join(5.0)
 
-    def _tell(self) -> None:
-        """One picture for all, at a steady rate."""
-        while not self._over:
-            text = json.dumps(self._picture(), allow_nan=False)
-            with self._news:
+    def _update(self) -> None:
+        """Encode one snapshot for all connections, at a steady rate."""
+        while not self._closed:
+            text = json.dumps(self._snapshot(), allow_nan=False)
+            with self._updated:
                 self._text, self._number = text, self._number + 1
-                self._news.notify_all()
+                self._updated.notify_all()
             time.sleep(_PERIOD)
 
-    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+    def _respond(self, connection: ServerConnection, request: Request) -> Response | None:
         host = request.headers.get("Host", "")
         if self._host in {"127.0.0.1", "localhost", "::1"} and host.rpartition(":")[0] not in _LOCAL:
             return connection.respond(HTTPStatus.FORBIDDEN, "this page is for this host\n")
@@ -109,37 +119,41 @@ class PageServer:
         )
         return Response(HTTPStatus.OK, "OK", headers, self._page)
 
-    def _talk(self, connection: ServerConnection) -> None:
-        """Send each new picture, or the newest where the browser is slow; take what it asks."""
+    def _serve_connection(self, connection: ServerConnection) -> None:
+        """Send each new snapshot, or the newest to a slow browser; handle its requests."""
         seen = 0
         try:
             while True:
-                with self._news:
-                    self._news.wait_for(lambda: self._over or self._number != seen)  # noqa: B023 - within the turn
+                with self._updated:
+                    self._updated.wait_for(lambda: self._closed or self._number != seen)  # noqa: B023 - called at once
                     text, seen = self._text, self._number
-                    if self._over:
+                    if self._closed:
                         return
                 connection.send(text)
-                self._take(connection)
+                self._handle_requests(connection)
         except ConnectionClosed:
             return
 
-    def _take(self, connection: ServerConnection) -> None:
+    def _handle_requests(self, connection: ServerConnection) -> None:
         while True:
             try:
                 request = connection.recv(timeout=0)
             except TimeoutError:
                 return
             try:
-                self._asked(_read(request))
+                self._on_request(_parsed(request))
                 answer = ""
             except DrillTwinError as error:
                 answer = str(error)
             connection.send(json.dumps({"error": answer}))
 
 
-def _read(request: str | bytes) -> Mapping[str, Any]:
-    """What the page asks for: a few named finite numbers or truths, and nothing else."""
+def _parsed(request: str | bytes) -> Mapping[str, Any]:
+    """A request of the page: named finite numbers or booleans.
+
+    Raises:
+        DrillTwinError: Anything else.
+    """
     try:
         content = json.loads(request)
     except (ValueError, RecursionError) as error:

@@ -22,7 +22,7 @@ from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.encode import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_COMMAND
-from drill_twin.live.feed import INPUTS, Feed
+from drill_twin.live.page_state import INPUTS, PageState
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
@@ -41,7 +41,7 @@ class Watch(TwinNode):
 
     def __init__(self, context: Context) -> None:
         super().__init__(context)
-        self.feed = Feed()
+        self.page_state = PageState()
         self._encoder = CommandEncoder()
         self._asked: queue.Queue[tuple[str, float]] = queue.Queue()
         self._pending: list[tuple[str, float, Any]] = []
@@ -58,13 +58,13 @@ class Watch(TwinNode):
 
     def _hear(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
-        self.feed.take(topic, bytes(raw))
+        self.page_state.update(topic, bytes(raw))
 
-    def picture(self) -> Mapping[str, Any]:
-        """What the page shows."""
-        return {**self.feed.picture(), "refused": self._refused}
+    def snapshot(self) -> Mapping[str, Any]:
+        """State of the page."""
+        return {**self.page_state.snapshot(), "refused": self._refused}
 
-    def asked(self, request: Mapping[str, Any]) -> None:
+    def on_request(self, request: Mapping[str, Any]) -> None:
         """Command what the sliders say; from another thread, so it is only put down here.
 
         Raises:
@@ -116,8 +116,8 @@ class Watch(TwinNode):
 
     def health(self) -> Status:
         """Whether all could be read."""
-        level = Level.WARN if self.feed.malformed else Level.OK
-        return Status(self.NAME, level, f"{self.feed.malformed} messages could not be read")
+        level = Level.WARN if self.page_state.malformed else Level.OK
+        return Status(self.NAME, level, f"{self.page_state.malformed} messages could not be read")
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:
@@ -135,7 +135,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     try:
         with stop.at_once(), readable_refusal():
             node = Watch(context)
-        server = PageServer(node.picture, node.asked, host=given.host, port=given.port)
+        server = PageServer(node.snapshot, node.on_request, host=given.host, port=given.port)
         try:
             print(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()} at {server.url}", flush=True)
             if not given.no_browser:

@@ -24,7 +24,7 @@ from mutate import mutated
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.whirl_pipeline import WhirlPipeline
-from drill_twin.live.feed import INPUTS, Feed
+from drill_twin.live.page_state import INPUTS, PageState
 from drill_twin.runner import Session
 from drill_twin.scene import load_scene
 from drill_twin.scene.paths import config_dir
@@ -76,12 +76,12 @@ def _as_sqlite3(bag, target):
 
 def _read_bag(path):
     """As the command line does: all messages, the analysis, the page."""
-    pipeline, feed = WhirlPipeline(), Feed()
+    pipeline, page = WhirlPipeline(), PageState()
     for topic, _, raw in Bag(path).messages():
         pipeline.take(topic, raw)
         if topic in INPUTS:
-            feed.take(topic, raw)
-    json.dumps(feed.picture(), allow_nan=False)
+            page.update(topic, raw)
+    json.dumps(page.snapshot(), allow_nan=False)
 
 
 def _damage_file(source, target, random, *, text):
@@ -119,12 +119,12 @@ def _attempt(kind, material, place, random):
         _damage_file(folder / "run.npz", place / "run.npz", random, text=False)
         Checkpoint.load(place / "run.npz")
     else:
-        pipeline, feed = WhirlPipeline(), Feed()
+        pipeline, page = WhirlPipeline(), PageState()
         for topic, _, raw in Bag(bag).messages():
             sent = mutated(raw, random, text=False) if random.random() < 0.2 else raw
             pipeline.take(topic, sent)
-            feed.take(topic, sent)
-        json.dumps(feed.picture(), allow_nan=False)
+            page.update(topic, sent)
+        json.dumps(page.snapshot(), allow_nan=False)
 
 
 def _processor_time():

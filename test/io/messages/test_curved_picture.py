@@ -12,7 +12,7 @@ from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.geometry import StringGeometry, Widened
 from drill_twin.io.messages.markers import MarkerArrayTemplate
 from drill_twin.io.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
-from drill_twin.live.feed import Feed
+from drill_twin.live.page_state import PageState
 from drill_twin.model.survey import survey
 from drill_twin.model.wellbore import along, aside
 from drill_twin.model.wellbore_coordinates import across, rolled, seen, unrolled
@@ -112,16 +112,16 @@ hole:
 
 
 def test_the_page_of_watch_draws_the_string_along_the_hole_and_says_so():
-    feed = Feed()
+    page = PageState()
     scene = parse_scene(CURVED, name="curved")
-    feed.take(TWIN_SCENE, encode_string(scene.to_yaml()))
+    page.update(TWIN_SCENE, encode_string(scene.to_yaml()))
     line = survey(np.array([0.0, 5.0]), np.radians([0.0, 20.0]), np.zeros(2))
     nodes = line.at(np.linspace(5.0, 0.0, 11)).centre
     assert np.abs(nodes[:, 0]).max() > 0.5  # far more than the hole is wide
-    feed.take(STRING_POSES, PoseArrayTemplate(11).fill(10**9, nodes, np.tile([0.0, 0.0, 0.0, 1.0], (11, 1))))
-    picture = feed.picture()
+    page.update(STRING_POSES, PoseArrayTemplate(11).fill(10**9, nodes, np.tile([0.0, 0.0, 0.0, 1.0], (11, 1))))
+    picture = page.snapshot()
     assert picture["scene"]["curved"] is True
     np.testing.assert_allclose(np.array(picture["nodes"])[:, :2], 0.0, atol=1e-6)
     np.testing.assert_allclose(np.array(picture["nodes"])[:, 2], -np.linspace(5.0, 0.0, 11), atol=1e-3)
-    feed.take(TWIN_SCENE, encode_string(load_scene("pa6_bench").to_yaml()))
-    assert feed.picture()["scene"]["curved"] is False
+    page.update(TWIN_SCENE, encode_string(load_scene("pa6_bench").to_yaml()))
+    assert page.snapshot()["scene"]["curved"] is False

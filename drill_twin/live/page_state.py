@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the page shows, kept from the topics as they come: live, or out of a bag."""
+"""State of the live page: the latest values of the topics, of a running twin or of a bag."""
 
 from __future__ import annotations
 
@@ -39,27 +39,27 @@ INPUTS = (
     WHIRL_ONSET,
     DIAGNOSTICS,
 )
-"""Topics that the page lives on."""
-_TRAIL = 400  # places of a mark kept between two pictures
-_FAR = 1e6  # m
+"""Topics that the page shows."""
+_TRAIL = 400  # most positions of a mark between two snapshots
+_LARGEST = 1e6  # m
 
 
-class Feed:
-    """The latest of everything; `take` from one thread, `picture` from another."""
+class PageState:
+    """Latest values of the topics; `update` and `snapshot` may be called from different threads."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._marks_reader, self._rig_reader, self._whirl_reader = (JointStateReader().read for _ in range(3))
         self.malformed = 0
-        """Messages that could not be read."""
-        self._forget()
+        """Number of messages that could not be decoded."""
+        self._clear()
 
-    def forget(self) -> None:
-        """Begin again with nothing."""
+    def clear(self) -> None:
+        """Drop all values, for a new run or another time of the recording."""
         with self._lock:
-            self._forget()
+            self._clear()
 
-    def _forget(self) -> None:
+    def _clear(self) -> None:
         self._time = 0.0
         self._scene: dict[str, Any] | None = None
         self._hole: Scene | None = None
@@ -71,18 +71,18 @@ class Feed:
         self._onset: dict[str, Any] | None = None
         self._simulator = {"factor": "", "text": "", "pace": ""}
 
-    def take(self, topic: str, raw: bytes) -> None:
-        """Take in a message; one that cannot be read is counted."""
+    def update(self, topic: str, raw: bytes) -> None:
+        """Decode a message; one that cannot be decoded is counted as malformed."""
         try:
             with self._lock:
-                self._take(topic, raw)
+                self._update(topic, raw)
         except DrillTwinError:
             self.malformed += 1
 
-    def _take(self, topic: str, raw: bytes) -> None:
+    def _update(self, topic: str, raw: bytes) -> None:
         if topic == STRING_POSES:
             poses = read_pose_array(raw)
-            _refuse_rubbish(poses.position)
+            _check_positions(poses.position)
             self._time = seconds(poses.stamp)
             nodes = poses.position
             if self._hole is not None:
@@ -123,9 +123,9 @@ class Feed:
         state = self._marks_reader(raw)
         if state.position.size != len(state.names) or state.position.size % len(MARK_AXES):
             raise MessageError(f"expected {len(MARK_AXES)} values a mark on {MARKS_STATE}, found {state.position.size}")
-        places = state.position.reshape(-1, len(MARK_AXES))
-        _refuse_rubbish(places)
-        for k, (x, y, z) in enumerate(places[:, :3].tolist()):
+        positions = state.position.reshape(-1, len(MARK_AXES))
+        _check_positions(positions)
+        for k, (x, y, z) in enumerate(positions[:, :3].tolist()):
             name = state.names[k * len(MARK_AXES)].rpartition("/")[0]
             self._mark(name).update(x=x, y=y, z=z)
             trail = self._trail.setdefault(name, [])
@@ -134,7 +134,7 @@ class Feed:
 
     def _on_scene(self, raw: bytes) -> None:
         scene = parse_scene(read_string(raw), name=TWIN_SCENE)
-        self._forget()
+        self._clear()
         self._hole = scene if scene.hole.survey else None
         marks = scene.string.marks
         self._scene = {
@@ -158,8 +158,8 @@ class Feed:
                     "pace": values.get("pace", ""),
                 }
 
-    def picture(self) -> dict[str, Any]:
-        """All of it for the page, with the places of the marks since the last picture."""
+    def snapshot(self) -> dict[str, Any]:
+        """All values as plain types for JSON, with the positions of the marks since the last snapshot."""
         with self._lock:
             trail, self._trail = self._trail, {}
             return {
@@ -175,12 +175,12 @@ class Feed:
             }
 
 
-def _refuse_rubbish(places: Array) -> None:
-    """Places that cannot be drawn."""
-    if not (np.abs(places) < _FAR).all():
-        raise MessageError(f"expected places within {_FAR:g} m, found others")
+def _check_positions(positions: Array) -> None:
+    """Raise MessageError for positions that cannot be drawn."""
+    if not (np.abs(positions) < _LARGEST).all():
+        raise MessageError(f"expected positions within {_LARGEST:g} m, found a larger or a missing one")
 
 
 def _number(value: float) -> float | None:
-    """JSON has no NaN."""
+    """A number for JSON, which has no NaN."""
     return float(value) if math.isfinite(value) else None
