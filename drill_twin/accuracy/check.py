@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""After a run: the error it really has before the onset, and how uncertain its statistics after it are."""
+"""Check of a finished run: its error before the onset, and confidence intervals of its statistics after it."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from scipy.stats import t as student
 
 from drill_twin.accuracy.errors import largest_distance
 from drill_twin.accuracy.motion_run import run_motion
-from drill_twin.accuracy.plan import AFTER, Plan, at
+from drill_twin.accuracy.plan import AFTER_ONSET, Plan, at
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.report.recording import Recording
 
 RICHARDSON = 4.0 / 3.0
-"""Error over the distance to a run of half the step and twice the elements, for an error of second order."""
+"""Error over the difference from a run of half the step and twice the elements, for second order."""
 BATCHES = 10
 SETTLING = 2.0
-"""Simulated time after the onset that statistics leave out [s]."""
-SURE = 0.95
-HOW = (
+"""Simulated time after the onset that the statistics leave out [s]."""
+CONFIDENCE = 0.95
+METHOD = (
     "part before the onset rerun with twice the elements, half the step and a tenth of the tolerance: largest distance "
     "of the marks' paths over the largest deflection, and difference of the onset times, each times 4/3"
 )
@@ -31,7 +31,7 @@ HOW = (
 
 @dataclass(frozen=True)
 class Interval:
-    """A mean over time and its 95 % interval, from ten batches of the run itself (Law 2007, section 9.5.3)."""
+    """Mean over time and its 95 % confidence interval, by the method of batch means (Law 2007, section 9.5.3)."""
 
     mean: float
     low: float
@@ -39,23 +39,23 @@ class Interval:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What was promised and what came."""
+class AccuracyResult:
+    """Error and time of a run: asked for, expected and actual."""
 
     asked: float
     expected: float
     actual: float | None
-    """None where it was not checked."""
+    """Measured error [-]; None where it was not checked."""
     how: str
-    """How `actual` was measured."""
+    """Method by which `actual` was measured."""
     expected_seconds: float
     """Processor time of the physics [s]."""
     actual_seconds: float
-    """Wall-clock time of it, as the bag says [s]; on a busy machine longer."""
+    """Wall-clock time of the physics, from the bag [s]; longer on a busy machine."""
     orbit_radius: Interval | None
-    """Over the clearance, mean of the marks; None without whirl."""
+    """Orbit radius over the clearance, mean of the marks [-]; None without whirl."""
     precession_hz: Interval | None
-    """Of the mark that moves most, positive = forward."""
+    """Precession frequency of the mark with the largest orbit [Hz], positive = forward."""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
@@ -64,13 +64,13 @@ class Outcome:
 
 def check(
     plan: Plan, recording: Recording, *, rerun: bool = True, progress: Callable[[float], None] = lambda _: None
-) -> Outcome:
-    """Compare a finished run with what was expected of it.
+) -> AccuracyResult:
+    """Compare a finished run with its plan.
 
     Args:
-        plan: What was expected.
+        plan: The plan of the run.
         recording: The run.
-        rerun: Whether to run the part before the onset again, four times as finely; else `actual` is None.
+        rerun: Run the part before the onset again with twice the elements and half the step; else `actual` is None.
         progress: Called with the simulated time of the rerun [s].
 
     Raises:
@@ -82,11 +82,11 @@ def check(
     line = recording.centre_lines()
     time = recording.marks.time
     clearance = np.array([place.clearance for place in recording.scene.mark_table])
-    return Outcome(
+    return AccuracyResult(
         asked=plan.asked,
         expected=plan.expected,
         actual=_actual(plan, time, line, onset, progress) if rerun else None,
-        how=HOW if rerun else "not checked",
+        how=METHOD if rerun else "not checked",
         expected_seconds=plan.seconds,
         actual_seconds=duration / factor if factor else math.nan,
         orbit_radius=interval(time, (np.abs(line) / clearance).mean(axis=1), onset),
@@ -103,7 +103,7 @@ def _actual(
 ) -> float:
     numerics = plan.scene.numerics
     finer = at(plan.scene, 2 * int(numerics.elements), 0.5 * float(numerics.step), 0.1 * plan.scene.tolerance)
-    motion = run_motion(finer, after_onset=AFTER, progress=progress)
+    motion = run_motion(finer, after_onset=AFTER_ONSET, progress=progress)
     common = min(time.size, motion.time.size)
     true = motion.centre[:common, :, 0] + 1j * motion.centre[:common, :, 1]
     early = time[:common] <= min(motion.onset if math.isfinite(motion.onset) else math.inf, time[-1])
@@ -120,12 +120,12 @@ def _precession(time: Array, line: ComplexArray) -> Array:
 
 
 def interval(time: Array, values: Array, onset: float | None) -> Interval | None:
-    """Interval of the mean of what follows the onset; None where there is too little of it.
+    """Confidence interval of the mean after the onset; None where the record after it is too short.
 
     Args:
         time: [s], shape (T,).
         values: Shape (T,).
-        onset: [s]; None: there was none.
+        onset: Onset [s]; None: no onset.
     """
     if onset is None:
         return None
@@ -134,5 +134,5 @@ def interval(time: Array, values: Array, onset: float | None) -> Interval | None
     if size < 2:
         return None
     means = late[: size * BATCHES].reshape(BATCHES, size).mean(axis=1)
-    half = float(student.ppf(0.5 + 0.5 * SURE, BATCHES - 1) * means.std(ddof=1) / math.sqrt(BATCHES))
+    half = float(student.ppf(0.5 + 0.5 * CONFIDENCE, BATCHES - 1) * means.std(ddof=1) / math.sqrt(BATCHES))
     return Interval(float(means.mean()), float(means.mean()) - half, float(means.mean()) + half)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a cost curve lets one promise: error and time over resolution, for one scene; where such curves are kept."""
+"""Error model of a scene: error and time over resolution, and its files."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from drill_twin.scene.paths import config_dir
 from drill_twin.solver.kernel_cache import cache_folder
 
 MARGIN = 2.0
-"""The error that was measured, times this, is below what is promised."""
-REST = 1.0 / 3.0
-"""Error of the converged run over the smallest that was measured against it: second order, half the step."""
+"""Safety factor on the measured error."""
+REFERENCE_SHARE = 1.0 / 3.0
+"""Error of the converged run over the smallest error measured against it: second order, half the step."""
 FOLDER = "accuracy"
 
 
 @dataclass(frozen=True)
 class Point:
-    """A resolution and what it showed."""
+    """Errors and cost of a resolution."""
 
     elements: int
     step: float
@@ -44,22 +44,22 @@ class Point:
     before: float
     """Processor time per simulated second before the onset [s/s]."""
     after: float
-    """The same after it; as before where there is no onset [s/s]."""
+    """Processor time per simulated second after it; as `before` where there is no onset [s/s]."""
 
     @property
     def error(self) -> float:
-        """What `accuracy` promises: the larger of the two."""
+        """The error that `accuracy` controls: the larger of the two [-]."""
         return max(self.path, self.onset)
 
 
 @dataclass(frozen=True)
-class Promise:
-    """The cost curve of one scene, as far as a promise needs it."""
+class ErrorModel:
+    """Errors and costs of one scene at several resolutions."""
 
     key: str
-    """Hash of all in the scene that its motion depends on (`content_key`)."""
+    """Hash of the parts of the scene that its motion depends on (`content_key`)."""
     machine: str
-    """Class of the machine that the times are of."""
+    """Class of the machine on which the times were measured."""
     onset_s: float | None
     """Onset of the converged run [s]."""
     points: tuple[Point, ...]
@@ -67,17 +67,17 @@ class Promise:
     def cheapest(self, accuracy: float) -> Point | None:
         """The cheapest resolution whose error is below the accuracy with a margin; None if there is none.
 
-        A finer one that is worse shows that it was luck: then neither counts.
+        A resolution counts only if every finer one is accurate enough too: otherwise its small error is a coincidence.
         """
         fit = [point for point in self.points if MARGIN * max(map(self.expected, self._finer(point))) <= accuracy]
         return min(fit, key=lambda point: self.seconds(point, 2.0 * (self.onset_s or 1.0)), default=None)
 
     def expected(self, point: Point) -> float:
-        """Error to expect [-]: against the converged run, and what that one may be off itself."""
-        return point.error + REST * self.best
+        """Expected error [-]: that against the converged run, plus the error of the converged run itself."""
+        return point.error + REFERENCE_SHARE * self.best
 
     def _finer(self, point: Point) -> list[Point]:
-        """This and all that are at least as fine."""
+        """All resolutions that are at least as fine as this one, which is among them."""
         return [
             other
             for other in self.points
@@ -90,27 +90,27 @@ class Promise:
         return min(point.error for point in self.points)
 
     def seconds(self, point: Point, duration: float) -> float:
-        """Processor time of a run of so many simulated seconds [s]."""
+        """Processor time of a run [s] of a simulated duration [s]."""
         early = duration if self.onset_s is None else min(self.onset_s, duration)
         return point.before * early + point.after * (duration - early)
 
     def save(self, path: Path) -> None:
-        """Write it as JSON; a half-written file is never seen."""
+        """Write the model as JSON, then rename the file, so that no reader finds half of it."""
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_suffix(".part")
         part.write_text(json.dumps(asdict(self), indent=1) + "\n", "utf-8")
         part.replace(path)
 
     @staticmethod
-    def load(path: Path) -> Promise:
-        """Read one that was saved."""
+    def load(path: Path) -> ErrorModel:
+        """Read a model that was saved."""
         data: dict[str, Any] = json.loads(path.read_text("utf-8"))
-        return Promise(**{**data, "points": tuple(Point(**point) for point in data["points"])})
+        return ErrorModel(**{**data, "points": tuple(Point(**point) for point in data["points"])})
 
 
 def content_key(scene: Scene) -> str:
-    """Hash of all that the scene's motion depends on but its resolution; texts do not count."""
-    data = scene.model_dump(mode="json", exclude_defaults=True)  # a field that is new changes no older scene
+    """Hash of all that the motion of a scene depends on, except its resolution and its texts."""
+    data = scene.model_dump(mode="json", exclude_defaults=True)  # a new field leaves the key of older scenes
     for key in ("name", "description", "provenance"):
         data.pop(key, None)
     for key in ("elements", "step", "tolerance", "accuracy", "audit"):
@@ -119,21 +119,21 @@ def content_key(scene: Scene) -> str:
 
 
 def machine_class() -> str:
-    """What decides how fast the machine is, in words: processor and architecture."""
+    """Processor and architecture, which decide the speed of a run."""
     return f"{llvmlite.binding.get_host_cpu_name()} {platform.machine()}"
 
 
-def from_motions(scene: Scene, reference: Motion, motions: Sequence[Motion], later: float = 1.0) -> Promise:
-    """Compare runs of a scene with its converged run.
+def from_motions(scene: Scene, reference: Motion, motions: Sequence[Motion], later: float = 1.0) -> ErrorModel:
+    """Error model from runs of a scene and its converged run.
 
     Args:
         scene: The scene.
         reference: The converged run.
-        motions: The runs, as long as it.
-        later: Cost after the onset over that which these runs show of it.
+        motions: Runs of the same duration.
+        later: Cost after the onset over that part of it which these runs cover.
     """
     onset = None if np.isnan(reference.onset) else float(reference.onset)
-    return Promise(
+    return ErrorModel(
         content_key(scene), machine_class(), onset, tuple(_point(motion, reference, onset, later) for motion in motions)
     )
 
@@ -150,24 +150,24 @@ def _point(motion: Motion, reference: Motion, onset: float | None, later: float)
     )  # fmt: skip
 
 
-def kept(scene: Scene) -> tuple[Promise, str] | None:
-    """The curve of a scene and where it comes from: `cached` on this machine, or `shipped`; None if there is none."""
+def load_model(scene: Scene) -> tuple[ErrorModel, str] | None:
+    """Error model of a scene and its origin, `cached` on this machine or `shipped`; None if there is none."""
     key = content_key(scene)
-    here = _place(key)
+    here = _cache_path(key)
     if here.is_file():
-        return Promise.load(here), "cached"
+        return ErrorModel.load(here), "cached"
     for path in sorted((config_dir() / FOLDER).glob("*.json")):
-        shipped = Promise.load(path)
+        shipped = ErrorModel.load(path)
         if shipped.key == key:
             return shipped, "shipped"
     return None
 
 
-def keep(promise: Promise) -> None:
-    """Keep a curve in the user's cache folder; the version and the machine are part of its name."""
-    promise.save(_place(promise.key))
+def save_model(model: ErrorModel) -> None:
+    """Save a model in the user's cache folder; version and machine are part of its file name."""
+    model.save(_cache_path(model.key))
 
 
-def _place(key: str) -> Path:
+def _cache_path(key: str) -> Path:
     machine = hashlib.sha256(machine_class().encode()).hexdigest()[:8]
     return cache_folder() / FOLDER / f"{key}-{machine}-{__version__}.json"

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far a run is from the converged one: its path before the onset, its statistics after it.
+"""Errors of a run against the converged run: path before the onset, statistics after it.
 
-After the onset the motion is chaotic, so that no resolution follows the path of another; there only statistics can
-converge, and they are uncertain by themselves: replicas of the converged run, set apart by a tiny push, tell by how
-much.
+After the onset the motion is chaotic, so that only statistics converge. Their uncertainty is the spread of replicas of
+the converged run, which differ by a small perturbation of the initial velocity.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from drill_twin.accuracy.motion_run import Motion
 from drill_twin.base.arrays import ComplexArray
 
 SETTLED = 0.5
-"""Statistics are taken from this share of the run on."""
+"""Share of the run after which statistics are taken."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +35,8 @@ class Errors:
     """Of the share of nodes at the wall."""
 
     @property
-    def promised(self) -> float:
-        """What `accuracy` promises: the larger of path and onset error."""
+    def controlled(self) -> float:
+        """The error that `accuracy` controls: the larger of path and onset error."""
         known = [value for value in (self.path, self.onset) if value is not None]
         return max(known) if known else 0.0
 
@@ -79,7 +78,7 @@ def largest_distance(path: ComplexArray, true: ComplexArray) -> float:
 
 
 def spread(replicas: Sequence[Motion], reference: Motion) -> Errors:
-    """How far replicas of the converged run are from it, root mean square: below this no error can be told."""
+    """Root mean square of the errors of replicas of the converged run: smaller errors cannot be resolved."""
     found = [compare(replica, reference) for replica in replicas]
 
     def rms(name: str) -> float | None:

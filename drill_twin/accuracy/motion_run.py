@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One run of a scene at one resolution: the motion of its marks, what it cost, and keeping both on disk."""
+"""Run of a scene at one resolution: motion of the marks and cost, with a cache on disk."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from drill_twin import __version__
-from drill_twin.accuracy.trial import nudge
+from drill_twin.accuracy.trial import perturb
 from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.adapters import mark_infos
@@ -25,17 +25,17 @@ from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer
 
 FORMAT = 3
-"""Of kept runs."""
+"""Version of the cache files."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """A run, T frames and m marks."""
+    """Motion and cost of a run; T frames, m marks."""
 
     time: Array
     """Times of the frames [s], shape (T,)."""
     centre: Array
-    """Lateral place of the centre line at the marks [m], shape (T, m, 2)."""
+    """Lateral position of the centre line at the marks [m], shape (T, m, 2)."""
     contact: Array
     """Share of nodes at the wall [-], shape (T,)."""
     clearance: Array
@@ -47,11 +47,11 @@ class Motion:
     cost: float
     """Processor time of the physics per simulated second [s/s]."""
     frame_p95: float
-    """Processor time that 95 % of the frames stayed below [s]."""
+    """95th percentile of the processor time of a frame [s]."""
     spent: Array
     """Processor time of the physics in each frame [s], shape (T,)."""
     compile_seconds: float
-    """Wall-clock time until the first frame was there, which holds compiling if it had to be [s]."""
+    """Wall-clock time to the first frame, with compiling where the kernel was not cached [s]."""
     iterations: float
     """Newton iterations per simulated second [1/s]."""
     elements: int
@@ -60,13 +60,13 @@ class Motion:
     """Of Newton's method."""
 
     def until(self, end: float) -> Motion:
-        """The motion up to a time [s]; onset and frequency are those of the whole."""
+        """The motion up to a time [s]; onset and frequency are those of the whole run."""
         taken = self.time <= end
         cut = {name: getattr(self, name)[taken] for name in ("time", "centre", "contact", "spent")}
         return replace(self, **cut)
 
     def save(self, path: Path) -> None:
-        """Write it; a half-written file is never seen."""
+        """Write the motion as .npz, then rename the file, so that no reader finds half of it."""
         part = path.with_suffix(".part.npz")
         arrays: dict[str, Any] = {name: np.asarray(value) for name, value in self.__dict__.items()}
         np.savez(part, **arrays)
@@ -74,7 +74,7 @@ class Motion:
 
     @staticmethod
     def load(path: Path) -> Motion:
-        """Read one that was saved."""
+        """Read a motion that was saved."""
         with np.load(path, allow_pickle=False) as file:
             plain = {name: file[name] if file[name].ndim else file[name].item() for name in file.files}
         return Motion(**plain)
@@ -91,14 +91,14 @@ def run_motion(
     """Run a scene to its end.
 
     Args:
-        scene: What to run.
-        seed: Of a small random lateral velocity at time zero; None: start as the scene says.
-        until: When to stop [s], if that is before its end.
-        after_onset: How long after an onset was found to stop [s].
+        scene: The scene.
+        seed: Seed of a small random lateral velocity at time zero; None: start as the scene says.
+        until: Simulated time at which to stop, if before the end of the scene [s].
+        after_onset: Simulated time from the detection of the onset to the end [s].
         progress: Called with the simulated time [s] after every frame.
 
     Raises:
-        RunError: The motion could not be followed.
+        RunError: A time step did not converge.
     """
     schedule = Schedule.from_scene(scene)
     period = 1.0 / scene.numerics.frame_rate
@@ -107,7 +107,7 @@ def run_motion(
     compiled = time.perf_counter() - began
     twin = Twin(scene)
     if seed is not None:
-        nudge(twin, seed)
+        perturb(twin, seed)
     infos = mark_infos(scene)
     analyzer = Analyzer(infos)
     frames = max(1, round(min(schedule.duration, until) / period))
@@ -150,18 +150,18 @@ def run_motion(
     )
 
 
-def kept_run(scene: str, overrides: dict[str, str], seed: int | None, folder: Path) -> Motion | str:
-    """The run of a scene from the folder, or made now and put there; or why there is none.
+def cached_run(scene: str, overrides: dict[str, str], seed: int | None, folder: Path) -> Motion | str:
+    """Run of a scene, read from a folder if it is there, else run and saved; the message of the error if it fails.
 
-    The name of its file is a hash of the resolved scene, the seed and the version, so that a study that was broken off
-    goes on where it was and a changed scene is run anew.
+    The file name is a hash of the resolved scene, the seed and the version, so that an interrupted study continues and
+    a changed scene is run again.
     """
     try:
         described = load_scene(scene, overrides=overrides)
         key = hashlib.sha256(f"{described.to_yaml()}{seed}{__version__}{FORMAT}".encode()).hexdigest()[:16]
         path = folder / f"{key}.npz"
-        if (kept := _undamaged(path)) is not None:
-            return kept
+        if (cached := _undamaged(path)) is not None:
+            return cached
         motion = run_motion(described, seed)
         motion.save(path)
     except DrillTwinError as error:
@@ -170,7 +170,7 @@ def kept_run(scene: str, overrides: dict[str, str], seed: int | None, folder: Pa
 
 
 def _undamaged(path: Path) -> Motion | None:
-    """A run that was kept; None where there is none, or one that a power cut has cut short: it is made again."""
+    """A cached run; None where there is none, or where its file is cut short, as by a power cut."""
     try:
         return Motion.load(path)
     except (OSError, EOFError, ValueError, TypeError, BadZipFile):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From `accuracy` to elements and step: the curve of the scene, measured where there is none."""
+"""Choice of elements, time step and tolerance for `numerics.accuracy`, from the error model of the scene."""
 
 from __future__ import annotations
 
@@ -7,49 +7,49 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from drill_twin.accuracy.error_model import MARGIN, Point, Promise, from_motions, keep, kept
+from drill_twin.accuracy.error_model import MARGIN, ErrorModel, Point, from_motions, load_model, save_model
 from drill_twin.accuracy.motion_run import Motion, run_motion
 from drill_twin.errors import RunError, SceneError
 from drill_twin.scene import Scene
 from drill_twin.twin.twin import Twin
 
 ELEMENTS = (0.5, 1.0, 2.0)
-"""Elements of a small curve over those that `auto` chooses."""
+"""Elements of a small cost curve over those that `auto` chooses."""
 STEPS = (4.0, 2.0, 1.0, 0.5)
-"""Steps of a small curve over that which `auto` chooses; none is longer than a frame."""
+"""Time steps of a small cost curve over the one that `auto` chooses; none is longer than a frame."""
 FINER = 2.0
-"""The converged run's elements over the most, and the shortest step over its step."""
-FEWEST = 4
+"""Elements of the converged run over the most, and the shortest step over its step."""
+MIN_ELEMENTS = 4
 LOOSE, TIGHT = 1e-4, 0.01
-"""Newton's tolerance of a small curve, and of the converged run over that."""
+"""Newton's tolerance of a small cost curve, and of the converged run over it."""
 REFINEMENTS = 2
-"""How often all is made twice as fine where nothing is accurate enough."""
-AFTER = 2.0
-"""Simulated time that runs of a small curve go on after the onset was found [s]."""
+"""Number of refinements by two where no resolution is accurate enough."""
+AFTER_ONSET = 2.0
+"""Simulated time after the onset at which runs of a small cost curve end [s]."""
 PROBE = 1.0
-"""Simulated time of the run that tells how fast this machine is [s]."""
+"""Simulated time of the run that measures the speed of this machine [s]."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A scene that is ready to run, and what to expect of it."""
+    """A scene that is ready to run, with its expected error and time."""
 
     scene: Scene
     """With elements and step in place of `accuracy`."""
     asked: float
-    """[-]"""
+    """Accuracy asked for [-]."""
     expected: float
-    """Error to expect of the path before the onset and of the onset time [-]."""
+    """Expected error of the path before the onset and of the onset time [-]."""
     seconds: float
-    """Processor time of the run to expect [s]."""
+    """Expected processor time of the run [s]."""
     onset_s: float | None
-    """Onset to expect [s]."""
+    """Expected onset [s]; None: no onset."""
     source: str
-    """Where the curve comes from: `shipped`, `cached`, or `measured` now."""
+    """Origin of the error model: `shipped`, `cached`, or `measured` now."""
 
     @property
     def sentence(self) -> str:
-        """What to say before the run."""
+        """Message before the run."""
         numerics = self.scene.numerics
         onset = "no onset is expected" if self.onset_s is None else f"onset expected at {self.onset_s:.2f} s"
         return (
@@ -64,15 +64,15 @@ def resolve(
 ) -> Plan:
     """Choose the cheapest resolution that is accurate enough.
 
-    The form of the string stays the scene's: it decides what is computed, not how well.
+    The formulation stays the scene's, because it changes the model and not the resolution.
 
     Args:
         scene: A scene with `numerics.accuracy`.
         duration: Simulated time of the run, if not the scene's [s].
-        progress: Called with a line and the share done while a curve is measured.
+        progress: Called with a line and the share done while a cost curve is measured.
 
     Raises:
-        SceneError: The scene has no marks, or nothing that was tried is accurate enough.
+        SceneError: The scene has no marks, or no resolution that was tried is accurate enough.
         RunError: The converged run fails.
     """
     asked = scene.numerics.accuracy
@@ -80,50 +80,50 @@ def resolve(
         raise SceneError(f'{scene.name}: expected numerics.accuracy such as "1 %", found none')
     if not scene.string.marks:
         raise SceneError(
-            f"{scene.name}: numerics.accuracy: expected marks in string.marks, whose paths it promises, found none; "
+            f"{scene.name}: numerics.accuracy: expected marks in string.marks, whose paths it controls, found none; "
             "give numerics.elements and numerics.step instead"
         )
-    found = kept(scene)
-    promise, source = found or (None, "measured")
+    found = load_model(scene)
+    model, source = found or (None, "measured")
     finer = 1.0
     for _ in range(REFINEMENTS + 1):
-        if promise is not None and (point := promise.cheapest(asked)) is not None:
-            return _plan(scene, asked, promise, point, source, duration or scene.rig.duration)
-        promise, source = measure(scene, finer, progress), "measured"
-        keep(promise)
+        if model is not None and (point := model.cheapest(asked)) is not None:
+            return _plan(scene, asked, model, point, source, duration or scene.rig.duration)
+        model, source = measure_error_model(scene, finer, progress), "measured"
+        save_model(model)
         finer *= 2.0
-    best = 0.0 if promise is None else MARGIN * promise.expected(min(promise.points, key=promise.expected))
+    best = 0.0 if model is None else MARGIN * model.expected(min(model.points, key=model.expected))
     raise SceneError(
-        f"{scene.name}: numerics.accuracy: expected an error that can be promised, found {asked * 100:.2g} %, and at "
+        f"{scene.name}: numerics.accuracy: expected an error that can be reached, found {asked * 100:.2g} %, and at "
         f"best {best * 100:.2g} % with what was tried; ask for less, or see drill-twin cost {scene.name} and give "
         "numerics.elements and numerics.step"
     )
 
 
-def _plan(scene: Scene, asked: float, promise: Promise, point: Point, source: str, duration: float) -> Plan:
+def _plan(scene: Scene, asked: float, model: ErrorModel, point: Point, source: str, duration: float) -> Plan:
     chosen = at(scene, point.elements, point.step, point.tolerance)
-    faster = run_motion(chosen, until=PROBE).cost / _cost_of_the_probe(promise, point)
-    return Plan(
-        chosen, asked, promise.expected(point), faster * promise.seconds(point, duration), promise.onset_s, source
-    )
+    faster = run_motion(chosen, until=PROBE).cost / _probe_cost(model, point)
+    return Plan(chosen, asked, model.expected(point), faster * model.seconds(point, duration), model.onset_s, source)
 
 
-def _cost_of_the_probe(promise: Promise, point: Point) -> float:
-    return promise.seconds(point, PROBE) / PROBE
+def _probe_cost(model: ErrorModel, point: Point) -> float:
+    return model.seconds(point, PROBE) / PROBE
 
 
 def at(scene: Scene, elements: int, step: float, tolerance: float) -> Scene:
-    """The scene at a resolution: elements, step [s], tolerance of Newton's method."""
+    """The scene at a resolution: elements, time step [s], tolerance of Newton's method."""
     chosen = {"accuracy": None, "elements": elements, "step": step, "tolerance": tolerance}
     return scene.model_copy(update={"numerics": scene.numerics.model_copy(update=chosen)})
 
 
-def measure(scene: Scene, finer: float = 1.0, progress: Callable[[str, float], None] = lambda *_: None) -> Promise:
-    """A small curve: a dozen resolutions up to shortly after the onset, against a converged run.
+def measure_error_model(
+    scene: Scene, finer: float = 1.0, progress: Callable[[str, float], None] = lambda *_: None
+) -> ErrorModel:
+    """Error model from a small cost curve: a dozen resolutions up to shortly after the onset, and a converged run.
 
     Args:
         scene: The scene.
-        finer: How many times finer than usual.
+        finer: Factor of refinement.
         progress: Called with a line and the share done.
 
     Raises:
@@ -131,12 +131,12 @@ def measure(scene: Scene, finer: float = 1.0, progress: Callable[[str, float], N
     """
     automatic = Twin(scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"accuracy": None})}))
     frame = 1.0 / scene.numerics.frame_rate
-    counts = sorted({max(FEWEST, round(share * finer * automatic.elements)) for share in ELEMENTS})
+    counts = sorted({max(MIN_ELEMENTS, round(share * finer * automatic.elements)) for share in ELEMENTS})
     steps = sorted({min(share / finer * automatic.step_size, frame) for share in STEPS}, reverse=True)
     exact = (round(FINER * counts[-1]), steps[-1] / FINER)
-    rungs = [(count, step) for count in counts for step in steps]
+    resolutions = [(count, step) for count in counts for step in steps]
     loose = LOOSE / finer**2
-    work = [count / step for count, step in (exact, *rungs)]
+    work = [count / step for count, step in (exact, *resolutions)]
     total, done, end = sum(work), 0.0, scene.rig.duration
 
     def run(
@@ -145,32 +145,34 @@ def measure(scene: Scene, finer: float = 1.0, progress: Callable[[str, float], N
         nonlocal done
         share, began = count / step / total, done
 
-        def tell(time: float) -> None:
+        def report(time: float) -> None:
             progress(f"{count} elements, {step * 1e3:.3g} ms", min(began + share * min(time / end, 1.0), 1.0))
 
-        motion = run_motion(at(scene, count, step, tolerance), progress=tell, until=until, after_onset=after_onset)
+        motion = run_motion(at(scene, count, step, tolerance), progress=report, until=until, after_onset=after_onset)
         done += share
         return motion
 
-    reference = run(*exact, TIGHT * loose, after_onset=AFTER)
+    reference = run(*exact, TIGHT * loose, after_onset=AFTER_ONSET)
     end = float(reference.time[-1])
     motions, later = [], 1.0
-    for number, rung in enumerate(rungs):
+    for number, resolution in enumerate(resolutions):
         try:
-            # the coarsest goes on to the end of the scene: it tells how the cost will change
-            motion = run(*rung, loose, until=math.inf if number == 0 else end)
+            # the coarsest runs to the end of the scene, which shows how the cost changes after the onset
+            motion = run(*resolution, loose, until=math.inf if number == 0 else end)
         except RunError:
-            continue  # too coarse to be followed: no resolution to choose
+            continue  # too coarse to converge: no resolution to choose
         motions.append(motion.until(end))
         if number == 0 and motion.time.size > motions[0].time.size:
-            later = _later(motion, reference)
+            later = _late_cost(motion, reference)
     if not motions:
-        raise RunError(f"{scene.name}: none of {len(rungs)} resolutions could be run; see drill-twin cost {scene.name}")
+        raise RunError(
+            f"{scene.name}: none of {len(resolutions)} resolutions could be run; see drill-twin cost {scene.name}"
+        )
     return from_motions(scene, reference, motions, later)
 
 
-def _later(motion: Motion, reference: Motion) -> float:
-    """Cost of all that follows the onset over the cost of what of it the other runs show."""
+def _late_cost(motion: Motion, reference: Motion) -> float:
+    """Cost after the onset over the cost of that part of it which the other runs cover."""
     after = motion.time > reference.onset
     shown = after & (motion.time <= reference.time[-1])
     return float(motion.spent[after].mean() / motion.spent[shown].mean()) if shown.any() else 1.0

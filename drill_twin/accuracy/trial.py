@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One run of a scene that keeps only the figures which studies compare: onset, whirl, radius, contact, cost."""
+"""Run of a scene that returns scalar results for comparison: onset, whirl, radius, contact, cost."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer
 
-NUDGE = 1e-4
-"""Size of the random velocity that sets replicas of a run apart [m/s]; far below the speed of whirl."""
+PERTURBATION = 1e-4
+"""Size of the random velocity by which replicas of a run differ [m/s]; far below the speed of whirl."""
 WAVES = 5
-"""Half waves along the string that the random velocity is made of."""
+"""Number of half waves along the string in the random velocity."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What one run showed."""
+    """Scalar results of a run."""
 
     onset_s: float | None
     """Onset of whirl [s]; None if there was none."""
@@ -36,7 +36,7 @@ class Trial:
     cost: float
     """Processor time of the physics per simulated second [s/s]."""
     iteration_cost: float
-    """The same per Newton iteration and element [s]; it does not depend on how lively the motion is."""
+    """The same per Newton iteration and element [s]; independent of the number of iterations that the motion takes."""
 
     def to_dict(self) -> dict[str, float | None]:
         """Plain numbers for JSON."""
@@ -47,8 +47,8 @@ def run_trial(scene: Scene, seed: int | None = None) -> Trial:
     """Run a scene to its end.
 
     Args:
-        scene: What to run; its kernel is compiled beforehand, outside the cost.
-        seed: Of a small random lateral velocity at time zero; None: start as the scene says.
+        scene: The scene; its kernel is compiled first, outside the cost.
+        seed: Seed of a small random lateral velocity at time zero; None: start as the scene says.
 
     Raises:
         RunError: The motion could not be followed.
@@ -59,7 +59,7 @@ def run_trial(scene: Scene, seed: int | None = None) -> Trial:
     Twin(scene).advance(first, period)
     twin = Twin(scene)
     if seed is not None:
-        nudge(twin, seed)
+        perturb(twin, seed)
     infos = mark_infos(scene)
     analyzer = Analyzer(infos)
     clearance = np.array([info.clearance for info in infos])
@@ -87,15 +87,15 @@ def run_trial(scene: Scene, seed: int | None = None) -> Trial:
     )
 
 
-def nudge(twin: Twin, seed: int) -> None:
-    """Give the string a small smooth random lateral velocity, so that chaotic runs part."""
+def perturb(twin: Twin, seed: int) -> None:
+    """Add a small smooth random lateral velocity, so that chaotic runs diverge."""
     random = np.random.default_rng(seed)
     _, v = twin.unknowns
     arc = twin.rod.arc / twin.rod.arc[-1]
     for half_waves in range(1, WAVES + 1):
         wave = math.pi * half_waves
         for column in range(2):
-            size = NUDGE * random.normal() / half_waves
-            # sin^2 is at rest at both ends, as every kind of end allows
+            size = PERTURBATION * random.normal() / half_waves
+            # sin^2 and its slope vanish at both ends, which fits every boundary condition
             v[:, column] += size * np.sin(wave * arc) ** 2
             v[:, 3 + column] += size * wave / twin.rod.arc[-1] * np.sin(2.0 * wave * arc)

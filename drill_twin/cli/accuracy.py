@@ -16,11 +16,11 @@ def planned(scene: Scene) -> Plan:
     from rich.progress import Progress
 
     from drill_twin.accuracy import resolve
-    from drill_twin.accuracy.error_model import kept
+    from drill_twin.accuracy.error_model import load_model
     from drill_twin.cli.show import err
 
     console = err()
-    if kept(scene) is None:
+    if load_model(scene) is None:
         console.print("no cost curve of this scene yet: measuring a small one", markup=False, soft_wrap=True)
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("looking for the cost curve", total=1.0)
@@ -39,12 +39,12 @@ def checked(plan: Plan, recording: Recording, *, rerun: bool) -> dict[str, Any]:
     console = err()
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("checking: the part before the onset again, more finely", total=recording.duration)
-        outcome = check(plan, recording, rerun=rerun, progress=lambda time: bar.update(task, completed=time))
-    actual = "not checked" if outcome.actual is None else f"{outcome.actual * 100:.2g} %"
+        result = check(plan, recording, rerun=rerun, progress=lambda time: bar.update(task, completed=time))
+    actual = "not checked" if result.actual is None else f"{result.actual * 100:.2g} %"
     console.print(
-        f"error before the onset: {actual}, expected {outcome.expected * 100:.2g} %, asked {outcome.asked * 100:g} %; "
-        f"computing: {outcome.actual_seconds:.2g} s by the clock, {outcome.expected_seconds:.2g} s of a core expected",
+        f"error before the onset: {actual}, expected {result.expected * 100:.2g} %, asked {result.asked * 100:g} %; "
+        f"computing: {result.actual_seconds:.2g} s by the clock, {result.expected_seconds:.2g} s of a core expected",
         markup=False,
         soft_wrap=True,
     )
-    return outcome.to_dict()
+    return result.to_dict()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`accuracy: 1 %`: what is promised holds against runs far finer than those of the curve."""
+"""`accuracy: 1 %`: errors are below the accuracy, against runs far finer than those of the cost curve."""
 
 import json
 from dataclasses import replace
@@ -11,10 +11,10 @@ from typer.testing import CliRunner
 
 from drill_twin.accuracy import Plan, error_model, resolve
 from drill_twin.accuracy.check import interval
-from drill_twin.accuracy.error_model import Point, Promise, content_key, kept
+from drill_twin.accuracy.error_model import ErrorModel, Point, content_key, load_model
 from drill_twin.accuracy.errors import compare
 from drill_twin.accuracy.motion_run import run_motion
-from drill_twin.accuracy.plan import AFTER, at
+from drill_twin.accuracy.plan import AFTER_ONSET, at
 from drill_twin.cli.app import app
 from drill_twin.errors import SceneError
 from drill_twin.scene import Scene, load_scene
@@ -45,12 +45,12 @@ def true_error(plan: Plan) -> float:
     """Error of the chosen resolution against a run of four times its elements, an eighth of its step and 1e-8."""
     numerics = plan.scene.numerics
     finer = at(plan.scene, 4 * int(numerics.elements), float(numerics.step) / 8.0, 1e-8)
-    exact = run_motion(finer, after_onset=AFTER)
-    return compare(run_motion(plan.scene, until=float(exact.time[-1])), exact).promised
+    exact = run_motion(finer, after_onset=AFTER_ONSET)
+    return compare(run_motion(plan.scene, until=float(exact.time[-1])), exact).controlled
 
 
 @pytest.mark.parametrize("changes", [SWING, WHIRL], ids=["swing", "whirl"])
-def test_the_promise_holds(changes: dict[str, str]) -> None:
+def test_the_error_is_below_the_accuracy(changes: dict[str, str]) -> None:
     """1 % and 0.02 % of scenes that no curve is of; the expectation is met within a factor of two."""
     chosen = []
     for accuracy in ("1 %", "0.02 %"):
@@ -79,13 +79,13 @@ def test_the_promise_holds(changes: dict[str, str]) -> None:
         ("bha_full_size", {"duration": "8 s"}),
     ],
 )
-def test_the_promise_holds_elsewhere(scene: str, changes: dict[str, str], accuracy: str) -> None:
+def test_the_error_is_below_the_accuracy_elsewhere(scene: str, changes: dict[str, str], accuracy: str) -> None:
     plan = resolve(asking(accuracy, changes, scene))
     assert true_error(plan) <= plan.asked
 
 
-def curve(*points: Point) -> Promise:
-    return Promise("key", "machine", 5.0, points)
+def curve(*points: Point) -> ErrorModel:
+    return ErrorModel("key", "machine", 5.0, points)
 
 
 def test_the_cheapest_that_is_good_enough_is_chosen() -> None:
@@ -116,7 +116,7 @@ def test_the_key_is_of_what_moves_the_string() -> None:
 def test_shipped_scenes_have_shipped_curves() -> None:
     """A scene that was changed needs a new curve: drill-twin cost SCENE, then its accuracy.json to config/accuracy."""
     for path in (config_dir() / "accuracy").glob("*.json"):
-        found = kept(load_scene(presets()[path.stem]))
+        found = load_model(load_scene(presets()[path.stem]))
         assert found is not None, f"{path} is of another scene than {path.stem} is now"
         assert found[1] == "shipped"
         assert found[0].cheapest(0.01) is not None
@@ -132,7 +132,7 @@ def test_a_scene_with_an_accuracy_is_refused_where_nobody_chooses() -> None:
         resolve(asking("1 %", SWING | {"string.marks": "[]"}))
 
 
-def test_what_cannot_be_promised_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_accuracy_out_of_reach_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("drill_twin.accuracy.plan.REFINEMENTS", 0)
     with pytest.raises(SceneError, match=r"at best .* %.*drill-twin cost pa6_bench"):
         resolve(asking("0.0001 %", SWING))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin cost`: what accuracy costs in time."""
+"""`drill-twin cost`: error and processor time of a scene over its resolution."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ def cost(
     ] = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     replicas: Annotated[
-        int, typer.Option("--replicas", min=0, max=50, help="Replicas of the converged run that tell its own spread.")
+        int, typer.Option("--replicas", min=0, max=50, help="Replicas of the converged run, for its spread.")
     ] = 3,
-    coarse: Annotated[bool, typer.Option("--coarse", help="A short ladder: a third of the resolutions.")] = False,
+    coarse: Annotated[bool, typer.Option("--coarse", help="A third of the resolutions.")] = False,
     workers: Annotated[int, typer.Option("--workers", min=1, max=64, help="Processes at a time.")] = 2,
     out: Annotated[
         Path | None,
         typer.Option(
             "--out",
             metavar="DIR",
-            help="Folder of the result; one that is there goes on.",
+            help="Folder of the result; an interrupted study continues.",
             show_default="out/cost_SCENE",
         ),
     ] = None,
@@ -43,19 +43,19 @@ def cost(
     ] = False,
     json: JsonOption = False,
 ) -> None:
-    """Run a scene over forms, elements, steps and tolerances: the error of each against a converged run, and its time.
+    """Run a scene over formulations, elements, steps and tolerances: error against a converged run, and time.
 
-    Broken off, it goes on where it was. Writes cost.json, cost.csv and cost.png, and keeps the curve for
+    An interrupted study continues. Writes cost.json, cost.csv and cost.png, and saves the error model for
     `drill-twin run --accuracy`.
     """
     from rich.progress import Progress
 
-    from drill_twin.accuracy.error_model import keep
+    from drill_twin.accuracy.error_model import save_model
     from drill_twin.cli.folder import folder_name, make_folder, write_file
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
     from drill_twin.scene import load_scene
-    from drill_twin.studies.convergence import ladder, measure
+    from drill_twin.studies.convergence import choose_resolutions, measure
     from drill_twin.studies.convergence.curve import ELEMENTS, STEPS
     from drill_twin.studies.convergence.figure import draw
     from drill_twin.studies.json_io import json_text
@@ -65,18 +65,18 @@ def cost(
     folder = out or Path("out") / f"cost_{folder_name(described.name)}"
     make_folder(folder / "runs")
     with err().status("building the string"):
-        rungs = ladder(described, *((ELEMENTS[1::2], STEPS[1::2]) if coarse else (ELEMENTS, STEPS)))
+        resolutions = choose_resolutions(described, *((ELEMENTS[1::2], STEPS[1::2]) if coarse else (ELEMENTS, STEPS)))
     with Progress(console=err(), transient=True) as progress:
-        task = progress.add_task("running", total=len(rungs) + 1 + replicas)
+        task = progress.add_task("running", total=len(resolutions) + 1 + replicas)
         curve = measure(
-            scene, changes, rungs, folder / "runs", replicas=replicas, workers=workers,
+            scene, changes, resolutions, folder / "runs", replicas=replicas, workers=workers,
             progress=lambda line: progress.update(task, advance=1, description=line),
         )  # fmt: skip
     write_file(folder / "cost.json", json_text(curve.to_dict()))
     write_file(folder / "cost.csv", _csv(curve))
     draw(curve, folder / "cost.png")
-    curve.promise.save(folder / "accuracy.json")
-    keep(curve.promise)
+    curve.error_model.save(folder / "accuracy.json")
+    save_model(curve.error_model)
     if json:
         print_json(curve.to_dict())
     elif markdown:
@@ -85,7 +85,7 @@ def cost(
         stdout().print(_table(curve))
         stdout().print(_tolerances(curve))
     err().print(
-        f"{folder}: cost.json, cost.csv, cost.png, accuracy.json, runs; kept for --accuracy",
+        f"{folder}: cost.json, cost.csv, cost.png, accuracy.json, runs; saved for --accuracy",
         markup=False,
         soft_wrap=True,
     )
@@ -98,11 +98,11 @@ def _markdown(curve: Curve) -> str:
         "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for power in range(-1, -10, -1):
-        fit = [one for one in curve.front if one.errors.promised <= 10.0**power]
+        fit = [one for one in curve.front if one.errors.controlled <= 10.0**power]
         if fit:
-            one = fit[0]
+            one, at = fit[0], fit[0].resolution
             lines.append(
-                f"| 1e{power} | {one.rung.form} | {one.rung.elements} | {one.rung.step * 1e3:.2g} ms | "
+                f"| 1e{power} | {at.form} | {at.elements} | {at.step * 1e3:.2g} ms | "
                 f"{_share(one.errors.path)} | {_share(one.errors.onset)} | {one.cost * 1e3:.3g} | "
                 f"{one.realtime_factor:.3g} |"
             )
@@ -116,12 +116,12 @@ def _share(value: float | None) -> str:
 def _tolerances(curve: Curve) -> Table:
     from drill_twin.cli.show import grid
 
-    tried = [one for one in curve.rungs if one.rung.tolerance is not None]
+    tried = [one for one in curve.runs if one.resolution.tolerance is not None]
     rows = [
-        (_share(one.rung.tolerance), _share(one.errors.path), _share(one.errors.onset), f"{one.cost * 1e3:.3g}")
-        for one in sorted(tried, key=lambda one: -(one.rung.tolerance or 0.0))
+        (_share(one.resolution.tolerance), _share(one.errors.path), _share(one.errors.onset), f"{one.cost * 1e3:.3g}")
+        for one in sorted(tried, key=lambda one: -(one.resolution.tolerance or 0.0))
     ]
-    at = f" at {tried[0].rung.elements} elements, {tried[0].rung.step * 1e3:.3g} ms" if tried else ""
+    at = f" at {tried[0].resolution.elements} elements, {tried[0].resolution.step * 1e3:.3g} ms" if tried else ""
     title = f"Tolerance{at}"
     return grid(("tolerance", "path", "onset", "ms/s"), rows, title=title, right=range(4))
 
@@ -131,8 +131,8 @@ def _table(curve: Curve) -> Table:
 
     rows = [
         (
-            one.rung.form, str(one.rung.elements), f"{one.rung.step * 1e3:.2g}", _share(one.errors.path),
-            _share(one.errors.onset), _share(one.errors.frequency), _share(one.errors.radius),
+            one.resolution.form, str(one.resolution.elements), f"{one.resolution.step * 1e3:.2g}",
+            _share(one.errors.path), _share(one.errors.onset), _share(one.errors.frequency), _share(one.errors.radius),
             _share(one.errors.contact), f"{one.cost * 1e3:.3g}", f"{one.realtime_factor:.0f}",
             f"{one.frame_p95 * 1e6:.0f}",
         )
@@ -144,7 +144,7 @@ def _table(curve: Curve) -> Table:
         _share(noise.radius), _share(noise.contact), "", "", "",
     ))  # fmt: skip
     columns = ("form", "el.", "step", "path", "onset", "whirl", "orbit", "wall", "ms/s", "RTF", "p95")
-    compiling = max(one.compile_seconds for one in curve.rungs)
+    compiling = max(one.compile_seconds for one in curve.runs)
     title = (
         f"{curve.scene}: the cheapest resolution for each error, against {curve.reference.elements} elements and "
         f"{curve.reference.step * 1e3:.3g} ms in the {curve.reference.form} form.\n"
@@ -164,9 +164,9 @@ def _csv(curve: Curve) -> str:
         "form", "elements", "step_s", "tolerance", *(f"error_{name}" for name in names), "cost_s_per_s",
         "realtime_factor", "frame_p95_s", "compile_s", "iterations_per_s", "on_front",
     ))  # fmt: skip
-    for one in curve.rungs:
+    for one in curve.runs:
         writer.writerow((
-            one.rung.form, one.rung.elements, one.rung.step, one.rung.tolerance,
+            one.resolution.form, one.resolution.elements, one.resolution.step, one.resolution.tolerance,
             *(getattr(one.errors, name) for name in names), one.cost,
             one.realtime_factor, one.frame_p95, one.compile_seconds, one.iterations, int(one.on_front),
         ))  # fmt: skip

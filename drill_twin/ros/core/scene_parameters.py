@@ -50,9 +50,9 @@ def resolved(scene: Scene, duration: float, log: Callable[[str], object]) -> Sce
     if scene.numerics.accuracy is None:
         return scene
     from drill_twin.accuracy import resolve
-    from drill_twin.accuracy.error_model import kept
+    from drill_twin.accuracy.error_model import load_model
 
-    if kept(scene) is None:
+    if load_model(scene) is None:
         log("no cost curve of this scene yet: measuring a small one")
     plan = resolve(scene, duration=duration or None)
     log(plan.sentence)

@@ -12,7 +12,7 @@ from scipy import stats
 
 from drill_twin.accuracy.trial import Trial
 
-SURE = 0.95
+CONFIDENCE = 0.95
 """Confidence with which a difference is no chance."""
 RELATIVE = ("onset_s", "whirl_frequency_hz")
 """Quantities measured by their own size; the others are shares already."""
@@ -85,7 +85,7 @@ def _chance(before: list[float], after: list[float]) -> float:
     freedom = sum(e**2 / (len(runs) - 1) for e, runs in zip(errors, (before, after), strict=True) if e > 0.0)
     if freedom == 0.0:
         return 0.0
-    return float(stats.t.ppf(0.5 + 0.5 * SURE, sum(errors) ** 2 / freedom)) * math.sqrt(sum(errors))
+    return float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, sum(errors) ** 2 / freedom)) * math.sqrt(sum(errors))
 
 
 def _square_error(values: list[float]) -> float:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What accuracy costs in time: a scene over forms, elements and steps, against a converged run of itself."""
+"""Cost of accuracy: a scene over formulations, elements and time steps, against its converged run."""
 
 from drill_twin.accuracy.errors import Errors
-from drill_twin.studies.convergence.curve import Curve, Rung, ladder, measure
+from drill_twin.studies.convergence.curve import Curve, Resolution, choose_resolutions, measure
 
-__all__ = ["Curve", "Errors", "Rung", "ladder", "measure"]
+__all__ = ["Curve", "Errors", "Resolution", "choose_resolutions", "measure"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cost curve of a scene: error and time of every rung of a ladder of resolutions."""
+"""Cost curve of a scene: error and time of runs at many resolutions."""
 
 from __future__ import annotations
 
@@ -8,29 +8,29 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from drill_twin.accuracy.error_model import Promise, from_motions
+from drill_twin.accuracy.error_model import ErrorModel, from_motions
 from drill_twin.accuracy.errors import Errors, compare, spread
-from drill_twin.accuracy.motion_run import Motion, kept_run
+from drill_twin.accuracy.motion_run import Motion, cached_run
 from drill_twin.errors import RunError, SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.studies.pool import run_jobs
 from drill_twin.twin.twin import Twin
 
 ELEMENTS = (0.375, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
-"""Elements of the rungs over those that `auto` chooses."""
+"""Elements over those that `auto` chooses."""
 STEPS = (2.0, 1.0, 0.5, 0.25, 0.125)
-"""Steps of the rungs over that which `auto` chooses; none is longer than a frame."""
+"""Time steps over the one that `auto` chooses; none is longer than a frame."""
 TOLERANCES = (1e-3, 1e-4, 1e-6)
-"""Tolerances of Newton's method that are tried beside the scene's own, at the resolution that `auto` chooses."""
+"""Tolerances of Newton's method to try besides the scene's own, at the resolution that `auto` chooses."""
 FINER = 2.0
-"""Elements of the converged run over those of the finest rung; its step is as many times shorter."""
-FEWEST = 4
+"""Elements of the converged run over those of the finest resolution; its time step is shorter by the same factor."""
+MIN_ELEMENTS = 4
 SPATIAL, LATERAL = "spatial", "lateral"
 
 
 @dataclass(frozen=True)
-class Rung:
-    """One resolution."""
+class Resolution:
+    """Formulation, mesh, time step and tolerance of a run."""
 
     form: str
     elements: int
@@ -39,13 +39,13 @@ class Rung:
     """Of Newton's method; None: the scene's."""
 
     @property
-    def words(self) -> str:
-        """For people."""
+    def text(self) -> str:
+        """The resolution as one line of text."""
         tolerance = "" if self.tolerance is None else f", tolerance {self.tolerance:.0e}"
         return f"{self.form}, {self.elements} elements, {self.step * 1e3:.3g} ms{tolerance}"
 
     def overrides(self) -> dict[str, str]:
-        """Changes to the scene that select it."""
+        """Overrides of a scene that set this resolution."""
         numerics = {
             "numerics.accuracy": "null", "numerics.elements": str(self.elements), "numerics.step": f"{self.step!r} s",
         }  # fmt: skip
@@ -55,21 +55,21 @@ class Rung:
 
 
 @dataclass(frozen=True)
-class Measured:
-    """A rung and what it showed."""
+class MeasuredRun:
+    """Errors and cost of a run."""
 
-    rung: Rung
+    resolution: Resolution
     errors: Errors
     cost: float
     """Processor time per simulated second [s/s]."""
     realtime_factor: float
     frame_p95: float
-    """Processor time that 95 % of the frames stayed below [s]."""
+    """95th percentile of the processor time of a frame [s]."""
     compile_seconds: float
     iterations: float
     """Newton iterations per simulated second [1/s]."""
     on_front: bool = False
-    """Whether no other rung is both cheaper and more accurate in what `accuracy` promises."""
+    """Whether no other run is both cheaper and more accurate in the errors that `accuracy` controls."""
 
 
 @dataclass(frozen=True)
@@ -78,102 +78,106 @@ class Curve:
 
     scene: str
     version: str
-    reference: Rung
+    reference: Resolution
     noise: Errors
-    """Spread of replicas of the converged run: no error below it can be told."""
+    """Spread of replicas of the converged run: smaller errors cannot be resolved."""
     onset_s: float | None
     """Onset of the converged run [s]."""
-    rungs: tuple[Measured, ...]
-    promise: Promise
-    """The same for `accuracy`, in the scene's own form."""
+    runs: tuple[MeasuredRun, ...]
+    error_model: ErrorModel
+    """Error model for `accuracy`, in the scene's own formulation."""
     failures: tuple[str, ...] = ()
-    """Rungs without a run, and why."""
+    """Resolutions that could not be run, and why."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON."""
+        """Plain types for JSON (`drill_twin.studies.json_io`)."""
         return asdict(self)
 
     @property
-    def front(self) -> list[Measured]:
-        """The rungs worth choosing, cheapest first."""
-        return sorted((rung for rung in self.rungs if rung.on_front), key=lambda rung: rung.cost)
+    def front(self) -> list[MeasuredRun]:
+        """Runs on the Pareto front, cheapest first."""
+        return sorted((run for run in self.runs if run.on_front), key=lambda run: run.cost)
 
 
-def ladder(scene: Scene, elements: tuple[float, ...] = ELEMENTS, steps: tuple[float, ...] = STEPS) -> list[Rung]:
-    """The rungs to try: multiples of what `auto` chooses, in the scene's form and, if it may, in the lateral one."""
+def choose_resolutions(
+    scene: Scene, elements: tuple[float, ...] = ELEMENTS, steps: tuple[float, ...] = STEPS
+) -> list[Resolution]:
+    """Multiples of the resolution that `auto` chooses, for each formulation that the scene permits (`forms`)."""
     numerics = scene.numerics.model_copy(update={"elements": "auto", "step": "auto", "accuracy": None})
     twin = Twin(scene.model_copy(update={"numerics": numerics}))
     sections = len(scene.string.sections)
-    counts = sorted({max(FEWEST, sections, round(share * twin.elements)) for share in elements})
+    counts = sorted({max(MIN_ELEMENTS, sections, round(share * twin.elements)) for share in elements})
     frame = 1.0 / scene.numerics.frame_rate
     lengths = sorted({min(share * twin.step_size, frame) for share in steps}, reverse=True)
-    rungs = [Rung(form, count, length) for form in forms(scene) for count in counts for length in lengths]
-    plain = (rungs[0].form, max(FEWEST, sections, twin.elements), min(twin.step_size, frame))
-    return rungs + [Rung(*plain, tolerance) for tolerance in TOLERANCES]
+    resolutions = [Resolution(form, count, length) for form in forms(scene) for count in counts for length in lengths]
+    plain = (resolutions[0].form, max(MIN_ELEMENTS, sections, twin.elements), min(twin.step_size, frame))
+    return resolutions + [Resolution(*plain, tolerance) for tolerance in TOLERANCES]
 
 
 def forms(scene: Scene) -> list[str]:
-    """The scene's own form of the string, and the lateral one if none of its effects needs more."""
+    """The scene's own formulation, and the lateral one if none of its effects needs stretch or torsion."""
     if scene.effects.stretch is None:
         return [LATERAL]
     needing = [key for key, block in scene.effects.blocks.items() if {"stretch", "torsion"} & set(block.requires)]
     return [SPATIAL] if needing else [SPATIAL, LATERAL]
 
 
-def converged(rungs: list[Rung]) -> Rung:
-    """The run that counts as exact: the first form, finer than the finest rung."""
-    return Rung(
-        rungs[0].form,
-        round(FINER * max(rung.elements for rung in rungs)),
-        min(rung.step for rung in rungs) / FINER,
+def converged(resolutions: list[Resolution]) -> Resolution:
+    """Resolution of the reference run: the first formulation, finer than the finest resolution."""
+    return Resolution(
+        resolutions[0].form,
+        round(FINER * max(resolution.elements for resolution in resolutions)),
+        min(resolution.step for resolution in resolutions) / FINER,
     )
 
 
 def measure(
     scene: str,
     overrides: Mapping[str, str],
-    rungs: list[Rung],
+    resolutions: list[Resolution],
     folder: Path,
     *,
     replicas: int = 3,
     workers: int = 2,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Curve:
-    """Run every rung and the converged run, and compare.
+    """Run a scene at every resolution and compare with the converged run.
 
     Args:
         scene: Name or file of the scene.
         overrides: Changes to it.
-        rungs: What to try; see `ladder`.
-        folder: Where runs are kept, so that a study that was broken off goes on.
-        replicas: Runs beside the converged one that tell how uncertain its statistics are.
-        workers: Processes; with fewer than cores the times are cleaner.
-        progress: Called with a line whenever a run is done.
+        resolutions: Resolutions to run; see `choose_resolutions`.
+        folder: Cache of runs, so that an interrupted study continues.
+        replicas: Replicas of the converged run, for the uncertainty of its statistics.
+        workers: Processes; fewer than cores give cleaner times.
+        progress: Called with a line as each run ends.
 
     Raises:
-        SceneError: The scene is none.
+        SceneError: The scene is invalid, or could not be run at any resolution.
         RunError: The converged run fails.
     """
     from drill_twin import __version__
 
     described = load_scene(scene, overrides=dict(overrides))
-    exact = converged(rungs)
-    keys: list[tuple[Rung, int | None]] = [(exact, None), *((exact, seed) for seed in range(replicas))]
-    keys += [(rung, None) for rung in rungs]
-    jobs = {(rung, seed): (scene, {**overrides, **rung.overrides()}, seed, folder) for rung, seed in keys}
-    done = run_jobs(kept_run, jobs, workers, done=lambda key, _: progress(key[0].words))
+    exact = converged(resolutions)
+    keys: list[tuple[Resolution, int | None]] = [(exact, None), *((exact, seed) for seed in range(replicas))]
+    keys += [(resolution, None) for resolution in resolutions]
+    jobs = {
+        (resolution, seed): (scene, {**overrides, **resolution.overrides()}, seed, folder) for resolution, seed in keys
+    }
+    done = run_jobs(cached_run, jobs, workers, done=lambda key, _: progress(key[0].text))
     reference = done[exact, None]
     if isinstance(reference, str):
         raise RunError(f"the converged run of {described.name} failed: {reference}")
     others = [motion for seed in range(replicas) if isinstance(motion := done[exact, seed], Motion)]
     measured, own, failures = [], [], []
-    for rung in rungs:
-        motion = done[rung, None]
+    for resolution in resolutions:
+        motion = done[resolution, None]
         if isinstance(motion, str):
-            failures.append(f"{rung.words}: {motion}")
+            failures.append(f"{resolution.text}: {motion}")
         else:
-            measured.append(_measured(rung, motion, reference))
-            if rung.form == exact.form:
+            measured.append(_measured(resolution, motion, reference))
+            if resolution.form == exact.form:
                 own.append(motion)
     if not measured:
         raise SceneError(f"none of the resolutions of {described.name} could be run; the first: {failures[0]}")
@@ -183,15 +187,15 @@ def measure(
         reference=exact,
         noise=spread(others, reference),
         onset_s=None if reference.onset != reference.onset else reference.onset,
-        rungs=tuple(_with_front(measured)),
-        promise=from_motions(described, reference, own),
+        runs=tuple(_with_front(measured)),
+        error_model=from_motions(described, reference, own),
         failures=tuple(failures),
     )
 
 
-def _measured(rung: Rung, motion: Motion, reference: Motion) -> Measured:
-    return Measured(
-        rung=rung,
+def _measured(resolution: Resolution, motion: Motion, reference: Motion) -> MeasuredRun:
+    return MeasuredRun(
+        resolution=resolution,
         errors=compare(motion, reference),
         cost=motion.cost,
         realtime_factor=1.0 / motion.cost,
@@ -201,10 +205,10 @@ def _measured(rung: Rung, motion: Motion, reference: Motion) -> Measured:
     )
 
 
-def _with_front(measured: list[Measured]) -> list[Measured]:
+def _with_front(measured: list[MeasuredRun]) -> list[MeasuredRun]:
     best, result = float("inf"), []
-    for one in sorted(measured, key=lambda rung: (rung.cost, rung.errors.promised)):
-        on_front = one.rung.tolerance is None and one.errors.promised < best
-        best = one.errors.promised if on_front else best
-        result.append(Measured(**{**one.__dict__, "on_front": on_front}))
+    for one in sorted(measured, key=lambda run: (run.cost, run.errors.controlled)):
+        on_front = one.resolution.tolerance is None and one.errors.controlled < best
+        best = one.errors.controlled if on_front else best
+        result.append(MeasuredRun(**{**one.__dict__, "on_front": on_front}))
     return result

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cost curve as a picture: error against processor time, both logarithmic."""
+"""Figure of the cost curve: error against processor time, both logarithmic."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from drill_twin.base.arrays import Array
-from drill_twin.studies.convergence.curve import Curve, Measured
+from drill_twin.studies.convergence.curve import Curve, MeasuredRun
 
 COLOURS = {"spatial": "#1f5f8b", "lateral": "#c1652a"}
 NAMES = {"spatial": "in space, every unknown", "lateral": "lateral motion only"}
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
-APART = 0.6  # an error this much smaller than the last that was named is named
-FLOOR = 1e-9  # shown in place of zero
+LABEL_RATIO = 0.6  # a point is labelled if its error is below this share of the last labelled one
+FLOOR = 1e-9  # drawn in place of zero
 
 
 def draw(curve: Curve, path: Path) -> None:
@@ -36,25 +36,25 @@ def draw(curve: Curve, path: Path) -> None:
 
 
 def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
-    rungs = [rung for rung in curve.rungs if rung.rung.tolerance is None]
+    runs = [run for run in curve.runs if run.resolution.tolerance is None]
     for form, colour in COLOURS.items():
-        of = [rung for rung in rungs if rung.rung.form == form]
+        of = [run for run in runs if run.resolution.form == form]
         if of:
             axis.loglog(
-                [1e3 * rung.cost for rung in of], [_error(rung, quantity) for rung in of],
+                [1e3 * run.cost for run in of], [_error(run, quantity) for run in of],
                 "o", color=colour, markersize=4, alpha=0.6, label=NAMES[form],
             )  # fmt: skip
-    front = _front(rungs, quantity)
+    front = _front(runs, quantity)
     axis.loglog(
-        [1e3 * rung.cost for rung in front], [_error(rung, quantity) for rung in front],
+        [1e3 * run.cost for run in front], [_error(run, quantity) for run in front],
         "-", color="black", linewidth=1.0, label="cheapest for its error",
     )  # fmt: skip
     last = np.inf
-    for rung in front:
-        if _error(rung, quantity) < APART * last:
-            last = _error(rung, quantity)
+    for run in front:
+        if _error(run, quantity) < LABEL_RATIO * last:
+            last = _error(run, quantity)
             axis.annotate(
-                f"{rung.rung.elements} el., {rung.rung.step * 1e3:.2g} ms", (1e3 * rung.cost, last),
+                f"{run.resolution.elements} el., {run.resolution.step * 1e3:.2g} ms", (1e3 * run.cost, last),
                 fontsize=7, xytext=(4, 4), textcoords="offset points",
             )  # fmt: skip
     noise = getattr(curve.noise, quantity)
@@ -65,7 +65,7 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
         )
     axis.set_title(f"error of the {title}", fontsize=11)
     axis.set_xlabel("processor time per simulated second [ms]")
-    ms = [1e3 * rung.cost for rung in rungs]
+    ms = [1e3 * run.cost for run in runs]
     axis.set_xlim(0.8 * min(ms), 1.6 * max(ms))
     both: Any = (_inverse, _inverse)
     faster = axis.secondary_xaxis("top", functions=both)
@@ -79,20 +79,20 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
 
 
 def _inverse(cost: Array) -> Array:
-    """Milliseconds a second to times faster than real time, and back."""
+    """Milliseconds per second as times faster than real time, and back."""
     found: Array = 1e3 / np.maximum(cost, FLOOR)
     return found
 
 
-def _front(rungs: list[Measured], quantity: str) -> list[Measured]:
-    """The rungs with no other that is both cheaper and more accurate in this quantity, cheapest first."""
+def _front(runs: list[MeasuredRun], quantity: str) -> list[MeasuredRun]:
+    """Pareto front: runs with no other that is both cheaper and more accurate in this quantity, cheapest first."""
     best, front = np.inf, []
-    for rung in sorted(rungs, key=lambda one: one.cost):
-        if _error(rung, quantity) < best:
-            best = _error(rung, quantity)
-            front.append(rung)
+    for run in sorted(runs, key=lambda one: one.cost):
+        if _error(run, quantity) < best:
+            best = _error(run, quantity)
+            front.append(run)
     return front
 
 
-def _error(rung: Measured, quantity: str) -> float:
-    return max(getattr(rung.errors, quantity) or 0.0, FLOOR)
+def _error(run: MeasuredRun, quantity: str) -> float:
+    return max(getattr(run.errors, quantity) or 0.0, FLOOR)

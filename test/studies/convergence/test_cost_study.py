@@ -13,7 +13,7 @@ from drill_twin.accuracy.errors import compare, path_error, spread
 from drill_twin.accuracy.motion_run import Motion
 from drill_twin.cli.app import app
 from drill_twin.scene import load_scene
-from drill_twin.studies.convergence import Rung, ladder
+from drill_twin.studies.convergence import Resolution, choose_resolutions
 from drill_twin.studies.convergence.curve import LATERAL, SPATIAL, converged, forms
 
 SWING = {
@@ -50,7 +50,7 @@ def test_errors_are_relative_and_a_missing_onset_is_a_whole_one():
     errors = compare(motion(onset=5.1, frequency=0.9), motion())
     assert errors.onset == pytest.approx(0.02)
     assert errors.frequency == pytest.approx(0.1)
-    assert errors.promised == pytest.approx(0.02)
+    assert errors.controlled == pytest.approx(0.02)
     assert compare(motion(onset=np.nan), motion()).onset == 1.0
     assert compare(motion(onset=np.nan), motion(onset=np.nan)).onset is None
     assert spread([motion(onset=5.1), motion(onset=4.9)], motion()).onset == pytest.approx(0.02)
@@ -64,16 +64,16 @@ def test_a_motion_is_kept_as_it_was(tmp_path):
     np.testing.assert_array_equal(again.centre, motion().centre)
 
 
-def test_a_scene_that_needs_torsion_has_no_lateral_rung():
+def test_a_scene_that_needs_torsion_has_no_lateral_resolution():
     assert forms(load_scene("pa6_bench")) == [SPATIAL, LATERAL]
     assert forms(load_scene("two_mass")) == [SPATIAL]
     assert forms(load_scene("pa6_bench", overrides=SWING)) == [LATERAL]
-    rungs = ladder(load_scene("pa6_bench", overrides=SWING))
-    assert all(rung.form == LATERAL and rung.step <= 0.01 for rung in rungs)
-    exact = converged(rungs)
-    assert exact.elements > max(rung.elements for rung in rungs)
-    assert exact.step < min(rung.step for rung in rungs)
-    assert Rung(LATERAL, 8, 1e-3).overrides()["effects.torsion"] == "off"
+    resolutions = choose_resolutions(load_scene("pa6_bench", overrides=SWING))
+    assert all(resolution.form == LATERAL and resolution.step <= 0.01 for resolution in resolutions)
+    exact = converged(resolutions)
+    assert exact.elements > max(resolution.elements for resolution in resolutions)
+    assert exact.step < min(resolution.step for resolution in resolutions)
+    assert Resolution(LATERAL, 8, 1e-3).overrides()["effects.torsion"] == "off"
 
 
 def test_the_command_measures_resumes_and_finds_the_order_of_the_scheme(tmp_path, monkeypatch):
@@ -99,16 +99,18 @@ def test_the_command_measures_resumes_and_finds_the_order_of_the_scheme(tmp_path
     assert json.loads((folder / "cost.json").read_text("utf-8")) == found
     assert (folder / "cost.png").stat().st_size > 10_000
     rows = list(csv.DictReader((folder / "cost.csv").read_text("utf-8").splitlines()))
-    assert len(rows) == len(found["rungs"]) > 3
+    assert len(rows) == len(found["runs"]) > 3
     assert found["failures"] == []
-    finest = max(rung["rung"]["elements"] for rung in found["rungs"])
+    finest = max(resolution["resolution"]["elements"] for resolution in found["runs"])
     by_step = {
-        one["rung"]["step"]: one["errors"]["path"] for one in found["rungs"] if one["rung"]["elements"] == finest
+        one["resolution"]["step"]: one["errors"]["path"]
+        for one in found["runs"]
+        if one["resolution"]["elements"] == finest
     }
     steps = sorted(by_step)
     order = np.log(by_step[steps[-1]] / by_step[steps[0]]) / np.log(steps[-1] / steps[0])
     assert 1.7 < order < 2.5  # against a run of half the step
-    assert any(one["on_front"] for one in found["rungs"])
+    assert any(one["on_front"] for one in found["runs"])
     kept = {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()}
     cut_short = min(kept)
     cut_short.write_bytes(cut_short.read_bytes()[:30])  # as by a power cut: it is made again
@@ -119,4 +121,4 @@ def test_the_command_measures_resumes_and_finds_the_order_of_the_scheme(tmp_path
     again = CliRunner().invoke(app, command)
     assert again.exit_code == 0, again.output
     assert {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()} == kept
-    assert json.loads(again.stdout)["rungs"] == json.loads(once_more.stdout)["rungs"]
+    assert json.loads(again.stdout)["runs"] == json.loads(once_more.stdout)["runs"]
