@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ROS 2 nodes: the only place that knows rclpy.
+"""ROS 2 nodes; the only package that imports rclpy.
 
 simulator, rig_driver, analyzer, recorder and replayer are one process each; twin is the first four in one process;
-demo starts them as processes and looks after them.
+demo starts them as processes and supervises them.
 """

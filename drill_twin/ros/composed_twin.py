@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulator, rig driver, analyzer and, when asked, recorder in one process: the short way to a running twin.
+"""Simulator, rig driver, analyzer and, with `record`, recorder in one process.
 
-Each node keeps its own loop, in a thread; the simulator's physics runs with the GIL released. Topics are the same, so
-anything on DDS can watch, command or record.
+Each node runs its own loop in a thread; the simulator's physics runs with the GIL released. Topics are those of the
+separate nodes, so other nodes can observe, command and record the twin.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from drill_twin.ros.simulator.node import Simulator
 
 
 class ComposedTwin(TwinNode):
-    """Only says whether to record; its help text names the parameters of all."""
+    """Parameter `record`; the help text of the process names the parameters of all nodes."""
 
     NAME: ClassVar = "twin"
     PURPOSE: ClassVar = (
@@ -37,7 +37,7 @@ _NODES: tuple[type[TwinNode], ...] = (Simulator, RigDriver, Analyzer, Recorder)
 
 
 class NodeThread:
-    """A node in a thread of its own."""
+    """Runs a node in a thread of its own."""
 
     def __init__(self, node: TwinNode, failed: StopRequest) -> None:
         self.error: BaseException | None = None
@@ -53,19 +53,19 @@ class NodeThread:
             self._failed.set()
 
     def end(self) -> None:
-        """Ask the node to stop and wait until it has."""
+        """Request the node to stop, and wait until it has."""
         self._stop.set()
         self._thread.join()
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:
-    """Run them all until the simulator is done or one fails."""
+    """Run all nodes until the simulator is done or one fails."""
     kinds: tuple[type[TwinNode], ...] = (ComposedTwin, *_NODES)
     table = {parameter.name: parameter for kind in kinds for parameter in kind.PARAMETERS}
     if print_help(ComposedTwin.NAME, ComposedTwin.PURPOSE, tuple(table.values()), arguments):
         return
     context = init_context(arguments, stop)
-    companions: list[NodeThread] = []
+    threads: list[NodeThread] = []
     try:
         with stop.at_once(), readable_refusal():
             record = ComposedTwin(context, other_parameters=tuple(table))
@@ -75,17 +75,17 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
             waited = " ".join(["simulator", *(node.NAME for node in nodes)])
             driver = RigDriver(context, {"wait_for": waited}, other_parameters=tuple(table))
             simulator = Simulator(context, other_parameters=tuple(table))
-            # Now, while there is one thread: a signal in mid-import would leave the others half a module.
+            # Imported while there is one thread: a signal during an import would leave the others a partial module.
             for module in ("drill_twin.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)
-        # Ended in this order: who listens outlives who speaks.
-        companions = [NodeThread(node, stop) for node in (driver, *nodes)]
+        # Ended in this order: subscribers after publishers.
+        threads = [NodeThread(node, stop) for node in (driver, *nodes)]
         run_in_order(simulator, stop)
     finally:
-        for companion in companions:
-            companion.end()
+        for thread in threads:
+            thread.end()
         context.try_shutdown()
-        # The first cause is what the user wants to read; that the others were stopped follows from it.
-        for companion in companions:
-            if companion.error is not None:
-                raise companion.error
+        # The first error is the cause; the others were stopped because of it.
+        for thread in threads:
+            if thread.error is not None:
+                raise thread.error

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page's ear and hand on a live graph: hears the twin, and turns sliders into commands.
+"""ROS node behind the live page: feeds the page from the twin's topics, and sends the set-points of its sliders.
 
-Where a rig driver has the say, its plan is changed (live parameters); else the single set-points are commanded.
+With a rig driver in the graph its live parameters are set; without one the single set-points are published.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment.security import readable_refusal
 from drill_twin.schedule.command import Command
 
-_DEPTH = 50  # messages; eyes need no more
-_ASKED = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
+_DEPTH = 50  # messages; the page shows fewer
+_SET_POINTS = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
 
 
-class Watch(TwinNode):
+class LivePage(TwinNode):
     """Feeds the page from the topics."""
 
     NAME: ClassVar = "watch"
@@ -43,20 +43,22 @@ class Watch(TwinNode):
         super().__init__(context)
         self.page_state = PageState()
         self._encoder = CommandEncoder()
-        self._asked: queue.Queue[tuple[str, float]] = queue.Queue()
+        self._requests: queue.Queue[tuple[str, float]] = queue.Queue()
         self._pending: list[tuple[str, float, Any]] = []
         self._refused = ""
         self._driver = self.create_client(SetParameters, "rig_driver/set_parameters")
 
     def open(self) -> None:
-        """Hear the twin."""
+        """Create the topics."""
         for topic in (WOB_COMMAND, RPS_COMMAND):
             self.topics.advertise(topic)
         for topic in INPUTS:
             latched = TOPICS[topic].latched
-            self.topics.subscribe(topic, partial(self._hear, topic), depth=1 if latched else _DEPTH, latched=latched)
+            self.topics.subscribe(
+                topic, partial(self._on_message, topic), depth=1 if latched else _DEPTH, latched=latched
+            )
 
-    def _hear(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
+    def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
         self.page_state.update(topic, bytes(raw))
 
@@ -65,66 +67,66 @@ class Watch(TwinNode):
         return {**self.page_state.snapshot(), "refused": self._refused}
 
     def on_request(self, request: Mapping[str, Any]) -> None:
-        """Command what the sliders say; from another thread, so it is only put down here.
+        """Queue the set-points of the sliders, for `work`: called in the server's thread.
 
         Raises:
-            DrillTwinError: It is no set-point.
+            DrillTwinError: A name is not that of a set-point.
         """
         for name, value in request.items():
-            if name not in _ASKED or isinstance(value, bool):
+            if name not in _SET_POINTS or isinstance(value, bool):
                 raise DrillTwinError(f"expected a set-point wob or rps, found {name}")
-            self._asked.put((name, float(value)))
+            self._requests.put((name, float(value)))
 
     def work(self) -> None:
-        """Hear what has come, and send what was asked for."""
+        """Process messages, and send the requested set-points."""
         self.spin_once(0.02)
-        while not self._asked.empty():
-            self._command(*self._asked.get())
+        while not self._requests.empty():
+            self._command(*self._requests.get())
         if self._pending:
-            self._hear_answers()
+            self._check_answers()
 
     def _command(self, name: str, value: float) -> None:
-        parameter, unit, _ = _ASKED[name]
-        if self._driver_leads():
+        parameter, unit, _ = _SET_POINTS[name]
+        if self._driver_present():
             change = RosParameter(parameter, value=f"{value!r} {unit}").to_parameter_msg()
             answer = self._driver.call_async(SetParameters.Request(parameters=[change]))
             self._pending.append((name, value, answer))
         else:
             self._publish(name, value)
 
-    def _hear_answers(self) -> None:
-        leads = self._driver_leads()
+    def _check_answers(self) -> None:
+        present = self._driver_present()
         pending, self._pending = self._pending, []
         for name, value, answer in pending:
             if answer.done():
                 self._refused = next((r.reason for r in answer.result().results if not r.successful), "")
-            elif leads:
+            elif present:
                 self._pending.append((name, value, answer))
-            else:  # it left without an answer; what was asked for still holds
+            else:  # the driver ended without an answer
                 self._driver.remove_pending_request(answer)
                 self._publish(name, value)
 
-    def _driver_leads(self) -> bool:
+    def _driver_present(self) -> bool:
         return bool(self.topics.publisher_nodes(RIG_COMMAND)) and self._driver.service_is_ready()
 
     def _publish(self, name: str, value: float) -> None:
-        topic = _ASKED[name][2]
+        topic = _SET_POINTS[name][2]
         if topic == WOB_COMMAND:
             self.topics.publish(topic, self._encoder.wob_command(Command(value, 0.0)))
         else:
             self.topics.publish(topic, self._encoder.rps_command(Command(0.0, value * math.tau)))
 
     def health(self) -> Status:
-        """Whether all could be read."""
+        """Number of messages that could not be decoded."""
         level = Level.WARN if self.page_state.malformed else Level.OK
         return Status(self.NAME, level, f"{self.page_state.malformed} messages could not be read")
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:
-    """Watch the twin of this domain until asked to stop; the arguments are those of `drill-twin watch`."""
+    """Show the twin of this domain until asked to stop; the arguments are those of `drill-twin watch`."""
     from drill_twin.live.server import PageServer
 
-    parser = argparse.ArgumentParser(prog="watch", description=Watch.PURPOSE)
+    parser = argparse.ArgumentParser(prog="watch", description=LivePage.PURPOSE)
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (%(default)s)")
     parser.add_argument("--port", type=int, default=8000, help="port of the page; 0: a free one (%(default)s)")
     parser.add_argument("--no-browser", action="store_true", help="do not open the browser")
@@ -134,7 +136,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     context = init_context(ros, stop)
     try:
         with stop.at_once(), readable_refusal():
-            node = Watch(context)
+            node = LivePage(context)
         server = PageServer(node.snapshot, node.on_request, host=given.host, port=given.port)
         try:
             print(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()} at {server.url}", flush=True)

@@ -12,8 +12,8 @@ import pytest
 from drill_twin.errors import RunError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import TOPICS
-from drill_twin.ros.demo.demo import Patience
 from drill_twin.ros.demo.result import check_bag
+from drill_twin.ros.demo.stall_detector import StallDetector
 
 
 @pytest.fixture
@@ -148,14 +148,14 @@ def test_a_bag_without_a_topic_is_not_good_enough(tmp_path):
         check_bag(tmp_path / "bag_0")
 
 
-def test_patience_ends_when_time_stands_still():
+def test_a_stall_of_simulated_time_ends_the_run():
     now = [0.0]
-    patience = Patience(lambda: now[0])
+    detector = StallDetector(lambda: now[0])
     for k in range(100):
         now[0] += 1.0
-        patience.check(0.1 * k)
+        detector.check(0.1 * k)
     now[0] += 19.0
-    patience.check(9.9)
+    detector.check(9.9)
     now[0] += 2.0
     with pytest.raises(RunError, match=r"stood at 9\.90 s"):
-        patience.check(9.9)
+        detector.check(9.9)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The analyzer: follows the marks and says when and how they whirl, live or from a replayed bag.
+"""Analyzer node: onset and motion states of whirl from the marks and the rig, live or from a replayed bag.
 
-It works by the stamps of the messages alone, so its findings on a replay are those it had live.
+It uses the stamps of the messages alone, so a replay gives the findings of the live run.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _QUIET = 0.1  # s
 
 
 class Analyzer(TwinNode):
-    """Joins marks and rig by stamp, analyses, and publishes what it finds."""
+    """Joins marks and rig by stamp, analyses them, and publishes the findings."""
 
     NAME: ClassVar = "analyzer"
     PURPOSE: ClassVar = "Finds the onset of whirl, its precession, and the state of motion of every mark."
@@ -49,11 +49,11 @@ class Analyzer(TwinNode):
         super().__init__(context, values, other_parameters)
         self._pipeline: Any = None
         self._last_sample: float | None = None
-        self._announced = False
-        self._complained = ""
+        self._onset_logged = False
+        self._logged_problem = ""
 
     def open(self) -> None:
-        """Announce the findings and listen."""
+        """Create the topics."""
         # Imported here: a bad parameter should be refused before.
         from drill_twin.io.whirl_pipeline import WhirlPipeline
         from drill_twin.scene import load_scene
@@ -76,13 +76,13 @@ class Analyzer(TwinNode):
         if topic == MARKS_STATE or pipeline.blind is not None:
             self._last_sample = time.monotonic()
         if pipeline.runs != runs:
-            self._announced = False
+            self._onset_logged = False
             self.get_logger().info(f"analysing {len(pipeline.scene.string.marks)} marks of {pipeline.scene.name}")
-        if pipeline.trouble != self._complained:
-            self._complained = pipeline.trouble
-            self.get_logger().error(self._complained or "well again")
-        if pipeline.onset_announced and not self._announced:
-            self._announced = True
+        if pipeline.trouble != self._logged_problem:
+            self._logged_problem = pipeline.trouble
+            self.get_logger().error(self._logged_problem or "analysing again")
+        if pipeline.onset_announced and not self._onset_logged:
+            self._onset_logged = True
             onset = pipeline.findings.onset
             self.get_logger().info(f"whirl began at {onset.time_s:.2f} s at {onset.mark}: {onset.criterion}")
 
@@ -93,7 +93,7 @@ class Analyzer(TwinNode):
     # --- end and health -------------------------------------------------------------------------------------------
 
     def close(self) -> None:
-        """Analyse what has arrived already, and see that the findings are received."""
+        """Analyse what has arrived already, and wait until the findings are received."""
         if self._pipeline is None:
             return
         self.drain(_QUIET)
@@ -101,14 +101,14 @@ class Analyzer(TwinNode):
         self.topics.flush(2.0)
 
     def not_ready(self) -> str:
-        """Why it cannot analyse yet: a topic has no publisher connected."""
+        """Reason why it cannot analyse yet: no scene, or a topic without a connected publisher."""
         if self._pipeline.scene is None:
             return f"no scene on {TWIN_SCENE} yet"
         late = [topic.topic_name for topic in self._inputs if not topic.get_publisher_count()]
         return f"not yet connected to the publishers of {', '.join(late)}" if late else ""
 
     def health(self) -> Status:
-        """Samples good and bad, and the state of motion."""
+        """Counts of accepted and rejected samples, and the state of motion."""
         pipeline = self._pipeline
         quality = pipeline.quality
         values = {
@@ -126,7 +126,7 @@ class Analyzer(TwinNode):
             return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}", values)
         if self._last_sample is None:
             return Status(self.NAME, Level.OK, "waiting for the first sample", values)
-        silent = time.monotonic() - self._last_sample
-        if silent > _STALE:
-            return Status(self.NAME, Level.STALE, f"no sample for {silent:.1f} s", values)
+        silence = time.monotonic() - self._last_sample
+        if silence > _STALE:
+            return Status(self.NAME, Level.STALE, f"no sample for {silence:.1f} s", values)
         return Status(self.NAME, Level.OK, f"motion: {pipeline.motion}", values)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The replayer: publishes a bag again, byte for byte, with `/clock`, at any rate."""
+"""Replayer node: publishes the messages of a bag, byte for byte, with `/clock`, at any rate."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
 from drill_twin.ros.core.stop_request import StopRequest
 
-_DISCOVERY = 0.6  # s; a living node has been found by then
+_DISCOVERY = 0.6  # s; longest discovery of a running node
 _LONGEST_WAIT = 0.05  # s
 _ACKNOWLEDGE = 50  # messages; half of what a publisher keeps
 
 
 class Replayer(TwinNode):
-    """Publishes what a bag holds, when it was recorded."""
+    """Publishes the messages of a bag at the times at which they were recorded."""
 
     NAME: ClassVar = "replayer"
     PURPOSE: ClassVar = "Publishes a bag again, with /clock, at any rate."
@@ -66,7 +66,7 @@ class Replayer(TwinNode):
         self._sent = 0
 
     def open(self) -> None:
-        """Open the bag and announce its topics."""
+        """Open the bag and create its topics."""
         from drill_twin.io.bag.mapped import MappedBag, names_from
 
         settings = self.settings
@@ -75,15 +75,15 @@ class Replayer(TwinNode):
         self._bag = MappedBag(settings.bag, names_from(settings.map.split(), "parameter map"))
         self._topics = self._chosen()
         for topic in self._topics:
-            if topic != DIAGNOSTICS:  # announced by every node
+            if topic != DIAGNOSTICS:  # every node has its publisher
                 self.topics.advertise(topic)
         self._clock_period = 0.0
         if CLOCK_TOPIC not in self._topics and settings.clock_rate and CLOCK_TOPIC not in settings.leave_out.split():
             self.topics.advertise(CLOCK_TOPIC)
             self._clock_period = 1.0 / settings.clock_rate
         self._clock_message = ClockTemplate()
-        for sentence in self._bag.damage:
-            self.get_logger().warning(sentence)
+        for text in self._bag.damage:
+            self.get_logger().warning(text)
         length = (self._bag.end - self._bag.start) * 1e-9
         self.get_logger().info(f"{settings.bag}: {self._bag.message_count} messages in {length:.1f} s")
 
@@ -98,8 +98,8 @@ class Replayer(TwinNode):
         return [topic for topic in held if (not wanted or topic in wanted) and topic not in unwanted]
 
     def run(self, stop: StopRequest) -> None:
-        """Wait for the readers, then replay."""
-        # The scene comes first, ahead of its time: an analyzer is only ready once it knows the marks.
+        """Wait for the readers to be connected, then replay."""
+        # The scene is published first, before its time: an analyzer is only ready once it knows the marks.
         self._scene_sent = TWIN_SCENE in self._topics
         if self._scene_sent:
             self.topics.publish(TWIN_SCENE, next(raw for _, _, raw in self._bag.messages([TWIN_SCENE])))
@@ -107,15 +107,15 @@ class Replayer(TwinNode):
         while not stop and (time.monotonic() < discovered or self.barrier.unmatched_readers()):
             self.spin_once(0.05)
         self.barrier.wait_for(self.settings.wait_for, self.settings.wait_timeout, stop)
-        self._turns = self._play()
+        self._steps = self._play()
         super().run(stop)
 
     def work(self) -> None:
-        """Publish what is due, or wait a moment."""
-        next(self._turns, None)
+        """Publish the messages that are due, or wait for at most 50 ms."""
+        next(self._steps, None)
 
     def _play(self) -> Iterator[None]:
-        """Replay; gives up the turn at least every 50 ms."""
+        """Replay the bag; yields at least every 50 ms."""
         while not self._over:
             began, clock_due = time.monotonic(), 0.0
             for topic, stamp, raw in self._bag.messages(self._topics):
@@ -141,16 +141,16 @@ class Replayer(TwinNode):
 
     @property
     def finished(self) -> bool:
-        """Whether the bag is over."""
+        """Whether all has been replayed."""
         return self._over
 
     def close(self) -> None:
-        """See that the readers have received everything."""
+        """Wait until the readers have received everything."""
         if self._sent:
             self.topics.flush()
             self.get_logger().info(f"{self._sent} messages replayed")
 
     def health(self) -> Status:
-        """How far the replay is."""
+        """Progress of the replay."""
         values = {"bag": self.settings.bag, "rate": f"{self.settings.rate:g}", "messages": str(self._sent)}
         return Status(self.NAME, Level.OK, f"{self._sent} of {self._bag.message_count} messages replayed", values)

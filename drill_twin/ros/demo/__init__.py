@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The demo: all nodes as processes, observed and reported."""
+"""Demo: all nodes as processes, observed and reported."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The demo's eyes: a node that follows simulated time, the onset and the motion state as they are announced."""
+"""Node that follows simulated time, onset, motion state and diagnostics of a running twin."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from drill_twin.ros.core.node import TwinNode
 
 
 class DemoObserver(TwinNode):
-    """Keeps what was last said."""
+    """Latest values that the twin has published."""
 
     NAME: ClassVar = "demo"
-    PURPOSE: ClassVar = "Watches a running twin."
+    PURPOSE: ClassVar = "Observes a running twin."
 
     def __init__(self, context: Context, on_change: Callable[[str], None]) -> None:
         super().__init__(context)
         self.time = 0.0
         """Simulated time [s]."""
         self.onset: OnsetMessage | None = None
-        """The onset, once it is announced."""
+        """Onset, once it is published."""
         self.motion = ""
         """Motion state of the string."""
         self.realtime_factor = 0.0
-        """How many times as fast as real time the physics runs."""
+        """Ratio of simulated to wall time that the physics would reach [-]."""
         self.simulator: dict[str, str] = {}
-        """What the simulator last said of itself."""
+        """Diagnostic values of the simulator."""
         self._on_change = on_change
-        self._troubles: set[str] = set()
+        self._problems: set[str] = set()
         self.topics.subscribe(CLOCK_TOPIC, lambda raw, _: self._on_clock(raw))
         self.topics.subscribe(WHIRL_ONSET, lambda raw, _: self._on_onset(raw))
         self.topics.subscribe(WHIRL_MOTION, lambda raw, _: self._on_motion(raw))
@@ -68,7 +68,7 @@ class DemoObserver(TwinNode):
                 self.simulator = dict(status.values)
             if (
                 status.level in {Level.WARN, Level.ERROR}
-                and (trouble := f"{status.name}: {status.text}") not in self._troubles
+                and (problem := f"{status.name}: {status.text}") not in self._problems
             ):
-                self._troubles.add(trouble)
-                self._on_change(trouble)
+                self._problems.add(problem)
+                self._on_change(problem)

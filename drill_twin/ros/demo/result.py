@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a demo leaves: a bag that must be whole, and its report."""
+"""Result of a demo: check of the bag, and the report."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from drill_twin.errors import BagError, RunError
 
 
 def check_bag(folder: Path) -> None:
-    """See that the bag is whole and holds every topic of the contract.
+    """Check that the bag is complete and holds every topic of the contract.
 
     Raises:
-        RunError: It does not.
+        RunError: It is damaged, or a topic has no message.
     """
     from drill_twin.io.bag.reader import Bag
     from drill_twin.io.messages.topics import TOPICS
@@ -31,7 +31,7 @@ def check_bag(folder: Path) -> None:
 
 
 def draw_report(out: Path, console: Any) -> None:
-    """Draw the report of the bag in a folder, and print what was found."""
+    """Write the report of the bag in a folder, and print its findings."""
     import json
 
     from rich.table import Table
@@ -51,7 +51,7 @@ def draw_report(out: Path, console: Any) -> None:
 
 
 def _findings(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """The findings worth a line, in words."""
+    """Names and texts of the printed findings."""
 
     def number(key: str, form: str) -> str:
         value = summary.get(key)

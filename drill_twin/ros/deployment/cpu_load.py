@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What running the twin takes: the share of a processor core and the memory of every node, in real time over DDS.
+"""Processor load and memory of every node of a twin that runs in real time over DDS.
 
-The nodes are processes of their own, as on a rig, with nobody else listening. Their processor time is the kernel's
-(user and system, all threads of DDS included), from `/proc`.
+The nodes are processes of their own, as on a rig, without other subscribers. Their processor time is the operating
+system's (user and system, including all DDS threads), from `/proc`.
 """
 
 from __future__ import annotations
@@ -11,22 +11,24 @@ import os
 import resource
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from drill_twin.errors import RunError
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.deployment.processes import processes
+from drill_twin.ros.demo.stall_detector import STARTING_TIME, StallDetector
+from drill_twin.ros.deployment.processes import Child, processes
 
-_STARTING = 150.0  # s to compile and connect
-_SETTLED = 2.0  # s of simulated time after which everything has been used once
+if TYPE_CHECKING:
+    from drill_twin.ros.demo.demo_observer import DemoObserver
+
+_WARM_UP = 2.0  # s of simulated time after which everything has been used once
 
 
 @dataclass(frozen=True)
 class LoadOptions:
-    """What is measured."""
+    """Scene and duration of the measurement."""
 
     scene: str = "pa6_bench"
     """Scene: preset or path."""
@@ -35,26 +37,26 @@ class LoadOptions:
     elements: int = 50
     """Elements of the string."""
     seconds: float = 20.0
-    """How long it is measured [s]."""
+    """Duration of the measurement [s]."""
 
 
 @dataclass(frozen=True)
-class Share:
-    """What one node takes."""
+class NodeLoad:
+    """Load of one node."""
 
     node: str
     """Name of the node."""
     processor: float
-    """Share of one core."""
+    """Share of one core [-]."""
     memory: int
     """Resident memory [bytes]."""
 
 
-def run_load(options: LoadOptions, stop: StopRequest) -> tuple[list[Share], Mapping[str, str]]:
-    """Start the nodes, measure them, end them.
+def run_load(options: LoadOptions, stop: StopRequest) -> tuple[list[NodeLoad], Mapping[str, str]]:
+    """Start the nodes, measure their load, and end them.
 
     Returns:
-        What each node takes, and what the simulator says about itself.
+        Load of each node, and the diagnostic values of the simulator.
 
     Raises:
         DrillTwinError: They do not start, or (RunError) do not end well.
@@ -68,9 +70,9 @@ def run_load(options: LoadOptions, stop: StopRequest) -> tuple[list[Share], Mapp
         with tempfile.TemporaryDirectory(prefix="drill_twin_load_") as folder:
             os.environ["ROS_LOG_DIR"] = folder
             with processes(_commands(options, Path(folder)), dict(os.environ), Path(folder)) as children:
-                _watch(children, stop, lambda watcher: watcher.time > _SETTLED)
+                _observe_until(lambda observer: observer.time > _WARM_UP, children, stop)
                 shares = _measure(children, options.seconds, stop)
-                return shares, _watch(children, stop, lambda watcher: bool(watcher.simulator))
+                return shares, _observe_until(lambda observer: bool(observer.simulator), children, stop)
     finally:
         claim.release()
 
@@ -80,42 +82,43 @@ def _commands(options: LoadOptions, folder: Path) -> dict[str, Mapping[str, obje
     scene = {"scene": options.scene, "overrides": overrides}
     return {
         "simulator": scene,
-        "rig_driver": {**scene, "wait_for": "simulator analyzer recorder", "wait_timeout": _STARTING},
+        "rig_driver": {**scene, "wait_for": "simulator analyzer recorder", "wait_timeout": STARTING_TIME},
         "analyzer": {},
         "recorder": {"bag": str(folder / "bag_0")},
     }
 
 
-def _watch(children: Mapping[str, Any], stop: StopRequest, enough: Any) -> Mapping[str, str]:
-    """Look on until something has been seen; the looker itself costs the simulator a reader, so it goes again."""
-    # Imported after the children were started: a fork must not meet the threads of DDS.
+def _observe_until(
+    reached: Callable[[DemoObserver], bool], children: Mapping[str, Child], stop: StopRequest
+) -> Mapping[str, str]:
+    """Observe the nodes until a state is reached, with a node that is gone during the measurement."""
+    # Imported after the children were started: DDS threads do not survive a fork.
     from drill_twin.ros.core.node_main import init_context
     from drill_twin.ros.demo.demo_observer import DemoObserver
 
     context = init_context([], stop)
-    end = time.monotonic() + _STARTING
+    stall_detector = StallDetector()
     try:
-        watcher = DemoObserver(context, lambda _: None)
-        while not stop and not enough(watcher):
-            watcher.spin_once(0.1)
+        observer = DemoObserver(context, lambda _: None)
+        while not stop and not reached(observer):
+            observer.spin_once(0.1)
             for child in children.values():
                 child.check_alive()
-            if time.monotonic() > end:
-                raise RunError(f"the twin stood at {watcher.time:g} s for {_STARTING:g} s; drill-twin demo shows more")
-        watcher.destroy_node()
-        return watcher.simulator
+            stall_detector.check(observer.time)
+        observer.destroy_node()
+        return observer.simulator
     finally:
         context.try_shutdown()
 
 
-def _measure(children: Mapping[str, Any], seconds: float, stop: StopRequest) -> list[Share]:
+def _measure(children: Mapping[str, Child], seconds: float, stop: StopRequest) -> list[NodeLoad]:
     begun = time.monotonic()
     before = {node: _processor_time(child.pid) for node, child in children.items()}
     while not stop and (left := begun + seconds - time.monotonic()) > 0.0:
         time.sleep(min(left, 0.2))
     passed = time.monotonic() - begun
     return [
-        Share(node, (_processor_time(child.pid) - before[node]) / passed, _memory(child.pid))
+        NodeLoad(node, (_processor_time(child.pid) - before[node]) / passed, _memory(child.pid))
         for node, child in children.items()
     ]
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rig driver node."""
+"""Rig driver node."""

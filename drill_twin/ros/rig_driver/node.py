@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rig driver: plays weight on bit and top-drive speed, planned or measured, into the simulator.
+"""Rig driver node: sends weight on bit and top-drive speed, planned or measured, to the simulator.
 
-It follows the simulator's clock: whenever `/clock` says that a frame is out, it sends the set-points for the end of
-the next one. So it keeps step at any pace, and a driver that is killed and started again picks up where time is.
+It follows the simulator's clock: on each `/clock` message it sends the set-points for the end of the next frame. It
+thus works at any pace, and a driver that is killed and started again continues at the present simulated time.
 """
 
 from __future__ import annotations
@@ -87,15 +87,15 @@ class RigDriver(TwinNode):
     ) -> None:
         super().__init__(context, values, other_parameters)
         self._encoder = CommandEncoder()
-        self._heard: int | None = None
-        self._answered = -1
+        self._clock_stamp: int | None = None
+        self._sent_stamp = -1
         self._repeat_due = 0.0
         self._sent = 0
         self._last: Command | None = None
         self._echo_due = 0
 
     def open(self) -> None:
-        """Load what is played and announce the commands."""
+        """Load the schedule and create the topics."""
         from drill_twin.schedule import Schedule
 
         scene = scene_of(self.settings)
@@ -114,34 +114,34 @@ class RigDriver(TwinNode):
             self.topics.subscribe(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
 
     def run(self, stop: StopRequest) -> None:
-        """Wait for the others, then drive: a set-point sent before its readers are connected is lost to them."""
+        """Wait for the other nodes, then send: a reader that is not connected yet would miss the first set-points."""
         self.barrier.wait_for(self.settings.wait_for, self.settings.wait_timeout, stop)
-        self.drain(_QUIET)  # who joins late is sent old times first
+        self.drain(_QUIET)  # a late joiner receives old latched times first
         self.get_logger().info(f"driving: {self._plays}, by the {self.settings.follow}")
         super().run(stop)
 
     def work(self) -> None:
-        """Send the set-points for the next frame, once it is their turn."""
+        """Send the set-points for the next frame, once they are due."""
         if self.settings.follow == "wall":
             self.spin_once(0.0)
-            self._heard = 0 if self._heard is None else self._heard + self._period
-            self._send(self._heard + self._period)
+            self._clock_stamp = 0 if self._clock_stamp is None else self._clock_stamp + self._period
+            self._send(self._clock_stamp + self._period)
             self._pacer.wait()
             return
-        if self._heard is not None:
+        if self._clock_stamp is not None:
             stuck = time.monotonic() > self._repeat_due
-            if stuck or self._answered != self._heard + self._period:
-                self._send(self._heard + self._period)
+            if stuck or self._sent_stamp != self._clock_stamp + self._period:
+                self._send(self._clock_stamp + self._period)
         self.spin_once(0.05)
 
     @property
     def finished(self) -> bool:
-        """Whether the schedule is over and that ends the node."""
+        """Whether the schedule is over and its end stops the node."""
         return self.settings.at_end == "stop" and self._time >= self._schedule.duration
 
     @property
     def _time(self) -> float:
-        return seconds(self._heard or 0)
+        return seconds(self._clock_stamp or 0)
 
     def _on_clock(self, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
@@ -149,9 +149,9 @@ class RigDriver(TwinNode):
             stamp = read_clock(raw)
         except MessageError:
             return
-        if stamp < (self._heard or 0):  # the simulator began again
-            self._answered, self._echo_due = -1, 0
-        self._heard = stamp  # answered by `work`, once all that has come is taken: of many, only the last counts
+        if stamp < (self._clock_stamp or 0):  # the simulator was reset
+            self._sent_stamp, self._echo_due = -1, 0
+        self._clock_stamp = stamp  # `work` sends once all messages are taken: of several, only the last counts
 
     def _send(self, stamp: int) -> None:
         command = self._plan(seconds(stamp))
@@ -160,19 +160,19 @@ class RigDriver(TwinNode):
             self._echo_due = stamp + NANOSECONDS
             self.topics.publish(WOB_COMMAND, self._encoder.wob_command(command))
             self.topics.publish(RPS_COMMAND, self._encoder.rps_command(command))
-        self._answered, self._last = stamp, command
+        self._sent_stamp, self._last = stamp, command
         self._repeat_due = time.monotonic() + _REPEAT
         self._sent += 1
 
     # --- live set-points ------------------------------------------------------------------------------------------
 
     def check_change(self, settings: SimpleNamespace) -> None:
-        """Refuse a set-point that the scene could not have."""
+        """Refuse a set-point that is not valid in the scene."""
         if (settings.weight_on_bit, settings.rotation) != self._planned:
             scene_of(settings)
 
     def on_change(self) -> None:
-        """Go over to the set-points that were asked for."""
+        """Start the transition to the new set-points."""
         from drill_twin.schedule import Schedule
 
         wanted = (self.settings.weight_on_bit, self.settings.rotation)
@@ -188,13 +188,13 @@ class RigDriver(TwinNode):
     # --- end and health -------------------------------------------------------------------------------------------
 
     def close(self) -> None:
-        """See that the last set-point has arrived."""
+        """Wait until the last set-point has been received."""
         if self._sent:
             self.publish_diagnostics()
             self.topics.flush(1.0)
 
     def health(self) -> Status:
-        """What is being commanded."""
+        """Set-points in force, and other drivers."""
         command = self._last or Command(0.0, 0.0)
         over = self._time >= self._schedule.duration
         drivers = self.topics.publisher_nodes(RIG_COMMAND)
@@ -208,6 +208,6 @@ class RigDriver(TwinNode):
         }
         if len(drivers) > 1:
             return Status(self.NAME, Level.WARN, f"more than one driver: {', '.join(drivers)}", values)
-        if self._heard is None:
+        if self._clock_stamp is None:
             return Status(self.NAME, Level.OK, f"waiting for {CLOCK_TOPIC}", values)
         return Status(self.NAME, Level.OK, "the schedule is over; holding" if over else "driving", values)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From set-points in force to another plan of them in mid-run, without a jump."""
+"""Transition from the set-points in force to another plan during a run, without a jump."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ Plan = Callable[[float], Command]
 
 @dataclass(frozen=True)
 class SetPointTransition:
-    """A plan that is reached by a cubic step, flat at both ends (the STEP of the schedules)."""
+    """Plan that is reached by a cubic step with zero slope at both ends (the STEP of the schedules)."""
 
     before: Command
-    """What was in force."""
+    """Set-points in force before."""
     after: Plan
-    """What holds afterwards."""
+    """Plan that holds afterwards."""
     start: float
-    """Simulated time at which the change begins [s]."""
+    """Simulated time at the start of the transition [s]."""
     duration: float
-    """How long it takes [s]."""
+    """Duration of the transition [s]."""
 
     def __call__(self, time: float) -> Command:
         """Set-points at a time [s]."""
