@@ -129,7 +129,7 @@ day: setup-test
 	@DRILL_TWIN_DAY=1 $(PYTHON) -m pytest test/studies/stress/test_hard_scenes.py -q -k day
 
 browser: setup-test
-	@$(PYTEST) test/ros/test_watch.py -q -m 'long or not long'
+	@$(PYTEST) test/ros/test_live_page.py -q -m 'long or not long'
 
 bench: $(STAMPS)/bench-$(KIND)
 	@$(PYTHON) -m pytest benchmarks/test_kernel_speed.py -q --benchmark-autosave --benchmark-storage=file://.benchmarks

@@ -266,7 +266,7 @@ class Bench:
         return self.call(f"/{node}/set_parameters", request, SetParameters).results[0]
 
     def until_status(self, node: str, wanted: Callable[[Status], bool], seconds: float = LONG) -> Status:
-        """Until a node's diagnostics say something, from now on."""
+        """Wait until the diagnostics of a node fulfil a condition, from now on."""
         self.statuses.pop(node, None)
         try:
             self.until(lambda: node in self.statuses and wanted(self.statuses[node]), seconds, f"a status of {node}")
@@ -275,14 +275,13 @@ class Bench:
         return self.statuses[node]
 
     def simulated_time(self) -> float:
-        """What the simulator says of its time, from now on [s]."""
+        """Simulated time in the simulator's next diagnostics [s]."""
         return float(self.until_status("simulator", bool).values["simulated_time"])
 
     def keeps_real_time(self, simulator: Process, seconds: float) -> None:
-        """Watch a simulator for some seconds of its time: is a second of it cheap enough to be had in one of ours?
+        """Check over some simulated seconds that a simulator needs less than real time.
 
-        Judged by the processor time of its loop: a busy machine may give it less than it needs, for other reasons than
-        those of the test.
+        Measured by the processor time of its loop, since a busy machine may give it less than it needs.
         """
         first, spent = self.simulated_time(), simulator.loop_time
         end = first + seconds

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What goes wrong on a rig, done on purpose to real processes; `make faults` prints the table of what is survived."""
+"""Faults of a rig, done on purpose to real processes; `make faults` prints the table of those survived."""
 
 import math
 import os
@@ -172,7 +172,9 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
     assert flooder.wait() == 0, flooder.text
     status = bench.until_status("simulator", bool)
     assert int(status.values["commands_accepted"]) > 5000
-    assert int(status.values["dropped"]) > 0  # nobody needs ten thousand; how many were left out is told
+    assert (
+        int(status.values["dropped"]) > 0
+    )  # the queue holds fewer than ten thousand; the number of dropped ones is reported
     assert float(status.values["weight_on_bit"]) == 40.0
     assert simulator.memory - memory < 10 * MEGABYTE
     assert simulator.end() == 0, simulator.text
@@ -208,7 +210,7 @@ def test_a_crowd_of_slow_subscribers_does_not_hold_up_time(bench):
 @pytest.mark.long
 @pytest.mark.fault("a subscriber that stops reading", "the others miss nothing, real time holds")
 @on_a_shared_processor
-def test_a_subscriber_that_stops_reading_holds_up_nobody(bench):
+def test_a_subscriber_that_stops_reading_delays_no_other_node(bench):
     states = bench.collect(RIG_STATE)
     simulator = bench.start("simulator")
     recorder = bench.start("recorder", bag=str(bench.folder / "bag_0"))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A force that is none, in a real simulator: what the guard does is told, and it ends well."""
+"""A force that is not a number, in a real simulator: the guard's action is reported, and the node ends in order."""
 
 import math
 import sys
@@ -30,7 +30,7 @@ def start_poisoned(bench, dose, **parameters):
     process = bench.command(
         "simulator", [sys.executable, str(POISON), *map(str, dose), "simulator", "--ros-args", *ros]
     )
-    bench.until_ready("simulator", "recorder")  # time stands still until the first command: nobody misses a frame
+    bench.until_ready("simulator", "recorder")  # time stands still until the first command: no reader misses a frame
     bench.publisher(WOB_COMMAND).publish(Float64(data=0.0))
     return process
 

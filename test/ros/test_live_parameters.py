@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be set while nodes run takes effect at once, and what cannot be meant is refused and changes nothing."""
+"""Live parameters take effect at once; an invalid value is refused and changes nothing."""
 
 import itertools
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two twins side by side in one domain, and topics under other names: nobody hears what is meant for another."""
+"""Two twins in one domain, and remapped topics: no node receives the messages of another twin."""
 
 import math
 
@@ -9,7 +9,7 @@ from sensor_msgs.msg import JointState
 from drill_twin.io.messages.decode import JointStateReader
 
 
-def _heard(bench, topic):
+def _received(bench, topic):
     raws = []
     bench.node.create_subscription(JointState, topic, raws.append, 1000, raw=True)
     return raws
@@ -27,7 +27,7 @@ def test_two_twins_run_side_by_side(bench):
     states, whirls, processes = {}, {}, []
     for name, (weight, speed) in wanted.items():
         space = ("-r", f"__ns:=/{name}")
-        states[name], whirls[name] = _heard(bench, f"/{name}/rig/state"), _heard(bench, f"/{name}/whirl/state")
+        states[name], whirls[name] = _received(bench, f"/{name}/rig/state"), _received(bench, f"/{name}/whirl/state")
         given = {"weight_on_bit": weight, "rotation": speed, "overrides": steady}
         processes += [bench.start("simulator", *space), bench.start("analyzer", *space)]
         processes.append(bench.start("rig_driver", *space, wait_for="simulator analyzer", **given))
@@ -45,7 +45,7 @@ def test_two_twins_run_side_by_side(bench):
 def test_a_topic_goes_by_the_name_it_is_given(bench):
     simulator = bench.start("simulator", "-r", "rig/command:=/auto_driller/set_points", "-r", "rig/state:=/measured")
     driver = bench.start("rig_driver", "-r", "rig/command:=/auto_driller/set_points")
-    measured = _heard(bench, "/measured")
+    measured = _received(bench, "/measured")
     bench.until(lambda: len(measured) > 20, what="the state under its new name")
     status = bench.until_status("simulator", lambda status: status.values["frames"] != "0")
     assert status.values["command_sources"] == "/rig_driver"

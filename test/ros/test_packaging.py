@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the package says about itself agrees: setup.py, package.xml, parameter files, launch files, pinned versions."""
+"""Metadata of the package agree: setup.py, package.xml, parameter files, launch files, pinned versions."""
 
 import ast
 import importlib

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What was found live is what the bag says, what a replay says, and what a second run in lockstep says."""
+"""Live findings agree with those in the bag, of a replay, and of a second run in lockstep."""
 
 import re
 import signal
@@ -90,7 +90,7 @@ def test_a_replay_gives_the_same_findings(bench, eager_bag, payloads, tmp_path, 
         assert payloads(again, topic) == payloads(eager_bag, topic), topic
 
 
-def test_a_split_bag_of_somebody_else_gives_the_same_findings_under_our_names(bench, eager_bag, payloads, tmp_path):
+def test_a_split_bag_of_another_recorder_gives_the_same_findings_under_our_names(bench, eager_bag, payloads, tmp_path):
     theirs = {MARKS_STATE: "/camera/marks", RIG_STATE: "/autodriller/state"}
     bag = Bag(eager_bag)
     topics = [replace(topic, name=theirs.get(name, name), count=0) for name, topic in bag.topics.items()]
@@ -127,7 +127,7 @@ def test_a_replay_keeps_its_time(bench, eager_bag):
 
 def test_two_runs_in_lockstep_are_alike(bench, eager_bag, payloads, tmp_path):
     again = _run(bench, tmp_path / "again_0")
-    topics = set(TOPICS) - {DIAGNOSTICS, TWIN_SCENE}  # which tell the time of day
+    topics = set(TOPICS) - {DIAGNOSTICS, TWIN_SCENE}  # these hold the time of day
     for topic in topics:
         first, second = payloads(eager_bag, topic), payloads(again, topic)
         if topic == CLOCK_TOPIC:  # but for that of time zero

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The SROS2 policies allow what running nodes do and nothing else, and nobody who asked for security runs without."""
+"""SROS2 policies allow what running nodes do and nothing else; no node runs without the required security."""
 
 import sys
 from importlib.util import find_spec

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the layouts for RViz, Foxglove and PlotJuggler show is there: topics, types, joints and fields of a real run."""
+"""Layouts for RViz, Foxglove and PlotJuggler refer to topics, types, joints and fields of a real run."""
 
 import json
 import re

@@ -141,7 +141,7 @@ class Replayer(TwinNode):
 
     @property
     def finished(self) -> bool:
-        """Whether all has been replayed."""
+        """True once all has been replayed."""
         return self._over
 
     def close(self) -> None:

@@ -74,12 +74,12 @@ class TwinNode(Node):
 
     @property
     def finished(self) -> bool:
-        """Whether the node has done what it was started for."""
+        """True once the node has completed its task."""
         return False
 
     @property
     def topics_pending(self) -> bool:
-        """Whether topics are still to be created; the service `~/ready` is not offered before."""
+        """True while topics are still to be created; the service `~/ready` is not offered before."""
         return False
 
     def not_ready(self) -> str:

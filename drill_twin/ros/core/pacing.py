@@ -54,7 +54,7 @@ class Tick:
         self._next = time.monotonic()
 
     def due(self) -> bool:
-        """Whether the period has passed since it was last due."""
+        """Return True once the period has passed since it was last due."""
         now = time.monotonic()
         if now < self._next:
             return False

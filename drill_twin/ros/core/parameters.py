@@ -41,7 +41,7 @@ class Parameter:
     high: float | None = None
     choices: tuple[str, ...] = ()
     live: bool = False
-    """Whether it can be changed while the node runs."""
+    """True if it can be changed while the node runs."""
     such_as: str = ""
     """Example of a valid text."""
 

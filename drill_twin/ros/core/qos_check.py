@@ -30,14 +30,14 @@ def incompatible_publisher(node: Node, inputs: Mapping[str, tuple[str, QoSProfil
         for info in node.get_publishers_info_by_topic(topic):
             if info.node_name == UNKNOWN_NODE_NAME:
                 continue
-            who = f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+            name = f"{info.node_namespace.rstrip('/')}/{info.node_name}"
             if info.topic_type != kind:
-                return f"{topic}: expected {kind}, found {info.topic_type} of {who}, which is not heard; publish {kind}"
+                return f"{topic}: expected {kind}, found {info.topic_type} of {name}, not received; publish {kind}"
             for policy, want, lacks, expected, found in _WANTED:
                 if getattr(wanted, policy) == want and getattr(info.qos_profile, policy) == lacks:
                     override = f"qos_overrides.{topic}.subscription.{policy}:={found}"
                     return (
-                        f"{topic}: expected a {expected} publisher, found {who} as {found}, which is not heard; "
+                        f"{topic}: expected a {expected} publisher, found {name} as {found}, not received; "
                         f"publish {expected}, or start this node with {override}"
                     )
     return ""

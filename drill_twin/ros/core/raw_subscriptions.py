@@ -35,11 +35,11 @@ class ManualCallbackGroup(CallbackGroup):
     """Excludes subscriptions from an executor; their DDS events are still the executor's."""
 
     def can_execute(self, entity: Any) -> bool:
-        """Whether the executor may process an entity."""
+        """Return True if the executor may process an entity."""
         return not isinstance(entity, Subscription)
 
     def beginning_execution(self, entity: Any) -> bool:
-        """Whether the executor may process an entity now."""
+        """Return True if the executor may process an entity now."""
         return self.can_execute(entity)
 
     def ending_execution(self, entity: Any) -> None:
@@ -137,7 +137,7 @@ class RawSubscriptions:
         self._wait_set.wait(round(seconds * _NANOSECONDS))
 
     def _services_waiting(self) -> bool:
-        """Whether a service request, an answer, or a message for rclpy itself (its clock) has arrived."""
+        """Return True if a service request, an answer, or a message for rclpy itself (its clock) has arrived."""
         ours = {id(subscription) for subscription, _, _ in self._incoming}
         others = [subscription for subscription in self._node.subscriptions if id(subscription) not in ours]
         services, clients = list(self._node.services), list(self._node.clients)

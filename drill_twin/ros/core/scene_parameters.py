@@ -41,7 +41,7 @@ def resolved(scene: Scene, duration: float, log: Callable[[str], object]) -> Sce
 
     Args:
         scene: The scene.
-        duration: Simulated time of the run [s]; 0: as the scene says.
+        duration: Simulated time of the run [s]; 0: that of the scene.
         log: Called with a line of text.
 
     Raises:
@@ -72,7 +72,7 @@ def _pairs(text: str) -> dict[str, str]:
 
 
 def _playing(scene: Scene, table: str) -> dict[str, str]:
-    """Overrides that make a scene play a table: both set-points are taken from it, unless the scene says which."""
+    """Overrides that make a scene play a table: both set-points are taken from it, unless the scene names one."""
     changes = {"rig.table.file": table}
     rig = scene.rig
     if "table" not in {rig.weight_on_bit.shape, rig.rotation.shape}:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Start-up barrier: a service with which a node says that it is ready, and the wait for those of other nodes.
+"""Start-up barrier: a service that reports the readiness of a node, and the wait for those of other nodes.
 
 Two nodes that a third one waits for may both be running and not be connected to each other yet. A ready node therefore
 answers with the number of readers of each of its topics. The waiting node has discovered all readers of every node

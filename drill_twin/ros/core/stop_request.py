@@ -70,7 +70,7 @@ class StopRequest:
 
 
 def _is_importing(frame: FrameType | None) -> bool:
-    """Whether a module is being imported: an exception there can leave the lock of all imports locked for ever."""
+    """Return True during an import: an exception there can leave the lock of all imports locked for ever."""
     while frame is not None:
         if frame.f_code.co_filename.startswith("<frozen importlib"):
             return True

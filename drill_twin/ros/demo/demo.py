@@ -34,7 +34,7 @@ class DemoOptions:
     pace: str = "realtime"
     """Pace of the simulator: realtime, fast or lockstep."""
     replace: bool = False
-    """Whether an older result is moved aside, to `<out>.old`."""
+    """Move an older result aside, to `<out>.old`."""
 
 
 def run_demo(options: DemoOptions, stop: StopRequest) -> None:

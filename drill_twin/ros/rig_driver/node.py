@@ -136,7 +136,7 @@ class RigDriver(TwinNode):
 
     @property
     def finished(self) -> bool:
-        """Whether the schedule is over and its end stops the node."""
+        """True once the schedule is over, if `at_end` is stop."""
         return self.settings.at_end == "stop" and self._time >= self._schedule.duration
 
     @property

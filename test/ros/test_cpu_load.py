@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the nodes take of a processor: measured from the kernel's books, with nodes that really run."""
+"""Processor load of running nodes, measured from `/proc`."""
 
 import json
 import os

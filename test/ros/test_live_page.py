@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page in a real browser (headless Chromium): what it shows is what the topics say, and its sliders command."""
+"""The page in a real browser (headless Chromium): it shows the values of the topics, and its sliders command."""
 
 import base64
 import http.client
@@ -71,14 +71,14 @@ class Browser:
             pass
         return answer
 
-    def _told(self, method, **given):
+    def _call(self, method, **given):
         answer = self._ask(method, **given)
         assert "error" not in answer, answer
         return answer["result"]
 
     def value(self, expression):
         """Value of an expression on the page."""
-        answer = self._told("Runtime.evaluate", expression=expression, returnByValue=True)
+        answer = self._call("Runtime.evaluate", expression=expression, returnByValue=True)
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 
@@ -100,7 +100,7 @@ class Browser:
         )
 
     def screenshot(self, path):
-        path.write_bytes(base64.b64decode(self._told("Page.captureScreenshot")["data"]))
+        path.write_bytes(base64.b64decode(self._call("Page.captureScreenshot")["data"]))
 
     def close(self):
         self._open.close()
@@ -181,7 +181,7 @@ def test_the_page_of_a_running_twin_shows_it_and_commands_it(bench, browse, tmp_
 
 
 @pytest.mark.long
-def test_what_a_driver_refuses_is_told_and_what_it_leaves_undone_is_commanded_all_the_same(bench, joints):
+def test_a_refusal_of_the_driver_is_shown_and_an_unanswered_request_is_commanded_directly(bench, joints):
     states = bench.collect(RIG_STATE)
     page = bench.start_with(["--port", "0", "--no-browser"], "watch")
     simulator = bench.start("simulator")
@@ -219,7 +219,7 @@ def test_the_page_of_a_bag_plays_stops_and_goes_to_a_time(bench, browse, small_b
     assert "Traceback" not in page.text
 
 
-def test_nobody_from_elsewhere_commands_through_the_page(bench, small_bag):
+def test_a_page_of_another_origin_cannot_command(bench, small_bag):
     command = [sys.executable, "-m", "drill_twin.cli", "watch", str(small_bag), "--port", "0", "--no-browser"]
     url = _served(bench.command("page", command))
     live = url.replace("http", "ws") + "live"

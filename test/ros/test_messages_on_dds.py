@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""On the wire: every topic has the type of the contract, and every number on it is the number that was meant."""
+"""Messages on DDS: every topic has the type of the contract, and every number its value."""
 
 import math
 
@@ -30,7 +30,7 @@ def _numbers(message):
 
 
 def _rubbish(number):
-    """What an int becomes that is sent where a float belongs: a number far too small to be meant."""
+    """Value of an int that is sent in a float field: a number too small to be valid."""
     return number != 0.0 and abs(number) < 1e-300
 
 
@@ -53,7 +53,7 @@ def test_a_run_has_its_marks_where_the_scene_puts_them(small_bag):
     assert math.hypot(values["mark_3/x"], values["mark_3/y"]) == pytest.approx(0.00825, abs=0.005)
 
 
-def test_the_echo_says_revolutions(small_bag):
+def test_the_speed_command_is_in_revolutions(small_bag):
     numbers = {
         topic: [
             deserialize_message(raw, message_class(TOPICS[topic])).data
