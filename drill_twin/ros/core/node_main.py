@@ -13,7 +13,8 @@ from rclpy.utilities import remove_ros_args
 
 from drill_twin.errors import DrillTwinError
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.parameters import Parameter, file_text, help_text
+from drill_twin.ros.core.parameter_text import file_text, help_text
+from drill_twin.ros.core.parameters import Parameter
 from drill_twin.ros.core.qos_overrides import refuse_unused
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment import discovery

@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSPolicyKind
 from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 
-from drill_twin.ros.core.parameters import ParameterError
+from drill_twin.ros.core.parameters import ParameterError, given_parameters
 
 _PREFIX = "qos_overrides."
 OVERRIDABLE = QoSOverridingOptions(
@@ -43,9 +43,8 @@ def refuse_unused(node: Node) -> None:
     Raises:
         ParameterError: An override names no topic of this node.
     """
-    given = node._parameter_overrides  # noqa: SLF001 - rclpy has no public access to the given overrides
     known = [name for name in node._parameters if name.startswith(_PREFIX)]  # noqa: SLF001
-    for name in given:
+    for name in given_parameters(node):
         if name.startswith(_PREFIX) and name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f"did you mean {near[0]}?" if near else "ros2 param list shows them"

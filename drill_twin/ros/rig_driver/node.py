@@ -23,9 +23,10 @@ from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer
-from drill_twin.ros.core.parameters import Parameter, Value
-from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, scene_of
+from drill_twin.ros.core.parameters import Value
+from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.rig_driver.parameters import PARAMETERS
 from drill_twin.ros.rig_driver.set_point_transition import Plan, SetPointTransition
 from drill_twin.schedule.command import Command
 
@@ -38,49 +39,7 @@ class RigDriver(TwinNode):
 
     NAME: ClassVar = "rig_driver"
     PURPOSE: ClassVar = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
-    PARAMETERS: ClassVar = (
-        SCENE,
-        Parameter(
-            "weight_on_bit",
-            "",
-            "weight on bit in place of the scene's, with its unit; \"\": the scene's",
-            live=True,
-            such_as="40 N",
-        ),
-        Parameter(
-            "rotation",
-            "",
-            "top-drive speed in place of the scene's, with its unit; \"\": the scene's",
-            live=True,
-            such_as="120 rpm",
-        ),
-        Parameter(
-            "change_time", 1.0, "simulated time that a live change of a set-point takes", "s", 0.0, 3600.0, live=True
-        ),
-        Parameter(
-            "table",
-            "",
-            "CSV or MAT file of measured set-points to play in place of the schedule; its columns and units are those "
-            'of rig.table in the scene (or overrides), or are found by their names; "": the schedule of the scene',
-        ),
-        OVERRIDES,
-        Parameter(
-            "follow",
-            "clock",
-            "clock: send with the simulator's /clock; wall: send by the wall clock, for a simulator without one",
-            choices=("clock", "wall"),
-        ),
-        Parameter("frame_rate", 0.0, "set-points per second; 0: the scene's frame rate", "Hz", 0.0, 1000.0),
-        Parameter("wait_for", "simulator", "nodes that must be ready before the first set-point, separated by spaces"),
-        Parameter("wait_timeout", 120.0, "longest wait for them", "s", 0.0, 3600.0),
-        Parameter(
-            "at_end",
-            "hold",
-            "hold: go on sending the last set-point when the schedule is over; stop: end the node",
-            choices=("hold", "stop"),
-            live=True,
-        ),
-    )
+    PARAMETERS: ClassVar = PARAMETERS
 
     def __init__(
         self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
