@@ -113,11 +113,6 @@ class WhirlPipeline:
         bit = self.findings.bit
         return f"{self.findings.motion.value}{', stick-slip of the bit' if bit is BitMotion.STICK_SLIP else ''}"
 
-    @property
-    def onset_announced(self) -> bool:
-        """Whether an onset has been found and encoded."""
-        return self._encoder is not None and self._encoder.onset_announced
-
     def start(self) -> list[Message]:
         """What to publish before the first sample, where the scene was given; else nothing."""
         given = self._given is not None or self._infos
