@@ -25,14 +25,14 @@ def tf_message() -> Any:
         return None
 
 
-class Transforms:
-    """Publishes `tf` at the rate of the pictures, and `tf_static` once."""
+class TfPublisher:
+    """Publishes `tf` at the rate of the markers, and `tf_static` once."""
 
     def __init__(self, node: Node, kind: Any, geometry: StringGeometry, inclination: float) -> None:
-        """Announce both topics.
+        """Create both publishers.
 
         Args:
-            node: Who publishes.
+            node: The simulator.
             kind: `tf_message()`.
             geometry: Of the string.
             inclination: Of the hole at the top clamp [rad].
@@ -47,13 +47,13 @@ class Transforms:
         self._fixed.publish(TransformsTemplate([hole[:2]]).fill(0, [hole]))
 
     def publish(self, frame: Frame) -> None:
-        """Where bit and marks are now."""
+        """Publish the frames of bit and marks."""
         placed = self._frames.placed(frame)
         if self._template is None:
             self._template = TransformsTemplate([one[:2] for one in placed])
         self._moving.publish(self._template.fill(stamp_ns(frame.time), placed))
 
-    def retire(self) -> None:
-        """Take both topics back."""
+    def destroy(self) -> None:
+        """Destroy both publishers."""
         for publisher in (self._moving, self._fixed):
             self._node.destroy_publisher(publisher)
