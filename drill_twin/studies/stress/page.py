@@ -10,7 +10,7 @@ from typing import Any
 from drill_twin import __version__
 from drill_twin.studies.stress.judge import Result
 from drill_twin.studies.verify.page import computed, error, number, tolerance
-from drill_twin.studies.verify.run import Outcome
+from drill_twin.studies.verify.run import CaseResult
 
 EXACT = (
     "buckling.euler", "rotor.whirl_driven_by_internal_damping", "contact.bounce_without_loss", "contact.restitution",
@@ -69,31 +69,31 @@ def cells(result: Result) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def to_data(results: Sequence[Result], outcomes: Sequence[Outcome] = ()) -> dict[str, Any]:
+def to_data(results: Sequence[Result], checks: Sequence[CaseResult] = ()) -> dict[str, Any]:
     """Plain types for JSON."""
     return {
         "version": __version__,
-        "ok": all(result.ok for result in results) and all(outcome.ok for outcome in outcomes),
+        "ok": all(result.ok for result in results) and all(check.ok for check in checks),
         "cases": [result.to_dict() for result in results],
-        "exact": [outcome.to_dict() for outcome in outcomes],
+        "exact": [check.to_dict() for check in checks],
     }
 
 
-def to_page(results: Sequence[Result], outcomes: Sequence[Outcome], command: str) -> str:
+def to_page(results: Sequence[Result], checks: Sequence[CaseResult], command: str) -> str:
     """The docs page, in Markdown.
 
     Args:
         results: In the order of the library.
-        outcomes: Of the exact checks.
+        checks: Of the exact checks.
         command: What writes it.
     """
     lines = [_line(*COLUMNS), _line(*["---"] * len(COLUMNS)), *(_line(*cells(result)) for result in results)]
     text = _HEAD.format(command=command, summary=summary(results))
     text += "\n".join(lines) + "\n\n## Why they are hard\n\n"
     text += "\n".join(f"* `{name}`: {why}" for name, why in _reasons(results)) + "\n\n"
-    if outcomes:
+    if checks:
         columns = ("check", "form", "number", "reference", "expected", "computed", "error", "tolerance", "")
-        text += _EXACT + "\n".join([_line(*columns), _line(*["---"] * len(columns)), *_exact(outcomes)]) + "\n\n"
+        text += _EXACT + "\n".join([_line(*columns), _line(*["---"] * len(columns)), *_exact(checks)]) + "\n\n"
     said = [result for result in results if result.verdict != "ok"]
     if said:
         text += "## What was said\n\n" + "\n".join(f"* `{result.name}`: {result.verdict}" for result in said)
@@ -105,13 +105,13 @@ def _reasons(results: Sequence[Result]) -> Iterator[tuple[str, str]]:
         yield name, next(group).why
 
 
-def _exact(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    for outcome in outcomes:
-        if outcome.failure:
-            yield _line(outcome.case.name, outcome.case.form, outcome.failure, "", "", "", "", "", "**miss**")
-        for row in outcome.rows:
+def _exact(checks: Sequence[CaseResult]) -> Iterator[str]:
+    for check in checks:
+        if check.failure:
+            yield _line(check.case.name, check.case.form, check.failure, "", "", "", "", "", "**miss**")
+        for row in check.rows:
             yield _line(
-                outcome.case.name.partition("[")[0], outcome.case.form, row.what, f"`{row.reference}` ({row.source})",
+                check.case.name.partition("[")[0], check.case.form, row.what, f"`{row.reference}` ({row.source})",
                 number(row.expected), computed(row), error(row), tolerance(row), "ok" if row.ok else "**miss**",
             )  # fmt: skip
 
