@@ -11,7 +11,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.model.wellbore import Axis
-from drill_twin.model.wellbore_coordinates import across, rolled, seen
+from drill_twin.model.wellbore_coordinates import from_hole_coordinates, offsets, transverse_axes
 
 _RING_SEGMENTS = 32
 
@@ -62,13 +62,13 @@ class Widened:
         """Of node positions in the frame `hole` [m], shape (n + 1, 3)."""
         drawn: Array = positions * self._scale
         if self._nodes is not None:
-            drawn = positions + (self._factor - 1.0) * seen(self._nodes, positions).off
+            drawn = positions + (self._factor - 1.0) * offsets(self._nodes, positions).off
         return drawn
 
     def marks(self, positions: Array) -> Array:
         """Of marks as the topics tell them, off the axis and along it [m], shape (m, 3)."""
         drawn: Array = positions * self._scale
-        return drawn if self._marks is None else rolled(self._marks, drawn)
+        return drawn if self._marks is None else from_hole_coordinates(self._marks, drawn)
 
     def rings(self, depths: Array) -> Array:
         """Segments of circles at the wall, at measured depths [m]; shape (2 x segments, 3)."""
@@ -78,6 +78,6 @@ class Widened:
         if self._geometry.axis_at is None:
             return np.concatenate([np.insert(segments, 2, -depth, axis=1) for depth in depths])
         axis = self._geometry.axis_at(depths)
-        ex, ey = across(axis.tangent)
+        ex, ey = transverse_axes(axis.tangent)
         x, y = segments[None, :, 0:1], segments[None, :, 1:2]
         return (axis.centre[:, None] + x * ex[:, None] + y * ey[:, None]).reshape(-1, 3)

@@ -36,7 +36,7 @@ def deepest_allowed(twin: Twin, speed: float) -> float:
     stiffness = float(wall.stiffness or wall.linear_stiffness)
     mass = float(twin.rod.line_mass.max())
     helix = extremes(twin.scene).weight_on_bit ** 2 / (4.0 * float(twin.rod.bending.min()))
-    pressed = NEIGHBOURS * (pressure(twin) + helix * float(twin.model.bore.clearance.max()))
+    pressed = NEIGHBOURS * (pressure(twin) + helix * float(twin.model.wellbore.clearance.max()))
 
     def sinks_on(depth: float) -> bool:
         pushed = 0.5 * mass * speed**2 + pressed * depth + 0.5 * NEIGHBOURS * helix * depth**2

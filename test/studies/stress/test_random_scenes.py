@@ -110,7 +110,7 @@ def check(data: dict, lost: list | None = None) -> None:
     if image is not None:
         other = Scene.model_validate(image)
         seen = [frame.positions for _, frame in frames(Twin(other), Schedule.from_scene(other), last=3)]
-        room = float(twin.model.bore.clearance.max())
+        room = float(twin.model.wellbore.clearance.max())
         for here, there in zip(early, seen, strict=True):
             np.testing.assert_allclose(there * (1.0, -1.0, 1.0), here, rtol=0.0, atol=ROUND_OFF * max(room, 1e-3))
 
