@@ -134,14 +134,14 @@ def _selection(marks: list[str], begin: float, end: float, topics: list[str], cl
     Raises:
         BagError: An option is not what it should be.
     """
-    from drill_twin.io.bag.mapped import names_from
+    from drill_twin.io.bag.remapped import parse_remappings
     from drill_twin.report.selection import Selection
     from drill_twin.units import UnitError, parse
     from drill_twin.units.dimension import LENGTH
 
     if not begin < end:
         raise BagError(f"--from, --to: expected a start before the end, found {begin:g} s and {end:g} s")
-    names = names_from(topics, "--map")
+    names = parse_remappings(topics, "--map")
     lengths = []
     for option, text in (("--clearance", clearance), ("--rim", rim)):
         try:

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from drill_twin.errors import BagError, MessageError
-from drill_twin.io.bag.mapped import MappedBag
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.remapped import RemappedBag
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
 from drill_twin.whirl import MarkInfo
@@ -49,7 +49,7 @@ def open_bag(path: Path, selection: Selection) -> Bag:
     Raises:
         BagError: It is not a bag, or has not the topics that were named.
     """
-    return MappedBag(path, selection.topics) if selection.topics else Bag(path)
+    return RemappedBag(path, selection.topics) if selection.topics else Bag(path)
 
 
 def lacking(bag: Bag) -> list[str]:
