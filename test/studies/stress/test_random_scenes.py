@@ -20,7 +20,7 @@ from drill_twin.effects import EFFECTS
 from drill_twin.errors import RunError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
-from drill_twin.studies.stress.bound import deepest_allowed
+from drill_twin.studies.stress.bound import allowed_depth
 from drill_twin.twin.twin import Twin
 
 BENCH = frozenset(load_scene("pa6_bench").effect_names)
@@ -95,7 +95,7 @@ def check(data: dict, lost: list | None = None) -> None:
         if number <= 3:
             early.append(frame.positions.copy())
     if scene.effects.wall is not None:
-        assert depth <= 2.0 * deepest_allowed(twin, speed) + twin.step_size * speed
+        assert depth <= 2.0 * allowed_depth(twin, speed) + twin.step_size * speed
     if reached < FRAMES:
         return
     again = Twin(scene)
