@@ -27,7 +27,7 @@ MARK_COLOURS = (BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY)
 MARK_LINES = ("-", "--", "-", ":", "-", "--")
 
 STATE_COLOURS = {
-    MotionState.UNSEEN: "#fafafa",
+    MotionState.NOT_OBSERVABLE: "#fafafa",
     MotionState.AT_REST: "#eeeeee",
     MotionState.FIXED_AXIS: "#bdbdbd",
     MotionState.FORWARD_WHIRL: SKY,
