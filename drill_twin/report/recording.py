@@ -125,9 +125,9 @@ class Recording:
 
     def _checked_summary(self) -> Summary:
         pipeline = self._pipeline
-        if pipeline.blind is not None and pipeline.blind.quality.accepted:
+        if pipeline.bit_only is not None and pipeline.bit_only.quality.accepted:
             return pipeline.summary()
-        if pipeline.blind is None and not pipeline.marks:
+        if pipeline.bit_only is None and not pipeline.marks:
             raise BagError(self._no_scene())
         if pipeline.findings is None:
             raise BagError(self._no_samples())
@@ -182,7 +182,7 @@ class Recording:
     @property
     def places(self) -> tuple[MarkInfo, ...]:
         """Analysed marks; empty where whirl is not observable."""
-        return self._pipeline.marks if self._pipeline.blind is None else ()
+        return self._pipeline.marks if self._pipeline.bit_only is None else ()
 
     @property
     def findings(self) -> Findings:
@@ -208,7 +208,7 @@ class Recording:
     @property
     def duration(self) -> float:
         """Simulated time of the last sample [s]."""
-        if self._pipeline.blind is not None:
+        if self._pipeline.bit_only is not None:
             return float(self.rig.time[-1]) if len(self.rig) else 0.0
         return seconds(self.findings.stamp_ns)
 

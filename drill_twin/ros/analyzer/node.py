@@ -76,7 +76,7 @@ class Analyzer(TwinNode):
         del info
         runs = pipeline.runs
         self._publish(pipeline.take(topic, bytes(raw)))
-        if topic == MARKS_STATE or pipeline.blind is not None:
+        if topic == MARKS_STATE or pipeline.bit_only is not None:
             self._last_sample = time.monotonic()
         if pipeline.runs != runs and pipeline.scene is not None:
             self._onset_logged = False
