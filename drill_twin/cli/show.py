@@ -50,7 +50,7 @@ def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = 
 
 def print_findings(summary: Mapping[str, Any]) -> None:
     """A summary as tables: findings, marks, timeline, and what limits them."""
-    from drill_twin.report.text import findings, provenance, troubles
+    from drill_twin.report.text import findings, limitations, provenance
 
     console = out()
     console.print(pairs([*_without_radii(findings(summary)), *provenance(summary)]))
@@ -71,7 +71,7 @@ def print_findings(summary: Mapping[str, Any]) -> None:
             right=(0, 1),
         )
     )
-    for trouble in troubles(summary):
+    for trouble in limitations(summary):
         err().print(Text(f"note: {trouble}", style="yellow"), soft_wrap=True)
 
 
