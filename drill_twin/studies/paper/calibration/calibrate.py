@@ -52,7 +52,8 @@ class Found:
         """Plain types for JSON."""
         return {
             "place": self.parameter.place, "name": self.parameter.name, "unit": self.parameter.unit,
-            "value": self.value, "low": self.low, "high": self.high, "without": self.without, "needed_for": list(self.needed_for),
+            "value": self.value, "low": self.low, "high": self.high,
+            "without": self.without, "needed_for": list(self.needed_for),
         }  # fmt: skip
 
 
