@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin hard`: the scenes at which simulators break down, one line each."""
+"""Command `drill-twin hard`: stress study on hard scenes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def hard(
         bool, typer.Option("--exact", help="Run the exact checks of bounce, rolling, growth and stick-slip too.")
     ] = False,
     energy: Annotated[
-        bool, typer.Option("--energy", help="Audit the energy; compiles kernels of its own, half a minute each.")
+        bool, typer.Option("--energy", help="Audit the energy; compiles further kernels, half a minute each.")
     ] = False,
     names: Annotated[bool, typer.Option("--list", help="Print the scenes and why they are hard.")] = False,
     page: Annotated[
@@ -39,9 +39,7 @@ def hard(
     ] = None,
     region: Annotated[
         Path | None,
-        typer.Option(
-            "--map", metavar="FILE", help="Only draw which steps are taken over stiffness and damping (.png)."
-        ),
+        typer.Option("--map", metavar="FILE", help="Only draw the stability map over stiffness and damping (.png)."),
     ] = None,
     workers: Annotated[int, typer.Option("--workers", min=1, max=64, help="Processes at a time.")] = 2,
     json: JsonOption = False,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin verify`: every exact check, in one table."""
+"""Command `drill-twin verify`: every verification case, in one table."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def verify(
     quick: Annotated[
         bool, typer.Option("--quick", help="Leave out the cases that take more than a few seconds.")
     ] = False,
-    names: Annotated[bool, typer.Option("--list", help="Print the names of the cases and what they show.")] = False,
+    names: Annotated[bool, typer.Option("--list", help="Print the names of the cases and their descriptions.")] = False,
     page: Annotated[
         Path | None,
         typer.Option("--page", metavar="FILE", help="Write the table as a page (.md), and as JSON beside it."),

@@ -43,7 +43,7 @@ class Change:
 
     @property
     def needed(self) -> bool:
-        """Whether the scene needs the group: the run fails, or a change is significant and beyond the tolerance."""
+        """True if the scene needs the group: the run fails, or a change is significant and beyond the tolerance."""
         return bool(self.failure) or any(quantity.matters for quantity in self.quantities.values())
 
 

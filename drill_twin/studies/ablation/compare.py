@@ -38,7 +38,7 @@ class Quantity:
     tolerances: float
     """The difference in tolerances; infinite if only one of the two exists."""
     matters: bool
-    """Whether the difference is beyond the tolerance and statistically significant."""
+    """True if the difference is beyond the tolerance and statistically significant."""
 
 
 def differences(before: Sequence[Trial], after: Sequence[Trial], tolerance: float) -> dict[str, Quantity]:

@@ -48,7 +48,7 @@ class Result:
     simulated: Score = field(default_factory=Score)
     """Simulated runs, from wall marks, spin and top speed alone."""
     with_forces: Score = field(default_factory=Score)
-    """The same, with the wall forces at the marks."""
+    """Simulated runs, with the wall forces at the marks too."""
     false_onsets: int = 0
     """Marks with an onset in the hours of steady rotation."""
     worst: list[tuple[float, str]] = field(default_factory=list)

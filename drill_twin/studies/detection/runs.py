@@ -48,7 +48,7 @@ class Run:
     clearance: Array
     """Clearance at the nodes [m], shape (n + 1,)."""
     vertical: bool
-    """Whether the hole is vertical."""
+    """True if the hole is vertical."""
 
 
 def simulate(name: str, overrides: Mapping[str, str]) -> Run:

@@ -51,7 +51,7 @@ class Score:
     delay: list[float] = field(default_factory=list)
     """Time from the true onset to its detection [rev]."""
     early_error: list[float] = field(default_factory=list)
-    """The same of onsets in the first revolutions."""
+    """Errors of the onsets in the first revolutions [rev]."""
     missed: int = 0
     """Records with an onset that was not found."""
     false: int = 0
@@ -60,7 +60,7 @@ class Score:
     string: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(STATES), len(STATES)), np.int64))
     """Confusion of the string's states: true (row) and found (column), in eighths of a revolution."""
     marks: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(STATES), len(STATES)), np.int64))
-    """The same of the marks' states."""
+    """Confusion of the states of the marks."""
 
     def add(self, truth: Truth, found: Summary, rotation: float, *, early: bool = False) -> None:
         """Add a record with its ground truth and rotation [rev/s]; with `early`, early onsets separately."""

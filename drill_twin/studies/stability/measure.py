@@ -33,7 +33,7 @@ class Cell:
     value: float
     """Stiffness of the wall [N/m2] or retardation time [s]."""
     followed: bool
-    """Whether the run reached its end."""
+    """True if the run reached its end."""
     iterations: float
     """Newton iterations per step [-]."""
     cut: float

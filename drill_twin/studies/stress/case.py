@@ -28,7 +28,7 @@ class HardCase:
     form: str
     """`spatial` or `lateral`."""
     why: str
-    """Why the scene is hard, in one line."""
+    """Reason why the scene is hard, in one line."""
     seconds: float
     """Simulated time [s]."""
 
@@ -39,7 +39,7 @@ class HardCase:
 
     @property
     def long(self) -> bool:
-        """Whether `--quick` leaves the case out."""
+        """True if `--quick` leaves the case out."""
         return self.seconds > QUICK_LIMIT
 
     def scene(self, *, energy: bool = False) -> Scene:

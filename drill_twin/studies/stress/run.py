@@ -58,7 +58,7 @@ class Result:
 
     @property
     def ok(self) -> bool:
-        """Whether the case is in order: run to its end, or stopped for the expected reason."""
+        """True if the case is in order: run to its end, or stopped for the expected reason."""
         return self.verdict.startswith("ok")
 
     def to_dict(self) -> dict[str, Any]:

@@ -25,7 +25,7 @@ class Row:
     tolerance: float
     """Largest error that the discretisation explains; the docstring of the case gives the reason."""
     relative: bool = True
-    """Whether error and tolerance are relative to the expected number; else they have its unit."""
+    """True if error and tolerance are relative to the expected number; else they have its unit."""
 
     def __post_init__(self) -> None:
         """Refuse a relative error of zero."""
@@ -40,7 +40,7 @@ class Row:
 
     @property
     def ok(self) -> bool:
-        """Whether the error is finite and within the tolerance."""
+        """True if the error is finite and within the tolerance."""
         return math.isfinite(self.error) and abs(self.error) <= self.tolerance
 
     def to_dict(self) -> dict[str, Any]:

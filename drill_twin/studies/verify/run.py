@@ -27,7 +27,7 @@ class CaseResult:
 
     @property
     def ok(self) -> bool:
-        """Whether the case ran and every row is within its tolerance."""
+        """True if the case ran and every row is within its tolerance."""
         return not self.failure and bool(self.rows) and all(row.ok for row in self.rows)
 
     def to_dict(self) -> dict[str, Any]:

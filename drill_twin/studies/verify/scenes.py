@@ -24,7 +24,7 @@ BARE: dict[str, Any] = {"stretch": {}, "torsion": {}}
 KICK: dict[str, Any] = {"lateral_kick": {"velocity": 1e-6, "shape": "hump"}}
 """Initial velocity small enough for linear motion, zero at both ends."""
 WAVE: dict[str, Any] = {"lateral_kick": {"velocity": 1e-6, "shape": "half_wave"}}
-"""The same, for ends that are free to rotate."""
+"""Initial velocity for ends that are free to rotate."""
 QUIET: dict[str, dict[str, Any]] = {
     "gravity": {"magnitude": 0.0},
     "bow": {"amplitude": 0.0},
@@ -45,7 +45,7 @@ WALLED: dict[str, dict[str, Any]] = {
     "wall": {"stiffness": 1e7},
     "wall_friction": {"coefficient": 0.0},
 }
-"""The same with a wall: the effects of the scene pa6_bench."""
+"""Set of effects with a wall: those of the scene pa6_bench."""
 ROLLING: dict[str, Any] = {
     "bow": {"amplitude": 2e-3},
     "drag": {"linear": 0.02},

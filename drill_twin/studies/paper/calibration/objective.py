@@ -27,7 +27,7 @@ LARGEST = 8.0
 
 
 def fitted(number: Number) -> bool:
-    """Whether a number is fitted: critical times, frequencies, a ratio on each side of the surge, and mark-3."""
+    """True if a number is fitted: critical times, frequencies, a ratio on each side of the surge, and mark-3."""
     if number.what in (CRITICAL_TIME, FREQUENCY):
         return True
     if number.what == RATIO:

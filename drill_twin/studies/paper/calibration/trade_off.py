@@ -20,7 +20,7 @@ SLOW_FROM = 150.0
 
 
 def groups() -> tuple[tuple[Number, ...], tuple[Number, ...]]:
-    """Fitted frequencies and ratios: of fast whirl (half the rotation and more), and of slow whirl (a seventh of it)."""
+    """Fitted frequencies and ratios: fast whirl (half the rotation and more) and slow whirl (a seventh of it)."""
     whirl = [number for number in FITTED if number.what in (FREQUENCY, RATIO)]
     slow = tuple(number for number in whirl if number.weight_on_bit >= SLOW_FROM)
     return tuple(number for number in whirl if number not in slow), slow

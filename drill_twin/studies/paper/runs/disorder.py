@@ -18,7 +18,7 @@ MAX_FREQUENCY = 10.0
 DISTANCE = 1e-6
 """Distance of two neighbouring runs after rescaling: rms lateral distance of the nodes [m]."""
 TOLERANCE = 1e-8
-"""Tolerance of Newton's method in the two runs: at that of other runs, residuals make them diverge six times as fast."""
+"""Tolerance of Newton's method in the two runs: at that of other runs, residuals diverge six times as fast."""
 INTERVAL = 0.05
 """Interval between rescalings of the distance [s]."""
 

@@ -39,7 +39,7 @@ class FullSizeRow:
 
     @property
     def near(self) -> bool:
-        """Whether both ends are within 20 %."""
+        """True if both ends are within 20 %."""
         ends = ((self.number.low, self.number.high), self.ours or (math.inf, math.inf))
         return all(abs(ours - value) <= NEAR * abs(value) for value, ours in zip(*ends, strict=True))
 

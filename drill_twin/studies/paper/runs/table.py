@@ -35,7 +35,7 @@ class Row:
 
     @property
     def near(self) -> bool:
-        """Whether the deviation is within 20 %."""
+        """True if the deviation is within 20 %."""
         return self.deviation is not None and abs(self.deviation) <= NEAR
 
     def to_dict(self) -> dict[str, Any]:
@@ -130,7 +130,7 @@ def _values(results: Results, fixed: float, values: tuple[float, ...], name: str
 
 
 def _falls(pairs: list[tuple[float, float]], sense: float = 1.0) -> bool:
-    """Whether values decrease (increase for sense -1) within the slack, and from first to last by more than that."""
+    """True if values decrease (increase for sense -1) within the slack, and from first to last by more than that."""
     values = [sense * y for _, y in pairs]
     if len(values) < 2 or not all(math.isfinite(value) for value in values):
         return False

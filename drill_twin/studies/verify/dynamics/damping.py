@@ -102,7 +102,7 @@ def quadratic_drag(form: str) -> Iterator[Row]:
 
 @case(forms=FORMS)
 def sinking_in_mud(form: str) -> Iterator[Row]:
-    """The same soft rod falls across a level hole filled with mud: weight, buoyancy, added mass and drag together.
+    """Fall of the same soft rod across a level hole filled with mud: weight, buoyancy, added mass and drag together.
 
     The motion is uniform along the middle, so only the error of the step remains: 1e-4.
     """
