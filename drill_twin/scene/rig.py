@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """The `rig:` part of a scene: weight on bit and rotation over time, top drive, recorded table."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from drill_twin.scene.part import Part, refuse_at
+from drill_twin.scene.set_point_shapes import SHAPES
 from drill_twin.scene.top_drive import TopDrive
 from drill_twin.units import AngularSpeed, Force, Time, Within
 
-Shape = Literal["constant", "step", "ramp", "table"]
+if TYPE_CHECKING:
+    Shape = str
+else:
+    Shape = Literal[SHAPES]
 _LoadRange = Within(at_least="-100 MN", at_most="100 MN")
 _SpeedRange = Within(at_least="-100 rev/s", at_most="100 rev/s", reason="no rig turns faster")
 
@@ -19,7 +23,7 @@ class SetPoint(Part):
 
     shape: Shape = "constant"
     """`constant`: `value` throughout; `step`: smooth cubic from `initial` to `value` (STEP of ADAMS); `ramp`: straight
-    line; `table`: the column in `rig.table`."""
+    line; `table`: the column in `rig.table`; or a shape of another package (entry points `drill_twin.schedules`)."""
     start: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
     """Time at which the change begins [s]."""
     duration: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0

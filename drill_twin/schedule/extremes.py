@@ -4,9 +4,13 @@
 import numpy as np
 
 from drill_twin.scene import Scene
+from drill_twin.scene.set_point_shapes import ADDED
 from drill_twin.schedule.command import Command
 from drill_twin.schedule.schedule import record_of
-from drill_twin.schedule.shapes import table
+from drill_twin.schedule.shapes import shape, table
+
+SAMPLES = 10_001
+"""Times at which a shape of another package is evaluated, evenly over the run."""
 
 
 def extremes(scene: Scene) -> Command:
@@ -24,7 +28,11 @@ def extremes(scene: Scene) -> Command:
     def largest(name: str) -> float:
         set_point = getattr(rig, name)
         if set_point.shape != "table":
-            return float(max(abs(set_point.value), abs(set_point.initial)))
+            ends = max(abs(set_point.value), abs(set_point.initial))
+            if set_point.shape not in ADDED:
+                return float(ends)
+            over_time = shape(set_point)
+            return float(max(ends, *(abs(over_time(time)) for time in np.linspace(0.0, rig.duration, SAMPLES))))
         if record is None or rig.table is None:
             return 0.0
         values = record.column(name)

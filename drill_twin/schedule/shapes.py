@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-points as functions of time."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -8,13 +9,18 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.errors import SceneError
 from drill_twin.scene.rig import SetPoint
+from drill_twin.scene.set_point_shapes import ADDED
 
 SetPointAt = Callable[[float], float]
 """Time [s] -> value of a set-point."""
 
 
 def shape(set_point: SetPoint) -> SetPointAt:
-    """Function of time of a set-point that is not recorded."""
+    """Function of time of a set-point that is not recorded.
+
+    Raises:
+        SceneError: Its shape is `table`, or one of another package that cannot be loaded.
+    """
     initial, final, start, duration = set_point.initial, set_point.value, set_point.start, set_point.duration
     if set_point.shape == "constant":
         return lambda _: final
@@ -22,7 +28,25 @@ def shape(set_point: SetPoint) -> SetPointAt:
         return lambda time: step(time, start, initial, start + duration, final)
     if set_point.shape == "ramp":
         return lambda time: ramp(time, start, initial, start + duration, final)
+    if set_point.shape in ADDED:
+        return _added(set_point)
     raise SceneError(f'expected a set-point with a value, found shape "{set_point.shape}"')
+
+
+def _added(set_point: SetPoint) -> SetPointAt:
+    """Function of time of a set-point whose shape comes from another package."""
+    entry = ADDED[set_point.shape]
+    try:
+        function: SetPointAt = entry.load()(set_point)
+        value = float(function(0.0))
+    except Exception as error:
+        raise SceneError(
+            f'shape "{set_point.shape}": expected a function of time from {entry.value}, found '
+            f"{type(error).__name__}: {error}; mend or uninstall its package"
+        ) from error
+    if not math.isfinite(value):
+        raise SceneError(f'shape "{set_point.shape}": expected a finite value at 0 s, found {value!r} ({entry.value})')
+    return lambda time: float(function(time))
 
 
 def step(time: float, start: float, before: float, end: float, after: float) -> float:
