@@ -51,5 +51,9 @@ class StoppedError(RunError):
         return type(self), (str(self), self.time, self.kind, self.node, self.effect)
 
 
+class ArgumentError(DrillTwinError, ValueError):
+    """An argument of a function of the Python API that cannot be used."""
+
+
 class CheckpointError(DrillTwinError):
     """A checkpoint that cannot be written, read or resumed."""

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """YAML text to plain data with the line of each key and value, for messages."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -88,6 +89,13 @@ def read_lines(text: str, name: str) -> Lines:
         raise SceneError(f"{result.where(())}: expected keys such as `name`, `string`, `hole`, `rig`, found {kind}")
     result.data = data
     return result
+
+
+def copy_plain(data: Any) -> Any:
+    """Deep copy of data made in Python, with dicts and lists in place of other mappings and sequences."""
+    if isinstance(data, Mapping):
+        return {str(key): copy_plain(value) for key, value in data.items()}
+    return [copy_plain(item) for item in data] if isinstance(data, list | tuple) else data
 
 
 def _compose(text: str, name: str) -> yaml.Node | None:

@@ -3,11 +3,12 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 from drill_twin.errors import SceneError
-from drill_twin.scene.lines import LARGEST_TEXT, Lines, read_lines
+from drill_twin.scene.lines import LARGEST_TEXT, Lines, copy_plain, read_lines
 from drill_twin.scene.overrides import apply_overrides
 from drill_twin.scene.paths import scene_path
 from drill_twin.scene.problems import scene_error
@@ -44,6 +45,22 @@ def parse_scene(text: str, *, name: str = "scene", overrides: Mapping[str, str] 
     return _build(lines, overrides, folder=Path.cwd())
 
 
+def build_scene(
+    data: Mapping[str, Any], *, name: str = "scene", overrides: Mapping[str, float | str] | None = None
+) -> Scene:
+    """Build a scene from plain data with the keys of a scene file; numbers without a unit are in SI.
+
+    Args:
+        data: Blocks, lists and values; with `base`, only the differences from that scene.
+        name: Name of the data in messages.
+        overrides: As for `load_scene`; numbers in SI, those of a short name in its unit.
+
+    Raises:
+        SceneError: As `load_scene`.
+    """
+    return _build(Lines(name, copy_plain(data)), overrides, folder=Path.cwd(), text=False)
+
+
 def _read(path: Path) -> str:
     try:
         size = path.stat().st_size
@@ -56,12 +73,12 @@ def _read(path: Path) -> str:
         raise SceneError(f"{path}: expected text in UTF-8, found byte {error.object[error.start]:#04x}") from None
 
 
-def _build(lines: Lines, overrides: Mapping[str, str] | None, *, folder: Path) -> Scene:
+def _build(lines: Lines, overrides: Mapping[str, float | str] | None, *, folder: Path, text: bool = True) -> Scene:
     _inherit(lines, folder)
     apply_overrides(lines, overrides or {})
     _anchor_table(lines, folder)
     try:
-        return Scene.model_validate(lines.data, context={"text": True})
+        return Scene.model_validate(lines.data, context={"text": text})
     except ValidationError as error:
         raise scene_error(error, lines, Scene) from None
 

@@ -22,7 +22,7 @@ _BARE = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _INDEX = re.compile(r"\[(\w+)\]")
 
 
-def apply_overrides(lines: Lines, overrides: Mapping[str, str]) -> None:
+def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:
     """Set each override in the data; a list item is addressed by its index or `name`: `string.marks.mark_1.on`.
 
     `accuracy` replaces the elements, step and tolerance of the data.
@@ -33,15 +33,16 @@ def apply_overrides(lines: Lines, overrides: Mapping[str, str]) -> None:
     if "accuracy" in overrides:
         chosen = dict.fromkeys(("numerics.elements", "numerics.step", "numerics.tolerance"), "auto")
         overrides = {**chosen, **overrides}
-    for key, text in overrides.items():
-        place, value = _expand(key, text)
-        _set(lines, key, place, _value(lines, key, value))
+    for key, given in overrides.items():
+        place, value = _expand(key, given)
+        _set(lines, key, place, _value(lines, key, value) if isinstance(value, str) else value)
 
 
-def _expand(key: str, text: str) -> tuple[str, str]:
+def _expand(key: str, given: float | str) -> tuple[str, float | str]:
     if key not in SHORTHANDS:
-        return key, text
+        return key, given
     place, unit = SHORTHANDS[key]
+    text = str(given)
     return place, f"{text} {unit}".rstrip() if _BARE.fullmatch(text.strip()) else text
 
 

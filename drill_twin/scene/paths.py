@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Paths of the installed scenes, launch files and views."""
 
+import site
 import sys
 from difflib import get_close_matches
 from pathlib import Path
@@ -61,13 +62,13 @@ def scene_path(scene: str | Path) -> Path:
 
 
 def _candidates() -> "list[Path]":
-    roots = []
+    beside = Path(__file__).resolve().parents[2]
+    roots = [beside / "share" / "drill_twin"]  # `pip install --target`
     try:
         from ament_index_python.packages import get_package_share_directory
 
         roots.append(Path(get_package_share_directory("drill_twin")))
     except (ImportError, LookupError, OSError):  # no ROS environment, or one without this package
         pass
-    roots.append(Path(sys.prefix) / "share" / "drill_twin")
-    source = Path(__file__).resolve().parents[2] / "config"
-    return [source, *(folder for root in roots for folder in (root / "config", root))]
+    roots += [Path(prefix) / "share" / "drill_twin" for prefix in (sys.prefix, site.getuserbase())]
+    return [beside / "config", *(folder for root in roots for folder in (root / "config", root))]
