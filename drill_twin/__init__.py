@@ -1,7 +1,89 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A digital twin of a flexible drillstring as a ROS 2 node set.
+"""A digital twin of a flexible drillstring as a ROS 2 node set, and its Python API.
 
-Data flows one way: scene -> rod and effects -> twin -> nodes and session -> report.
+>>> import drill_twin as dt
+>>> result = dt.Simulation("pa6_bench").run(duration=30)
+>>> result.onset_s
+
+Names of the API are loaded on first use, so that a node that needs one module does not load them all.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drill_twin.api import (
+        AnalysisError,
+        ArgumentError,
+        BagError,
+        CheckpointError,
+        Cost,
+        DrillTwinError,
+        MessageError,
+        MotionState,
+        Onset,
+        Result,
+        RunError,
+        Scene,
+        SceneError,
+        Simulation,
+        State,
+        StoppedError,
+        Summary,
+        TableError,
+        Whirl,
+        analyze,
+        build_scene,
+        check_scene,
+        load_scene,
+        override,
+        read_bag,
+        scene_names,
+        write_scene,
+    )
+
 __version__ = "0.1.0"
+
+__all__ = [
+    "AnalysisError",
+    "ArgumentError",
+    "BagError",
+    "CheckpointError",
+    "Cost",
+    "DrillTwinError",
+    "MessageError",
+    "MotionState",
+    "Onset",
+    "Result",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "Simulation",
+    "State",
+    "StoppedError",
+    "Summary",
+    "TableError",
+    "Whirl",
+    "__version__",
+    "analyze",
+    "build_scene",
+    "check_scene",
+    "load_scene",
+    "override",
+    "read_bag",
+    "scene_names",
+    "write_scene",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a name of the API on first use."""
+    if name.startswith("__") or name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = globals()[name] = getattr(import_module("drill_twin.api"), name)
+    return value
+
+
+def __dir__() -> list[str]:
+    """Names of the API, loaded or not."""
+    return sorted({*globals(), *__all__})

@@ -36,7 +36,7 @@ class Point:
     step: float
     """[s]"""
     tolerance: float
-    """Tolerance of Newton's method."""
+    """Of Newton's method."""
     path: float
     """Error of the path before the onset [-]."""
     onset: float

@@ -26,13 +26,13 @@ class Errors:
     path: float | None
     """Largest distance of a mark's centre line from the converged one before the onset, over its largest radius."""
     onset: float | None
-    """Relative error of the onset time."""
+    """Of the onset time, relative."""
     frequency: float | None
-    """Relative error of the whirl frequency."""
+    """Of the whirl frequency, relative."""
     radius: float
-    """Error of the mean orbit radius, over the clearance."""
+    """Of the mean orbit radius, over the clearance."""
     contact: float
-    """Error of the share of nodes at the wall."""
+    """Of the share of nodes at the wall."""
 
     @property
     def controlled(self) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arguments and options of several commands."""
+"""Arguments and options that several commands share."""
 
 from __future__ import annotations
 
@@ -25,13 +25,17 @@ SetOption = Annotated[
         "--set", metavar="KEY=VALUE", help='Change the scene, as "hole.radius=80 mm" or "effects.bow=off"; repeatable.'
     ),
 ]
-SceneOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Scene of a bag that contains none.")]
+SceneOption = Annotated[
+    str, typer.Option("--scene", metavar="SCENE", help="The scene of a bag that does not hold one itself.")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, and nothing else, on stdout.")]
-ReplaceOption = Annotated[bool, typer.Option("--replace", help="Replace an existing result of drill-twin.")]
+ReplaceOption = Annotated[
+    bool, typer.Option("--replace", help="Where a result of drill-twin exists already, make the new one in its place.")
+]
 
 
 def overrides(pairs: list[str], **shorthands: str) -> dict[str, str]:
-    """Overrides of a scene from the options.
+    """The changes to a scene that options ask for.
 
     Raises:
         SceneError: A pair is not KEY=VALUE.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files of the report of a bag."""
+"""From a bag to the files of a report."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ FIGURES = ("set_points", "displacement", "motion", "spectrum_over_time", "orbits
 
 @dataclass(frozen=True)
 class ReportFiles:
-    """Paths of the files of a report."""
+    """Where the parts of a report lie."""
 
     page: Path
-    """`report.html`, which is complete without the other files."""
+    """`report.html`, which needs none of the others."""
     summary: Path
     """`summary.json`."""
     figures: dict[str, Path]
@@ -31,17 +31,17 @@ class ReportFiles:
 
 
 def _ignore(part: str) -> None:
-    """No-op, where no progress is shown."""
+    """Nobody watches."""
 
 
 def build_report(
     bag: Recording | str | Path, out_dir: str | Path, *, progress: Callable[[str], None] = _ignore
 ) -> ReportFiles:
-    """Write `report.html`, `summary.json` and the figures; older files of these names are replaced.
+    """Write `report.html`, `summary.json` and the figures; older ones of these names are replaced.
 
     Args:
         bag: A recording, or the path of a bag.
-        out_dir: Folder of the report; created if needed.
+        out_dir: Folder of the report; made as needed.
         progress: Called with the name of each part before it is made.
 
     Raises:
@@ -59,7 +59,7 @@ def build_report(
         files.summary.write_text(to_json(summary), "utf-8")
         for name, path in files.figures.items():
             progress(name)
-            _draw(name, recording, path)
+            _save(name, recording, path)
         progress("page")
         from drill_twin.report.page import build_page
 
@@ -71,12 +71,20 @@ def build_report(
     return files
 
 
-def _draw(name: str, recording: Recording, path: Path) -> None:
+def draw(name: str, recording: Recording) -> Figure:
+    """One of `FIGURES`."""
     import importlib
 
-    from drill_twin.report.figures.style import save, styled
+    from drill_twin.report.figures.style import styled
 
     module = importlib.import_module(f"drill_twin.report.figures.{name}")
-    draw: Callable[[Recording], Figure] = getattr(module, name)
+    function: Callable[[Recording], Figure] = getattr(module, name)
     with styled():
-        save(draw(recording), path)
+        return function(recording)
+
+
+def _save(name: str, recording: Recording, path: Path) -> None:
+    from drill_twin.report.figures.style import save, styled
+
+    with styled():
+        save(draw(name, recording), path)

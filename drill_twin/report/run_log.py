@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Texts of a bag on its run: the `run` block of the scene and the simulator's diagnostics."""
+"""What a bag says of its run in texts: the `run` block of the scene and the simulator's diagnostics."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
+import numpy as np
 import yaml
 
+from drill_twin.base.arrays import Array
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
+from drill_twin.io.messages.stamps import seconds
 from drill_twin.monitor.missing_effects import recorded_missing_effects
 from drill_twin.monitor.rejected_steps import RecordedRejections
 from drill_twin.twin.frame import COUNTS
@@ -18,11 +21,11 @@ _SIMULATORS = {"simulator", "twin"}
 
 
 class RunLog:
-    """Latest values of the `run` block and of the diagnostics."""
+    """Latest state of the texts of a run."""
 
     def __init__(self, info: dict[str, Any] | None = None) -> None:
         self.info = info or {}
-        """Content of the `run` block: version, seed, elements, step, effects, pace, start."""
+        """The `run` block: version, seed, elements, step, effects, pace, start."""
         self.realtime_factor: float | None = None
         """Simulated time over the time the physics took."""
         self.steps: dict[str, int] = {}
@@ -31,6 +34,7 @@ class RunLog:
         """Effects that the scene leaves out and that matter, a sentence each."""
         self.guard = RecordedRejections()
         """Rejected frames, and the energy balance."""
+        self._energies: dict[int, dict[str, float]] = {}
 
     def on_scene(self, raw: bytes) -> None:
         """Read a `/twin/scene`.
@@ -46,7 +50,8 @@ class RunLog:
         Raises:
             MessageError: It cannot be decoded.
         """
-        for status in decode_diagnostics(raw)[1]:
+        stamp, statuses = decode_diagnostics(raw)
+        for status in statuses:
             values = status.values
             if status.name.rpartition("/")[2] in _SIMULATORS and "realtime_factor" in values:
                 factor = _finite(values["realtime_factor"])
@@ -54,10 +59,18 @@ class RunLog:
                 self.steps |= {key: int(values[key]) for key in COUNTS if values.get(key, "").isdecimal()}
                 self.left_out = recorded_missing_effects(values)
                 self.guard.update(values)
+                if self.guard.energy:
+                    self._energies[stamp] = {"time": seconds(stamp), **self.guard.energy}
+
+    @property
+    def energy(self) -> dict[str, Array]:
+        """Energy balance and `time` [s] of each report, shape (K,); empty without an audit."""
+        reports = list(self._energies.values())
+        return {key: np.array([report[key] for report in reports]) for key in (reports[0] if reports else ())}
 
 
 def _run_block(text: str) -> dict[str, Any]:
-    """Content of the `run` block of a scene text; empty if there is none, or if the text is not YAML."""
+    """The `run` block of a scene text; empty where there is none, or where the text is no YAML."""
     try:
         data = yaml.safe_load(text)
     except yaml.YAMLError:
@@ -67,7 +80,7 @@ def _run_block(text: str) -> dict[str, Any]:
 
 
 def _finite(text: str) -> float | None:
-    """Number in a text; None if it is not a finite number."""
+    """The number in a text; None if it is none, or not finite."""
     try:
         value = float(text)
     except ValueError:

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands of the studies, each of many runs."""
+"""Sub-commands that ask a question of many runs."""

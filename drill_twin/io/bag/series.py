@@ -17,7 +17,7 @@ from drill_twin.io.messages.encode import MARK_AXES, RIG_JOINTS, read_command, r
 from drill_twin.io.messages.pose import spin_of, tangent_of
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.whirl_encode import read_whirl_state
-from drill_twin.io.samples import columns, speeds
+from drill_twin.io.whirl_pipeline import columns, speeds
 from drill_twin.twin.frame import RigState
 
 _ALL, _XYZ, _SPIN = slice(None), slice(3), 3
@@ -203,7 +203,7 @@ class PoseSeries(Series):
 
     def __init__(self, every: int = 1) -> None:
         super().__init__()
-        self._every, self._seen = every, 0
+        self._every, self.seen = every, 0
 
     def add_message(self, raw: bytes) -> None:
         """Append a message, if it is one of those that are kept: the first of each `every`.
@@ -211,10 +211,10 @@ class PoseSeries(Series):
         Raises:
             MessageError: It cannot be decoded, or the number of nodes has changed.
         """
-        if self._seen % self._every == 0:
+        if self.seen % self._every == 0:
             poses = read_pose_array(raw)
             self.append(poses.stamp, np.concatenate((poses.position, poses.orientation), axis=1))
-        self._seen += 1
+        self.seen += 1
 
     @property
     def tangent(self) -> Array:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""DiagnosticArray: level, sentence and named values as text for each component."""
+"""DiagnosticArray in and out: a level, a sentence, and named values as text for each component."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ class Level(IntEnum):
 
 @dataclass(frozen=True)
 class Status:
-    """Status of one component."""
+    """State of one component."""
 
     name: str
     """Component, as `simulator: guard`."""
     level: Level
-    """Severity."""
+    """How well it is."""
     text: str
     """One sentence."""
     values: Mapping[str, str] = field(default_factory=dict)
-    """Named values as text; floats by `exact`, so that they are read back bit for bit."""
+    """Named values, as text; floats by `exact`, so that they come back bit for bit."""
     hardware_id: str = ""
-    """Subject, as the name of a mark."""
+    """What it is about, as a mark's name."""
 
 
 def exact(value: float) -> str:
-    """Shortest text that is read back as the same float."""
+    """Shortest text that reads back as the same float."""
     return repr(float(value))
 
 

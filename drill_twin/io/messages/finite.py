@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that values to be published are finite."""
+"""The last gate: a number that is none reaches no topic and no file."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 
 
-def check_finite(topic: str, values: Array) -> None:
-    """Check that all values are finite.
+def finite_only(topic: str, values: Array) -> None:
+    """Let an array pass if all of it is finite.
 
     Raises:
-        MessageError: A value is not finite; names the first one.
+        MessageError: It is not; says which entry.
     """
     if not np.isfinite(values).all():
         place = np.unravel_index(int(np.argmin(np.isfinite(values))), values.shape)
@@ -27,21 +27,21 @@ def check_finite(topic: str, values: Array) -> None:
 
 
 def finite_number(topic: str, what: str, value: float) -> float:
-    """Return a number if it is finite.
+    """Let a number pass if it is finite.
 
     Raises:
-        MessageError: It is not finite.
+        MessageError: It is not.
     """
     if not math.isfinite(value):
         raise MessageError(f"{topic}: expected a finite {what}, found {value}; it was not sent")
     return value
 
 
-def check_not_infinite(topic: str, values: Array) -> None:
-    """Check that no value is infinite; NaN stands for an unknown value.
+def not_infinite(topic: str, values: Array) -> None:
+    """Let an array pass if none of it is infinite; NaN stands for what is not known.
 
     Raises:
-        MessageError: A value is infinite.
+        MessageError: It is not.
     """
     if np.isinf(values).any():
         raise MessageError(f"{topic}: expected finite numbers, or NaN for what is not known, found an infinite one")

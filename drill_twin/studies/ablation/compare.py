@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Comparison of two sets of runs: differences beyond the tolerance and beyond chance."""
+"""Whether two sets of runs differ: by more than the user minds, and by more than chance."""
 
 from __future__ import annotations
 
@@ -13,47 +13,47 @@ from scipy import stats
 from drill_twin.accuracy.trial import Trial
 
 CONFIDENCE = 0.95
-"""Confidence level of a significant difference."""
+"""Confidence with which a difference is no chance."""
 RELATIVE = ("onset_s", "whirl_frequency_hz")
-"""Quantities whose tolerance is relative; the others are shares already."""
+"""Quantities measured by their own size; the others are shares already."""
 NAMES = {
     "onset_s": "onset",
     "whirl_frequency_hz": "whirl frequency",
     "mean_radius": "mean orbit radius",
     "contact_fraction": "contact fraction",
 }
-"""Quantities to compare, and their names in the tables."""
+"""What is compared, and what it is called."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity with and without a group of effects."""
+    """One figure with and without."""
 
     before: float | None
-    """Mean with all effects; None where there is none, as the onset of a run that does not whirl."""
+    """Mean with everything; None where there is none, such as the onset of a run that does not whirl."""
     after: float | None
-    """Mean without the group."""
+    """Mean without."""
     noise: float
     """Standard error of the difference."""
     tolerances: float
     """The difference in tolerances; infinite if only one of the two exists."""
     matters: bool
-    """True if the difference is beyond the tolerance and statistically significant."""
+    """Whether the difference is beyond the tolerance and beyond chance."""
 
 
 def differences(before: Sequence[Trial], after: Sequence[Trial], tolerance: float) -> dict[str, Quantity]:
-    """Every quantity with and without a group of effects.
+    """Every figure with and without.
 
     Args:
-        before: Runs with all effects.
-        after: Runs without the group.
-        tolerance: Smallest relevant difference, relative for times and frequencies, absolute for shares [-].
+        before: Runs with everything.
+        after: Runs without.
+        tolerance: What counts, relative for times and frequencies, absolute for shares [-].
     """
     return {name: _quantity(_values(before, name), _values(after, name), tolerance, name in RELATIVE) for name in NAMES}
 
 
 def worst(quantities: Mapping[str, Quantity]) -> float:
-    """Largest difference in tolerances, of the significant ones if there are any."""
+    """Largest difference in tolerances; those that chance explains count only among themselves."""
     sure = [quantity.tolerances for quantity in quantities.values() if quantity.matters]
     return max(sure or [quantity.tolerances for quantity in quantities.values()] or [0.0])
 
@@ -72,17 +72,15 @@ def _quantity(before: list[float], after: list[float], tolerance: float, relativ
     noise = math.sqrt(_square_error(before) + _square_error(after))
     scale = tolerance * (abs(one) if relative else 1.0)
     difference = abs(other - one)
-    return Quantity(
-        one, other, noise, difference / max(scale, 1e-300), difference > max(scale, _chance_difference(before, after))
-    )
+    return Quantity(one, other, noise, difference / max(scale, 1e-300), difference > max(scale, _chance(before, after)))
 
 
 def _mean(values: list[float]) -> float | None:
     return float(np.mean(values)) if values else None
 
 
-def _chance_difference(before: list[float], after: list[float]) -> float:
-    """Confidence limit of the difference of two means (Welch 1947); far above its standard error for few runs."""
+def _chance(before: list[float], after: list[float]) -> float:
+    """Difference of two means that chance could make (Welch 1947): far above its standard error after few runs."""
     errors = (_square_error(before), _square_error(after))
     freedom = sum(e**2 / (len(runs) - 1) for e, runs in zip(errors, (before, after), strict=True) if e > 0.0)
     if freedom == 0.0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs over time step and wall stiffness or damping: convergence, iterations and energy error."""
+"""Runs over step and stiffness or damping: does the scheme follow, at what price, and how much energy goes astray."""
 
 from __future__ import annotations
 
@@ -26,26 +26,26 @@ HERTZ = 20.0
 
 @dataclass(frozen=True)
 class Cell:
-    """Result of one run."""
+    """One run."""
 
     step: float
     """Nominal time step [s]."""
     value: float
     """Stiffness of the wall [N/m2] or retardation time [s]."""
     followed: bool
-    """True if the run reached its end."""
+    """Whether it came to its end."""
     iterations: float
-    """Newton iterations per step [-]."""
+    """Newton iterations per step taken."""
     cut: float
-    """Steps halved, after failed convergence or by the step guard, per step [-]."""
+    """Steps that had to be halved, by Newton's method or by the guard, per step taken."""
     energy: float
-    """Largest energy error, over the energy in motion [-]."""
+    """Largest energy that nothing accounts for, as a share of what was on the move."""
     limit: float
-    """Stability limit of an explicit scheme [s]."""
+    """Largest step that an explicit scheme could take [s]."""
 
 
 def measure(step: float, *, wall: float = 1e6, damping_time: float = 0.0) -> Cell:
-    """Run of the rotating rod for half a second, after a lateral velocity towards the wall of a narrow hole.
+    """The rod is kicked into the wall of a narrow hole, turns, and is left to itself for half a second.
 
     Args:
         step: Nominal time step [s].
@@ -87,7 +87,7 @@ def stability_map(
     values: Sequence[float] | None = None,
     progress: Callable[[Cell], None] = lambda _: None,
 ) -> list[list[Cell]]:
-    """Results over steps and values of `wall` or `damping_time`: a row for each value."""
+    """Runs over steps and values of `wall` or `damping_time`: a row for each value."""
     chosen = values if values is not None else (WALLS if what == "wall" else TIMES)
     rows = []
     for value in chosen:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Row of the table: a computed number and its reference."""
+"""One line of the table: what the twin computed beside what is exact."""
 
 from __future__ import annotations
 
@@ -10,37 +10,37 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Row:
-    """A computed number and its reference."""
+    """One number of the twin against its reference."""
 
     what: str
-    """Quantity, with its unit in brackets."""
+    """The number, with its unit in brackets."""
     reference: str
-    """Formula of the reference."""
+    """The formula, or what the law says."""
     source: str
     """Author, year and equation or table of the formula."""
     expected: float
-    """Value of the reference."""
+    """By the formula."""
     computed: float
-    """Value that the twin computed."""
+    """By the twin."""
     tolerance: float
-    """Largest error that the discretisation explains; the docstring of the case gives the reason."""
+    """Largest error that the discretisation explains; the case says why."""
     relative: bool = True
-    """True if error and tolerance are relative to the expected number; else they have its unit."""
+    """Whether error and tolerance are shares of the expected number; else they have its unit."""
 
     def __post_init__(self) -> None:
-        """Refuse a relative error of zero."""
+        """Refuse shares of nothing."""
         if self.relative and self.expected == 0.0:
             raise ValueError(f"{self.what}: expected a reference other than 0 for a relative error; say relative=False")
 
     @property
     def error(self) -> float:
-        """Computed minus expected, over the expected number if `relative`."""
+        """Computed less expected; as a share of the expected number if `relative`."""
         difference = float(self.computed) - float(self.expected)
         return difference / abs(float(self.expected)) if self.relative else difference
 
     @property
     def ok(self) -> bool:
-        """True if the error is finite and within the tolerance."""
+        """Whether the error is a number and within the tolerance."""
         return math.isfinite(self.error) and abs(self.error) <= self.tolerance
 
     def to_dict(self) -> dict[str, Any]:

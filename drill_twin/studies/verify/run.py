@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs of cases on several processes."""
+"""Run cases on several processors and gather what they found."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from drill_twin.studies.verify.row import Row
 
 
 @dataclass(frozen=True)
-class CaseResult:
-    """Rows of a case, or the reason why there are none."""
+class Outcome:
+    """What one case showed."""
 
     case: Case
     rows: tuple[Row, ...]
     seconds: float
-    """Wall-clock time, with compiling [s]."""
+    """Time it took, compiling included [s]."""
     failure: str = ""
-    """Reason why there are no rows; empty if there are."""
+    """Why there are no rows; empty if there are."""
 
     @property
     def ok(self) -> bool:
-        """True if the case ran and every row is within its tolerance."""
+        """Whether it ran and every row holds."""
         return not self.failure and bool(self.rows) and all(row.ok for row in self.rows)
 
     def to_dict(self) -> dict[str, Any]:
@@ -42,23 +42,23 @@ class CaseResult:
 
 
 def run_cases(
-    cases: Sequence[Case], *, workers: int = 2, progress: Callable[[CaseResult], None] = lambda _: None
-) -> list[CaseResult]:
+    cases: Sequence[Case], *, workers: int = 2, progress: Callable[[Outcome], None] = lambda _: None
+) -> list[Outcome]:
     """Run the cases on several processes.
 
     Args:
-        cases: Cases to run.
+        cases: What to run.
         workers: Processes.
-        progress: Called with each result as a case ends.
+        progress: Called with each outcome as a case ends.
 
     Returns:
-        Results in the order of the cases.
+        Outcomes in the order of the cases.
     """
     found = run_jobs(
         _run, {case: (case.name,) for case in cases}, workers,
-        done=lambda case, result: progress(CaseResult(case, *result)), kernel=_kernel,
+        done=lambda case, result: progress(Outcome(case, *result)), kernel=_kernel,
     )  # fmt: skip
-    return [CaseResult(case, *result) for case, result in found.items()]
+    return [Outcome(case, *result) for case, result in found.items()]
 
 
 def _kernel(case: Case) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Motion states of one subject over time: consecutive periods, in bounded memory."""
+"""The motion states of one subject over time: periods that follow each other, in bounded memory."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import MotionPeriod
 
-LARGEST_COUNT = 2000
-"""Largest number of periods stored; later ones are counted only."""
-NO_WHIRL = frozenset({MotionState.NOT_OBSERVABLE, MotionState.AT_REST, MotionState.FIXED_AXIS})
+LONGEST = 2000
+"""Periods remembered; later ones are counted but not kept."""
+NO_WHIRL = frozenset({MotionState.UNSEEN, MotionState.AT_REST, MotionState.FIXED_AXIS})
 
 
 @dataclass
@@ -18,28 +18,28 @@ class _Period:
     start: float
     state: MotionState
     criterion: str
-    revolutions: float  # at which it was entered [rev]
-    described: bool = False  # with the criterion of the settled state
-    duration: float = 0.0
-    weighted_share: float = 0.0
+    told: bool  # whether the words are those of the settled motion
+    travel: float  # when it was entered [rev]
+    weight: float = 0.0
+    weighed: float = 0.0
 
 
 class Timeline:
-    """Periods of one state each; a period of zero length is removed."""
+    """Periods of one state each; a period that turns out to have no length is left out."""
 
     def __init__(self) -> None:
         self._periods: list[_Period] = []
         self._full = False
         self.dropped = 0
-        """Periods that were not stored."""
+        """Periods that came after the longest timeline kept."""
 
     def __len__(self) -> int:
         return len(self._periods)
 
-    def start(self, state: MotionState, start: float, criterion: str, revolutions: float) -> None:
-        """Start a period at `start` [s]; its state was entered at `revolutions` [rev]."""
+    def begin(self, state: MotionState, start: float, criterion: str, travel: float) -> None:
+        """A state holds since `start` [s]; it was entered at `travel` [rev]."""
         periods = self._periods
-        if len(periods) >= LARGEST_COUNT:
+        if len(periods) >= LONGEST:
             self.dropped += 1
             self._full = True
             return
@@ -49,29 +49,29 @@ class Timeline:
             return
         if periods:
             start = max(start, periods[-1].start)
-        periods.append(_Period(start, state, criterion, revolutions))
+        periods.append(_Period(start, state, criterion, told=False, travel=travel))
 
-    def extend(self, share: float, elapsed: float) -> None:
-        """Extend the present period by `elapsed` [rev], with this share of the estimates."""
+    def hold(self, share: float, passed: float) -> None:
+        """The state has held for a while, with this share of the votes."""
         if self._periods and not self._full:
             last = self._periods[-1]
-            last.duration += elapsed
-            last.weighted_share += elapsed * share
+            last.weight += passed
+            last.weighed += passed * share
 
-    def needs_description(self, revolutions: float, after: float) -> bool:
-        """Check whether the present period started `after` revolutions ago and has not been described since."""
+    def untold(self, travel: float, after: float) -> bool:
+        """Whether the present state was entered `after` revolutions ago and has not been described since."""
         if not self._periods or self._full:
             return False
         last = self._periods[-1]
-        return not last.described and revolutions - last.revolutions > after
+        return not last.told and travel - last.travel > after
 
-    def describe(self, criterion: str) -> None:
-        """Replace the criterion of the present period."""
+    def tell(self, criterion: str) -> None:
+        """Describes the present state anew, now that it has settled."""
         last = self._periods[-1]
-        last.criterion, last.described = criterion, True
+        last.criterion, last.told = criterion, True
 
-    def move_first_whirl(self, start: float) -> None:
-        """Move the start of the first whirl to `start` [s], if that is earlier and after the period before."""
+    def redate(self, start: float) -> None:
+        """Moves the first whirl back to `start` [s], where that is earlier and after the state before."""
         for i, period in enumerate(self._periods):
             if period.state not in NO_WHIRL:
                 if i and self._periods[i - 1].start < start < period.start:
@@ -80,13 +80,13 @@ class Timeline:
 
     @property
     def periods(self) -> tuple[MotionPeriod, ...]:
-        """The periods so far, each with its mean confidence."""
+        """The periods so far, each with the mean of its confidence."""
         return tuple(
             MotionPeriod(
                 period.start,
                 period.state,
                 period.criterion,
-                period.weighted_share / period.duration if period.duration > 0.0 else 1.0,
+                period.weighed / period.weight if period.weight > 0.0 else 1.0,
             )
             for period in self._periods
         )

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Calibration of the parameters that the paper does not give."""
+"""The search for the numbers that the paper leaves open."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of the reproduction as Markdown, as in `docs/paper.md`."""
+"""The tables as Markdown, as `docs/paper.md` shows them."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Published numbers of the paper, from `config/paper/published.yaml`."""
+"""The numbers that the paper reports, read from `config/paper/published.yaml`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Number:
     """One published number of the bench."""
 
     q: str
-    """Label in the table."""
+    """Its name in the table."""
     what: str
     """Quantity."""
     weight_on_bit: float
@@ -30,18 +30,18 @@ class Number:
     speed: float
     """[rev/s]"""
     value: float
-    """Value [unit]."""
+    """In `unit`."""
     unit: str
     where: str
     """Place in the paper."""
     mark: str = ""
-    """Mark of the number; empty where it has none."""
+    """The mark it belongs to, if it does to one."""
     doubt: str = ""
-    """Uncertainty of the number."""
+    """What is not certain about it."""
 
     @property
     def name(self) -> str:
-        """Unique name, as `critical time, 20 N, 2 rev/s`."""
+        """Name that no other number of the bench has, as `critical time, 20 N, 2 rev/s`."""
         mark = f" {self.mark}" if self.mark else ""
         return f"{self.what}{mark}, {self.weight_on_bit:g} N, {self.speed:g} rev/s"
 
@@ -60,11 +60,11 @@ class Range:
 
 @dataclass(frozen=True)
 class Published:
-    """All published numbers."""
+    """All of it."""
 
     bench: tuple[Number, ...]
     surge: Range
-    """Speeds of the steep rise of the whirl frequency [rev/s]."""
+    """Speeds between which the whirl frequency surges [rev/s]."""
     similarity: float
     """Speed in the field per speed of the rod [r/min per rev/s]."""
     full_size: tuple[Range, ...]
@@ -72,10 +72,10 @@ class Published:
 
 @cache
 def published() -> Published:
-    """Read the published numbers.
+    """The paper's numbers.
 
     Raises:
-        SceneError: The file is missing or invalid.
+        SceneError: The file is missing or not what it should be.
     """
     file = config_dir() / "paper" / "published.yaml"
     try:

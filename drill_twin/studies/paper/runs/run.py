@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run of a scene with the motion of its marks, and quantities measured by the analyzer and by the paper's method."""
+"""One run of a scene with its marks kept, and what is measured on it: by our analyzer, and as the paper did."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer, Summary
 
 FINER = 8
-"""Zero padding: lines of the spectrum per resolved line."""
+"""Lines of the spectrum per resolved line, so that a peak is read off between them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Motion of the marks in a run; T frames, m marks. z is positive up from the top clamp."""
+    """What a run left behind; T frames, m marks. z is positive up from the top clamp."""
 
     time: Array
     """Times [s], shape (T,)."""
     point: Array
-    """Marked points x, y, z [m], shape (T, m, 3); those on the surface of the pipe rotate with the spin."""
+    """Marked points x, y, z [m], shape (T, m, 3); on the wall they turn with the spin."""
     velocity: Array
     """Their velocities [m/s], shape (T, m, 3)."""
     centre: Array
@@ -38,14 +38,14 @@ class Run:
     names: tuple[str, ...]
     """Names of the marks."""
     summary: Summary
-    """Summary of the analyzer."""
+    """What the analyzer found."""
     wall_seconds: float
-    """Wall-clock time of the physics [s]."""
+    """Time of the physics [s]."""
     failure: str = ""
-    """Reason why the run ended early; empty if it did not."""
+    """Why it ended early; empty if it did not."""
 
     def index(self, mark: str) -> int:
-        """Index of a mark."""
+        """Number of a mark."""
         return self.names.index(mark)
 
     @property
@@ -61,15 +61,15 @@ def compile_for(scene: Scene) -> None:
 
 
 def run(scene: Scene, seconds: float | None = None, progress: Callable[[float], None] | None = None) -> Run:
-    """Run a scene to its end, or for `seconds`; a run that fails later returns the frames before the failure.
+    """Run a scene to its end, or for `seconds`; a run that cannot be followed further keeps what came before.
 
     Args:
-        scene: The scene.
-        seconds: Simulated time [s], if not that of the scene.
+        scene: What to run.
+        seconds: Simulated time [s], if not the scene's.
         progress: Called with the simulated time after every simulated second.
 
     Raises:
-        RunError: The first frame could not be computed.
+        RunError: Not even the first frame could be computed.
     """
     schedule, twin, infos = Schedule.from_scene(scene), Twin(scene), mark_infos(scene)
     analyzer = Analyzer(infos)
@@ -102,31 +102,31 @@ def run(scene: Scene, seconds: float | None = None, progress: Callable[[float], 
 
 @dataclass(frozen=True)
 class Measured:
-    """Quantities of the table, from a run."""
+    """What the table takes from a run."""
 
     onset_s: float | None
     """Critical time: onset of whirl [s]."""
     frequency_hz: float | None
     """Dominant whirl after the onset [Hz], positive = forward."""
     ratio: float | None
-    """Whirl frequency over rotation [-]."""
+    """The same over the rotation."""
     line_hz: float | None
     """Highest line in the spectrum of mark-2 along x after the onset [Hz], as the paper reads it."""
     largest_mm: dict[str, float]
     """Largest displacement of each marked point along x or y [mm]."""
     largest_centre_mm: dict[str, float]
-    """Largest displacement of the centre line at each mark [mm]."""
+    """The same of the centre line [mm]."""
     motion: tuple[tuple[float, str], ...]
-    """Start [s] and state of each period of motion."""
+    """Since when [s] the string moved how."""
     failure: str = ""
 
 
 def measure(done: Run, spectrum_of: str = "mark_2") -> Measured:
-    """Quantities of the table, from a run.
+    """Read the table's quantities off a run.
 
     Args:
         done: The run.
-        spectrum_of: Mark whose spectrum is evaluated as in the paper's section 3.2.2, if the run has it.
+        spectrum_of: Mark whose spectrum is read as in the paper's section 3.2.2, if there is one of that name.
     """
     found = done.summary
     line = None
@@ -166,7 +166,7 @@ def _largest(place: Array, names: tuple[str, ...]) -> dict[str, float]:
 
 
 def deviation(ours: float | None, published: float) -> float | None:
-    """Relative deviation from the published number [-]; None where there is no number."""
+    """Relative deviation of ours, of its size where the sense is not published; None where there is nothing."""
     if ours is None or not math.isfinite(ours):
         return None
     return ours / published - 1.0

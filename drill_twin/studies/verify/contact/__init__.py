@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cases of contact: wall, bit-rock interaction, stick-slip."""
+"""Exact checks of contact: wall, bit on rock, stick-slip."""

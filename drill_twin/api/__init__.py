@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The public Python API, re-exported by `drill_twin`: scenes, runs, results, analysis (docs/api.md)."""
+
+from drill_twin.api.result import Cost, Result, read_bag
+from drill_twin.api.scenes import build_scene, check_scene, load_scene, override, scene_names, write_scene
+from drill_twin.api.simulation import Simulation, State
+from drill_twin.api.whirl import Whirl, analyze
+from drill_twin.errors import (
+    ArgumentError,
+    BagError,
+    CheckpointError,
+    DrillTwinError,
+    MessageError,
+    RunError,
+    SceneError,
+    StoppedError,
+    TableError,
+)
+from drill_twin.scene import Scene
+from drill_twin.whirl import AnalysisError, MotionState, Onset, Summary
+
+__all__ = [
+    "AnalysisError",
+    "ArgumentError",
+    "BagError",
+    "CheckpointError",
+    "Cost",
+    "DrillTwinError",
+    "MessageError",
+    "MotionState",
+    "Onset",
+    "Result",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "Simulation",
+    "State",
+    "StoppedError",
+    "Summary",
+    "TableError",
+    "Whirl",
+    "analyze",
+    "build_scene",
+    "check_scene",
+    "load_scene",
+    "override",
+    "read_bag",
+    "scene_names",
+    "write_scene",
+]

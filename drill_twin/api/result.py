@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The result of a run, from memory or from a bag: arrays over time, findings, figures."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drill_twin.api.plots import Plots
+from drill_twin.api.whirl import Whirl
+from drill_twin.base.arrays import Array
+from drill_twin.io.bag.files import bag_path
+from drill_twin.io.bag.memory import copy_bag
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries
+from drill_twin.report.recording import Recording
+from drill_twin.report.selection import Selection, open_bag
+from drill_twin.report.summary import summarise
+from drill_twin.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Cost of a run; None where the bag does not say."""
+
+    realtime_factor: float | None
+    """Simulated time over the wall-clock time of the physics."""
+    elements: int | None
+    """Elements of the string."""
+    step: float | None
+    """Nominal time step [s]."""
+    steps: int | None
+    """Time steps taken."""
+    cut_steps: int | None
+    """Steps that had to be halved."""
+    loose_steps: int | None
+    """Steps taken within ten tolerances instead of one."""
+
+
+class Result(Plots):
+    """Arrays, findings and figures of a run; of a bag with several runs, the last.
+
+    Everything is read on first use. T samples, m marks in the order of the scene, n + 1 nodes from the bit (0) to the
+    top clamp (n). Positions are in the frame `hole`: origin at the top clamp, z up along the hole, x to the low side.
+    Each group has its own `time`; those of a run of this package are all equal to `Result.time`.
+    """
+
+    def __init__(self, bag: Bag, scene: Scene | None = None, selection: Selection | None = None) -> None:
+        """Take the result of `Simulation.run` or `read_bag` instead.
+
+        Args:
+            bag: The bag, in memory or on disk.
+            scene: The scene of the run; by default the one in the bag.
+            selection: The part of the bag that is read; by default all.
+        """
+        self._bag, self._given, self._selection = bag, scene, selection
+
+    @cached_property
+    def recording(self) -> Recording:
+        """The run as the report reads it."""
+        return Recording(self._bag, self._given, self._selection)
+
+    def __repr__(self) -> str:
+        """One line: scene, length, onset."""
+        name = self.scene.name if self.recording.scene_known else str(self.path)
+        onset = "no whirl" if self.onset_s is None else f"whirl from {self.onset_s:.2f} s"
+        return f"<Result of {name}: {self.time.size} samples to {self.recording.duration:g} s, {onset}>"
+
+    @property
+    def path(self) -> Path:
+        """Path of the bag; of a run in memory its name."""
+        return self._bag.path
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of the run.
+
+        Raises:
+            BagError: The bag does not say, and none was given.
+        """
+        return self.recording.scene
+
+    @property
+    def time(self) -> Array:
+        """Simulated times of the samples [s], shape (T,)."""
+        return self.rig.time if len(self.rig) else self.marks.time
+
+    @property
+    def marks(self) -> MarkSeries:
+        """Marks: `names`, `time` (T,), `position` [m] (T, m, 3), `spin` [rad] (T, m), `velocity` [m/s] (T, m, 3),
+        `spin_rate` [rad/s] (T, m), `wall_force` on the string [N] (T, m, 3).
+        """
+        return self.recording.marks
+
+    @cached_property
+    def centre(self) -> Array:
+        """Centre line at the marks, across the hole from its axis [m], shape (T, m, 2)."""
+        line = self.recording.centre_lines()
+        return np.stack((line.real, line.imag), axis=-1)
+
+    @cached_property
+    def string(self) -> PoseSeries:
+        """String: `time` (T,), `position` of the nodes [m] (T, n + 1, 3), `tangent` (T, n + 1, 3), `orientation` as
+        quaternion x y z w (T, n + 1, 4), `spin` [rad] (T, n + 1).
+        """
+        return self.recording.all_poses()
+
+    @property
+    def set_points(self) -> CommandSeries:
+        """Set-points as commanded: `time`, `weight_on_bit` [N], `rotation` [rad/s], each of shape (T,)."""
+        return self.recording.commands
+
+    @property
+    def rig(self) -> RigSeries:
+        """Rig and bit as they moved: angles [rad], speeds [rad/s], torques [N m], forces [N], each of shape (T,)."""
+        return self.recording.rig
+
+    @property
+    def hookload(self) -> Array:
+        """Force that holds the string at the top [N], shape (T,)."""
+        return self.rig.hookload
+
+    @property
+    def torque(self) -> Array:
+        """Torque of the top drive on the string [N m], shape (T,)."""
+        return self.rig.top_drive_torque
+
+    @property
+    def bit_torque(self) -> Array:
+        """Torque of the rock on the bit [N m], shape (T,)."""
+        return self.rig.bit_torque
+
+    @property
+    def weight_on_bit(self) -> Array:
+        """Weight on bit as applied [N], positive = compression, shape (T,)."""
+        return self.rig.bit_force
+
+    @property
+    def wall_force(self) -> Array:
+        """Normal force of the wall on the string at the marks [N], shape (T, m)."""
+        force: Array = np.linalg.norm(self.marks.wall_force, axis=-1)
+        return force
+
+    @property
+    def whirl(self) -> Whirl:
+        """Findings of the whirl analysis over time and in all."""
+        found, summary = self.recording.whirl, self.recording.summary
+        radii, precession, ratio, confidence = np.moveaxis(found.values, 1, 0) if len(found) else np.zeros((4, 0, 0))
+        return Whirl(found.time, found.names, radii, precession, ratio, confidence, summary, summary.notes)
+
+    @property
+    def onset_s(self) -> float | None:
+        """Onset of whirl [s]; None where there was none."""
+        return self.recording.summary.onset_s
+
+    @property
+    def energy(self) -> dict[str, Array]:
+        """Energy balance over time, where the scene has `numerics.audit: energy`; else empty.
+
+        `time` [s] and each value of the balance, shape (K,), K about once a simulated second: `stored_...`, `work_...`
+        and `dissipated_...` by effect [J], `residual` as a share of `scale_J`.
+        """
+        return self.recording.log.energy
+
+    @property
+    def cost(self) -> Cost:
+        """Resolution of the run and the time it took."""
+        summary = self.summary
+        counts = (summary[key] for key in ("steps", "cut_steps", "loose_steps"))
+        return Cost(summary["realtime_factor"], summary["elements"], summary["step_s"], *counts)
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """Everything found, in plain types: the content of `summary.json` (`drill_twin.report.summarise`)."""
+        return summarise(self.recording)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Arrays of marks, rig, set-points and whirl as a dataset with named dimensions and units.
+
+        Raises:
+            ArgumentError: xarray is not installed.
+        """
+        from drill_twin.api.dataset import dataset
+
+        return dataset(self)
+
+    def to_bag(self, folder: str | Path) -> Path:
+        """Write the messages of the run to a new bag folder; returns the folder.
+
+        Raises:
+            BagError: The folder exists or cannot be written.
+        """
+        return copy_bag(self._bag, folder)
+
+
+def read_bag(
+    path: str | Path, *, scene: Scene | None = None, begin: float = -math.inf, end: float = math.inf
+) -> Result:
+    """Open a bag, or the bag in the folder of a run, and analyse it.
+
+    Args:
+        path: Folder of a run or a bag, or a bag file.
+        scene: The scene of the run, where the bag does not hold it.
+        begin: Samples before this time are left out [s].
+        end: Samples after this time are left out [s].
+
+    Raises:
+        BagError: Not a bag of this package, or nothing in it that could be analysed.
+    """
+    selection = Selection(begin=begin, end=end)
+    result = Result(open_bag(bag_path(path), selection), scene, selection)
+    _ = result.recording
+    return result

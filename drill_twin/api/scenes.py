@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes for Python: load, build, change, check and write."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from drill_twin.errors import SceneError
+from drill_twin.scene import Scene, load, presets
+
+Block = Mapping[str, Any]
+"""Block of a scene: keys as in a scene file; values are text with a unit (`"40 N"`) or numbers in SI."""
+Overrides = Mapping[str, float | str]
+"""Keys with dots, such as `rig.rotation.value`, and values: text with a unit, or numbers in SI. `wob` [N],
+`rps` [rev/s], `duration` [s] and `accuracy` are short for the keys most often set; `{"effects.bow": "off"}` takes an
+effect out."""
+
+
+def load_scene(scene: str | Path, overrides: Overrides | None = None) -> Scene:
+    """Load a scene from a file, or by the name of an installed one (`scene_names`).
+
+    >>> scene = load_scene("pa6_bench", {"rig.rotation.value": "120 rpm", "wob": 60})
+
+    Args:
+        scene: Name or file.
+        overrides: Values that replace those of the file.
+
+    Raises:
+        SceneError: No such file, or not a scene; the message names file, line, key, expected and found.
+    """
+    loaded = load.load_scene(scene)
+    return override(loaded, overrides) if overrides else loaded
+
+
+def override(scene: Scene, overrides: Overrides) -> Scene:
+    """Copy of a scene with other values.
+
+    Raises:
+        SceneError: An unknown key, or values that do not fit together.
+    """
+    return load.build_scene(scene.model_dump(mode="json", exclude_none=True), name=scene.name, overrides=overrides)
+
+
+def build_scene(
+    name: str,
+    *,
+    base: str | Path | None = None,
+    description: str = "",
+    string: Block | None = None,
+    hole: Block | None = None,
+    rig: Block | None = None,
+    effects: Mapping[str, Block | bool] | None = None,
+    numerics: Block | None = None,
+) -> Scene:
+    """Build a scene; the blocks have the keys of a scene file.
+
+    >>> scene = build_scene(
+    ...     "rod",
+    ...     string={"sections": [{"length": "5 m", "outer_diameter": "16.5 mm", "youngs_modulus": 2.3e9,
+    ...                           "poisson_ratio": 0.394, "density": 1100.0}],
+    ...             "marks": [{"name": "middle", "distance_from_bit": 2.5}]},
+    ...     hole={"radius": "90 mm"},
+    ...     rig={"weight_on_bit": {"value": "40 N"}, "rotation": {"value": "120 rpm"}, "duration": "10 s"},
+    ...     effects={"gravity": True, "stretch": True, "torsion": True, "wall": {"stiffness": 1e7, "restitution": 0.5}},
+    ... )
+
+    Args:
+        name: Short name.
+        base: Installed scene or file from which all is taken that is not given.
+        description: Purpose of the scene.
+        string: Sections from the bit up, marks, and how the bit is held.
+        hole: Radius, inclination or survey.
+        rig: Set-points over time, top drive, duration.
+        effects: By key: a block, True for the defaults of the effect, False for none.
+        numerics: Resolution.
+
+    Raises:
+        SceneError: A block is missing or wrong; the message names key, expected and found.
+    """
+    blocks = {"base": None if base is None else str(base), "description": description, "string": string,
+              "hole": hole, "rig": rig, "effects": effects, "numerics": numerics}  # fmt: skip
+    return load.build_scene({"name": name, **{key: block for key, block in blocks.items() if block}}, name=name)
+
+
+def check_scene(scene: Scene | str | Path, overrides: Overrides | None = None) -> Sequence[str]:
+    """Problems of a scene as sentences; empty for a scene that can be run.
+
+    Looks at what loading does not: the record that the scene plays.
+    """
+    from drill_twin.errors import DrillTwinError
+    from drill_twin.schedule import Schedule
+
+    try:
+        Schedule.from_scene(as_scene(scene, overrides))
+    except DrillTwinError as error:
+        return [str(error)]
+    return []
+
+
+def write_scene(scene: Scene, path: str | Path) -> Path:
+    """Write a scene to a new YAML file, units and defaults written out; `load_scene` reads it to an equal scene.
+
+    Returns:
+        The file.
+
+    Raises:
+        SceneError: The file exists or cannot be written.
+    """
+    file = Path(path)
+    try:
+        with file.open("x", encoding="utf-8") as stream:
+            stream.write(scene.to_yaml())
+    except FileExistsError:
+        raise SceneError(f"{file}: expected a new file, found one that exists; choose another or remove it") from None
+    except OSError as error:
+        raise SceneError(f"{file}: expected a place to write the scene, found {error.strerror or error}") from error
+    return file
+
+
+def scene_names() -> list[str]:
+    """Names of the installed scenes, sorted."""
+    return list(presets())
+
+
+def as_scene(scene: Scene | str | Path, overrides: Overrides | None = None) -> Scene:
+    """The scene itself, or the one of a name or file; with other values where there are any."""
+    if not isinstance(scene, Scene):
+        return load_scene(scene, overrides)
+    return override(scene, overrides) if overrides else scene

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run in Python: the scene's schedule, or a controller of one's own in the loop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from drill_twin.api.quantity import Quantity, in_si
+from drill_twin.api.result import Result
+from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.base.arrays import Array
+from drill_twin.errors import ArgumentError, RunError
+from drill_twin.io.bag.memory import MemoryBag
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds
+from drill_twin.runner import Run, compile_kernel
+from drill_twin.scene import Scene
+from drill_twin.schedule import Command, Schedule
+from drill_twin.twin.frame import Frame
+from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME
+from drill_twin.whirl import Findings
+
+RPM = math.tau / 60.0
+"""SI value of a revolution per minute [rad/s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """State of a run at one instant, for a controller; m marks in the order of the scene."""
+
+    time: float
+    """Simulated time [s]."""
+    weight_on_bit: float
+    """Weight on bit as applied [N], positive = compression."""
+    rpm: float
+    """Speed of the top drive [rev/min]."""
+    bit_rpm: float
+    """Speed of the bit [rev/min]."""
+    hookload: float
+    """Force that holds the string at the top [N]."""
+    torque: float
+    """Torque of the top drive on the string [N m]."""
+    bit_torque: float
+    """Torque of the rock on the bit [N m]."""
+    centre: Array
+    """Positions of the centre line at the marks [m], shape (m, 3)."""
+    wall_force: Array
+    """Normal forces of the wall on the string at the marks [N], shape (m,)."""
+    motion: str
+    """Motion state of the string, such as "forward whirl"; "unknown" before the first sample of a mark."""
+    onset_s: float | None
+    """Onset of whirl [s], once it is found."""
+
+    @classmethod
+    def of(cls, frame: Frame, findings: Findings | None) -> State:
+        """State of a frame and of the analysis after it."""
+        rig, onset = frame.rig, findings.onset if findings else None
+        return cls(
+            time=frame.time,
+            weight_on_bit=rig.bit_force,
+            rpm=rig.top_drive_speed / RPM,
+            bit_rpm=rig.bit_speed / RPM,
+            hookload=rig.hookload,
+            torque=rig.top_drive_torque,
+            bit_torque=rig.bit_torque,
+            centre=frame.marks.centre,
+            wall_force=frame.marks.wall_force,
+            motion=findings.motion.value if findings else "unknown",
+            onset_s=onset.time_s if onset else None,
+        )
+
+
+class Simulation:
+    """A run of a scene, analysed while it goes on and kept in memory.
+
+    >>> result = Simulation("pa6_bench").run(duration=30)
+    >>> result.onset_s
+
+    Attributes:
+        scene: The scene, with elements and step in place of an accuracy.
+        state: The state after the last frame; None before the first.
+    """
+
+    def __init__(self, scene: Scene | str | Path, overrides: Overrides | None = None) -> None:
+        """Prepare a run; compiles the effects of the scene, which takes up to half a minute the first time.
+
+        Args:
+            scene: The scene, or its name or file.
+            overrides: Values that replace those of the scene.
+
+        Raises:
+            SceneError: The scene cannot be loaded, or has an accuracy that cannot be reached.
+            RunError: It begins in static equilibrium, and none was found.
+        """
+        self.scene = as_scene(scene, overrides)
+        if self.scene.numerics.accuracy is not None:
+            from drill_twin.accuracy import resolve
+
+            self.scene = resolve(self.scene).scene
+        self._period = round(NANOSECONDS / self.scene.numerics.frame_rate)
+        compile_kernel(self.scene, self.frame_time)
+        self._bag = MemoryBag(f"run of {self.scene.name}")
+        self._run = Run(self.scene, self._bag)
+        self._reported = -1
+        self.state: State | None = None
+
+    @property
+    def frame_time(self) -> float:
+        """Simulated time of a frame [s], 1 / `numerics.frame_rate`."""
+        return seconds(self._period)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return seconds(self._run.stamp)
+
+    @cached_property
+    def schedule(self) -> Schedule:
+        """Set-points of the scene over time.
+
+        Raises:
+            TableError: The record that the scene plays cannot be played.
+            SceneError: The shape of a set-point cannot be loaded.
+        """
+        return Schedule.from_scene(self.scene)
+
+    def run(self, duration: Quantity | None = None, *, progress: Callable[[State], None] | None = None) -> Result:
+        """Run on under the set-points of the scene.
+
+        Args:
+            duration: Simulated time to run [s]; left out: to the end of the scene.
+            progress: Called with the state after each frame.
+
+        Raises:
+            ArgumentError: The duration is not above 0 s, or left out at the end of the scene.
+            RunError: The motion could not be followed; `result` gives what came before.
+        """
+        if duration is None:
+            length = self.schedule.duration - self.time
+            if length < 0.5 * self.frame_time:
+                raise ArgumentError(
+                    f"duration: expected a time to run on for, found none with the scene at its end "
+                    f"({self.schedule.duration:g} s); give one, such as duration=10"
+                )
+        else:
+            length = in_si("duration", duration, TIME)
+        for _ in range(max(1, math.ceil(self._frames("duration", length) - 0.5))):
+            state = self._advance(self.schedule.at(seconds(self._run.stamp + self._period)))
+            if progress is not None:
+                progress(state)
+        return self.result()
+
+    def advance(
+        self, wob: Quantity | None = None, rpm: Quantity | None = None, seconds: Quantity | None = None
+    ) -> State:
+        """Run on under set-points of one's own, reached linearly within the first frame and held.
+
+        Args:
+            wob: Weight on bit [N]; left out: as before.
+            rpm: Speed of the top drive [rev/min]; left out: as before.
+            seconds: Simulated time, a whole number of frames [s]; left out: one frame.
+
+        Raises:
+            ArgumentError: A set-point is no such quantity, or the time is not a whole number of frames.
+            RunError: The motion could not be followed; `result` gives what came before.
+        """
+        last = self._run.command
+        command = Command(
+            last.weight_on_bit if wob is None else in_si("wob", wob, FORCE),
+            last.rotation if rpm is None else in_si("rpm", rpm, ANGULAR_SPEED, RPM),
+        )
+        wanted = 1.0 if seconds is None else self._frames("seconds", in_si("seconds", seconds, TIME))
+        frames = round(wanted)
+        if abs(wanted - frames) > 1e-6 * wanted:
+            raise ArgumentError(
+                f"seconds: expected a whole number of frames of {self.frame_time:g} s, found {seconds!r}; "
+                f"take {max(frames, 1) * self.frame_time:g}, or set numerics.frame_rate"
+            )
+        for _ in range(frames - 1):
+            self._advance(command)
+        return self._advance(command)
+
+    def result(self) -> Result:
+        """All that was recorded so far, and its analysis; the run can go on afterwards.
+
+        Raises:
+            ArgumentError: Nothing was run yet.
+        """
+        if self.state is None:
+            raise ArgumentError("expected a run of at least one frame, found none; call run or advance first")
+        self._report()
+        return Result(self._bag.snapshot(), self.scene)
+
+    def _frames(self, name: str, length: float) -> float:
+        if length <= 0.0:
+            raise ArgumentError(f"{name}: expected a time above 0 s, found {length:g} s")
+        return length * NANOSECONDS / self._period
+
+    def _advance(self, command: Command) -> State:
+        try:
+            frame = self._run.advance(command)
+        except RunError:
+            self._report()
+            raise
+        self.state = State.of(frame, self._run.findings)
+        return self.state
+
+    def _report(self) -> None:
+        """Record the diagnostics that close a bag, once for each frame."""
+        if self._reported != self._run.loop.frames:
+            self._reported = self._run.loop.frames
+            self._run.report_diagnostics()
