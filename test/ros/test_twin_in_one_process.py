@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """All nodes in one process make the same run as one process each."""
 
-from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_COMMAND, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
+
+COMMANDS = (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND)
 
 
 def test_one_process_makes_the_same_run(bench, small_bag, payloads):
@@ -11,7 +13,10 @@ def test_one_process_makes_the_same_run(bench, small_bag, payloads):
     assert process.code == 0, process.text
     assert "Traceback" not in process.text
     for topic in set(TOPICS) - {DIAGNOSTICS, TWIN_SCENE}:
-        assert payloads(folder, topic) == payloads(small_bag, topic), topic
+        one, several = payloads(folder, topic), payloads(small_bag, topic)
+        if topic in COMMANDS and len(one) == len(several) - 1:
+            several.pop()  # for the frame after the last: the driver of one process may be stopped before it sends it
+        assert one == several, topic
 
 
 def test_the_whole_process_ends_when_one_of_its_nodes_cannot_start(bench):
