@@ -52,15 +52,16 @@ def _read(name: str, followed: frozenset[str]) -> tuple[str, tuple[str, ...]]:
     if path is None:
         raise ImportError(f"expected the module {name} as a source file, found none; reinstall its package")
     stat = path.stat()
-    return _parsed(path, stat.st_mtime_ns, stat.st_size, followed)
+    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+    return _parsed(path, package, stat.st_mtime_ns, stat.st_size, followed)
 
 
 @cache
-def _parsed(path: Path, changed: int, size: int, followed: frozenset[str]) -> tuple[str, tuple[str, ...]]:
-    """Meaning and imports of a file as it was at a time; both arguments besides the path are only for the cache."""
+def _parsed(path: Path, package: str, changed: int, size: int, followed: frozenset[str]) -> tuple[str, tuple[str, ...]]:
+    """Code and imports of a file of a package; time of the last change and size are only keys of the cache."""
     del changed, size
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    return _meaning(tree), tuple(_imported(tree, followed))
+    return _meaning(tree), tuple(_imported(tree, followed, package))
 
 
 def _meaning(tree: ast.Module) -> str:
@@ -75,13 +76,14 @@ def _is_text(node: ast.stmt) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
 
 
-def _imported(tree: ast.Module, followed: frozenset[str]) -> Iterator[str]:
-    """Modules that a module imports, of the packages that are followed."""
+def _imported(tree: ast.Module, followed: frozenset[str], package: str = "") -> Iterator[str]:
+    """Modules that a module of a package imports, of the packages that are followed."""
     for node in _statements(tree.body):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            names = [_module_of(node.module, alias.name) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            source = importlib.util.resolve_name("." * node.level + (node.module or ""), package)
+            names = [_module_of(source, alias.name) for alias in node.names]
         else:
             continue
         yield from (name for name in names if name.partition(".")[0] in followed)
