@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An effect, a bit law and a schedule of another package: found, right, and stale kernels never run."""
+
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from drill_twin.solver.source_hash import modules_reached, source_hash
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "docs" / "examples" / "drill_twin_example"
+SCENE = """
+import drill_twin as dt
+scene = dt.build_scene(
+    "foundation", base="pa6_bench",
+    hole={"inclination": "90 deg"},
+    string={"bit_end": "guided"},
+    rig={"start": "equilibrium", "rotation": {"shape": "half_cosine", "initial": 0, "value": 2.0, "duration": "4 s"},
+         "weight_on_bit": {"shape": "constant", "duration": "0 s", "value": 1.0}, "duration": "0.1 s"},
+    effects={"lateral_spring": {"stiffness": "1000 N/m^2"}, "bit_torque_viscous": {"damping": "0.01 N m s/rad"},
+             "bow": False, "eccentricity": False, "internal_damping": False, "drag": False, "wall": False,
+             "wall_friction": False, "bit_friction": False},
+)
+"""
+NAME = """
+from drill_twin.solver.kernel_cache import fingerprint
+from drill_twin.solver.kernel_codegen import packages_of, source
+effects = tuple(scene.effect_names)
+name = "drill_twin_kernel_" + fingerprint(source(effects, "spatial"), "straight", packages=packages_of(effects))
+"""
+RUN = """
+import json, sys
+result = dt.Simulation(scene).run()
+q = scene.string.sections[0].mass_per_length * 9.81
+print(json.dumps({
+    "name": name, "loaded": name in sys.modules, "deflection": result.centre[-1, 1, 0] / (q / 1000.0),
+    "torque": result.bit_torque[-1], "effects": scene.effect_names}))
+"""
+SCHEDULE = """
+import json
+from drill_twin.schedule import Schedule, extremes
+ramped = dt.override(scene, {"rig.start": "axis"})
+schedule = Schedule.from_scene(ramped)
+print(json.dumps([schedule.at(time).rotation for time in (0.0, 2.0, 3.0, 9.0)] + [extremes(ramped).rotation]))
+"""
+
+
+@pytest.fixture(scope="module")
+def target(tmp_path_factory):
+    """Folder into which pip has installed the example."""
+    folder = tmp_path_factory.mktemp("example")
+    copy = shutil.copytree(EXAMPLE, folder / "source")
+    install = ["install", "-q", "--no-deps", "--no-build-isolation", "--target", str(folder / "site"), str(copy)]
+    subprocess.run([sys.executable, "-m", "pip", *install], check=True, timeout=300)
+    return folder / "site"
+
+
+def python(target: Path, code: str) -> str:
+    paths = os.pathsep.join((str(target), str(ROOT)))
+    done = subprocess.run(
+        [sys.executable, "-W", "error::UserWarning", "-c", code],
+        env={**os.environ, "PYTHONPATH": paths},
+        cwd=target,
+        capture_output=True,
+        text=True,
+        timeout=900,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_effect_and_bit_law_do_what_they_say(target):
+    found = json.loads(python(target, SCENE + NAME + RUN))
+    assert found["loaded"]
+    assert found["effects"][-2:] == ["bit_torque_viscous", "lateral_spring"]
+    # a long beam on an elastic foundation sinks by weight over stiffness, away from its ends
+    assert found["deflection"] == pytest.approx(1.0, rel=0.01)
+    assert found["torque"] == pytest.approx(-0.01 * 2.0, rel=1e-3)
+
+
+def test_schedule_is_the_one_of_the_package(target):
+    values = json.loads(python(target, SCENE + SCHEDULE))
+    assert values == pytest.approx([0.0, 1.0, 1.0 + math.sqrt(0.5), 2.0, 2.0])
+
+
+def test_an_edit_of_the_package_gives_another_kernel(target, tmp_path):
+    edited = shutil.copytree(target, tmp_path / "site")
+    file = edited / "drill_twin_example" / "lateral_spring.py"
+    name = SCENE + NAME + "print(name)"
+    assert python(edited, name) == python(target, name)
+    text = file.read_text("utf-8")
+    file.write_text(text.replace("load[1] -= k * here.y", "load[1] -= 2.0 * k * here.y"), "utf-8")
+    assert file.read_text("utf-8") != text
+    assert python(edited, name) != python(target, name)
+
+
+def test_relative_imports_of_a_package_are_followed(tmp_path, monkeypatch):
+    package = tmp_path / "relative_example"
+    package.mkdir()
+    (package / "__init__.py").write_text("", "utf-8")
+    (package / "effect.py").write_text("from . import law\nfrom .numbers_ import GAIN\n", "utf-8")
+    (package / "law.py").write_text("def force(x):\n    return 2.0 * x\n", "utf-8")
+    (package / "numbers_.py").write_text("GAIN = 1.0\n", "utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    text, packages = "from relative_example import effect\n", ("relative_example",)
+    assert set(modules_reached(text, packages)) == {
+        f"relative_example.{name}" for name in ("effect", "law", "numbers_")
+    }
+    before = source_hash(text, packages)
+    (package / "law.py").write_text("def force(x):\n    return 3.0 * x\n", "utf-8")
+    assert source_hash(text, packages) != before
