@@ -42,7 +42,7 @@ from drill_twin.twin.twin import Twin  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 _DOMAINS = itertools.count(os.getpid())  # each bench another one: who was killed stays in the graph for a while
-LONG = 90.0  # s; longest wait for anything: a kernel may have to be compiled, a busy machine may stall a process
+LONG = 180.0  # s; longest wait for anything: a kernel may have to be compiled, a busy machine may stall a process
 
 
 def pytest_configure(config: pytest.Config) -> None:
