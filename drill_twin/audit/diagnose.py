@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which effect is behind it, when a state has broken down: each is asked alone, where it is worst.
+"""Diagnosis of a failed state: evaluates each effect separately, at every element.
 
-Run once, when a run is stopped, so nothing is composed and compiled for it; the effects' functions run as Python.
+It runs once, when a run is stopped, so nothing is compiled for it: the effects' functions run as Python.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,7 +21,7 @@ from drill_twin.model.section import RESULTANTS, Strain, strain_at
 
 
 class EvaluationPoint(NamedTuple):
-    """A state and an instant at which effects are asked."""
+    """State and time at which effects are evaluated."""
 
     u: Array  # node rows (r, r', psi), shape (n + 1, 7)
     v: Array  # their velocities
@@ -31,70 +31,70 @@ class EvaluationPoint(NamedTuple):
 
 
 @cache
-def plain(function: Any) -> Callable[..., Any]:
-    """A kernel as Python, with all kernels that it calls: compiling them would take longer than to ask them once."""
+def as_python(function: Any) -> Callable[..., Any]:
+    """A kernel as Python, with all kernels that it calls: compiling them would take longer than one evaluation."""
     source = function.py_func
     known = {name: source.__globals__.get(name) for name in source.__code__.co_names}
-    called = {name: plain(value) for name, value in known.items() if isinstance(value, Dispatcher)}
+    called = {name: as_python(value) for name, value in known.items() if isinstance(value, Dispatcher)}
     return FunctionType(source.__code__, {**source.__globals__, **called}, source.__name__, source.__defaults__)
 
 
 def diagnose(parameters: Any, rod: Rod, effects: Sequence[str], moments: Sequence[EvaluationPoint]) -> tuple[str, str]:
-    """The effect that is behind it, and what it does in words; two empty texts where none acts.
+    """The effect that most likely caused a failure, and a sentence about it; two empty texts where none acts.
 
-    The first that gives no number, else the strongest by force [N], a couple counted over the string's radius and a
-    bending moment over the length of an element.
+    The first whose load is not a number, else the strongest by force [N], a couple divided by the string's radius and a
+    bending moment by the length of an element.
 
     Args:
         parameters: Of all effects, as the kernel takes them.
         rod: The string.
         effects: Keys of the effects.
-        moments: States and instants to ask at.
+        moments: States and times to evaluate at.
     """
     strongest, size, place = "", 0.0, 0.0
     with np.errstate(all="ignore"):
         for name in effects:
             for moment in moments:
-                acts = np.array([_on_element(parameters, rod, name, e, moment) for e in range(rod.length.size)])
-                acts[[0, -1]] += _at_ends(parameters, rod, name, moment)
-                if not np.isfinite(acts).all():
+                loads = np.array([_load_on_element(parameters, rod, name, e, moment) for e in range(rod.length.size)])
+                loads[[0, -1]] += _load_at_ends(parameters, rod, name, moment)
+                if not np.isfinite(loads).all():
                     return (
                         name,
-                        f"{name} gives no number {rod.arc[int(np.argmin(np.isfinite(acts)))]:.3g} m from the bit",
+                        f"{name} gives no number {rod.arc[int(np.argmin(np.isfinite(loads)))]:.3g} m from the bit",
                     )
-                if acts.max() > size:
-                    strongest, size, place = name, float(acts.max()), float(rod.arc[int(acts.argmax())])
+                if loads.max() > size:
+                    strongest, size, place = name, float(loads.max()), float(rod.arc[int(loads.argmax())])
     return strongest, f"strongest: {strongest} ({size:.3g} N {place:.3g} m from the bit)" if strongest else ""
 
 
-def _on_element(parameters: Any, rod: Rod, name: str, e: int, at: EvaluationPoint) -> float:
-    """Size of what an effect does on an element [N]."""
+def _load_on_element(parameters: Any, rod: Rod, name: str, e: int, at: EvaluationPoint) -> float:
+    """Size of an effect's load on an element [N]."""
     module, total = effect_module(name), 0.0
     for p in range(2):
         strain, here = _sample(rod, e, p, at)
         load, stiff, out = np.zeros(4), np.zeros((4, 4)), np.zeros(RESULTANTS)
         if hasattr(module, "distributed_load"):
-            plain(module.distributed_load)(parameters, rod, here, 0.5 * at.step, load, stiff)
+            as_python(module.distributed_load)(parameters, rod, here, 0.5 * at.step, load, stiff)
         if hasattr(module, "section_stress"):
-            plain(module.section_stress)(parameters, rod, strain, 0.5 * at.step, out)
+            as_python(module.section_stress)(parameters, rod, strain, 0.5 * at.step, out)
         share = 0.5 * rod.length[e]
         total += share * float(np.linalg.norm(load[:3]) + abs(load[3]) / rod.outer_radius[e])
         total += float(np.linalg.norm(out[:4])) / rod.length[e]
     return total
 
 
-def _at_ends(parameters: Any, rod: Rod, name: str, at: EvaluationPoint) -> Array:
-    """Size of what an effect does at the bit and at the top [N], shape (2,)."""
+def _load_at_ends(parameters: Any, rod: Rod, name: str, at: EvaluationPoint) -> Array:
+    """Size of an effect's loads at the bit and at the top [N], shape (2,)."""
     module, ends = effect_module(name), np.zeros((2, 7, 8))
     if hasattr(module, "end_load"):
-        # in the frame of the hole at the top: near enough, to find which effect is behind a failure
-        plain(module.end_load)(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
+        # in the frame of the hole at the top, which is accurate enough to compare effects
+        as_python(module.end_load)(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
     force: Array = np.linalg.norm(ends[:, :3, 7], axis=1) + np.abs(ends[:, 6, 7]) / rod.outer_radius[[0, -1]]
     return force
 
 
 def _sample(rod: Rod, e: int, p: int, at: EvaluationPoint) -> tuple[Strain, Point]:
-    """What effects see at a Gauss point."""
+    """Arguments of the effects at a Gauss point."""
     u, v = element_unknowns(at.u[e : e + 2])[0], element_unknowns(at.v[e : e + 2])[0]
     w = rod.shape[e, p]
     l0, l1 = rod.spin_shape[p]
@@ -103,7 +103,7 @@ def _sample(rod: Rod, e: int, p: int, at: EvaluationPoint) -> tuple[Strain, Poin
     r, dr = w[0] @ u, w[0] @ v
     a, b, da, db = (tuple(w[order] @ rows) for rows in (u, v) for order in (1, 2))
     cos, sin = float(np.cos(psi)), float(np.sin(psi))
-    s = plain(strain_at)(e, 2 * e + p, a, b, da, db, psi, cos, sin, turned[0], rate, turned[1])
+    s = as_python(strain_at)(e, 2 * e + p, a, b, da, db, psi, cos, sin, turned[0], rate, turned[1])
     here = Point(
         e, 2 * e + p, at.time, r[0], r[1], r[2], dr[0], dr[1], dr[2], 0.0, 0.0, 0.0, s.tx, s.ty, s.tz, psi, rate, 0.0,
         cos, sin, True, 0.0,

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a scene's effects to one compiled time loop: assembly, banded solve, implicit midpoint, composition."""
+"""Time integration: implicit midpoint loop, assembly and linear solvers, generation and cache of compiled kernels."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cache of compiled kernels on disk, each under a name made of all that decides its machine code.
+"""Cache of compiled kernels on disk, each under a name that changes with its machine code.
 
-numba's own cache watches one file and does not see edits in the functions that it calls. So a small module is written
+numba's own cache checks one file and does not see edits in the functions that it calls. So a small module is written
 into the cache folder and named by a hash of every source that it reaches, of the versions and of the processor: an
 edit gives another name, and stale code is never run.
 """
@@ -24,7 +24,7 @@ from drill_twin.solver.source_hash import source_hash
 
 
 def cache_folder() -> Path:
-    """Where compiled kernels are kept: ``$DRILL_TWIN_CACHE``, else the user's cache folder, else a temporary one.
+    """Folder of compiled kernels: ``$DRILL_TWIN_CACHE``, else the user's cache folder, else a temporary one.
 
     Raises:
         RunError: The named folder cannot be made.
@@ -45,12 +45,12 @@ def cache_folder() -> Path:
 
 
 def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] = ()) -> ModuleType:
-    """The module with this text, under a name made of all that decides its machine code.
+    """Import a generated module, numba's cache of it included, under a name that changes with its machine code.
 
     Args:
-        kind: What it is, as part of its name.
+        kind: First part of its name.
         text: Its source.
-        more: What decides the machine code besides sources, such as the types of arguments.
+        more: Texts besides the sources on which the machine code depends, such as the types of arguments.
         packages: Packages besides this one whose source it uses.
     """
     return _load(f"drill_twin_{kind}_{fingerprint(text, *more, packages=packages)}", text)
@@ -72,7 +72,7 @@ def _load(name: str, text: str) -> ModuleType:
         return sys.modules[name]
     path = cache_folder() / f"{name}.py"
     if not path.exists():
-        # Several nodes may start at once: write beside, then rename, so that nobody reads half a file.
+        # Several processes may start at once: write beside, then rename, so that none reads half a file.
         with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".part", delete=False) as part:
             part.write(text)
         Path(part.name).replace(path)

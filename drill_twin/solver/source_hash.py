@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Hash of all source code that a generated module can reach, computed from its imports.
 
-Comments, docstrings and layout do not enter, so a mended sentence recompiles nothing. Libraries (numba, numpy) enter by
+Comments, docstrings and layout do not enter, so a change of them recompiles nothing. Libraries (numba, numpy) enter by
 version, in `drill_twin.solver.kernel_cache`.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import importlib.util
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -18,13 +18,13 @@ PACKAGE = "drill_twin"
 
 
 def source_hash(text: str, packages: tuple[str, ...] = ()) -> str:
-    """Hash of a module's own text and of every module that it imports, directly or not.
+    """Hash of a module's own text and of every module that it imports, directly or indirectly.
 
     Args:
         text: Source of the module.
         packages: Top-level packages to follow besides this one: those that bring effects of their own.
     """
-    digest = hashlib.sha256(_meaning(ast.parse(text)).encode())
+    digest = hashlib.sha256(_code(ast.parse(text)).encode())
     for name, content in sorted(_reached(text, packages).items()):
         digest.update(f"{name}\n{content}".encode())
     return digest.hexdigest()
@@ -38,7 +38,7 @@ def modules_reached(text: str, packages: tuple[str, ...] = ()) -> list[str]:
 def _reached(text: str, packages: tuple[str, ...]) -> dict[str, str]:
     followed = frozenset((PACKAGE, *packages))
     found: dict[str, str] = {}
-    waiting = list(_imported(ast.parse(text), followed))
+    waiting = list(_imported(ast.parse(text), "", followed))
     while waiting:
         name = waiting.pop()
         if name not in found:
@@ -52,19 +52,21 @@ def _read(name: str, followed: frozenset[str]) -> tuple[str, tuple[str, ...]]:
     if path is None:
         raise ImportError(f"expected the module {name} as a source file, found none; reinstall its package")
     stat = path.stat()
-    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-    return _parsed(path, package, stat.st_mtime_ns, stat.st_size, followed)
+    package = name if path.stem == "__init__" else name.rpartition(".")[0]
+    return _parsed(path, package, followed, stat.st_mtime_ns, stat.st_size)
 
 
 @cache
-def _parsed(path: Path, package: str, changed: int, size: int, followed: frozenset[str]) -> tuple[str, tuple[str, ...]]:
-    """Code and imports of a file of a package; time of the last change and size are only keys of the cache."""
+def _parsed(path: Path, package: str, followed: frozenset[str], changed: int, size: int) -> tuple[str, tuple[str, ...]]:
+    """Code and imports of a file; time of change and size are keys of the cache only."""
     del changed, size
+    if path.suffix != ".py":  # an extension module
+        return hashlib.sha256(path.read_bytes()).hexdigest(), ()
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    return _meaning(tree), tuple(_imported(tree, followed, package))
+    return _code(tree), tuple(_imported(tree, package, followed))
 
 
-def _meaning(tree: ast.Module) -> str:
+def _code(tree: ast.Module) -> str:
     """The code without docstrings."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
@@ -76,33 +78,32 @@ def _is_text(node: ast.stmt) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
 
 
-def _imported(tree: ast.Module, followed: frozenset[str], package: str = "") -> Iterator[str]:
-    """Modules that a module of a package imports, of the packages that are followed."""
-    for node in _statements(tree.body):
+def _imported(tree: ast.Module, package: str, followed: frozenset[str]) -> Iterator[str]:
+    """Modules of the followed packages that a module of a package imports."""
+    for node in _executed(tree):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            source = importlib.util.resolve_name("." * node.level + (node.module or ""), package)
-            names = [_module_of(source, alias.name) for alias in node.names]
+            origin = importlib.util.resolve_name("." * node.level + (node.module or ""), package)
+            names = [_module_of(origin, alias.name) for alias in node.names]
         else:
             continue
         yield from (name for name in names if name.partition(".")[0] in followed)
 
 
-def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
-    """Every statement but those for the type checker only."""
-    for node in body:
-        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
-            yield from _statements(node.orelse)
-            continue
+def _executed(tree: ast.AST) -> Iterator[ast.AST]:
+    """All nodes but those under ``if TYPE_CHECKING:``."""
+    children: Iterable[ast.AST] = ast.iter_child_nodes(tree)
+    if isinstance(tree, ast.If) and ast.unparse(tree.test) in {"TYPE_CHECKING", "typing.TYPE_CHECKING"}:
+        children = tree.orelse
+    for node in children:
         yield node
-        for field in ("body", "orelse", "finalbody"):
-            yield from _statements([one for one in getattr(node, field, []) if isinstance(one, ast.stmt)])
+        yield from _executed(node)
 
 
 def _module_of(package: str, name: str) -> str:
-    """What `from package import name` brings: a submodule, or something defined in the package."""
-    return f"{package}.{name}" if package and _path(f"{package}.{name}") else package
+    """Module imported by `from package import name`: a submodule, or the package that defines the name."""
+    return f"{package}.{name}" if _path(f"{package}.{name}") else package
 
 
 @cache

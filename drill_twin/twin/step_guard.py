@@ -57,7 +57,7 @@ class StepGuard:
         self.suspect = np.zeros((2, nodes, 7))
         self._model, self._wall = model, wall
         self._block = self._kept = np.zeros(0, dtype=np.uint8)
-        self._vitals = np.zeros(state_check.VITALS)
+        self._extremes = np.zeros(state_check.EXTREMES)
         self._speed = 0.0
 
     @property
@@ -72,8 +72,8 @@ class StepGuard:
     def keep(self, u: Array, v: Array) -> None:
         """Keep the twin's memory as it is now, the last good one; node rows u and v are part of it."""
         np.copyto(self._kept, self._block)
-        state_check.look(self._model.rod, u, v, self._vitals)
-        self._speed = float(self._vitals[state_check.SPEED])
+        state_check.check_state(self._model.rod, u, v, self._extremes)
+        self._speed = float(self._extremes[state_check.SPEED])
 
     def gives_up(self, found: Violation, tries: int) -> bool:
         """Whether a frame is not to be tried again after so many tries."""
@@ -107,8 +107,8 @@ class StepGuard:
             load: Weight on bit, the larger of those at start and end of the frame [N].
             step: Time step [s].
         """
-        seen, bounds = self._vitals, self.bounds
-        state_check.look(self._model.rod, u, v, seen)
+        seen, bounds = self._extremes, self.bounds
+        state_check.check_state(self._model.rod, u, v, seen)
         if seen[state_check.BROKEN] >= 0.0:
             node = int(seen[state_check.BROKEN])
             return Violation("finite", node, f"the state of {self.at(node)} is no longer a number")
@@ -176,7 +176,7 @@ class StepGuard:
         """
         if abs(grown) <= ENERGY_SHARE * energy.scale:
             return None
-        node = int(self._vitals[state_check.SPEED_AT])
+        node = int(self._extremes[state_check.SPEED_AT])
         return Violation(
             "energy", node,
             f"{abs(grown):.3g} J were {'gained' if grown > 0.0 else 'lost'} that nothing accounts for, of "

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ends of the string in the equations: rig at the top, frame of the bit."""
+"""Boundary conditions at the ends of the string: rig, and frame of the hole at the bit."""

@@ -108,7 +108,7 @@ def dot(m: Array, r: int, x: Row) -> float:
 
 @kernel
 def solve_blocks(lower: Array, upper: Array, inverse: Array, right: Array) -> None:
-    """Overwrite the right-hand side, shape (n + 1, 4), with the solution, given what `factor_blocks` left."""
+    """Overwrite the right-hand side, shape (n + 1, 4), with the solution, by the factors of `factor_blocks`."""
     last = right.shape[0] - 1
     z = (0.0, 0.0, 0.0, 0.0)
     for i in range(last + 1):

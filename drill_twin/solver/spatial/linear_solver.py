@@ -3,10 +3,10 @@
 
 A node has seven unknowns (r, r', psi), so a row of blocks is ``lower (7x7) | diagonal (7x7) | upper (7x7)``. Rows are
 padded to eight columns and the eighth column of the diagonal block carries the right-hand side, so that elimination
-works on whole rows of eight doubles. A row is loaded, combined and only then stored: the compiler need not fear that a
-store changes what it still has to load, and uses vector instructions: that more than halves the time of the solve.
+works on whole rows of eight doubles. A row is loaded, combined and only then stored: no store can alias a later load,
+so the compiler uses vector instructions, which more than halves the time of the solve.
 
-Pivoting is not needed: the mass term keeps the pivots away from zero, and a step for which it does not is cut
+Pivoting is not needed: the mass term keeps the pivots away from zero, and a step for which it does not is halved
 (`drill_twin.solver.midpoint`).
 """
 
