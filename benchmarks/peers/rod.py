@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from benchmarks.peers.task import SCENES, Array, Task
-from drill_twin.effects.wall import loss
+from drill_twin.effects.wall import damping_number
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
 
@@ -101,7 +101,7 @@ def rod_of(task: Task) -> Rod:
             [
                 scene.hole.radius_at(0.0) - radius,
                 effects.wall.stiffness,
-                loss(effects.wall.restitution) / effects.wall.reference_speed,
+                damping_number(effects.wall.restitution) / effects.wall.reference_speed,
                 friction.coefficient if friction else 0.0,
                 friction.decay if friction else 0.0,
                 np.pi / (2.0 * friction.accuracy) if friction else 1.0,

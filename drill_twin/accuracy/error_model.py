@@ -36,7 +36,7 @@ class Point:
     step: float
     """[s]"""
     tolerance: float
-    """Of Newton's method."""
+    """Tolerance of Newton's method."""
     path: float
     """Error of the path before the onset [-]."""
     onset: float

@@ -26,13 +26,13 @@ class Errors:
     path: float | None
     """Largest distance of a mark's centre line from the converged one before the onset, over its largest radius."""
     onset: float | None
-    """Of the onset time, relative."""
+    """Relative error of the onset time."""
     frequency: float | None
-    """Of the whirl frequency, relative."""
+    """Relative error of the whirl frequency."""
     radius: float
-    """Of the mean orbit radius, over the clearance."""
+    """Error of the mean orbit radius, over the clearance."""
     contact: float
-    """Of the share of nodes at the wall."""
+    """Error of the share of nodes at the wall."""
 
     @property
     def controlled(self) -> float:

@@ -57,7 +57,7 @@ class Motion:
     elements: int
     step: float
     tolerance: float
-    """Of Newton's method."""
+    """Tolerance of Newton's method."""
 
     def until(self, end: float) -> Motion:
         """The motion up to a time [s]; onset and frequency are those of the whole run."""

@@ -36,7 +36,7 @@ class Trial:
     cost: float
     """Processor time of the physics per simulated second [s/s]."""
     iteration_cost: float
-    """The same per Newton iteration and element [s]; independent of the number of iterations that the motion takes."""
+    """Processor time per Newton iteration and element [s]; independent of how many iterations the motion takes."""
 
     def to_dict(self) -> dict[str, float | None]:
         """Plain numbers for JSON."""

@@ -17,7 +17,8 @@ from drill_twin.base.arrays import Array
 from drill_twin.effects import effect_module
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
-from drill_twin.model.section import RESULTANTS, Strain, strain_at
+from drill_twin.model.section import RESULTANTS
+from drill_twin.model.strain import Strain, strain_at
 
 
 class EvaluationPoint(NamedTuple):

@@ -28,7 +28,7 @@ from numba import njit
 
 from drill_twin.base.jit import FLAGS
 from drill_twin.model.point import Point
-from drill_twin.model.section import Strain
+from drill_twin.model.strain import Strain
 '''
 _POINT = """
 {import_line}

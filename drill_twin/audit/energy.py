@@ -9,7 +9,7 @@ from drill_twin.base.arrays import Array
 from drill_twin.effects.wall import Parameters as Wall
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
-from drill_twin.model.wellbore import aside
+from drill_twin.model.wellbore import axis_offset
 
 
 class Energy(NamedTuple):
@@ -79,12 +79,12 @@ def lateral_energy(rod: Rod, u: Array, v: Array) -> Energy:
 
 def wall_energy(model: DiscreteModel, wall: Wall, u: Array) -> float:
     """Energy in the wall's spring [J]: K d^(p + 1) / (p + 1) per length at the Gauss points."""
-    rod, bore = model.rod, model.bore
+    rod, bore = model.rod, model.wellbore
     places = gauss_positions(rod, u)
     if bore.axis is None:
         off = np.hypot(places[:, 0], places[:, 1])
     else:
-        off = np.array([np.linalg.norm(aside(bore.axis, k, *place)[:3]) for k, place in enumerate(places)])
+        off = np.array([np.linalg.norm(axis_offset(bore.axis, k, *place)[:3]) for k, place in enumerate(places)])
     depth = np.maximum(off - bore.clearance, 0.0)
     power = 1.0 if wall.linear else 1.5
     return float(np.sum(0.5 * model.at_places(rod.length) * wall.stiffness * depth ** (power + 1.0) / (power + 1.0)))

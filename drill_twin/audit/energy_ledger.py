@@ -20,7 +20,8 @@ from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.model.point import Point
-from drill_twin.model.section import COUPLE, MX, MY, MZ, RESULTANTS, TORQUE, Strain
+from drill_twin.model.section import COUPLE, MX, MY, MZ, RESULTANTS, TORQUE
+from drill_twin.model.strain import Strain
 from drill_twin.solver.boundary.bit_frame import turn_row, turn_row_back
 from drill_twin.solver.boundary.rig import BIT, RESIDUAL, TOP
 from drill_twin.solver.state import State

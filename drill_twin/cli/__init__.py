@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line `drill-twin`: everything that needs no ROS, one sub-command a file.
+"""Command line `drill-twin`, a module for each sub-command.
 
-Results go to stdout, all else to stderr. Exit codes: 0 done, 2 an error that is the user's to mend (one line on
-stderr), 130 stopped with Ctrl-C.
+Results go to stdout, all else to stderr. Exit codes: 0 success, 1 a run that stopped or a check that failed, 2 an error
+of input or use (one line on stderr), 130 stopped with Ctrl-C.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         code = run_command(list(sys.argv[1:] if arguments is None else arguments))
         sys.stdout.flush()
-    except BrokenPipeError:  # the reader of our output has seen enough
+    except BrokenPipeError:  # the reader of stdout has closed it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 1
     sys.exit(code)
@@ -35,14 +35,14 @@ def run_command(arguments: Sequence[str]) -> int:
     try:
         code = get_command(app).main(list(arguments) or ["--help"], prog_name="drill-twin", standalone_mode=False)
     except StoppedError as error:
-        return _fail(str(error), code=1)  # nobody's mistake
+        return _fail(str(error), code=1)
     except DrillTwinError as error:
         return _fail(str(error))
     except KeyboardInterrupt:
         print("drill-twin: stopped", file=sys.stderr)
         return INTERRUPTED
     except Exception as error:
-        if not hasattr(error, "format_message"):  # every error of usage has one, whichever typer and click these are
+        if not hasattr(error, "format_message"):  # usage errors have one in every version of typer and click
             raise
         context = getattr(error, "ctx", None)
         command = context.command_path if context else "drill-twin"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin run --accuracy`: what is said before the run and checked after it."""
+"""Accuracy of `drill-twin run`: choice of the resolution before the run, check after it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def planned(scene: Scene) -> Plan:
-    """Choose the resolution, with a progress bar where a curve has to be measured, and say what to expect."""
+    """Choose the resolution, with a progress bar where a cost curve must be measured, and print the expected error."""
     from rich.progress import Progress
 
     from drill_twin.accuracy import resolve
@@ -23,14 +23,14 @@ def planned(scene: Scene) -> Plan:
     if load_model(scene) is None:
         console.print("no cost curve of this scene yet: measuring a small one", markup=False, soft_wrap=True)
     with Progress(console=console, transient=True) as bar:
-        task = bar.add_task("looking for the cost curve", total=1.0)
+        task = bar.add_task("reading the cost curve", total=1.0)
         plan = resolve(scene, progress=lambda line, share: bar.update(task, completed=share, description=line))
     console.print(plan.sentence, markup=False, soft_wrap=True)
     return plan
 
 
 def checked(plan: Plan, recording: Recording, *, rerun: bool) -> dict[str, Any]:
-    """Compare the run with what was expected of it, and say so; for the summary."""
+    """Compare a run with its plan, print the result, and return it for the summary."""
     from rich.progress import Progress
 
     from drill_twin.accuracy import check
@@ -38,7 +38,7 @@ def checked(plan: Plan, recording: Recording, *, rerun: bool) -> dict[str, Any]:
 
     console = err()
     with Progress(console=console, transient=True) as bar:
-        task = bar.add_task("checking: the part before the onset again, more finely", total=recording.duration)
+        task = bar.add_task("checking: the part before the onset at a finer resolution", total=recording.duration)
         result = check(plan, recording, rerun=rerun, progress=lambda time: bar.update(task, completed=time))
     actual = "not checked" if result.actual is None else f"{result.actual * 100:.2g} %"
     console.print(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands, put together; what a command does is imported when it is called, so that --help is quick."""
+"""The commands; each imports its modules when it is called, so that --help is fast."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from drill_twin.cli.studies.verify import verify
 from drill_twin.cli.watch import watch
 
 app = typer.Typer(
-    help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. None of it needs ROS, "
-    "but for [bold]demo[/].",
+    help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]demo[/], "
+    "[bold]replay[/], [bold]load[/], and [bold]watch[/] without a bag, need rclpy.",
     epilog='For example: [bold]drill-twin run pa6_bench --wob "40 N" --rps 2 --duration 30 --out out/first --report[/]',
     rich_markup_mode="rich",
     add_completion=False,
@@ -47,21 +47,21 @@ def _common(
     del version
 
 
-_RUN, _ASK, _LOOK, _ROS = "Simulate and analyse", "Studies", "Scenes", "ROS"
+_RUN, _STUDY, _SCENE, _ROS = "Simulate and analyse", "Studies", "Scenes", "ROS"
 app.command(rich_help_panel=_RUN)(run)
 app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
 app.command(rich_help_panel=_RUN)(watch)
-app.command(rich_help_panel=_ASK)(cost)
-app.command(rich_help_panel=_ASK)(effects)
-app.command(rich_help_panel=_ASK)(verify)
-app.command(rich_help_panel=_ASK)(hard)
-app.command(rich_help_panel=_ASK)(paper)
-app.command(rich_help_panel=_ASK)(calibrate)
-app.command(rich_help_panel=_ASK)(analyzer_score)
-app.command(rich_help_panel=_LOOK)(scenes)
-app.command(rich_help_panel=_LOOK)(check)
-app.command(rich_help_panel=_LOOK)(schema)
+app.command(rich_help_panel=_STUDY)(cost)
+app.command(rich_help_panel=_STUDY)(effects)
+app.command(rich_help_panel=_STUDY)(verify)
+app.command(rich_help_panel=_STUDY)(hard)
+app.command(rich_help_panel=_STUDY)(paper)
+app.command(rich_help_panel=_STUDY)(calibrate)
+app.command(rich_help_panel=_STUDY)(analyzer_score)
+app.command(rich_help_panel=_SCENE)(scenes)
+app.command(rich_help_panel=_SCENE)(check)
+app.command(rich_help_panel=_SCENE)(schema)
 app.command(
     rich_help_panel=_ROS,
     add_help_option=False,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin analyze` and `drill-twin report`: what a bag tells."""
+"""Commands `drill-twin analyze` and `drill-twin report`: analysis and report of a bag."""
 
 from __future__ import annotations
 
@@ -28,12 +28,13 @@ def analyze(
     json: JsonOption = False,
     marks: Annotated[
         list[str], typer.Option("--marks", metavar="NAME", help="Analyse only this mark; repeatable, or NAME,NAME.")
-    ] = [],  # noqa: B006  typer reads the default, nobody writes to it
+    ] = [],  # noqa: B006  typer does not change the default
     begin: Annotated[
-        float, typer.Option("--from", metavar="SECONDS", help="Leave out samples stamped before.", show_default=False)
+        float,
+        typer.Option("--from", metavar="SECONDS", help="Leave out earlier samples.", show_default=False),
     ] = -math.inf,
     end: Annotated[
-        float, typer.Option("--to", metavar="SECONDS", help="Leave out samples stamped after.", show_default=False)
+        float, typer.Option("--to", metavar="SECONDS", help="Leave out later samples.", show_default=False)
     ] = math.inf,
     topics: Annotated[
         list[str],
@@ -44,19 +45,22 @@ def analyze(
         ),
     ] = [],  # noqa: B006
     clearance: Annotated[
-        str, typer.Option("--clearance", metavar="LENGTH", help='Of the marks in a bag without a scene: "36.75 mm".')
+        str,
+        typer.Option(
+            "--clearance", metavar="LENGTH", help='Clearance of the marks, for a bag without a scene: "36 mm".'
+        ),
     ] = "",
     rim: Annotated[
         str,
         typer.Option(
-            "--rim", metavar="LENGTH", help="Outer radius of the string at these marks, if they sit on its wall."
+            "--rim", metavar="LENGTH", help="Outer radius of the string at these marks, if they are on its surface."
         ),
     ] = "",
 ) -> None:
     """Find onset, frequencies and motion states of whirl in a bag, and stick-slip of the bit.
 
-    The analysis is that of the analyzer node; where the bag holds what the node found live, the two are compared byte
-    for byte. A bag whose recorder was killed is read as far as it goes.
+    The analysis is that of the analyzer node; findings that the node recorded live are compared byte for byte. A bag
+    whose recorder was killed is read up to its last complete message.
     """
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.cli.show import err, print_findings, print_json
@@ -85,7 +89,7 @@ def report(
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:
-    """Draw the report of a bag: report.html, which opens from the disk without a network, and its figures as PNG."""
+    """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
     from drill_twin.cli.show import err, print_json
 
     folder = out or default_folder(bag)
@@ -103,7 +107,7 @@ def report(
 
 
 def draw(recording: Recording, folder: Path) -> ReportFiles:
-    """Build the report with a spinner that names the part it is at."""
+    """Build the report, with a status line that names the part in progress."""
     from drill_twin.cli.show import err
     from drill_twin.report import build_report
 
@@ -112,7 +116,7 @@ def draw(recording: Recording, folder: Path) -> ReportFiles:
 
 
 def default_folder(bag: Path) -> Path:
-    """Where a report goes if nobody says so: `out/run/bag_0` -> `out/run`; any other `x` -> `x_report` beside it."""
+    """Default folder of a report: `out/run/bag_0` -> `out/run`; any other `x` -> `x_report` beside it."""
     from drill_twin.io.bag.files import bag_path
 
     found = bag_path(bag).absolute()
@@ -132,16 +136,16 @@ def _selection(marks: list[str], begin: float, end: float, topics: list[str], cl
     """The part of a bag that the options name.
 
     Raises:
-        BagError: An option is not what it should be.
+        BagError: The value of an option is invalid.
     """
-    from drill_twin.io.bag.mapped import names_from
+    from drill_twin.io.bag.remapped import parse_remappings
     from drill_twin.report.selection import Selection
     from drill_twin.units import UnitError, parse
     from drill_twin.units.dimension import LENGTH
 
     if not begin < end:
         raise BagError(f"--from, --to: expected a start before the end, found {begin:g} s and {end:g} s")
-    names = names_from(topics, "--map")
+    names = parse_remappings(topics, "--map")
     lengths = []
     for option, text in (("--clearance", clearance), ("--rim", rim)):
         try:
@@ -153,7 +157,7 @@ def _selection(marks: list[str], begin: float, end: float, topics: list[str], cl
 
 
 def print_marks(summary: Mapping[str, Any]) -> None:
-    """The timeline of every mark."""
+    """Print the timeline of every mark."""
     from drill_twin.cli.show import grid, out
 
     rows = [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where results go: new folders, or ones whose older result is moved aside; files that are not overwritten unasked."""
+"""Folders and files of results: an existing result is moved aside or replaced only with `--replace`."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from pathlib import Path
 
 from drill_twin.errors import BagError
 
-_OURS = ("bag_0", "summary.json", "report.html")
+_RESULTS = ("bag_0", "summary.json", "report.html")
 
 
 def new_folder(folder: Path, *, replace: bool) -> Path | None:
-    """Make an empty folder; with `replace` a result that is there is moved to `<folder>.old`.
+    """Make an empty folder; with `replace` an existing result is moved to `<folder>.old`.
 
     Returns:
-        Where the older result was moved to, if there was one.
+        New path of the older result, if there was one.
 
     Raises:
         BagError: The folder is not empty, or cannot be made.
@@ -30,44 +30,39 @@ def new_folder(folder: Path, *, replace: bool) -> Path | None:
                     "with --out, or --replace to move that aside"
                 )
             moved = _move_aside(folder)
-        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise BagError(
-            f"{folder}: expected a place to write the result, found {error.strerror or error}; "
-            "choose another with --out"
-        ) from error
+        raise _not_writable(folder, error) from error
+    make_folder(folder)
     return moved
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder that others may have put something into.
+    """Make a folder if it does not exist.
 
     Raises:
-        BagError: It cannot be made.
+        BagError: The folder cannot be made.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise BagError(
-            f"{folder}: expected a place to write to, found {error.strerror or error}; choose another with --out"
-        ) from error
+        raise _not_writable(folder, error) from error
 
 
 def check_new(file: Path, *, replace: bool) -> None:
-    """See that a file may be written.
+    """Check that a file may be written.
 
     Raises:
-        BagError: It exists, and is not to be replaced or is none.
+        BagError: It exists, and `replace` is off or it is no file.
     """
     if file.exists() and not (replace and file.is_file()):
         raise BagError(f"{file}: expected a new file, found one that exists; choose another, or --replace")
 
 
 def write_file(file: Path, text: str) -> None:
-    """Write a text file; folders are made as needed.
+    """Write a text file, and its folders.
 
     Raises:
-        BagError: It cannot be written.
+        BagError: The file cannot be written.
     """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -77,12 +72,18 @@ def write_file(file: Path, text: str) -> None:
 
 
 def folder_name(text: str) -> str:
-    """A name for a folder from any text."""
+    """Valid name of a folder, from any text."""
     return re.sub(r"[^\w.-]+", "_", text).strip("._") or "run"
 
 
+def _not_writable(folder: Path, error: OSError) -> BagError:
+    return BagError(
+        f"{folder}: expected a place to write the result, found {error.strerror or error}; choose another with --out"
+    )
+
+
 def _move_aside(folder: Path) -> Path:
-    if folder.is_symlink() or not folder.is_dir() or not any((folder / name).exists() for name in _OURS):
+    if folder.is_symlink() or not folder.is_dir() or not any((folder / name).exists() for name in _RESULTS):
         raise BagError(
             f"{folder}: expected the result of an earlier run to replace, found {_inside(folder)}; choose another with "
             "--out"

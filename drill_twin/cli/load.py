@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin load`: what share of a processor each node takes."""
+"""Command `drill-twin load`: processor time of each node."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from drill_twin.cli.options import JsonOption
 
 def load(
     scene: Annotated[str, typer.Argument(help="Preset or scene file.")] = "pa6_bench",
-    rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Frames a second.", min=1.0, max=1000.0)] = 200.0,
+    rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Frame rate.", min=1.0, max=1000.0)] = 200.0,
     elements: Annotated[int, typer.Option("--elements", help="Elements of the string.", min=2, max=2000)] = 50,
     seconds: Annotated[
-        float, typer.Option("--seconds", metavar="SECONDS", help="How long to measure.", min=1.0, max=3600.0)
+        float, typer.Option("--seconds", metavar="SECONDS", help="Length of the measurement.", min=1.0, max=3600.0)
     ] = 20.0,
     json: JsonOption = False,
 ) -> None:
-    """Measure what share of a processor core each node takes in real time. Needs rclpy.
+    """Measure the share of a processor core that each node takes in real time. Needs rclpy.
 
-    Simulator, rig driver, analyzer and recorder run as processes over DDS; their processor time is the kernel's, with
-    all threads of DDS. What the simulator spends on the motion and on publishing it measures itself.
+    Simulator, rig driver, analyzer and recorder run as processes over DDS; their processor time is that of the kernel,
+    with all threads of DDS. The simulator itself measures its time for the motion and for publishing.
     """
     from drill_twin.cli.show import err, grid, out, print_json
     from drill_twin.ros.core.stop_request import StopRequest
@@ -31,7 +31,7 @@ def load(
 
     stop = StopRequest()
     stop.install()
-    with err().status("the nodes run"):
+    with err().status("running the nodes"):
         shares, said = run_load(LoadOptions(scene, rate, elements, seconds), stop)
     if json:
         print_json({"nodes": [asdict(share) for share in shares], "simulator": dict(said)})
@@ -40,5 +40,5 @@ def load(
     out().print(grid(("node", "of one core", "memory"), rows, right=(1, 2)))
     physics = 1.0 / float(said["realtime_factor"])
     out().print(
-        f"of the simulator: {physics:.1%} the motion, {float(said['publishing_share']):.1%} encoding and handing to DDS"
+        f"of the simulator: {physics:.1%} the motion, {float(said['publishing_share']):.1%} encoding and publishing"
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arguments and options that several commands share."""
+"""Arguments and options of several commands."""
 
 from __future__ import annotations
 
@@ -25,17 +25,13 @@ SetOption = Annotated[
         "--set", metavar="KEY=VALUE", help='Change the scene, as "hole.radius=80 mm" or "effects.bow=off"; repeatable.'
     ),
 ]
-SceneOption = Annotated[
-    str, typer.Option("--scene", metavar="SCENE", help="The scene of a bag that does not hold one itself.")
-]
+SceneOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Scene of a bag that contains none.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, and nothing else, on stdout.")]
-ReplaceOption = Annotated[
-    bool, typer.Option("--replace", help="Where a result of drill-twin exists already, make the new one in its place.")
-]
+ReplaceOption = Annotated[bool, typer.Option("--replace", help="Replace an existing result of drill-twin.")]
 
 
 def overrides(pairs: list[str], **shorthands: str) -> dict[str, str]:
-    """The changes to a scene that options ask for.
+    """Overrides of a scene from the options.
 
     Raises:
         SceneError: A pair is not KEY=VALUE.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin demo` and `topics`: the nodes, and what they say to each other."""
+"""Commands `drill-twin demo`, `replay` and `topics`: the nodes and their topics."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ def demo(context: typer.Context) -> None:
 def replay(
     bag: BagArgument,
     rate: Annotated[
-        float, typer.Option("--rate", help="Times as fast as recorded; 0: as fast as it goes.", min=0.0, max=1000.0)
+        float,
+        typer.Option("--rate", help="Times as fast as recorded; 0: as fast as possible.", min=0.0, max=1000.0),
     ] = 1.0,
     names: Annotated[
         list[str],
@@ -31,14 +32,14 @@ def replay(
             metavar="THEIRS=OURS",
             help='Publish a topic of the bag as one of ours, as "/camera/marks=/marks/state"; repeatable.',
         ),
-    ] = [],  # noqa: B006  typer reads the default, nobody writes to it
+    ] = [],  # noqa: B006  typer does not change the default
     leave_out: Annotated[
         list[str], typer.Option("--leave-out", metavar="TOPIC", help="Do not publish this topic; repeatable.")
     ] = [],  # noqa: B006
     wait_for: Annotated[
-        list[str], typer.Option("--wait-for", metavar="NODE", help="Begin once this node is ready; repeatable.")
+        list[str], typer.Option("--wait-for", metavar="NODE", help="Start when this node is ready; repeatable.")
     ] = [],  # noqa: B006
-    loop: Annotated[bool, typer.Option("--loop", help="Begin again at the end.")] = False,
+    loop: Annotated[bool, typer.Option("--loop", help="Start again at the end.")] = False,
 ) -> None:
     """Publish a bag again over DDS, with /clock, at any rate: the replayer node. Needs rclpy."""
     from drill_twin.ros.entry_points import start
@@ -47,8 +48,8 @@ def replay(
         "bag": str(bag), "rate": rate, "loop": loop, "map": " ".join(names), "leave_out": " ".join(leave_out),
         "wait_for": " ".join(wait_for),
     }  # fmt: skip
-    words = [word for name, value in given.items() for word in ("-p", f"{name}:={dumps(value)}")]
-    raise typer.Exit(start("replayer", ["--ros-args", *words]))
+    arguments = [argument for name, value in given.items() for argument in ("-p", f"{name}:={dumps(value)}")]
+    raise typer.Exit(start("replayer", ["--ros-args", *arguments]))
 
 
 def topics(
@@ -73,11 +74,11 @@ def topics(
             (topic.name, topic.type_name.replace("/msg/", "/"), f"{topic.publisher}, {topic.rate}", topic.meaning)
             for topic in TOPICS.values()
         )
-        out().print(grid(("topic", "type", "who and when", "meaning"), rows))
+        out().print(grid(("topic", "type", "publisher, rate", "meaning"), rows))
 
 
 def rig_table() -> str:
-    """The contract as rig software needs it, in Markdown: who sends, how surely it arrives, what stamps it."""
+    """Table of the topics for rig software, in Markdown: publisher, quality of service, stamp and frame."""
     from drill_twin.io.messages.topics import CLOCK_TOPIC, FLOAT64, FRAME_ID, STRING, TOPICS
 
     unstamped = (FLOAT64, STRING)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin run`: simulate a scene, analyse it while it runs, record everything."""
+"""Command `drill-twin run`: simulate a scene, analyse and record it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def run(
         ),
     ] = "",
     rerun: Annotated[
-        bool, typer.Option("--check/--no-check", help="After a run with an accuracy, measure the error it has.")
+        bool, typer.Option("--check/--no-check", help="After a run with an accuracy, measure its error.")
     ] = True,
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     out: Annotated[
@@ -51,7 +51,7 @@ def run(
 ) -> None:
     """Simulate a scene and analyse it: bag and summary.json in a new folder.
 
-    The physics, the analysis and the bag are those of the ROS nodes. Ctrl-C ends the run early and keeps the bag.
+    Physics, analysis and bag are those of the ROS nodes. Ctrl-C ends the run early and keeps the bag.
     """
     from drill_twin.cli.folder import folder_name, new_folder, write_file
     from drill_twin.cli.show import err, print_findings, print_json
@@ -113,7 +113,7 @@ def run(
 
 
 def _drill(session: Session, bag: Path) -> Outcome:
-    """Run with a progress bar; SIGINT and SIGTERM end it after the frame it is at."""
+    """Run with a progress bar; SIGINT and SIGTERM end the run after the current frame."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from drill_twin.cli.show import err
@@ -149,7 +149,7 @@ def _drill(session: Session, bag: Path) -> Outcome:
 
 @contextmanager
 def _stop_request() -> Iterator[list[int]]:
-    """A list that is empty until SIGINT or SIGTERM comes; a second one acts at once, as it would have without this."""
+    """List that is empty until SIGINT or SIGTERM arrives; a second signal has its default effect."""
     asked: list[int] = []
 
     def ask(number: int, frame: object) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin scenes`, `check` and `schema`: what can be simulated, and whether a scene file is right."""
+"""Commands `drill-twin scenes`, `check` and `schema`: installed scenes, check and JSON Schema of scene files."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def check(
     yaml: Annotated[bool, typer.Option("--yaml", help="Print the whole scene, with units and defaults.")] = False,
     json: JsonOption = False,
 ) -> None:
-    """Check a scene file; says what is wrong, where, and what was expected."""
+    """Check a scene file: prints each error with its place and the expected value."""
     from drill_twin.cli.show import out, pairs, print_json
     from drill_twin.scene import load_scene, scene_path
     from drill_twin.schedule import Schedule
@@ -67,7 +67,7 @@ def schema(
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write to this file.")] = None,
     replace: ReplaceOption = False,
 ) -> None:
-    """Print the JSON Schema of scene files, from which editors complete and check them."""
+    """Print the JSON Schema of scene files, for completion and checks in an editor."""
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.scene.json_schema import schema_text
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How results look in a terminal: tables on stdout, progress on stderr."""
+"""Output in a terminal: tables on stdout, progress on stderr."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from drill_twin.studies.json_io import json_text
 
 
 def out() -> Console:
-    """The terminal for results."""
+    """Console for results, on stdout."""
     return Console(highlight=False)
 
 
 def err() -> Console:
-    """The terminal for progress and remarks."""
+    """Console for progress and remarks, on stderr."""
     return Console(stderr=True, highlight=False)
 
 
@@ -30,7 +30,7 @@ def print_json(value: Any) -> None:
 
 
 def pairs(rows: Iterable[tuple[str, str]]) -> Table:
-    """Names and values, without lines."""
+    """Table of names and values, without lines."""
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
     table.add_column(style="bold", no_wrap=True)
     for name, value in rows:
@@ -39,7 +39,7 @@ def pairs(rows: Iterable[tuple[str, str]]) -> Table:
 
 
 def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "", right: Sequence[int] = ()) -> Table:
-    """A table with headings; columns whose numbers are in `right` are aligned to the right."""
+    """Table with headings; the columns in `right` are aligned to the right."""
     table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", padding=(0, 1), pad_edge=False)
     for number, column in enumerate(columns):
         table.add_column(column, justify="right" if number in right else "left", overflow="fold")
@@ -49,8 +49,8 @@ def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = 
 
 
 def print_findings(summary: Mapping[str, Any]) -> None:
-    """A summary as tables: findings, marks, timeline, and what limits them."""
-    from drill_twin.report.text import findings, provenance, troubles
+    """Print a summary as tables: findings, marks, timeline and notes."""
+    from drill_twin.report.text import findings, limitations, provenance
 
     console = out()
     console.print(pairs([*_without_radii(findings(summary)), *provenance(summary)]))
@@ -71,7 +71,7 @@ def print_findings(summary: Mapping[str, Any]) -> None:
             right=(0, 1),
         )
     )
-    for trouble in troubles(summary):
+    for trouble in limitations(summary):
         err().print(Text(f"note: {trouble}", style="yellow"), soft_wrap=True)
 
 

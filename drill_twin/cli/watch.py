@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin watch`: the page in the browser, of a running twin or of a bag."""
+"""Command `drill-twin watch`: live page of a running twin or of a bag."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ import typer
 def watch(
     bag: Annotated[
         Path | None,
-        typer.Argument(metavar="[BAG]", help="A bag to play; without one, the twin that runs. Needs rclpy."),
+        typer.Argument(metavar="[BAG]", help="Bag to play; without one, the running twin (needs rclpy)."),
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: a free one.")] = 8000,
-    host: Annotated[str, typer.Option(help="Address to listen on; others than this host can command through it.")] = (
+    host: Annotated[str, typer.Option(help="Address to listen on; any other lets other hosts command.")] = (
         "127.0.0.1"
     ),
     browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
 ) -> None:
-    """Watch in the browser: the string in the hole, the orbits, the motion, and sliders that command.
+    """Show a run in the browser: the string in the hole, orbits, motion states, and sliders for the set-points.
 
-    A running twin is found by ROS_DOMAIN_ID; its set-points are commanded through the rig driver where there is one.
+    A running twin is found by ROS_DOMAIN_ID; set-points go through the rig driver where there is one.
     """
     if bag is not None:
         _play(bag, host, port, browser=browser)
         return
     from drill_twin.ros.entry_points import start
 
-    words = ["--host", host, "--port", str(port), *([] if browser else ["--no-browser"])]
-    raise typer.Exit(start("watch", words))
+    arguments = ["--host", host, "--port", str(port), *([] if browser else ["--no-browser"])]
+    raise typer.Exit(start("watch", arguments))
 
 
 def _play(bag: Path, host: str, port: int, *, browser: bool) -> None:

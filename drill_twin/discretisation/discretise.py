@@ -10,7 +10,7 @@ from drill_twin.base.arrays import Array
 from drill_twin.model.discrete_model import DiscreteModel, places
 from drill_twin.model.mesh import Rod, Tube
 from drill_twin.model.survey import Survey, survey
-from drill_twin.model.wellbore import Axis, Bore
+from drill_twin.model.wellbore import Axis, Wellbore
 from drill_twin.scene import Scene
 from drill_twin.scene.section import Piece
 
@@ -53,11 +53,11 @@ def _section_numbers(scene: Scene, rod: Rod) -> NDArray[np.int64]:
     return np.minimum(np.searchsorted(tops, middle), tops.size - 1).astype(np.int64)
 
 
-def bore_at(scene: Scene, distance_from_bit: Array) -> Bore:
+def bore_at(scene: Scene, distance_from_bit: Array) -> Wellbore:
     """The hole as places of the string [m], shape (p,), meet it at the start."""
     depth = scene.length - np.asarray(distance_from_bit)
     radius = np.array([scene.hole.radius_at(float(d)) for d in depth])
-    return Bore(radius - contact_radius(scene, distance_from_bit), axis_at(scene, depth))
+    return Wellbore(radius - contact_radius(scene, distance_from_bit), axis_at(scene, depth))
 
 
 def contact_radius(scene: Scene, distance_from_bit: Array) -> Array:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The effects that a scene can list: one file each, with its block of the scene and its compiled functions.
+"""Effects of a scene: one file each, with its block of the scene and its compiled functions.
 
 A file is an effect if it defines an `EffectConfig` of its own name: `wall_friction.py` and `WallFriction`. Another
 package adds effects through the entry-point group ``drill_twin.effects``: the entry's name is the key in a scene, its
@@ -51,7 +51,7 @@ def _find() -> dict[str, tuple[ModuleType, type[EffectConfig]]]:
 
 _FOUND = _find()
 EFFECTS: dict[str, type[EffectConfig]] = {key: config for key, (_, config) in _FOUND.items()}
-"""Key in a scene file -> its config: ours in the order of the alphabet, then those of other packages."""
+"""Key in a scene file -> its config: those of this package by name, then those of other packages."""
 
 
 def effect_module(key: str) -> ModuleType:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mud that has to move when the string moves sideways: around it, and in its bore."""
+"""Added mass of the mud around and inside the string for lateral motion."""
 
 from typing import Annotated, Any, ClassVar, NamedTuple
 
@@ -16,10 +16,10 @@ from drill_twin.units import Dimensionless, Within
 
 
 class AddedMass(EffectConfig):
-    """Added mass rho pi (C_a r_o^2 + r_i^2) per length against acceleration across the string; none along it.
+    """Added mass rho pi (C_a r_o^2 + r_i^2) per length for acceleration across the string; none along it.
 
-    The mud in the bore moves with the pipe (the second term, where `mud.inside` is `mud`). C_a = 1 is potential flow
-    around a cylinder in unbounded fluid (Lamb 1932, art. 68).
+    The second term is the mud inside the pipe, where `mud.inside` is `mud`. C_a = 1 is potential flow around a cylinder
+    in unbounded fluid (Lamb 1932, art. 68).
     """
 
     requires: ClassVar[tuple[str, ...]] = ("mud",)
@@ -29,8 +29,8 @@ class AddedMass(EffectConfig):
     ] = 1.0
     """Added-mass coefficient C_a [-]."""
     confined: Flag = False
-    """Whether the hole's wall narrows the flow: multiplies C_a by (R^2 + r_o^2) / (R^2 - r_o^2), potential flow about
-    a string in the middle of the hole (Fritz 1972)."""
+    """Confinement by the hole: multiplies C_a by (R^2 + r_o^2) / (R^2 - r_o^2), potential flow around a concentric
+    string (Fritz 1972)."""
 
 
 class Parameters(NamedTuple):
@@ -40,7 +40,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: AddedMass, model: DiscreteModel) -> Parameters:
-    """Added mass of each Gauss point's section."""
+    """Compute the added mass at the Gauss points."""
     outer = model.at_places(model.rod.outer_radius) ** 2
     around = block.coefficient * outer
     if block.confined:
@@ -52,7 +52,7 @@ def parameters(block: AddedMass, model: DiscreteModel) -> Parameters:
 
 @kernel
 def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Force -m_a (1 - t t) a."""
+    """Add the force -m_a (1 - t t) a."""
     m = parameters.added_mass.mass[here.place]
     along = here.tx * here.ax + here.ty * here.ay + here.tz * here.az
     load[0] -= m * (here.ax - here.tx * along)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Friction of the spinning bit on the rock: sliding sideways, it is braked as if by a viscous damper."""
+"""Friction of the rotating bit on the rock, viscous for small lateral velocities."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, NamedTuple
@@ -9,17 +9,17 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.effects.config import EffectConfig, Incompatibility
-from drill_twin.model.bit import BIT_TORQUE, pressed
+from drill_twin.model.bit import BIT_TORQUE, contact_weight
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.units import Dimensionless, Length, Within
 
 SLIDING = ("sliding", "free")
-"""Ends of the string at which the bit can slide sideways and rub."""
+"""Constraints of the bit that let it slide laterally."""
 
 
 class BitFriction(EffectConfig):
-    """Lateral spin-slide Coulomb friction of the bit under its weight; about mu P / (Omega radius) at low slip."""
+    """Coulomb friction of the rotating, laterally sliding bit; damping mu P / (Omega radius) at low slip."""
 
     provides = ("torque",)
     energy_class = "heat"
@@ -28,10 +28,10 @@ class BitFriction(EffectConfig):
     coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient of bit on rock [-]."""
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
-    """Effective radius at which the bit rubs [m]; not above the hole's."""
+    """Effective radius of friction [m]; at most that of the hole."""
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """A bit that cannot slide, or is wider than the hole."""
+        """Yield a bit that cannot slide, or a radius above that of the hole."""
         if scene.string.bit_end not in SLIDING:
             yield Incompatibility(
                 (),
@@ -53,7 +53,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: BitFriction, model: DiscreteModel) -> Parameters:
-    """Nothing to prepare."""
+    """Parameters of the block."""
     return Parameters(block.coefficient, block.radius)
 
 
@@ -61,12 +61,12 @@ def parameters(block: BitFriction, model: DiscreteModel) -> Parameters:
 def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
-    """Coulomb friction of a face that spins while it slides: mu P v / sqrt(v^2 + (Omega r)^2).
+    """Add Coulomb friction of a face in rotation and translation: mu P v / sqrt(v^2 + (Omega r)^2), and its couple.
 
-    Spinning turns dry friction into viscous drag mu P / (Omega r) for small v. The couple on the spin goes with it.
+    Rotation turns dry friction into viscous drag mu P / (Omega r) for small v.
     """
     law = parameters.bit_friction
-    weight = pressed(parameters.drive.bit)
+    weight = contact_weight(parameters.drive.bit)
     vx, vy, spin = v[0, 0], v[0, 1], v[0, 6]
     rim = law.radius * spin
     c = law.coefficient * weight / np.sqrt(vx * vx + vy * vy + rim * rim + 1e-12)
@@ -81,8 +81,8 @@ def end_load(
 
 @kernel
 def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
-    """Count the torque of the step taken."""
+    """Add the impulse of the torque in the step."""
     law, bit = parameters.bit_friction, parameters.drive.bit
     rim = law.radius * bit.rate[SPIN]
     slide = np.sqrt(bit.rate[0] ** 2 + bit.rate[1] ** 2 + rim * rim + 1e-12)
-    bit.impulse[BIT_TORQUE] -= step * law.coefficient * pressed(bit) * law.radius * rim / slide
+    bit.impulse[BIT_TORQUE] -= step * law.coefficient * contact_weight(bit) * law.radius * rim / slide

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bit and whatever else is short and heavy at the end of the string, as one concentrated body."""
+"""Rigid body at the end of the string: the bit and short heavy tools."""
 
 from typing import Annotated, Any, NamedTuple
 
@@ -12,14 +12,14 @@ from drill_twin.units import Inertia, Mass, RotationalDamping, Within
 
 
 class BitMass(EffectConfig):
-    """A body on the end of the string: inertia only, its weight is part of the weight on bit."""
+    """Rigid body at the end of the string: inertia only, its weight is part of the weight on bit."""
 
     mass: Annotated[Mass, Within(at_least="0 kg", at_most="1e6 kg", reason="a whole string has 1e5")] = 0.0
     """Mass [kg]."""
     inertia: Annotated[Inertia, Within(at_least="0 kg m^2", at_most="1e9 kg m^2", reason="above, it is held")] = 0.0
     """Moment of inertia about the string's axis [kg m^2]."""
     damping: Annotated[RotationalDamping, Within(at_least="0 N m s/rad", at_most="1e9 N m s/rad")] = 0.0
-    """Viscous resistance to its turning, by the mud around it [N m s/rad]."""
+    """Viscous damping of its rotation by the mud [N m s/rad]."""
 
 
 class Parameters(NamedTuple):
@@ -31,7 +31,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: BitMass, model: DiscreteModel) -> Parameters:
-    """Nothing to prepare."""
+    """Parameters of the block."""
     return Parameters(block.mass, block.inertia, block.damping)
 
 
@@ -39,7 +39,7 @@ def parameters(block: BitMass, model: DiscreteModel) -> Parameters:
 def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
-    """Newton's law for a body whose centre lies on the end of the string: m a, and J alpha about the string's axis."""
+    """Add the inertia of a body centred on the end of the string: m a, and J alpha about the string's axis."""
     body, bit = parameters.bit_mass, ends[0]
     for c in range(3):
         bit[c, c] += body.mass / h2

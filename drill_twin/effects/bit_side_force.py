@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A force across the string, or a bending moment, at the bit: pads of a steerable tool, a bent housing."""
+"""Lateral force or bending moment at the bit: pads of a steerable tool, a bent housing."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
@@ -14,11 +14,11 @@ from drill_twin.model.mesh import Rod
 from drill_twin.units import Angle, Force, Time, Torque, Within
 
 SLIDING, TILTING = ("sliding", "free", "stabilised"), ("pinned", "free", "stabilised")
-"""Ends of the string at which a force can move the bit, and a moment tilt it."""
+"""Constraints of the bit that leave it free to move laterally, and to tilt."""
 
 
 class BitSideForce(EffectConfig):
-    """A constant lateral force and a bending moment at the bit, standing still or turning with the bit."""
+    """Constant lateral force and bending moment at the bit, fixed in space or rotating with the bit."""
 
     requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
 
@@ -27,14 +27,14 @@ class BitSideForce(EffectConfig):
     moment: Annotated[Torque, Within(at_least="-1e8 N m", at_most="1e8 N m")] = 0.0
     """Moment on the bit, about the axis normal to `angle`; positive bends the string as the force does [N m]."""
     angle: Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg")] = 0.0
-    """Direction of the force from +x, the low side [rad]; turning with the bit, from the spin's zero."""
+    """Direction of the force from +x, the low side [rad]; `with_bit`, from zero spin."""
     turns: Literal["with_hole", "with_bit"] = "with_hole"
-    """`with_hole`: fixed in space, as the pads of a rotary steerable tool push; `with_bit`: as a bent housing does."""
+    """`with_hole`: fixed in space, as the pads of a rotary steerable tool; `with_bit`: rotating, as a bent housing."""
     ramp: Annotated[Time, Within(at_least="0 s", at_most="1e6 s")] = 0.0
-    """How long it takes to come up, along a cubic, from the start of the run [s]; 0 s = at once."""
+    """Duration of its cubic increase from the start of the run [s]; 0 s = a jump."""
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """An end that it cannot move."""
+        """Yield a constraint of the bit against which force or moment have no effect."""
         end = scene.string.bit_end
         for key, size, ends in (("force", self.force, SLIDING), ("moment", self.moment, TILTING)):
             if size != 0.0 and end not in ends:
@@ -46,7 +46,7 @@ class BitSideForce(EffectConfig):
 
 
 class Parameters(NamedTuple):
-    """Force [N], moment [N m], their direction [rad], 1 if that turns with the bit, time to come up [s]."""
+    """Force [N], moment [N m], their direction [rad], 1 if it rotates with the bit, duration of the increase [s]."""
 
     force: float
     moment: float
@@ -56,7 +56,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: BitSideForce, model: DiscreteModel) -> Parameters:
-    """Nothing to prepare."""
+    """Parameters of the block."""
     return Parameters(block.force, block.moment, block.angle, float(block.turns == "with_bit"), block.ramp)
 
 
@@ -64,9 +64,9 @@ def parameters(block: BitSideForce, model: DiscreteModel) -> Parameters:
 def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
-    """A dead force F and a moment m, both normal to the axis of the hole.
+    """Add a force F and a moment m, both normal to the axis of the hole.
 
-    The moment works on the turning t x t_dot + omega t of the material (`drill_twin.model.section`), so that it is the
+    The moment is conjugate to the angular velocity t x t_dot + omega t of the material (`drill_twin.model.strain`): the
     force (m x a) / g^2 on a = r' and, for a bent string, the couple m.t on the spin.
     """
     law, bit = parameters.bit_side_force, ends[0]
@@ -104,6 +104,6 @@ def end_load(
         bit[3, 3 + j] -= slope * ay / fold
         bit[4, 3 + j] += slope * ax / fold
         bit[6, 3 + j] -= slope
-    # turning by d psi, (m_x, m_y) goes to (-m_y, m_x)
+    # rotation by d psi: (m_x, m_y) changes by (-m_y, m_x) d psi
     bit[3, 6] -= turning * mx * az
     bit[4, 6] -= turning * my * az

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A stabiliser at the bit: it leaves the bit as much room as its gauge leaves in the hole."""
+"""Near-bit stabiliser: contact of its gauge with the wall of the hole."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, NamedTuple
@@ -15,24 +15,24 @@ from drill_twin.units import Damping, Dimensionless, Length, RotationalStiffness
 
 
 class BitStabiliser(EffectConfig):
-    """Stabiliser of `string.bit_end: stabilised`: contact with the wall at its gauge, tilt free or restrained."""
+    """Stabiliser for `string.bit_end: stabilised`: contact with the wall at its gauge, tilt free or restrained."""
 
     gauge: Annotated[Length, Within(above="0 m", at_most="20 m")]
     """Outer diameter [m]; at most the hole's."""
     stiffness: Annotated[Stiffness, Within(above="0 N/m", at_most="1e12 N/m", reason="steel on rock has 1e8")]
     """Stiffness of the contact of its blades with the wall [N/m]."""
     damping: Annotated[Damping, Within(at_least="0 N s/m", at_most="1e9 N s/m")] = 0.0
-    """Damping of that contact; it only pushes, never pulls [N s/m]."""
+    """Damping of that contact, without adhesion [N s/m]."""
     friction: Annotated[Dimensionless, Within(at_least="0", at_most="5")] = 0.0
     """Coulomb friction of its blades, on their slip across and along the wall, spin included [-]."""
     tilt_stiffness: Annotated[RotationalStiffness, Within(at_least="0 N m/rad", at_most="1e12 N m/rad")] = 0.0
-    """How its length resists tilting off the axis of the hole [N m/rad]; 0 = free to tilt."""
+    """Stiffness against tilt from the axis of the hole [N m/rad]; 0 = free to tilt."""
 
     creep: ClassVar[float] = 1e-3
-    """Slip below which friction is taken as proportional to it [m/s]."""
+    """Slip below which friction is proportional to it (regularisation) [m/s]."""
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """A bit that is held by something else, or a gauge wider than the hole."""
+        """Yield another constraint of the bit, or a gauge above the diameter of the hole."""
         end, diameter = scene.string.bit_end, 2.0 * scene.hole.radius
         if end != "stabilised":
             yield Incompatibility(
@@ -60,9 +60,9 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: BitStabiliser, model: DiscreteModel) -> Parameters:
-    """Half of what the gauge leaves of the hole's diameter is the bit's clearance."""
+    """Compute the clearance of the blades in the hole at the bit."""
     radius = 0.5 * block.gauge
-    hole = model.bore.clearance[0] + model.contact_radius[0]  # the hole's radius at the bit
+    hole = model.wellbore.clearance[0] + model.contact_radius[0]  # the hole's radius at the bit
     return Parameters(
         float(hole) - radius, radius, block.stiffness, block.damping, block.friction, block.tilt_stiffness,
         block.creep,
@@ -73,7 +73,7 @@ def parameters(block: BitStabiliser, model: DiscreteModel) -> Parameters:
 def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
-    """N = max(0, K d + C d_dot) on the penetration d of the blades, mu N s / sqrt(|s|^2 + creep^2) against slip s."""
+    """Add N = max(0, K d + C d_dot) at penetration d of the blades, and mu N s / sqrt(|s|^2 + creep^2) at slip s."""
     law, bit = parameters.bit_stabiliser, ends[0]
     for c in range(3, 5):
         bit[c, c] += law.tilt * h2
@@ -95,7 +95,7 @@ def end_load(
     bit[1, 7] += force * ny + ft * nx
     bit[2, 7] += fz
     bit[6, 7] += law.radius * ft
-    # d force on (n, across, along, spin) by the same; friction follows the pressure: unsymmetric
+    # d force on (n, across, along, spin) by the same; friction depends on the normal force: unsymmetric
     tt, tz, zz = (
         limit / size * (1.0 - (slip / size) ** 2),
         -ft * along / size**2,

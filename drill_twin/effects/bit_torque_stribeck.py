@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dry friction of bit on rock that falls with speed (Stribeck): the bit can stick, fully, and break loose."""
+"""Dry friction torque of the bit that decreases with speed (Stribeck): the bit can stick and slip."""
 
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
@@ -9,7 +9,7 @@ from pydantic import model_validator
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.effects.config import EffectConfig
-from drill_twin.model.bit import BIT_TORQUE, pressed, resist
+from drill_twin.model.bit import BIT_TORQUE, apply_torque, contact_weight
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.units import AngularSpeed, Dimensionless, Length, TimePerAngle, Within, refuse, show
@@ -23,15 +23,15 @@ class BitTorqueStribeck(EffectConfig):
     energy_class = "heat"
 
     radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
-    """Radius at which the bit rubs, R [m]."""
+    """Effective radius of friction, R [m]."""
     sliding: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient at high speed, mu_c [-]."""
     sticking: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient at rest, mu_s [-]; not below `sliding`."""
     decay: Annotated[TimePerAngle, Within(at_least="0 s/rad", at_most="1e4 s/rad")]
-    """How fast friction falls with speed, gamma [s/rad]."""
+    """Decay of friction with speed, gamma [s/rad]."""
     creep: Annotated[AngularSpeed, Within(at_least="1e-9 rad/s", at_most="0.1 rad/s")] = 1e-4
-    """Speed below which a stuck bit creeps under its torque [rad/s]."""
+    """Speed of regularisation: a sticking bit creeps below it [rad/s]."""
 
     @model_validator(mode="after")
     def _sticks_harder_than_it_slides(self) -> Self:
@@ -41,7 +41,7 @@ class BitTorqueStribeck(EffectConfig):
 
 
 class Parameters(NamedTuple):
-    """R [m], mu_c, mu_s, gamma [s], creep [rad/s], and Newton's memory."""
+    """R [m], mu_c, mu_s, gamma [s], creep [rad/s], and the last Newton iterate."""
 
     radius: float
     sliding: float
@@ -52,17 +52,17 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: BitTorqueStribeck, model: DiscreteModel) -> Parameters:
-    """Nothing to prepare but the memory."""
+    """Parameters of the block, without an iterate."""
     memory = np.array([0.0, 1.0, 0.0, -1.0, 0.0])
     return Parameters(block.radius, block.sliding, block.sticking, block.decay, block.creep, memory)
 
 
 @kernel
-def dual(memory: Array, time: float, h2: float, speed: float, size: float) -> float:
-    """Share of the friction limit that Newton's method believes in, -1 to 1, from its last iterate.
+def dual_variable(memory: Array, time: float, h2: float, speed: float, size: float) -> float:
+    """Dual variable of the primal-dual Newton method: share of the friction limit, -1 to 1, from the last iterate.
 
-    The kink of w / |w| throws Newton's method to and fro; ``dual |w| = w``, linearised in both, does not (Chan, Golub
-    and Mulet 1999).
+    Newton's method oscillates at the kink of w / |w|; with ``dual |w| = w``, linearised in both, it converges (Chan,
+    Golub and Mulet 1999).
     """
     share = 0.0
     if memory[3] == time and memory[4] == h2:
@@ -84,16 +84,17 @@ def friction(law: Parameters, weight: float, speed: float) -> tuple[float, float
 def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
-    """Friction against the bit's spin, w / sqrt(w^2 + creep^2) of its limit."""
+    """Add friction against the bit's spin, w / sqrt(w^2 + creep^2) of its limit."""
     law, bit, speed = parameters.bit_torque_stribeck, parameters.drive.bit, v[0, SPIN]
-    limit, fall, size = friction(law, pressed(bit), speed)
-    share = dual(law.memory, time, h2, speed, size)
-    resist(bit, (limit * speed / size, limit / size * (1.0 - share * speed / size) + fall * abs(speed) / size), ends)
+    limit, fall, size = friction(law, contact_weight(bit), speed)
+    share = dual_variable(law.memory, time, h2, speed, size)
+    slope = limit / size * (1.0 - share * speed / size) + fall * abs(speed) / size
+    apply_torque(bit, (limit * speed / size, slope), ends)
 
 
 @kernel
 def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
-    """Count the torque of the step taken."""
+    """Add the impulse of the torque in the step."""
     bit = parameters.drive.bit
-    limit, _, size = friction(parameters.bit_torque_stribeck, pressed(bit), bit.rate[SPIN])
+    limit, _, size = friction(parameters.bit_torque_stribeck, contact_weight(bit), bit.rate[SPIN])
     bit.impulse[BIT_TORQUE] -= step * limit * bit.rate[SPIN] / size

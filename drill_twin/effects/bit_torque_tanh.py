@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Torque of rock on the bit as a smooth function of its speed, with the fall that makes stick-slip."""
+"""Torque on bit as a smooth function of speed, with the velocity weakening that causes stick-slip."""
 
 from typing import Annotated, Any, ClassVar, NamedTuple
 
@@ -8,7 +8,7 @@ import numpy as np
 from drill_twin.base.arrays import Array, Pair
 from drill_twin.base.jit import kernel
 from drill_twin.effects.config import EffectConfig
-from drill_twin.model.bit import BIT_TORQUE, pressed, resist
+from drill_twin.model.bit import BIT_TORQUE, apply_torque, contact_weight
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.units import Length, SquaredTimePerAngle, TimePerAngle, Within
@@ -24,11 +24,11 @@ class BitTorqueTanh(EffectConfig):
     arm: Annotated[Length, Within(at_least="0 m", at_most="2 m", reason="it is a share of the bit's radius")] = 0.0239
     """Torque per weight on bit at high speed, a [m]; 1.4 x 4170 N m / 244.2 kN in the source."""
     rise: Annotated[TimePerAngle, Within(above="0 s/rad", at_most="1e4 s/rad")] = 1.91
-    """How fast the torque turns over at zero speed, b1 [s/rad]."""
+    """Steepness of the torque at zero speed, b1 [s/rad]."""
     excess: Annotated[TimePerAngle, Within(at_least="0 s/rad", at_most="1e4 s/rad")] = 8.5
     """Height of the peak at low speed, b2 [s/rad]; 0 s/rad = no fall with speed."""
     fall: Annotated[SquaredTimePerAngle, Within(above="0 s^2/rad^2", at_most="1e8 s^2/rad^2")] = 5.47
-    """How fast the peak falls with speed, b3 [s^2/rad^2]."""
+    """Decay of the peak with speed, b3 [s^2/rad^2]."""
 
 
 class Parameters(NamedTuple):
@@ -41,7 +41,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: BitTorqueTanh, model: DiscreteModel) -> Parameters:
-    """Nothing to prepare."""
+    """Parameters of the block."""
     return Parameters(block.arm, block.rise, block.excess, block.fall)
 
 
@@ -59,13 +59,13 @@ def torque(law: Parameters, weight: float, speed: float) -> Pair:
 def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
-    """The rock's torque against the bit's spin."""
+    """Add the torque of the rock against the bit's spin."""
     bit = parameters.drive.bit
-    resist(bit, torque(parameters.bit_torque_tanh, pressed(bit), v[0, SPIN]), ends)
+    apply_torque(bit, torque(parameters.bit_torque_tanh, contact_weight(bit), v[0, SPIN]), ends)
 
 
 @kernel
 def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
-    """Count the torque of the step taken."""
+    """Add the impulse of the torque in the step."""
     bit = parameters.drive.bit
-    bit.impulse[BIT_TORQUE] -= step * torque(parameters.bit_torque_tanh, pressed(bit), bit.rate[SPIN])[0]
+    bit.impulse[BIT_TORQUE] -= step * torque(parameters.bit_torque_tanh, contact_weight(bit), bit.rate[SPIN])[0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Initial bow: a stress-free curvature fixed in the material, which turns with the spin."""
+"""Initial bow: stress-free curvature fixed in the material, rotating with the spin."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal, NamedTuple, Self
@@ -13,18 +13,19 @@ from drill_twin.effects.config import EffectConfig, Incompatibility, Seed
 from drill_twin.effects.random_field import generator, random_line
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
-from drill_twin.model.section import COUPLE, MX, MY, MZ, Strain
+from drill_twin.model.section import COUPLE, MX, MY, MZ
+from drill_twin.model.strain import Strain
 from drill_twin.units import Angle, Length, Within, refuse
 
 
 class Bow(EffectConfig):
-    """A string that is not straight when at rest; the seed from which buckling and whirl grow."""
+    """Initial crookedness of the string, an imperfection from which buckling and whirl develop."""
 
     energy_class = "kept"
 
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
-    """Deflection of the stress-free string off the straight line [m], below the clearance: at mid-span, or its root
-    mean square where it is random."""
+    """Deflection of the stress-free string from the straight line [m], below the clearance: at mid-span, or the root
+    mean square of a random bow."""
     shape: Literal["half_wave", "uniform", "random"] = "half_wave"
     """`half_wave`: one half sine over the length; `uniform`: constant curvature; `random`: crooked in both directions,
     with a Gaussian correlation along the string."""
@@ -33,9 +34,9 @@ class Bow(EffectConfig):
     correlation_length: Annotated[Length, Within(above="0 m", at_most="20 km", reason="the longest string")] | None = (
         None
     )
-    """Of a random bow: length along the string after which its correlation has fallen to exp(-1/2) [m]."""
+    """Random bow: correlation length along the string, at which the correlation is exp(-1/2) [m]."""
     seed: Seed = 1
-    """Of a random bow: seed; the same seed is the same string, however finely it is cut."""
+    """Random bow: seed; the same seed gives the same string on any mesh."""
 
     @model_validator(mode="after")
     def _random_has_a_length(self) -> Self:
@@ -45,7 +46,7 @@ class Bow(EffectConfig):
         return self
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """A bow as wide as the hole."""
+        """Yield an amplitude above the clearance."""
         if self.amplitude >= scene.least_clearance:
             expected = f"expected less than the clearance in the hole ({scene.least_clearance:.6g} m)"
             yield Incompatibility(("amplitude",), f"{expected}, found {self.amplitude:.6g} m")
@@ -58,7 +59,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: Bow, model: DiscreteModel) -> Parameters:
-    """Curvature of a half sine wave or an arc with the block's height at mid-span, or of a random line."""
+    """Compute the curvature of a half sine wave or an arc with the amplitude at mid-span, or of a random line."""
     length = model.string_length
     curvature = np.full(model.places.shape, -8.0 * block.amplitude / length**2 + 0.0j)
     if block.shape == "half_wave":
@@ -72,7 +73,7 @@ def parameters(block: Bow, model: DiscreteModel) -> Parameters:
 
 @kernel
 def section_stress(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Array) -> None:
-    """Moment EI (q - q_0) with q_0 fixed in the material: the smallest turn of z onto t, then the spin."""
+    """Subtract EI q_0, with q_0 fixed in the material: the smallest rotation of z onto t, then the spin."""
     own_x, own_y = parameters.bow.moment[strain.place, 0], parameters.bow.moment[strain.place, 1]
     turn_x, turn_y = strain.cos_psi, strain.sin_psi
     cx, cy = own_x * turn_x - own_y * turn_y, own_x * turn_y + own_y * turn_x

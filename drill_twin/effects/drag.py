@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drag of the fluid around the string, in the fixed frame."""
+"""Linear drag of the fluid around the string, in the fixed frame."""
 
 from typing import Annotated, Any, NamedTuple
 
@@ -33,13 +33,13 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: Drag, model: DiscreteModel) -> Parameters:
-    """Uniform along the string."""
+    """Parameters of the block, uniform along the string."""
     return Parameters(block.linear, block.rotary)
 
 
 @kernel
 def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Force -c v on the centre line, couple -c_r omega on the spin (paper Eq. 9: opposed and proportional to speed)."""
+    """Add the force -c v on the centre line and the couple -c_r omega on the spin (paper Eq. 9)."""
     c = parameters.drag.linear
     load[0] -= c * here.vx
     load[1] -= c * here.vy

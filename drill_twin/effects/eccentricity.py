@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Imbalance: the mass centre of each cross-section lies off the centre line and turns with the spin."""
+"""Imbalance: the mass centre of each cross-section lies off the centre line and rotates with the spin."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, NamedTuple, Self
@@ -21,7 +21,7 @@ Direction = Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg", reas
 
 
 class Imbalance(EffectConfig):
-    """Where the mass centre of one section lies."""
+    """Mass centre of one section."""
 
     offset: Offset
     """Distance of the mass centre from the centre line [m]; below the outer radius."""
@@ -30,14 +30,14 @@ class Imbalance(EffectConfig):
 
 
 class Eccentricity(EffectConfig):
-    """Mass eccentricity: the same along the string, or section by section, and a random part that comes on top."""
+    """Mass eccentricity: uniform along the string or by section, plus a random part."""
 
     energy_class = "kept"
 
     offset: Offset | None = None
     """Distance of the mass centre from the centre line [m]; below the outer radius."""
     angle: Direction = 0.0
-    """Direction of the mass centre in the material, from the spin's zero [rad]; the random part has none."""
+    """Direction of the mass centre in the material, from zero spin [rad]; not for the random part."""
     sections: Annotated[tuple[Imbalance, ...], Field(max_length=1000)] = ()
     """Instead of `offset` and `angle`: the eccentricity of each section of the string, FROM THE BIT UP."""
     rms: Offset = 0.0
@@ -45,14 +45,14 @@ class Eccentricity(EffectConfig):
     correlation_length: Annotated[Length, Within(above="0 m", at_most="20 km", reason="the longest string")] | None = (
         None
     )
-    """Random part: length along the string after which its correlation has fallen to exp(-1/2) [m]."""
+    """Random part: correlation length along the string, at which the correlation is exp(-1/2) [m]."""
     seed: Seed = 1
-    """Random part: seed; the same seed is the same string, however finely it is cut."""
+    """Random part: seed; the same seed gives the same string on any mesh."""
 
     @model_validator(mode="after")
-    def _says_where_the_mass_is(self) -> Self:
+    def _has_one_definition(self) -> Self:
         if self.offset is not None and self.sections:
-            raise refuse("expected `offset` or `sections`, found both: the offset of each section says it all")
+            raise refuse("expected `offset` or `sections`, found both: give the offset of each section only")
         if self.offset is None and not self.sections and self.rms == 0.0:
             raise refuse("expected an `offset`, `sections`, or a random `rms` above 0 m, found none")
         if self.rms > 0.0 and self.correlation_length is None:
@@ -62,7 +62,7 @@ class Eccentricity(EffectConfig):
         return self
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """A mass centre outside the string, or not one for each section."""
+        """Yield a mass centre outside the string, or a number of items other than that of the sections."""
         sections = scene.string.sections
         if self.sections and len(self.sections) != len(sections):
             yield Incompatibility(
@@ -81,14 +81,14 @@ class Eccentricity(EffectConfig):
 
 
 class Parameters(NamedTuple):
-    """Mass per length times place of the mass centre in the material, and the inertia that this adds."""
+    """Mass per length times position of the mass centre in the material, and the inertia added by it."""
 
     imbalance: Array  # [kg], shape (2 n, 2)
     inertia: Array  # [kg m], shape (2 n,)
 
 
 def offsets(block: Eccentricity, model: DiscreteModel) -> Array:
-    """Mass centre in the material at the Gauss points [m], shape (2 n, 2)."""
+    """Mass centre in the material frame at the Gauss points [m], shape (2 n, 2)."""
     own = [part.offset * np.exp(1j * part.angle) for part in block.sections]
     fixed = np.array(own)[model.section] if own else np.full(model.section.shape, block.offset or 0.0 + 0.0j)
     line = model.at_places(fixed) * np.exp(1j * block.angle)
@@ -99,16 +99,16 @@ def offsets(block: Eccentricity, model: DiscreteModel) -> Array:
 
 
 def parameters(block: Eccentricity, model: DiscreteModel) -> Parameters:
-    """Imbalance and inertia m e^2 of each Gauss point."""
+    """Compute imbalance m e and inertia m e^2 at the Gauss points."""
     place, mass = offsets(block, model), model.at_places(model.rod.line_mass)
     return Parameters(mass[:, None] * place, mass * np.sum(place**2, axis=1))
 
 
 @kernel
 def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Inertia of a mass centre at r + e that turns with the spin (Jeffcott rotor, Genta 2005), at small slopes.
+    """Add the inertia of a mass centre at r + e that rotates with the spin (Jeffcott rotor, Genta 2005), small slopes.
 
-    -m e_ddot on the line and the couple -e x m (r_ddot + e_ddot) on the spin; the weight is left on the centre line.
+    -m e_ddot on the line and the couple -e x m (r_ddot + e_ddot) on the spin; the weight acts on the centre line.
     """
     turn_x, turn_y = here.cos_spin, here.sin_spin
     law, omega, alpha = parameters.eccentricity, here.spin_rate, here.spin_up

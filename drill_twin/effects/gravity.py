@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gravity along the plumb line, less buoyancy; the hole may be inclined to it (`hole.inclination`)."""
+"""Gravity along the vertical, less buoyancy; the hole may be inclined (`hole.inclination`)."""
 
 from typing import Annotated, Any, NamedTuple
 
@@ -16,9 +16,9 @@ from drill_twin.units import Acceleration, Within
 
 
 class Gravity(EffectConfig):
-    """Weight of the string, buoyant where `mud` is listed: (m - rho A) g with the cross-section A that displaces mud.
+    """Weight of the string, buoyant if `mud` is listed: (m - rho A) g with the cross-section A that displaces mud.
 
-    Axial forces and hookload are then the effective ones (Sparks 1984): they count the pressure of the mud.
+    Axial forces and hookload are then the effective ones (Sparks 1984), which include the pressure of the mud.
     """
 
     energy_class = "kept"
@@ -36,20 +36,20 @@ class Parameters(NamedTuple):
 
 
 def line_weight(block: Gravity, model: DiscreteModel) -> Array:
-    """Weight per length less buoyancy (m - rho A) g, by element [N/m], shape (n,); negative where the string floats."""
+    """Weight per length less buoyancy (m - rho A) g, by element [N/m], shape (n,); negative if the string floats."""
     weight: Array = block.magnitude * (model.rod.line_mass - model.fluid_density * displaced_area(model))
     return weight
 
 
 def parameters(block: Gravity, model: DiscreteModel) -> Parameters:
-    """Weight of the string at each Gauss point; the low side of an inclined hole is +x."""
+    """Compute the weight at the Gauss points; the low side of an inclined hole is +x."""
     direction = np.array([np.sin(model.inclination), 0.0, -np.cos(model.inclination)])
     return Parameters(model.at_places(line_weight(block, model))[:, None] * direction)
 
 
 @kernel
 def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Weight: a constant force per length."""
+    """Add the weight, a constant force per length."""
     load[0] += parameters.gravity.weight[here.place, 0]
     load[1] += parameters.gravity.weight[here.place, 1]
     load[2] += parameters.gravity.weight[here.place, 2]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Internal (material) damping in the rotating frame: it brakes deformation, not motion, and can drive forward whirl."""
+"""Internal (material) damping in the rotating frame: it resists deformation and can cause forward whirl."""
 
 from typing import Annotated, Any, NamedTuple
 
@@ -8,12 +8,13 @@ from drill_twin.base.jit import kernel
 from drill_twin.effects.config import EffectConfig
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
-from drill_twin.model.section import BEND_DAMP, COUPLE, MX, MY, MZ, TORQUE, TORQUE_RATE, Strain
+from drill_twin.model.section import BEND_DAMP, COUPLE, MX, MY, MZ, TORQUE, TORQUE_RATE
+from drill_twin.model.strain import Strain
 from drill_twin.units import Time, Within
 
 
 class InternalDamping(EffectConfig):
-    """Kelvin-Voigt damping: stress = E (strain + retardation time x strain rate), strain rate seen by the material."""
+    """Kelvin-Voigt damping: stress = E (strain + retardation time x strain rate), strain rate in the material frame."""
 
     energy_class = "heat"
 
@@ -34,16 +35,15 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: InternalDamping, model: DiscreteModel) -> Parameters:
-    """The same material everywhere."""
+    """Parameters of the block, uniform along the string."""
     return Parameters(block.bending_time, block.stretch_time, block.torsion_time)
 
 
 @kernel
 def section_stress(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Array) -> None:
-    """Kelvin-Voigt moments EI eta times the rate that the turning material sees.
+    """Add Kelvin-Voigt moments, EI eta times the bending rate in the rotating material frame.
 
-    Acting in the rotating frame it resists only what bends the material to and fro; for a shape that whirls slower
-    than the string turns it pushes forward (Genta 2005; Muszynska 2005). In a fixed frame it would be mere drag.
+    A whirl slower than the rotation is driven forwards by them (Genta 2005; Muszynska 2005).
     """
     damp = parameters.internal_damping.bending * rod.bending[strain.element]
     mx, my, mz = damp * strain.ring_x, damp * strain.ring_y, damp * strain.ring_z
@@ -59,6 +59,6 @@ def section_stress(parameters: Any, rod: Rod, strain: Strain, h2: float, resulta
 
 @kernel
 def axial_damping(parameters: Any, element: int, axial: float, rate: float) -> tuple[float, float]:
-    """Viscous axial force EA eta times the strain rate, and its slope."""
+    """Viscous axial force EA eta times the strain rate [N], and its slope by the strain rate [N s]."""
     slope = parameters.internal_damping.stretch * axial
     return slope * rate, slope

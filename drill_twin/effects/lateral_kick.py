@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A start off the axis or with a lateral velocity: a repeatable stand-in for a pluck, or a start on the wall."""
+"""Initial lateral velocity or displacement: a repeatable impulse, or a start on the wall."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
@@ -12,7 +12,7 @@ from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.units import Length, Speed, Within
 
 STEEPEST = 0.5
-"""Largest slope of a string that starts off the axis."""
+"""Largest initial slope [-]."""
 
 
 class LateralKick(EffectConfig):
@@ -24,13 +24,13 @@ class LateralKick(EffectConfig):
     velocity: Annotated[Speed, Within(at_least="-100 m/s", at_most="100 m/s", reason="no string is kicked harder")]
     """Velocity at mid-span at time zero [m/s]."""
     offset: Annotated[Length, Within(at_least="-10 m", at_most="10 m", reason="the widest hole")] = 0.0
-    """Displacement at mid-span at time zero [m], bent without stretch; beyond the clearance the string starts in
+    """Displacement at mid-span at time zero [m], without axial strain; beyond the clearance the string starts in
     contact. In a straight hole only."""
     shape: Literal["half_wave", "hump"] = "half_wave"
-    """Of both. `half_wave`: one half sine over the length; `hump`: its square, which suits clamped ends."""
+    """Shape of both. `half_wave`: one half sine over the length; `hump`: its square, for clamped ends."""
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """A start outside the hole, too steep for what the offset takes off the height, or in a curved hole."""
+        """Yield an offset beyond the hole, above the largest slope, or in a curved hole."""
         hole = scene.hole
         most = min(hole.radius, STEEPEST * scene.length / np.pi)
         if self.offset != 0.0 and (abs(self.offset) > most or hole.survey):
@@ -52,7 +52,7 @@ def initial_state(block: LateralKick, model: DiscreteModel, u: Array, v: Array) 
         return
     u[:, 0] += block.offset * height
     u[:, 3] += block.offset * slope
-    # a bent string of the same length is lower: by what the slope takes off the part above
+    # a bent string of the same length is shorter along z: every point descends by the shortening above it
     fine = np.linspace(0.0, model.string_length, 10_001)
     lost = 1.0 - np.sqrt(1.0 - (block.offset * wave(block, model, fine)[1]) ** 2)
     below = np.concatenate([[0.0], np.cumsum(0.5 * (lost[1:] + lost[:-1]) * np.diff(fine))])
@@ -61,7 +61,7 @@ def initial_state(block: LateralKick, model: DiscreteModel, u: Array, v: Array) 
 
 
 def wave(block: LateralKick, model: DiscreteModel, arc: Array) -> tuple[Array, Array]:
-    """The shape, 1 at mid-span, and its slope by the arc length [1/m], shape (m,)."""
+    """Shape, 1 at mid-span, and its derivative by the arc length [1/m], shape (m,) each."""
     number = np.pi / model.string_length
     if block.shape == "half_wave":
         return np.sin(number * arc), number * np.cos(number * arc)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The mud that the string stands in: what buoyancy, added mass and drag need to know of it."""
+"""Properties of the mud, for buoyancy, added mass and drag."""
 
 from typing import Annotated, Literal
 
@@ -12,7 +12,7 @@ from drill_twin.units import Density, Viscosity, Within
 
 
 class Mud(EffectConfig):
-    """Drilling fluid at rest around the string. It makes `gravity` buoyant; drag and added mass are listed apart."""
+    """Drilling fluid at rest around the string; `gravity` becomes buoyant, drag and added mass are separate effects."""
 
     density: Annotated[
         Density, Within(above="0 kg/m^3", at_most="4000 kg/m^3", reason="the heaviest muds have 2700; air has 1.2")
@@ -21,7 +21,7 @@ class Mud(EffectConfig):
     viscosity: Annotated[Viscosity, Within(at_least="0 Pa s", at_most="10 Pa s", reason="that of honey")] = 0.0
     """Dynamic viscosity, taken as Newtonian [Pa s]; `rotation_drag` needs it."""
     inside: Literal["mud", "air"] = "mud"
-    """What fills the bore of the pipe: `mud`, which moves sideways with it, or `air`, which weighs nothing."""
+    """Content of the pipe: `mud`, which follows its lateral motion, or `air`, without mass."""
 
 
 def bore_radius(model: DiscreteModel) -> Array:
@@ -33,15 +33,15 @@ def bore_radius(model: DiscreteModel) -> Array:
 
 def hole_radius(model: DiscreteModel) -> Array:
     """Radius of the hole at the Gauss points [m], shape (2 n,)."""
-    radius: Array = model.bore.clearance + model.contact_radius
+    radius: Array = model.wellbore.clearance + model.contact_radius
     return radius
 
 
 def displaced_area(model: DiscreteModel) -> Array:
-    """Cross-section of the mud that each element displaces [m^2], shape (n,): its wall, or all of it with air inside.
+    """Area of mud displaced by each element [m^2], shape (n,): its ring, or the full circle with air inside.
 
-    The mud's pressure on bore, outer wall and shoulders adds up to this much buoyancy, and turns the axial force into
-    the effective one, T - p_i A_i + p_o A_o, which is what bends and buckles a pipe (Sparks 1984).
+    The pressure on inner wall, outer wall and shoulders adds up to this buoyancy and makes the axial force the
+    effective one, T - p_i A_i + p_o A_o, which governs bending and buckling (Sparks 1984).
     """
     if model.fluid_density == 0.0:
         return np.zeros_like(model.rod.length)

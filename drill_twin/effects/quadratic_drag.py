@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drag of the mud behind a string that moves sideways fast enough to shed eddies: it grows with the square of speed."""
+"""Quadratic drag of the mud on lateral motion with flow separation."""
 
 from typing import Annotated, Any, ClassVar, NamedTuple
 
@@ -32,13 +32,13 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: QuadraticDrag, model: DiscreteModel) -> Parameters:
-    """Factor of each Gauss point's section."""
+    """Compute the factor at the Gauss points."""
     return Parameters(model.at_places(block.coefficient * model.fluid_density * model.rod.outer_radius))
 
 
 @kernel
 def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Force -k |w| w with w = v - t (t.v), and its derivative k (|w| (1 - t t) + w w / |w|)."""
+    """Add the force -k |w| w with w = v - t (t.v); its derivative is k (|w| (1 - t t) + w w / |w|)."""
     along = here.tx * here.vx + here.ty * here.vy + here.tz * here.vz
     wx, wy, wz = here.vx - here.tx * along, here.vy - here.ty * along, here.vz - here.tz * along
     speed = np.sqrt(wx * wx + wy * wy + wz * wz)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Seeded random functions as sums of harmonics: the same for the same seed, whatever the mesh and the time step.
+"""Seeded random functions as sums of harmonics, independent of mesh and time step.
 
 ``z(x) = sum_j exp(i (k_j x + phi_j)) / sqrt(N)`` with uniform phases and k_j from the normal distribution of width
 1 / l is, for many harmonics, a Gaussian process in the complex plane (two random components, no direction preferred)
@@ -19,12 +19,12 @@ HARMONICS = 64
 
 
 def generator(model: DiscreteModel, seed: int, purpose: str) -> np.random.Generator:
-    """Random numbers of the scene's seed and an effect's own, for one purpose: no two effects draw the same."""
+    """Random generator from the scene's seed, an effect's seed and a purpose, so that effects are independent."""
     return np.random.default_rng([model.seed, seed, *purpose.encode()])
 
 
 def normal_strata(random: np.random.Generator, number: int) -> Array:
-    """Normal random numbers of width one in random order, one from each of so many equally likely strata."""
+    """Standard normal random numbers in random order, one from each of `number` equally likely strata."""
     share = (random.permutation(number) + random.uniform(0.0, 1.0, number)) / number
     return np.array([NormalDist().inv_cdf(min(max(float(p), 1e-12), 1.0 - 1e-12)) for p in share])
 
@@ -37,11 +37,11 @@ def phases(random: np.random.Generator, number: int) -> Array:
 def random_line(
     places: Array, correlation: float, random: np.random.Generator, derivative: int = 0
 ) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
-    """A random function z = x + i y of the arc length, mean square one, or its derivative by it.
+    """Random function z = x + i y of the arc length with mean square one, or its derivative.
 
     Args:
-        places: Where it is wanted [m], shape (m,).
-        correlation: Length l after which the correlation has fallen to exp(-1/2) [m].
+        places: Arc lengths [m], shape (m,).
+        correlation: Length l at which the correlation is exp(-1/2) [m].
         random: Source of randomness.
         derivative: Order of the derivative.
 

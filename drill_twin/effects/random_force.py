@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A seeded random force across the string: what cuttings, flow and an uneven hole do to it, lumped."""
+"""Seeded random lateral force on the string, a lumped model of cuttings, flow and an uneven hole."""
 
 from typing import Annotated, Any, NamedTuple
 
@@ -20,8 +20,8 @@ WAVES, HARMONICS = 16, 32  # shapes along the string, and harmonics in time of e
 class RandomForce(EffectConfig):
     """Lateral force per length, Gaussian in arc length and time: mean zero, no direction preferred.
 
-    Its correlation is rms^2 exp(-(s / l)^2 / 2 - (t / tau)^2 / 2). It is a function of place and time, hence the same
-    for any mesh, step and frame rate.
+    Its correlation is rms^2 exp(-(s / l)^2 / 2 - (t / tau)^2 / 2). It is a function of arc length and time, hence
+    independent of mesh, step and frame rate.
     """
 
     disabled_for_static = ("rms",)
@@ -31,15 +31,15 @@ class RandomForce(EffectConfig):
     ]
     """Root mean square of the force per length, both directions together [N/m]."""
     correlation_time: Annotated[Time, Within(at_least="1 us", at_most="1e6 s", reason="shorter than any step")]
-    """Time tau after which its correlation has fallen to exp(-1/2) [s]; there is little above a frequency 1/(2 tau)."""
+    """Correlation time tau, at which the correlation is exp(-1/2) [s]; the spectrum is small above 1/(2 tau)."""
     correlation_length: Annotated[Length, Within(above="0 m", at_most="20 km", reason="the longest string")]
-    """Length l along the string after which its correlation has fallen to exp(-1/2) [m]."""
+    """Correlation length l along the string, at which the correlation is exp(-1/2) [m]."""
     seed: Seed = 1
-    """The same seed is the same force."""
+    """Seed; the same seed gives the same force."""
 
 
 class Parameters(NamedTuple):
-    """The force as sum over shapes m of exp(i k_m s) times sum over j of exp(i (w_mj t + phi_mj)), x + i y."""
+    """Force x + i y as sum over shapes m of exp(i k_m s) times the sum over j of exp(i (w_mj t + phi_mj))."""
 
     shape: Array  # rms exp(i k s) / sqrt(all), real and imaginary part [N/m], (2 n, WAVES, 2)
     frequency: Array  # [rad/s], (WAVES, HARMONICS)
@@ -64,8 +64,8 @@ def parameters(block: RandomForce, model: DiscreteModel) -> Parameters:
 
 
 @kernel
-def swing_to(law: Parameters, time: float) -> None:
-    """Bring the sums over the harmonics to a time: once for all points of a step."""
+def update_harmonics(law: Parameters, time: float) -> None:
+    """Evaluate the sums over the harmonics at a time, once for all points of a step."""
     law.now[0] = time
     for m in range(law.frequency.shape[0]):
         real, imaginary = 0.0, 0.0
@@ -79,10 +79,10 @@ def swing_to(law: Parameters, time: float) -> None:
 
 @kernel
 def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Force at this place and time."""
+    """Add the force at this point and time."""
     law = parameters.random_force
     if here.time != law.now[0]:
-        swing_to(law, here.time)
+        update_harmonics(law, here.time)
     for m in range(law.swing.shape[0]):
         real, imaginary = law.shape[here.place, m, 0], law.shape[here.place, m, 1]
         load[0] += real * law.swing[m, 0] - imaginary * law.swing[m, 1]

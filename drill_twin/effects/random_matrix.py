@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random matrix of the nonparametric probabilistic approach: a positive-definite matrix with mean identity."""
+"""Random matrix of the nonparametric probabilistic approach: positive definite with mean identity."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ MOST_SCATTER = float(np.sqrt((SIZE + 1.0) / (SIZE + 5.0)))
 
 
 def random_matrix(dispersion: float, random: np.random.Generator) -> Array:
-    """One draw of the random_matrix G, shape (2, 2).
+    """Draw the random matrix G, shape (2, 2).
 
     G = L^T L with L upper triangular, L_jk = s U_jk above the diagonal and s sqrt(2 V_j) on it; s = dispersion /
     sqrt(n + 1), U normal, V_j of a gamma law with parameter (n + 1) / (2 dispersion^2) + (1 - j) / 2 (Soize 2000).
@@ -19,7 +19,7 @@ def random_matrix(dispersion: float, random: np.random.Generator) -> Array:
 
     Args:
         dispersion: 0 for the identity, below `MOST_SCATTER`.
-        random: What it is drawn from.
+        random: Source of randomness.
     """
     if dispersion == 0.0:
         return np.eye(SIZE)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rock under the bit that is not drilled: it carries a weight set at the top, and the bit may lift off it."""
+"""Elastic rock under the bit that is not drilled: it supports a weight set at the top; the bit may lift off."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, NamedTuple
@@ -9,14 +9,14 @@ import numpy as np
 from drill_twin.base.arrays import Array, Pair
 from drill_twin.base.jit import kernel
 from drill_twin.effects.config import EffectConfig, Incompatibility
-from drill_twin.model.bit import carried, carry, rock_height
+from drill_twin.model.bit import apply_support, correct_weight_impulse, rock_height
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
 from drill_twin.units import Damping, Stiffness, Within
 
 
 class RockFloor(EffectConfig):
-    """One-sided spring and damper under the bit, for `rig.weight_on_bit.at: top`; its force is the weight on bit."""
+    """Unilateral spring and damper under the bit, for `rig.weight_on_bit.at: top`; its force is the weight on bit."""
 
     requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
     provides = ("weight",)
@@ -24,20 +24,20 @@ class RockFloor(EffectConfig):
     stiffness: Annotated[Stiffness, Within(above="0 N/m", at_most="1e12 N/m", reason="the whole string has 1e6")]
     """Stiffness of rock and bit face [N/m]."""
     damping: Annotated[Damping, Within(at_least="0 N s/m", at_most="1e9 N s/m")] = 0.0
-    """Damping; the rock only pushes, never pulls [N s/m]."""
+    """Damping, without adhesion [N s/m]."""
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """A weight that needs no rock."""
+        """Yield a weight prescribed at the bit."""
         if scene.rig.weight_on_bit.at == "bit":
             yield Incompatibility(
                 (),
                 "expected `rig.weight_on_bit.at: top`, found bit: "
-                "a weight prescribed at the bit needs no rock to carry it",
+                "a weight prescribed at the bit needs no rock to support it",
             )
 
 
 class Parameters(NamedTuple):
-    """Stiffness [N/m], damping [N s/m], and height of the rock [m] with a flag whether it has been found."""
+    """Stiffness [N/m], damping [N s/m], and height of the rock [m] with 1 once it is initialised."""
 
     stiffness: float
     damping: float
@@ -45,13 +45,13 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: RockFloor, model: DiscreteModel) -> Parameters:
-    """The rock's height follows at the first step, from where the bit is."""
+    """Parameters of the block; the height of the rock is set at the first step from that of the bit."""
     return Parameters(block.stiffness, block.damping, np.zeros(2))
 
 
 @kernel
-def push(rock: Parameters, place: float, rate: float) -> Pair:
-    """Force of the rock up at a height [m] and velocity [m/s] of the bit, and its slope by the place [N/m]."""
+def rock_force(rock: Parameters, place: float, rate: float) -> Pair:
+    """Upward force of the rock at a height [m] and velocity [m/s] of the bit [N], and its stiffness [N/m]."""
     force = rock.stiffness * (rock.memory[0] - place) - rock.damping * rate
     return (force, rock.stiffness) if force > 0.0 else (0.0, 0.0)
 
@@ -60,17 +60,17 @@ def push(rock: Parameters, place: float, rate: float) -> Pair:
 def end_load(
     parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
 ) -> None:
-    """W = max(0, K d + C d_dot) on the depth d of the bit below the rock's surface."""
+    """Add W = max(0, K d + C d_dot) at the depth d of the bit below the rock's surface."""
     rock, bit = parameters.rock_floor, parameters.drive.bit
     if rock.memory[1] == 0.0:
         rock.memory[0] = rock_height(bit, rock.stiffness)
         rock.memory[1] = 1.0
-    force, slope = push(rock, u[0, 2], v[0, 2])
-    carry(bit, force, h2 * slope + (rock.damping if slope > 0.0 else 0.0), ends)
+    force, slope = rock_force(rock, u[0, 2], v[0, 2])
+    apply_support(bit, force, h2 * slope + (rock.damping if slope > 0.0 else 0.0), ends)
 
 
 @kernel
 def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
-    """Count what the rock carried."""
+    """Correct the impulse of the weight on bit."""
     rock, bit = parameters.rock_floor, parameters.drive.bit
-    carried(bit, push(rock, 0.5 * (bit.start[2] + u[0, 2]), bit.rate[2])[0], step)
+    correct_weight_impulse(bit, rock_force(rock, 0.5 * (bit.start[2] + u[0, 2]), bit.rate[2])[0], step)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Axial dynamics: the string stretches and axial waves run along it."""
+"""Axial dynamics: stretch and axial waves."""
 
 from drill_twin.effects.config import EffectConfig
 
 
 class Stretch(EffectConfig):
-    """Axial motion as unknowns of the twin, with stiffness E A."""
+    """Axial motion of the nodes as unknowns, with stiffness E A."""
 
     energy_class = "kept"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shaking of the top: the rig moves its clamp sideways."""
+"""Prescribed lateral motion of the top clamp."""
 
 import math
 from collections.abc import Iterator
@@ -19,30 +19,30 @@ HARMONICS = 64
 
 
 class TopShake(EffectConfig):
-    """Sideways motion A sin(2 pi f t) of the top clamp, or a random one of the same mean square around f."""
+    """Lateral motion A sin(2 pi f t) of the top clamp, or a random one of the same mean square around f."""
 
     disabled_for_static = ("amplitude",)
 
     amplitude: Annotated[Length, Within(at_least="0 m", at_most="10 m", reason="the widest hole")]
-    """Amplitude A [m]; of a random motion sqrt(2) times the root mean square."""
+    """Amplitude A [m]; for a random motion sqrt(2) times the root mean square."""
     frequency: Annotated[Frequency, Within(at_least="0 Hz", at_most="1 kHz", reason="above, no frame would show it")]
-    """Frequency f [Hz]; of a random motion the middle of its band."""
+    """Frequency f [Hz]; for a random motion the centre of its band."""
     direction: Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg", reason="a turn")] = 0.0
     """Direction across the hole, from +x towards +y [rad]."""
     bandwidth: Annotated[Frequency, Within(at_least="0 Hz", at_most="1 kHz", reason="as for the frequency")] = 0.0
     """Width of a Gaussian spectrum around the frequency (standard deviation) [Hz]; 0 Hz = one sine."""
     seed: Seed = 1
-    """Of a random motion: seed."""
+    """Random motion: seed."""
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """A shake as wide as the hole."""
+        """Yield an amplitude above the clearance."""
         if self.amplitude >= scene.least_clearance:
             expected = f"expected less than the clearance in the hole ({scene.least_clearance:.6g} m)"
             yield Incompatibility(("amplitude",), f"{expected}, found {self.amplitude:.6g} m")
 
 
 class Parameters(NamedTuple):
-    """Velocity as a sum of harmonics speed_j cos(frequency_j t + phase_j) along a direction."""
+    """Velocity as sum of harmonics speed_j cos(frequency_j t + phase_j) along a direction."""
 
     speed: Array  # [m/s], (m,)
     frequency: Array  # [rad/s], (m,)
@@ -52,7 +52,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: TopShake, model: DiscreteModel) -> Parameters:
-    """One sine, or as many as a random motion needs."""
+    """Compute one harmonic, or draw those of a random motion."""
     hertz, phase, amplitude = np.full(1, block.frequency), np.zeros(1), block.amplitude
     if block.bandwidth > 0.0:
         random = generator(model, block.seed, "top_shake")
@@ -63,7 +63,7 @@ def parameters(block: TopShake, model: DiscreteModel) -> Parameters:
 
 
 def initial_state(block: TopShake, model: DiscreteModel, u: Array, v: Array) -> None:
-    """The top moves from the first instant."""
+    """Set the velocity of the top at the first instant."""
     shake = parameters(block, model)
     speed = float(np.sum(shake.speed * np.cos(shake.phase)))
     v[-1, 0] += speed * shake.along_x
@@ -81,7 +81,7 @@ def top_speed(shake: Parameters, time: float) -> float:
 
 @kernel
 def prescribed_motion(parameters: Any, rod: Rod, time: float, trial: Array) -> None:
-    """Hold the top at its velocity in mid-step."""
+    """Prescribe the velocity of the top at mid-step."""
     speed, last = top_speed(parameters.top_shake, time), trial.shape[0] - 1
     trial[last, 0] = speed * parameters.top_shake.along_x
     trial[last, 1] = speed * parameters.top_shake.along_y
@@ -89,7 +89,7 @@ def prescribed_motion(parameters: Any, rod: Rod, time: float, trial: Array) -> N
 
 @kernel
 def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
-    """Its velocity at the end of the step, which the midpoint rule alone would let ring."""
+    """Set the velocity of the top at the end of the step, which would oscillate with the midpoint rule alone."""
     speed, last = top_speed(parameters.top_shake, time), v.shape[0] - 1
     v[last, 0] = speed * parameters.top_shake.along_x
     v[last, 1] = speed * parameters.top_shake.along_y

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Torsional dynamics: the string twists and torsional waves run along it."""
+"""Torsional dynamics: twist and torsional waves."""
 
 from drill_twin.effects.config import EffectConfig
 
 
 class Torsion(EffectConfig):
-    """Spin of each node as unknowns of the twin, with stiffness G J."""
+    """Spin of the nodes as unknowns, with stiffness G J."""
 
     energy_class = "kept"

@@ -8,7 +8,7 @@ import numpy as np
 from drill_twin.base.arrays import Array, Pair, Triple
 from drill_twin.base.jit import kernel
 from drill_twin.effects.config import EffectConfig
-from drill_twin.effects.wall import Touch, press
+from drill_twin.effects.wall import Contact, contact_force
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
@@ -27,13 +27,13 @@ class WallFriction(EffectConfig):
     coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient mu at low slip speed [-]."""
     decay: Annotated[InverseSpeed, Within(at_least="0 s/m", at_most="1e4 s/m")] = 0.0
-    """Fall of friction with slip speed, delta [s/m]; 0 = Coulomb."""
+    """Decrease of friction with slip speed, delta [s/m]; 0 = Coulomb."""
     accuracy: Annotated[InverseSpeed, Within(at_least="1 s/m", at_most="1e12 s/m")] = 1e6
     """Steepness xi of the regularised sign at zero slip [s/m]."""
 
 
 class Parameters(NamedTuple):
-    """Coefficient, decay with slip [s/m], the slip below which the contact sticks [m/s], and Newton's memory."""
+    """Coefficient, decay with slip [s/m], slip below which the contact sticks [m/s], and the last Newton iterate."""
 
     coefficient: float
     decay: float
@@ -44,18 +44,18 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: WallFriction, model: DiscreteModel) -> Parameters:
-    """The creep has the initial slope of the paper's arctan: 2 xi / pi = 1 / creep."""
+    """Compute the creep from the initial slope of the paper's arctan: 2 xi / pi = 1 / creep."""
     memory = np.zeros((model.places.size, 6))
     memory[:, 5] = -1.0
     return Parameters(block.coefficient, block.decay, np.pi / (2.0 * block.accuracy), memory)
 
 
 @kernel
-def dual(memory: Array, fresh: bool, count: float, across: float, along: float, size: float) -> Pair:
-    """Direction and share of the friction limit that Newton's method believes in, at most 1 long.
+def dual_variable(memory: Array, fresh: bool, count: float, across: float, along: float, size: float) -> Pair:
+    """Dual variable of the primal-dual Newton method: direction and share of the friction limit, norm at most 1.
 
-    The law s / |s| has a kink that throws Newton's method to and fro. Written as ``dual |s| = s`` and linearised in
-    both unknowns it does not (Chan, Golub and Mulet 1999): the dual follows from the last iteration's slip alone.
+    Newton's method oscillates at the kink of s / |s|. With ``dual |s| = s``, linearised in both unknowns, it converges
+    (Chan, Golub and Mulet 1999); the dual follows from the last iteration's slip alone.
     """
     dx, dy = 0.0, 0.0
     if not fresh and memory[5] == count - 1.0:
@@ -71,9 +71,9 @@ def dual(memory: Array, fresh: bool, count: float, across: float, along: float, 
 
 @kernel
 def row(
-    stiff: Array, i: int, at: Touch, own: Triple, slip: Triple, press_slope: Pair, swung: Triple, round_: Quad
+    stiff: Array, i: int, at: Contact, own: Triple, slip: Triple, press_slope: Pair, swung: Triple, round_: Quad
 ) -> None:
-    """Add a row of the tangent, written out as the compiler likes it; `own` is its part of c, t and n."""
+    """Add a row of the tangent, written out for vectorisation; `own` is its part of c, t and n."""
     on_c = slip[0] * own[0] + slip[1] * own[1] + swung[0] * own[0] + swung[1] * own[1] + swung[2] * own[2]
     on_t = slip[1] * own[0] + slip[2] * own[1]
     on_n = press_slope[0] * own[0] + press_slope[1] * own[1]
@@ -85,12 +85,12 @@ def row(
 
 @kernel
 def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Friction against the slip of the contact point, around v.c + r psi_dot and along v.t (paper Eq. 10).
+    """Add friction against the slip of the contact point, v.c + r psi_dot around and v.t along the hole (paper Eq. 10).
 
     mu N s / sqrt(s^2 + creep^2) / (1 + delta s), with t the hole's axis, n the outward normal and c = t x n. The
-    paper's 2/pi arctan(xi s) has the same limits and the same slope at rest.
+    paper's 2/pi arctan(xi s) has the same limits and the same slope at zero slip.
     """
-    at = press(parameters.wall, here, h2)
+    at = contact_force(parameters.wall, here, h2)
     if at.force > 0.0:
         law = parameters.wall_friction
         r = parameters.wall.lever[here.place]
@@ -108,17 +108,17 @@ def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Ar
         load[1] += ft * cy + fz * ty
         load[2] += ft * cz + fz * tz
         load[3] += r * ft
-        dt, dz = dual(law.memory[here.place], here.fresh, here.iteration, around, along, size)
+        dt, dz = dual_variable(law.memory[here.place], here.fresh, here.iteration, around, along, size)
         scale = limit * at.force / size
         tt, zz = scale * (1.0 - dt * st), scale * (1.0 - dz * sz)
         mixed = -0.5 * scale * (dt * sz + dz * st)
-        # the limit falls with slip (branchless, see `press`; within the creep this is nothing)
+        # the limit decreases with slip (without a branch; negligible within the creep)
         fall = limit * at.force * law.decay / (falling * max(slip, law.creep))
         tt, zz, mixed = tt - fall * st * around, zz - fall * sz * along, mixed - fall * st * along
-        # friction grows with the pressure: unsymmetric
+        # friction depends on the normal force: unsymmetric
         tn, zn = limit * at.slope * st, limit * at.slope * sz
         tc, zc, nc = limit * at.swing * st, limit * at.swing * sz, h2 * ft / at.radius
-        # a row each for the force along x, y, z and the couple about the axis, of which c takes r
+        # rows of the force along x, y, z and of the couple about the axis, with lever r
         swung = (tc, zc, nc)
         row(stiff, 0, at, (cx, tx, at.nx), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
         row(stiff, 1, at, (cy, ty, at.ny), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the nodes and a run without ROS have in common: a scene as the other rooms want it, findings as messages.
+"""Adapters between scene, twin, analysis and messages, shared by the nodes and the run without ROS.
 
-Both use these functions and nothing else for it, so a bag is the same whoever made it.
+Both use these functions only, so that their bags are the same.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ BIT = "bit"
 
 
 def string_geometry(twin: Twin) -> StringGeometry:
-    """What the picture for RViz and Foxglove needs to know."""
+    """Geometry of the string for the markers in RViz and Foxglove."""
     scene = twin.scene
     line = survey_of(scene)
     marks = scene.string.marks
@@ -52,7 +52,7 @@ def string_geometry(twin: Twin) -> StringGeometry:
 
 
 def mark_infos(scene: Scene) -> list[MarkInfo]:
-    """What the whirl analysis needs to know."""
+    """Marks of a scene for the whirl analysis."""
     return [
         MarkInfo(
             name=mark.name,
@@ -66,11 +66,11 @@ def mark_infos(scene: Scene) -> list[MarkInfo]:
 
 
 def describe_run(twin: Twin, pace: str = "fast") -> str:
-    """The text of `/twin/scene`: the resolved scene (YAML) with a `run` block of what it was simulated with.
+    """Text of `/twin/scene`: the resolved scene (YAML) with a `run` block of version, seed, resolution and effects.
 
     Args:
-        twin: The twin that runs.
-        pace: Its pace: realtime, fast or lockstep.
+        twin: The twin.
+        pace: Pace of the run: realtime, fast or lockstep.
     """
     run = {
         "version": __version__,
@@ -85,28 +85,28 @@ def describe_run(twin: Twin, pace: str = "fast") -> str:
 
 
 class FindingsEncoder:
-    """The analyzer's findings as messages: `/whirl/state` each time, motion on change and once a simulated second."""
+    """Encodes findings: `/whirl/state` for each, `/whirl/motion` on change and once a simulated second."""
 
     def __init__(self, marks: Sequence[MarkInfo]) -> None:
         self._state = WhirlStateEncoder([mark.name for mark in marks])
         self._motion: tuple[object, ...] = ()
         self._motion_due = -1
         self.onset_announced = False
-        """Whether `/whirl/onset` has told of an onset."""
+        """True once an onset was encoded."""
 
     @staticmethod
-    def before(stamp: int = 0) -> tuple[str, bytes]:
-        """Topic and bytes to publish before the first sample: there is no onset yet."""
+    def no_onset(stamp: int = 0) -> tuple[str, bytes]:
+        """Topic and bytes of `/whirl/onset` without an onset, to publish before the first sample."""
         return WHIRL_ONSET, encode_onset(stamp, None)
 
     @staticmethod
-    def blind(stamp: int, bit: StickSlip) -> tuple[str, bytes]:
-        """Topic and bytes of the motion where there are no marks."""
+    def bit_only(stamp: int, bit: StickSlip) -> tuple[str, bytes]:
+        """Topic and bytes of `/whirl/motion` for a stream without marks."""
         whirl = Motion(STRING_LEVEL, BitMotion.UNKNOWN.value, NOT_OBSERVABLE)
         return WHIRL_MOTION, encode_motion(stamp, [whirl, Motion(BIT, bit.motion.value, bit.criterion)])
 
     def messages(self, findings: Findings) -> Iterator[tuple[str, bytes]]:
-        """Topics and bytes that these findings make."""
+        """Topics and bytes of the messages for these findings."""
         stamp = findings.stamp_ns
         yield (
             WHIRL_STATE,

@@ -1,61 +1,50 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the topics of the twin to the findings about whirl: one path, for the analyzer node and for a bag.
+"""Whirl analysis of raw messages, for the analyzer node and for a bag.
 
-Raw messages go in as they arrive or as they were recorded, whirl messages come out. Samples of the marks and of the
-rig are paired by their stamps, so the findings do not depend on which of the two came first, nor on any clock: a bag
-gives what the live analyzer gave, bit for bit.
+Samples of the marks and of the rig are paired by their stamps, so that the findings depend neither on the order of
+arrival nor on a clock: a bag gives what the live analyzer gave, bit for bit.
 """
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Collection, Iterator, Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array
-from drill_twin.errors import DrillTwinError, MessageError
+from drill_twin.errors import DrillTwinError
 from drill_twin.io.adapters import FindingsEncoder, mark_infos
 from drill_twin.io.messages.decode import JointState, JointStateReader, read_string
-from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE
+from drill_twin.io.samples import UNKNOWN, WAITING, MarkReader, Sample, SamplePairing, speeds
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import AnalysisError, Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
 from drill_twin.whirl.findings import Quality
 
 INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
 """Topics that the analysis needs."""
-WAITING = 256
-"""Samples of one topic that wait for their partner of the other, or for the scene."""
 STUCK = 200
-"""So many samples in order, all before one already seen, are a run of their own; 1 to 2 s."""
+"""Number of ordered samples, all before the latest stamp, after which the analysis starts again; 1 to 2 s."""
 
 Message = tuple[str, bytes]
-
-
-Rig = tuple[float, float]
-"""Speeds of the top drive and of the bit [rad/s]; nan where not known."""
-UNKNOWN: Rig = (math.nan, math.nan)
+"""Topic and bytes."""
 
 
 class WhirlPipeline:
-    """Pairs marks and rig by stamp, analyses them, and encodes what is found.
+    """Pairs marks and rig by stamp, analyses the samples, and encodes the findings.
 
-    Where a stream has no rig states, `lacks` them: the rotation then comes from the spin of the marks. Where it has no
-    marks, whirl is not observable, and stick-slip of the bit is all that is found.
+    Where a stream has no rig states, `lacks` names them: the rotation is then that of the marks' spin. Where it has no
+    marks, whirl is not observable, and only stick-slip of the bit is found.
 
     Attributes:
-        scene: The scene that the marks belong to; None until it is known.
+        scene: The scene of the marks; None until it is known.
         findings: The latest findings; None before the first sample.
-        malformed: Messages that could not be used.
-        unpaired: Samples of one topic whose partner never came.
-        trouble: What was wrong last, in words; empty while all is well.
-        runs: How many runs have begun.
+        malformed: Number of messages that could not be used.
+        trouble: The last error, as text; empty without one.
+        runs: Number of runs so far.
         marks: The marks that are analysed.
-        blind: What follows the bit where the scene or the stream has no marks; else None.
+        bit_only: Analysis of the bit where the scene or the stream has no marks; else None.
     """
 
     def __init__(
@@ -66,48 +55,53 @@ class WhirlPipeline:
         marks: Sequence[str] = (),
         infos: Sequence[MarkInfo] = (),
     ) -> None:
-        """Waits for the first message.
+        """Start the analysis, or wait for a scene if neither `scene` nor `infos` is given.
 
         Args:
-            scene: The scene; what comes on `/twin/scene` is then not followed. Without, each new text begins a run.
-            lacks: Topics that will not come: `/rig/state` or `/marks/state`.
-            marks: Only these marks; all where none.
-            infos: The marks themselves, where there is no scene to tell of them.
+            scene: The scene; `/twin/scene` is then ignored. Without it, each new text there starts a run.
+            lacks: Topics that the stream does not contain: `/rig/state` or `/marks/state`.
+            marks: Names of the marks to analyse; all if empty.
+            infos: The marks themselves, for a stream without a scene.
 
         Raises:
-            AnalysisError: None of the marks of `scene` or `infos` has one of these names.
+            AnalysisError: `marks` has a name that `scene` or `infos` has not.
         """
         self.scene: Scene | None = None
         self.findings: Findings | None = None
-        self.malformed = self.unpaired = self.runs = 0
+        self.malformed = self.runs = 0
         self.trouble = ""
         self._given = scene
         self._infos = tuple(infos)
-        self._chosen = tuple(marks)
+        self._selected = tuple(marks)
         self._without_rig, self._without_marks = RIG_STATE in lacks, MARKS_STATE in lacks
-        self.blind = BitOnlyAnalyzer() if self._without_marks else None
+        self.bit_only = BitOnlyAnalyzer() if self._without_marks else None
         self._text: str | None = None
         self._analyzer: Analyzer | None = None
         self._encoder: FindingsEncoder | None = None
-        self._layout: tuple[str, ...] = ()  # joints of the message that the columns are for
-        self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
+        self._mark_reader = MarkReader(())
+        self._pairing = SamplePairing()
         self.marks: tuple[MarkInfo, ...] = ()
-        self._forget()
+        self._clear()
         if scene is not None or infos:
-            self._begin(scene)
+            self._start_run(scene)
+
+    @property
+    def unpaired(self) -> int:
+        """Number of samples of one topic without a partner of the other."""
+        return self._pairing.unpaired
 
     @property
     def quality(self) -> Quality:
         """Counts of good and bad samples so far."""
-        if self.blind is not None:
-            return self.blind.quality
+        if self.bit_only is not None:
+            return self.bit_only.quality
         return Quality() if self.findings is None else self.findings.quality
 
     @property
     def motion(self) -> str:
-        """What the string is in now, in words; with stick-slip of the bit, if there is any."""
-        if self.blind is not None:
-            return f"whirl not observable, bit: {self.blind.bit.motion.value}"
+        """Present motion of the string as text, with stick-slip of the bit if there is any."""
+        if self.bit_only is not None:
+            return f"whirl not observable, bit: {self.bit_only.bit.motion.value}"
         if self.findings is None:
             return "unknown"
         bit = self.findings.bit
@@ -115,18 +109,18 @@ class WhirlPipeline:
 
     @property
     def onset_announced(self) -> bool:
-        """Whether an onset has been found and encoded."""
+        """True once an onset has been found and encoded."""
         return self._encoder is not None and self._encoder.onset_announced
 
     def start(self) -> list[Message]:
-        """What to publish before the first sample, where the scene was given; else nothing."""
+        """Messages to publish before the first sample, if the scene or the marks were given."""
         given = self._given is not None or self._infos
-        return [self._encoder.before()] if given and self._encoder is not None else []
+        return [self._encoder.no_onset()] if given and self._encoder is not None else []
 
     def take(self, topic: str, raw: bytes) -> list[Message]:
-        """Take in one message and return topics and bytes that follow from it.
+        """Process one message and return the messages that follow from it.
 
-        Never raises for what is in a message: it counts it as `malformed` and says in `trouble` what was wrong.
+        Errors in its content are not raised, but counted as `malformed` and described in `trouble`.
         """
         try:
             if topic == MARKS_STATE:
@@ -136,177 +130,124 @@ class WhirlPipeline:
             if topic == TWIN_SCENE and self._given is None and not self._infos:
                 return self._on_scene(read_string(raw))
         except DrillTwinError as error:
-            self._refuse(str(error))
+            self.malformed += 1
+            self.trouble = str(error)
         return []
-
-    def _refuse(self, why: str) -> None:
-        self.malformed += 1
-        self.trouble = why
 
     def summary(self) -> Summary:
         """Findings of the whole run.
 
         Raises:
-            DrillTwinError: No scene has come.
+            DrillTwinError: There is no scene yet.
         """
-        if self.blind is not None:
-            return self.blind.summary()
+        if self.bit_only is not None:
+            return self.bit_only.summary()
         if self._analyzer is None:
             raise DrillTwinError(
                 f"expected the scene of the run on {TWIN_SCENE}, found {self.trouble or 'none'}; name the scene"
             )
         return self._analyzer.summary()
 
-    # --- scene ----------------------------------------------------------------------------------------------------
+    # --- runs -----------------------------------------------------------------------------------------------------
 
     def _on_scene(self, text: str) -> list[Message]:
         if text == self._text:  # the latched message once more
             return []
         scene = parse_scene(text, name=TWIN_SCENE)
         self._text = text
-        if self.runs:  # what waits now belongs to the run before
-            self._forget()
+        if self.runs:  # waiting samples belong to the run before
+            self._clear()
         waiting = list(self._before_scene)
         self._before_scene.clear()
-        messages = self._begin(scene)
-        for stamp, marks, rig in waiting:
-            messages += self._push(stamp, marks, rig)
+        messages = self._start_run(scene)
+        for sample in waiting:
+            messages += self._analyse(sample)
         return messages
 
-    def _begin(self, scene: Scene | None) -> list[Message]:
-        marks = picked(mark_infos(scene) if scene is not None else self._infos, self._chosen)
-        self.marks = tuple(marks)
-        self.blind = BitOnlyAnalyzer() if self._without_marks or not marks else None
-        self._analyzer = None if self.blind is not None else Analyzer(marks)
-        self._encoder = FindingsEncoder(marks)
-        self._layout = ()
-        self._newest = -1
-        self._behind: list[tuple[int, JointState, Rig]] = []
+    def _start_run(self, scene: Scene | None) -> list[Message]:
+        infos = mark_infos(scene) if scene is not None else self._infos
+        self.marks = tuple(select_marks(infos, self._selected))
+        self.bit_only = BitOnlyAnalyzer() if self._without_marks or not self.marks else None
+        self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
+        self._encoder = FindingsEncoder(self.marks)
+        self._mark_reader = MarkReader([mark.name for mark in self.marks])
+        self._latest = -1
+        self._behind: list[Sample] = []
         self.scene, self.findings, self.trouble = scene, None, ""
         self.runs += 1
-        return [self._encoder.before()]
+        return [self._encoder.no_onset()]
 
-    def _forget(self) -> None:
-        self._spin_known: bool | None = None
+    def _clear(self) -> None:
+        """Discard waiting samples and what is known of the stream."""
+        self._has_spin: bool | None = None
         self._read_marks, self._read_rig = JointStateReader().read, JointStateReader().read
-        self._marks: dict[int, JointState] = {}
-        self._rigs: dict[int, Rig] = {}
-        self._before_scene: deque[tuple[int, JointState, Rig]] = deque(maxlen=WAITING)
+        self._pairing.clear()
+        self._before_scene: deque[Sample] = deque(maxlen=WAITING)
 
     # --- samples --------------------------------------------------------------------------------------------------
 
     def _on_marks(self, state: JointState) -> list[Message]:
-        if self.blind is not None:
+        if self.bit_only is not None:
             return []
         if self._without_rig:
-            return list(self._push(state.stamp, state, UNKNOWN))
-        self._marks[state.stamp] = state
-        return self._join(state.stamp, self._marks)
+            return list(self._analyse(Sample(state.stamp, state, UNKNOWN)))
+        sample = self._pairing.add_marks(state)
+        return [] if sample is None else list(self._analyse(sample))
 
     def _on_rig(self, state: JointState) -> list[Message]:
-        rig = speeds(state)
-        if self.blind is not None:
-            changed = self.blind.push(state.stamp, *rig)
-            return [FindingsEncoder.blind(state.stamp, self.blind.bit)] if changed else []
-        self._rigs[state.stamp] = rig
-        return self._join(state.stamp, self._rigs)
+        found = speeds(state)
+        if self.bit_only is not None:
+            changed = self.bit_only.push(state.stamp, *found)
+            return [FindingsEncoder.bit_only(state.stamp, self.bit_only.bit)] if changed else []
+        sample = self._pairing.add_speeds(state.stamp, found)
+        return [] if sample is None else list(self._analyse(sample))
 
-    def _join(self, stamp: int, waiting: dict[int, Any]) -> list[Message]:
-        if stamp not in self._marks or stamp not in self._rigs:
-            while len(waiting) > WAITING:
-                waiting.pop(next(iter(waiting)))
-                self.unpaired += 1
-            return []
-        return list(self._push(stamp, self._marks.pop(stamp), self._rigs.pop(stamp)))
-
-    def _push(self, stamp: int, marks: JointState, rig: Rig) -> Iterator[Message]:
-        """Raises MessageError where the message is not one of the marks that are analysed."""
+    def _analyse(self, sample: Sample) -> Iterator[Message]:
+        """Raise MessageError where the message is not one of the marks that are analysed."""
         if self._analyzer is None or self._encoder is None:
-            self._before_scene.append((stamp, marks, rig))
+            self._before_scene.append(sample)
             return
-        if marks.names != self._layout:
-            self._columns = columns(marks.names, [mark.name for mark in self.marks])
-            self._layout = marks.names
-        if not marks.position.size:
-            raise MessageError(f"expected positions on {MARKS_STATE}, found none")
-        place = np.append(marks.position, np.nan)[self._columns]
-        force = None
-        if marks.effort.size:
-            push = np.append(marks.effort, np.nan)[self._columns]
-            force = np.hypot(push[:, 0], push[:, 1])
-        self.findings = self._analyzer.push(stamp, place[:, :3], self._spin(place[:, 3]), rig[0], force, rig[1])
+        position, spin, force = self._mark_reader.read(sample.marks)
+        top_speed, bit_speed = sample.speeds
+        known_spin = self._known_spin(spin)
+        self.findings = self._analyzer.push(sample.stamp, position, known_spin, top_speed, force, bit_speed)
         yield from self._encoder.messages(self.findings)
-        if self._is_stuck(stamp, marks, rig):
-            yield from self._begin_again()
+        if self._time_went_back(sample):
+            behind = list(self._behind)
+            yield from self._start_run(self.scene)
+            for again in behind:
+                yield from self._analyse(again)
 
-    def _is_stuck(self, stamp: int, marks: JointState, rig: Rig) -> bool:
-        """Whether time has gone back for good: so many samples in order that are all before one already seen.
+    def _known_spin(self, spin: Array) -> Array | None:
+        """The spin of the marks [rad], or None if the first sample of the stream has none."""
+        if self._has_spin is None:
+            self._has_spin = bool(np.isfinite(spin).any())
+        return spin if self._has_spin else None
 
-        Single ones are late and turned away. But after a stamp from the future, or a clock set back, nothing would ever
-        count again.
+    def _time_went_back(self, sample: Sample) -> bool:
+        """Check for `STUCK` ordered samples that are all before the latest stamp.
+
+        Single late samples are rejected by the analyzer; but after one stamp from the future, or a clock set back, all
+        samples would be rejected.
         """
-        if stamp >= self._newest:
-            self._newest = stamp
+        if sample.stamp >= self._latest:
+            self._latest = sample.stamp
             self._behind.clear()
             return False
-        if self._behind and stamp <= self._behind[-1][0]:
+        if self._behind and sample.stamp <= self._behind[-1].stamp:
             self._behind.clear()
-        self._behind.append((stamp, marks, rig))
+        self._behind.append(sample)
         return len(self._behind) >= STUCK
 
-    def _begin_again(self) -> Iterator[Message]:
-        behind = list(self._behind)
-        yield from self._begin(self.scene)
-        for sample in behind:
-            yield from self._push(*sample)
 
-    def _spin(self, spin: Array) -> Array | None:
-        """The spin of the marks, or None in a stream that never had one."""
-        if self._spin_known is None:
-            self._spin_known = bool(np.isfinite(spin).any())
-        return spin if self._spin_known else None
-
-
-def speeds(state: JointState) -> Rig:
-    """Speeds of the top drive and, where it is there, of the bit in a `/rig/state`.
-
-    Raises:
-        MessageError: There is no top drive, or it has no speed.
-    """
-    drive = state.index("top_drive")
-    if drive >= state.velocity.size:
-        raise MessageError(f"expected the speed of top_drive on {RIG_STATE}, found no velocities")
-    bit = state.names.index("bit") if "bit" in state.names else state.velocity.size
-    return float(state.velocity[drive]), float(state.velocity[bit]) if bit < state.velocity.size else math.nan
-
-
-def columns(names: Sequence[str], marks: Sequence[str]) -> NDArray[np.intp]:
-    """Places of x, y, z and spin of the marks among the joints of a `/marks/state`, shape (m, 4).
-
-    A z or a spin that is not there gets the place after the last. Joints of other marks may be there too.
-
-    Raises:
-        MessageError: A mark has no x or no y.
-    """
-    places = {name: k for k, name in enumerate(names)}
-    missing = [f"{mark}/{axis}" for mark in marks for axis in MARK_AXES[:2] if f"{mark}/{axis}" not in places]
-    if missing:
-        raise MessageError(
-            f"expected the marks of the scene on {MARKS_STATE}, with {', '.join(missing)}, "
-            f"found {', '.join(names) or 'none'}"
-        )
-    found = [[places.get(f"{mark}/{axis}", len(names)) for axis in MARK_AXES] for mark in marks]
-    return np.array(found, np.intp)
-
-
-def picked(marks: Sequence[MarkInfo], names: Sequence[str]) -> list[MarkInfo]:
-    """The marks of these names, in the order of the string; all where there are none.
+def select_marks(marks: Sequence[MarkInfo], names: Sequence[str]) -> list[MarkInfo]:
+    """Select the marks of these names, in the order of the string; all if there are no names.
 
     Raises:
         AnalysisError: A name is not that of a mark.
     """
     known = [mark.name for mark in marks]
-    strange = [name for name in names if name not in known]
-    if strange:
-        raise AnalysisError(f"expected marks of {', '.join(known)}, found {', '.join(strange)}; name some of these")
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise AnalysisError(f"expected marks of {', '.join(known)}, found {', '.join(unknown)}; name some of these")
     return [mark for mark in marks if mark.name in names or not names]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the string hangs: what effects need to know beside the rod to turn their scene block into numbers."""
+"""Discrete model of string and hole, from which effects compute their parameters."""
 
 from typing import NamedTuple
 
@@ -9,22 +9,22 @@ from numpy.typing import NDArray
 from drill_twin.base.arrays import Array
 from drill_twin.model.mesh import Rod
 from drill_twin.model.shape_functions import gauss_places
-from drill_twin.model.wellbore import Bore
+from drill_twin.model.wellbore import Wellbore
 
 
 class DiscreteModel(NamedTuple):
-    """The meshed string and the hole around it (built by `drill_twin.discretisation.discretise`)."""
+    """Meshed string and the hole around it (made by `drill_twin.discretisation.discretise`)."""
 
     rod: Rod
     hole_radius: float  # outside the intervals of another radius [m]
     inclination: float  # of the hole's axis at the top clamp from vertical; the low side is +x [rad]
-    bore: Bore  # the hole as the Gauss points meet it
-    contact_radius: Array  # of the surface that meets the wall, blades included [m], shape (2 n,)
+    wellbore: Wellbore  # the hole at the Gauss points
+    contact_radius: Array  # radius in contact with the wall, blades included [m], shape (2 n,)
     section: NDArray[np.int64]  # number of the scene's section that each element belongs to, shape (n,)
-    seed: int  # of everything random in the scene
+    seed: int  # of the scene's random numbers
     fluid_density: float = 0.0  # of the mud around the string [kg/m3]; 0 = none
     fluid_viscosity: float = 0.0  # [Pa s]
-    fluid_inside: bool = True  # whether the string's bore is full of it
+    fluid_inside: bool = True  # whether the pipe is filled with it
 
     @property
     def places(self) -> Array:
@@ -32,7 +32,7 @@ class DiscreteModel(NamedTuple):
         return places(self.rod)
 
     def at_places(self, per_element: Array) -> Array:
-        """Repeat a value per element for its two Gauss points, shape (2 n,)."""
+        """Values per element repeated for both Gauss points, shape (2 n,)."""
         return np.repeat(per_element, 2)
 
     @property

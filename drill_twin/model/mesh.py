@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From sections of tube to elements: node places and the constants of each element."""
+"""Mesh of the string: node places and element constants from the tube sections."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ SPIN = 6  # column of psi in a node's row (r, r', psi)
 
 
 class Tube(NamedTuple):
-    """One section of the string, from the bit up; a uniform tube."""
+    """Uniform tube, a piece of the string."""
 
     length: float  # [m]
     outer_diameter: float  # [m]
@@ -23,11 +23,7 @@ class Tube(NamedTuple):
 
 
 class Rod(NamedTuple):
-    """Everything a kernel needs to know of the string, n elements.
-
-    Arc length and element lengths in m; stiffnesses are per element. The order of the fields is the order in which
-    compiled kernels see them.
-    """
+    """Meshed string, n elements; the order of the fields is part of the kernels' signature."""
 
     arc: Array  # node places from the bit [m], shape (n + 1,)
     length: Array  # element lengths [m], shape (n,)
@@ -60,7 +56,7 @@ def tube_constants(tube: Tube) -> tuple[float, float, float, float, float]:
 
 
 def elements_per_section(lengths: Array, elements: int) -> list[int]:
-    """Share the elements among sections by length, at least one each (so that no element straddles a change)."""
+    """Number of elements per section, by length, at least one each, so that changes of section fall on nodes."""
     counts = [max(1, round(elements * length / float(lengths.sum()))) for length in lengths]
     while sum(counts) > max(elements, len(counts)):
         longest = max((i for i in range(len(counts)) if counts[i] > 1), key=lambda i: counts[i])
@@ -72,7 +68,7 @@ def elements_per_section(lengths: Array, elements: int) -> list[int]:
 
 
 def shape_pairs(shape: Array, weight: Array) -> Array:
-    """Products of two shape functions that an element tangent is made of, times the weight of the point.
+    """Products of two shape functions in the element tangent, times the weight of the point.
 
     Args:
         shape: Shape functions, shape (n, 2, 3, 4).
@@ -87,7 +83,7 @@ def shape_pairs(shape: Array, weight: Array) -> Array:
 
 
 def build_rod(tubes: list[Tube], elements: int) -> Rod:
-    """Cut the string into elements; a change of section always falls on a node."""
+    """Mesh the string; changes of section fall on nodes."""
     lengths = np.array([tube.length for tube in tubes])
     counts = elements_per_section(lengths, elements)
     h = np.concatenate([np.full(count, tube.length / count) for tube, count in zip(tubes, counts, strict=True)])

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an effect sees of the string at one place."""
+"""State of the string at a Gauss point, for effects of type `distributed_load`."""
 
 from typing import NamedTuple
 
 
 class Point(NamedTuple):
-    """What an effect sees of the string at a Gauss point."""
+    """State of the string at a Gauss point; SI units, vectors in the frame `hole`."""
 
     element: int
     place: int  # number of the Gauss point along the string, 2 element + (0 or 1)
@@ -25,7 +25,7 @@ class Point(NamedTuple):
     spin: float
     spin_rate: float
     spin_up: float  # its acceleration; in the tangent, an inertia per length j adds j / h2
-    cos_spin: float  # of the spin, computed once for all effects
+    cos_spin: float  # computed once for all effects
     sin_spin: float
     fresh: bool  # first Newton iteration of a step
     iteration: float  # number of this Newton iteration in the run

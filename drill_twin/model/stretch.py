@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stretch of the rod: axial force and its tangent at one place.
+"""Stretch of the rod: axial force and its tangent at one point.
 
 The strain is sampled at the nodes and at mid-element and integrated by Simpson's rule. A bent cubic element cannot be
-free of axial strain everywhere; asking for it at three places only, two of them shared with the neighbours, keeps it
-from locking (the minimally constrained strains of Meier, Popp and Wall 2015). Two Gauss points would be too few: they
-leave a stretching mode without energy.
+free of axial strain everywhere; three sampling points, two of them shared with the neighbours, avoid locking (the
+minimally constrained strains of Meier, Popp and Wall 2015). Two Gauss points would leave a stretching mode without
+energy.
 
-The force is the mean of those at the two ends of the step, along the chord between them, so that the energy of stretch
-that the step takes up is given back exactly (Simo and Tarnow 1992, Zeitschrift fuer angewandte Mathematik und Physik
-43). Taken at mid-step, fast axial waves coupled to lateral motion can feed on the error.
+The force is the mean of those at both ends of the step, along the chord between them, which conserves the energy of
+stretch exactly (Simo and Tarnow 1992, Zeitschrift fuer angewandte Mathematik und Physik 43). With the force at
+mid-step, fast axial waves coupled to lateral motion could gain energy from the error.
 """
 
 from typing import NamedTuple
@@ -20,9 +20,9 @@ from drill_twin.base.jit import kernel
 
 
 class Stretching(NamedTuple):
-    """The strain |r'| - 1 over a step."""
+    """Strain |r'| - 1 over a step."""
 
-    mean: float  # of its two ends [-]
+    mean: float  # of its values at both ends [-]
     rate: float  # [1/s]
     chord: float  # 2 / (|r'| before + |r'| after): times r' at mid-step it is the strain's gradient between the ends
     tx: float  # direction of r' at the end of the step
@@ -46,7 +46,7 @@ def stretching(a: Triple, da: Triple, h2: float) -> Stretching:
 def stretch_forces(
     axial: float, viscous: float, slope: float, a: Triple, s: Stretching, h2: float, force: Array, saa: Array
 ) -> None:
-    """Force conjugate to a = r' and its derivative by the velocity (elastic part times h2).
+    """Compute the force conjugate to a = r' and its derivative by the velocity (elastic part times h2).
 
     Args:
         axial: EA [N].

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The centre line of a surveyed hole: circular arcs between stations, by the minimum curvature method.
+"""Centre line of a surveyed hole: circular arcs between stations, by the minimum curvature method.
 
-Between two stations the hole bends along the one circular arc that has the surveyed directions at its ends, so its
-curvature is the angle between them over the measured depth between them (Sawaryn and Thorogood 2005, SPE Drilling and
-Completion 20(1), 24-36, Eq. 1-9). Beyond the last station, and above the first, it goes straight on.
+Between two stations the hole follows the circular arc with the surveyed directions at its ends; its curvature is the
+angle between them over the difference of measured depth (Sawaryn and Thorogood 2005, SPE Drilling and Completion
+20(1), 24-36, Eq. 1-9). Below the last station and above the first, the hole is straight.
 
 Positions are in the frame `hole`: origin at the top clamp, z up along the axis there, x to the low side (in a hole that
 starts plumb: away from the azimuth it then builds to), y = z times x.
@@ -20,7 +20,7 @@ STRAIGHT = 1e-12  # angle between two stations below which the hole is straight 
 
 
 class Survey(NamedTuple):
-    """A surveyed centre line, m stations from the top down."""
+    """Surveyed centre line, m stations from the top down."""
 
     depth: Array  # measured depth from the top clamp [m], shape (m,), rising from 0
     position: Array  # of the stations [m], shape (m, 3)
@@ -29,7 +29,7 @@ class Survey(NamedTuple):
     curvature: Array  # of the arc below each station [1/m], shape (m,); the last is 0
 
     def at(self, depth: Array) -> Axis:
-        """The arcs that pass the given measured depths [m], shape (p,)."""
+        """Arcs at the given measured depths [m], shape (p,)."""
         number = np.clip(np.searchsorted(self.depth, depth, side="right") - 1, 0, self.depth.size - 1)
         curvature = np.where(depth < self.depth[0], 0.0, self.curvature[number])
         run = depth - self.depth[number]
@@ -47,7 +47,7 @@ class Survey(NamedTuple):
 
     @property
     def straight(self) -> bool:
-        """Whether no arc bends."""
+        """True if all curvatures are zero."""
         return bool(np.all(self.curvature == 0.0))
 
 
@@ -58,13 +58,13 @@ def directions(inclination: Array, azimuth: Array) -> Array:
 
 
 def top_frame(inclination: float, azimuth: float) -> Array:
-    """Axes x, y, z of the frame `hole` in north, east, down, as rows, shape (3, 3)."""
+    """Rows: axes x, y, z of the frame `hole` in north, east, down, shape (3, 3)."""
     ci, si, ca, sa = np.cos(inclination), np.sin(inclination), np.cos(azimuth), np.sin(azimuth)
     return np.array([[-ci * ca, -ci * sa, si], [-sa, ca, 0.0], [-si * ca, -si * sa, -ci]])
 
 
 def survey(depth: Array, inclination: Array, azimuth: Array) -> Survey:
-    """The centre line through stations.
+    """Centre line through stations.
 
     Args:
         depth: Measured depth [m], shape (m,), rising from 0.
@@ -95,7 +95,7 @@ def dogleg(inclination: Array, azimuth: Array) -> Array:
 
 
 def _some_normal(direction: Array) -> Array:
-    """Any unit vector normal to a direction."""
+    """Arbitrary unit vector normal to a direction."""
     other = np.eye(3)[np.argmin(np.abs(direction))]
     normal = np.cross(direction, other)
     return np.asarray(normal / np.linalg.norm(normal))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a bag tells: a summary for machines, figures and a page for people.
+"""Report of a bag: summary as JSON, figures, and a page with both.
 
 >>> files = build_report("out/run/bag_0", "out/run")
 >>> summarise("out/run/bag_0")["onset_s"]

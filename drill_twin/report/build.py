@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a bag to the files of a report."""
+"""Files of the report of a bag."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ FIGURES = ("set_points", "displacement", "motion", "spectrum_over_time", "orbits
 
 @dataclass(frozen=True)
 class ReportFiles:
-    """Where the parts of a report lie."""
+    """Paths of the files of a report."""
 
     page: Path
-    """`report.html`, which needs none of the others."""
+    """`report.html`, which is complete without the other files."""
     summary: Path
     """`summary.json`."""
     figures: dict[str, Path]
@@ -31,17 +31,17 @@ class ReportFiles:
 
 
 def _ignore(part: str) -> None:
-    """Nobody watches."""
+    """No-op, where no progress is shown."""
 
 
 def build_report(
     bag: Recording | str | Path, out_dir: str | Path, *, progress: Callable[[str], None] = _ignore
 ) -> ReportFiles:
-    """Write `report.html`, `summary.json` and the figures; older ones of these names are replaced.
+    """Write `report.html`, `summary.json` and the figures; older files of these names are replaced.
 
     Args:
         bag: A recording, or the path of a bag.
-        out_dir: Folder of the report; made as needed.
+        out_dir: Folder of the report; created if needed.
         progress: Called with the name of each part before it is made.
 
     Raises:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The data of the interactive view: the string's shapes and the marks' paths, as small integers in base64."""
+"""Data of the interactive view: shapes of the string and paths of the marks, as small integers in base64."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _POINTS = 60
 _SAMPLES = 30_000
 """Most samples of a mark's path."""
 _FULL = 16_000
-"""The integer that stands for the hole's radius, or for the string's length."""
+"""Integer for the hole's radius, or for the string's length."""
 
 
 def view_data(recording: Recording) -> str:
-    """JSON for `view.js`; coordinates are int16 in base64, lateral ones in parts of the hole's radius."""
+    """JSON for `view.js`; coordinates are int16 in base64, as shares of the hole's radius and of the length."""
     radius, length = recording.scene.hole.radius, recording.scene.length
     shapes = recording.shapes()
     shapes = shapes[:, np.unique(np.linspace(0, shapes.shape[1] - 1, _POINTS).round().astype(int))]
@@ -52,7 +52,7 @@ def view_data(recording: Recording) -> str:
 
 
 def plotly_packed() -> str:
-    """plotly.js, compressed, in base64: a third of the page it would make otherwise."""
+    """plotly.js, compressed, in base64: a third of its size."""
     return base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page: one HTML file with everything in it, which opens from the disk of a machine without a network."""
+"""Report page: one self-contained HTML file that opens without a network."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from typing import Any
 from drill_twin import __version__
 from drill_twin.report.interactive import plotly_packed, view_data
 from drill_twin.report.recording import Recording
-from drill_twin.report.text import NOT_VALIDATED, findings, millimetres, provenance, troubles
+from drill_twin.report.text import NOT_VALIDATED, findings, limitations, millimetres, provenance
 
 OVER_TIME = ("set_points", "displacement", "motion", "spectrum_over_time")
-"""Figures that share the time axis, in this order one below the other."""
+"""Figures that share the time axis, in their order on the page."""
 
 _CAPTIONS = {
     "orbits": "Thick: the wall. Dotted: as far as the centre line can go. The dot is the last position. Anticlockwise "
@@ -31,7 +31,7 @@ _UNROLLED = (
 
 
 def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mapping[str, Path]) -> str:
-    """The HTML text of a report.
+    """HTML text of a report.
 
     Args:
         recording: The run.
@@ -42,7 +42,7 @@ def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mappin
     body = [
         f"<h1>{escape(scene.name)}</h1>",
         f'<p class="lead">{escape(scene.description)}</p>',
-        _warning(troubles(summary)),
+        _warning(limitations(summary)),
         _cards(summary),
         '<div class="columns"><section>',
         _table(findings(summary)),

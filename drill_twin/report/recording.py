@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run read from a bag in one pass: its topics as arrays over time, and what the whirl analysis finds in it.
+"""A run read from a bag in one pass: its topics as arrays over time, and the findings of the whirl analysis.
 
 The recorded bytes go through the pipeline of the analyzer node; where the bag holds live findings too, the two are
 compared byte for byte.
@@ -32,7 +32,7 @@ from drill_twin.io.messages.topics import (
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.live_findings import LiveFindings
 from drill_twin.report.run_log import RunLog
-from drill_twin.report.selection import Selection, described, lacking, open_bag
+from drill_twin.report.selection import Selection, marks_without_scene, missing_topics, open_bag
 from drill_twin.report.string_curve import along_hole, smooth
 from drill_twin.scene import Scene
 from drill_twin.whirl import Findings, MarkInfo, Summary
@@ -57,7 +57,7 @@ class Recording:
         poses: Poses of the string's nodes, at most `SHAPES` of them.
         whirl: Findings of the analysis over time.
         live: Findings that the analyzer recorded while the twin ran.
-        log: What the bag says of the run: `run` block, diagnostics.
+        log: `run` block and diagnostics.
         summary: Findings of the analysis for the whole run.
     """
 
@@ -76,9 +76,9 @@ class Recording:
         self.bag = bag
         self.selection = selection or Selection()
         self.log = RunLog()
-        infos = described(bag, self.selection) if scene is None else ()
-        self._lacks = lacking(bag)
-        self._pipeline = WhirlPipeline(scene, lacks=self._lacks, marks=self.selection.marks, infos=infos)
+        infos = marks_without_scene(bag, self.selection) if scene is None else ()
+        self._missing = missing_topics(bag)
+        self._pipeline = WhirlPipeline(scene, lacks=self._missing, marks=self.selection.marks, infos=infos)
         self._pipeline.start()
         self._reset()
         self._read()
@@ -126,9 +126,9 @@ class Recording:
 
     def _checked_summary(self) -> Summary:
         pipeline = self._pipeline
-        if pipeline.blind is not None and pipeline.blind.quality.accepted:
+        if pipeline.bit_only is not None and pipeline.bit_only.quality.accepted:
             return pipeline.summary()
-        if pipeline.blind is None and not pipeline.marks:
+        if pipeline.bit_only is None and not pipeline.marks:
             raise BagError(self._no_scene())
         if pipeline.findings is None:
             raise BagError(self._no_samples())
@@ -166,7 +166,7 @@ class Recording:
 
     @property
     def scene(self) -> Scene:
-        """The scene of the run.
+        """Scene of the run.
 
         Raises:
             BagError: It is not known.
@@ -183,7 +183,7 @@ class Recording:
     @property
     def places(self) -> tuple[MarkInfo, ...]:
         """Analysed marks; empty where whirl is not observable."""
-        return self._pipeline.marks if self._pipeline.blind is None else ()
+        return self._pipeline.marks if self._pipeline.bit_only is None else ()
 
     @property
     def findings(self) -> Findings:
@@ -198,8 +198,8 @@ class Recording:
 
     @property
     def rotation_from_spin(self) -> bool:
-        """True where the rotation was taken from the spin of the marks, for want of rig states."""
-        return RIG_STATE in self._lacks
+        """True where the rotation was taken from the spin of the marks, since the bag has no rig states."""
+        return RIG_STATE in self._missing
 
     @property
     def runs(self) -> int:
@@ -209,7 +209,7 @@ class Recording:
     @property
     def duration(self) -> float:
         """Simulated time of the last sample [s]."""
-        if self._pipeline.blind is not None:
+        if self._pipeline.bit_only is not None:
             return float(self.rig.time[-1]) if len(self.rig) else 0.0
         return seconds(self.findings.stamp_ns)
 
@@ -242,7 +242,7 @@ class Recording:
         return along_hole(self.scene, smooth(self.poses.position, self.poses.tangent))
 
     def centre_lines(self) -> ComplexArray:
-        """Centre line z = x + i y at the marks [m], the spin of wall marks taken off, shape (T, m)."""
+        """Centre line z = x + i y at the marks [m], without the rotation of marks on the wall, shape (T, m)."""
         position = self.marks.position
         offset = np.array([place.wall_offset for place in self.scene.mark_table])
         centre: ComplexArray = position[..., 0] + 1j * position[..., 1] - offset * np.exp(1j * self.marks.spin)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a bag says of its run in texts: the `run` block of the scene and the simulator's diagnostics."""
+"""Texts of a bag on its run: the `run` block of the scene and the simulator's diagnostics."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ _SIMULATORS = {"simulator", "twin"}
 
 
 class RunLog:
-    """Latest state of the texts of a run."""
+    """Latest values of the `run` block and of the diagnostics."""
 
     def __init__(self, info: dict[str, Any] | None = None) -> None:
         self.info = info or {}
-        """The `run` block: version, seed, elements, step, effects, pace, start."""
+        """Content of the `run` block: version, seed, elements, step, effects, pace, start."""
         self.realtime_factor: float | None = None
         """Simulated time over the time the physics took."""
         self.steps: dict[str, int] = {}
@@ -70,7 +70,7 @@ class RunLog:
 
 
 def _run_block(text: str) -> dict[str, Any]:
-    """The `run` block of a scene text; empty where there is none, or where the text is no YAML."""
+    """Content of the `run` block of a scene text; empty if there is none, or if the text is not YAML."""
     try:
         data = yaml.safe_load(text)
     except yaml.YAMLError:
@@ -80,7 +80,7 @@ def _run_block(text: str) -> dict[str, Any]:
 
 
 def _finite(text: str) -> float | None:
-    """The number in a text; None if it is none, or not finite."""
+    """Number in a text; None if it is not a finite number."""
     try:
         value = float(text)
     except ValueError:

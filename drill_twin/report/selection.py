@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which part of a bag is analysed, under which topics, and what is known of its marks where no scene tells."""
+"""Selection of what is analysed in a bag: marks, time, names of topics; marks of a bag without a scene."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from drill_twin.errors import BagError, MessageError
-from drill_twin.io.bag.mapped import MappedBag
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.remapped import RemappedBag
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
 from drill_twin.whirl import MarkInfo
@@ -18,16 +18,16 @@ from drill_twin.whirl import MarkInfo
 
 @dataclass(frozen=True)
 class Selection:
-    """What of a bag is analysed; by default all of it."""
+    """Part of a bag that is analysed; by default all."""
 
     marks: tuple[str, ...] = ()
-    """Names of marks; all where none."""
+    """Names of marks; all if empty."""
     begin: float = -math.inf
-    """Samples before this stamp are left out [s]."""
+    """Earliest stamp [s]."""
     end: float = math.inf
-    """Samples after this stamp are left out [s]."""
+    """Latest stamp [s]."""
     topics: Mapping[str, str] = field(default_factory=dict)
-    """Topics of the bag, and what they are called here."""
+    """Names of the contract by the bag's names."""
     clearance: float | None = None
     """Clearance of the marks [m], for a bag without a scene."""
     rim: float = 0.0
@@ -35,34 +35,34 @@ class Selection:
 
     @property
     def whole(self) -> bool:
-        """Whether everything is analysed, as the live analyzer did."""
+        """True if all marks and times are analysed, as by the live analyzer."""
         return not self.marks and self.begin == -math.inf and self.end == math.inf
 
     def holds(self, stamp: int) -> bool:
-        """Whether a header stamp [ns] is within the chosen time."""
+        """True if a header stamp [ns] is within the selected time."""
         return self.begin <= stamp * 1e-9 <= self.end
 
 
 def open_bag(path: Path, selection: Selection) -> Bag:
-    """The bag at a path, its topics under our names.
+    """Bag at a path, its topics under the names of the contract.
 
     Raises:
-        BagError: It is not a bag, or has not the topics that were named.
+        BagError: It is not a bag, or lacks a topic of the selection.
     """
-    return MappedBag(path, selection.topics) if selection.topics else Bag(path)
+    return RemappedBag(path, selection.topics) if selection.topics else Bag(path)
 
 
-def lacking(bag: Bag) -> list[str]:
-    """Which of the topics that the analysis needs never came."""
+def missing_topics(bag: Bag) -> list[str]:
+    """Topics of marks and rig that have no messages."""
     return [topic for topic in (MARKS_STATE, RIG_STATE) if topic not in bag.topics or not bag.topics[topic].count]
 
 
-def described(bag: Bag, selection: Selection) -> Sequence[MarkInfo]:
-    """The marks of a bag without a scene, by the names of its joints.
+def marks_without_scene(bag: Bag, selection: Selection) -> Sequence[MarkInfo]:
+    """Marks of a bag without a scene, from the names of its joints; empty if the selection has no clearance.
 
     Raises:
-        BagError: Its marks cannot be read.
-        AnalysisError: The clearance or the rim is no length.
+        BagError: A message of the marks cannot be decoded.
+        AnalysisError: The clearance or the rim is not a valid length.
     """
     if selection.clearance is None:
         return ()

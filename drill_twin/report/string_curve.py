@@ -7,7 +7,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import survey_of
-from drill_twin.model.wellbore_coordinates import unrolled
+from drill_twin.model.wellbore_coordinates import to_hole_coordinates
 from drill_twin.scene import Scene
 
 FINEST = 100
@@ -26,7 +26,7 @@ def along_hole(scene: Scene, curves: Array) -> Array:
         return curves
     steps = np.linalg.norm(np.diff(curves[0], axis=0), axis=1)
     up = np.concatenate(([0.0], np.cumsum(steps)))
-    return unrolled(line.at(scene.length * (1.0 - up / up[-1])), curves)
+    return to_hole_coordinates(line.at(scene.length * (1.0 - up / up[-1])), curves)
 
 
 def smooth(position: Array, tangent: Array) -> Array:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`summary.json`: what a run was and what the analysis found in it, in plain types."""
+"""Content of `summary.json`: a run and the findings of its analysis, in plain types."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from drill_twin.twin.frame import COUNTS
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
 
 SLOWEST = 0.1
-"""Slowest swing of the bit's speed that is looked for [Hz]."""
+"""Lowest frequency of oscillations of the bit's speed [Hz]."""
 NOTICED = 0.01
-"""Least amplitude of it over the mean speed."""
+"""Least amplitude of such an oscillation, over the mean speed."""
 
 
 def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
-    """The summary of a bag as plain types: numbers, text, lists, dicts; None for what is not known, never NaN.
+    """Summary of a bag in plain types: numbers, text, lists, dicts; None for an unknown value, never NaN.
 
     Args:
         bag: A recording, an open bag, or the path of one.
@@ -36,18 +36,18 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           `frequency_mark`; `precession_ratio`: the same over the rotation, `rotation_rev_s`.
         * `max_radius_m`: largest distance of the centre line from the hole's axis by mark [m].
         * `motion`, `mark_motion`: timelines of the motion states, each with start and end, criterion and confidence.
-        * `whirl_observable`: whether there were positions of marks at all.
+        * `whirl_observable`: whether the bag has positions of marks.
         * `bit`, `stick_slip`: motion of the bit at the end, and its stretches of stick-slip; `bit_spectral_peak_hz`:
           the highest line in the spectrum of its speed.
         * `realtime_factor`: simulated time over the time the physics took.
         * `steps`, `cut_steps`, `loose_steps`: time steps taken, how often one was halved, and how many were taken while
-          places on the wall still flickered between stick and slip; None where nothing tells.
-        * `guard`: how many frames were taken back and done again with a smaller step, each in words, and why the run
-          was stopped if it was.
+          contacts with the wall still alternated between stick and slip; None where not recorded.
+        * `guard`: number of frames rejected and repeated with a smaller step, a sentence on each, and the reason if
+          the run was stopped.
         * `energy`: the energy balance at the end [J], where the scene asks for it; `residual` as a share of `scale_J`.
-        * `scene`, `effects`, `elements`, `step_s`, `seed`, `version`, `pace`, `started`: what was run.
-        * `duration_s`, `samples`, `quality`, `truncated`, `damage`, `notes`: what there was to analyse.
-        * `live`: the findings recorded while the twin ran, and whether these are the same.
+        * `scene`, `effects`, `elements`, `step_s`, `seed`, `version`, `pace`, `started`: the run.
+        * `duration_s`, `samples`, `quality`, `truncated`, `damage`, `notes`: extent and quality of the bag.
+        * `live`: findings recorded while the twin ran, and the number that differ from this analysis.
 
     Raises:
         BagError: Not a bag of this package, or nothing in it that could be analysed.
@@ -105,7 +105,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
 
 
 def timeline(periods: tuple[MotionPeriod, ...], end: float) -> list[dict[str, Any]]:
-    """Motion states in order, each with start and end [s], state, criterion and confidence; none of no length."""
+    """Motion states in order, each with start and end [s], state, criterion and confidence."""
     ends = [*(period.start_s for period in periods[1:]), end]
     lines: list[dict[str, Any]] = []
     for period, until in zip(periods, ends, strict=False):
@@ -138,7 +138,7 @@ def bit_peak(bag: Recording) -> float | None:
 
 
 def to_json(summary: dict[str, Any]) -> str:
-    """A summary as JSON text."""
+    """JSON text of a summary."""
     return json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
@@ -165,7 +165,7 @@ def _notes(bag: Recording) -> list[str]:
 
 
 def _plain(value: Any) -> Any:
-    """Plain types throughout; what is not finite becomes None."""
+    """Value in plain types; a number that is not finite becomes None."""
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, MotionState | BitMotion):

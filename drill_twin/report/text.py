@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A summary in words: the rows that the command line and the page show, and what may not be read out of them."""
+"""Summary as text: rows of the tables of the command line and the page, and the limits of validity."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Summary = Mapping[str, Any]
 Row = tuple[str, str]
 
 _STRETCHES = 5
-"""Stretches of stick-slip that are told one by one."""
+"""Most periods of stick-slip with a row of their own."""
 
 NOT_VALIDATED = """\
 No measurement of a whirling string stands behind this run: onset, whirl frequency and radii are what the model gives \
@@ -22,11 +22,11 @@ After the onset the motion can be chaotic: two runs that differ in anything shar
 largest radius), not their paths.
 The marks move with the string and have no mass of their own; sensors, their noise and their delays are not modelled.
 """.splitlines()
-"""What the page says below its figures."""
+"""Limits of validity, below the figures of the page."""
 
 
 def findings(summary: Summary) -> Iterator[Row]:
-    """What the analysis found, most important first."""
+    """Rows of the findings, most important first."""
     if not summary["whirl_observable"]:
         yield "whirl", "not observable: no positions of marks"
         yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
@@ -43,7 +43,7 @@ def findings(summary: Summary) -> Iterator[Row]:
 
 
 def _bit(summary: Summary) -> Iterator[Row]:
-    """What the bit's rotation did."""
+    """Rows on the rotation of the bit."""
     yield "bit at the end", summary["bit"]
     for stretch in summary["stick_slip"][:_STRETCHES]:
         words = (
@@ -59,7 +59,7 @@ def _bit(summary: Summary) -> Iterator[Row]:
 
 
 def provenance(summary: Summary) -> Iterator[Row]:
-    """What was run, and how."""
+    """Rows on the run: scene, resolution, speed, version."""
     yield "scene", _text(summary["scene"])
     yield "simulated time", f"{summary['duration_s']:.2f} s, {summary['samples']} samples"
     yield "real-time factor", _number(summary["realtime_factor"], "{:.1f}")
@@ -76,8 +76,8 @@ def provenance(summary: Summary) -> Iterator[Row]:
     yield "live analysis", _live(summary["live"])
 
 
-def troubles(summary: Summary) -> list[str]:
-    """What limits the findings; empty when nothing does."""
+def limitations(summary: Summary) -> list[str]:
+    """Sentences on what limits the findings: notes, damage, samples left out."""
     lines = list(summary["notes"])
     if summary["truncated"]:
         lines.insert(0, f"the bag is not whole: {'; '.join(summary['damage'])}")
@@ -112,7 +112,7 @@ def _frequency(summary: Summary) -> str:
 
 
 def _radius(value: float | None, clearance: float | None) -> str:
-    """A mark's largest radius [m] in words, with its share of the clearance [m]."""
+    """Largest radius of a mark [m] as text, with its share of the clearance [m]."""
     if value is None:
         return "not seen"
     share = f" ({100.0 * value / clearance:.0f} % of the clearance)" if clearance else ""
@@ -120,7 +120,7 @@ def _radius(value: float | None, clearance: float | None) -> str:
 
 
 def millimetres(value: float) -> str:
-    """A length [m] in mm, as short as makes sense."""
+    """Length [m] as text in mm."""
     return f"{1e3 * value:.1f} mm" if abs(value) >= 1e-3 else f"{1e3 * value:.2g} mm"
 
 

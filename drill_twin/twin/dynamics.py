@@ -64,7 +64,7 @@ class Dynamics:
         elements, self.step = _resolution(scene)
         rod = build_rod(tubes_of(scene), elements)
         self.model, self.ends, self.form = discretise(scene, rod), Ends.of(scene), form_of(scene)
-        self.hole = "straight" if self.model.bore.axis is None else "curved"
+        self.hole = "straight" if self.model.wellbore.axis is None else "curved"
         self.effects = tuple(name for name in scene.effect_names if hasattr(effect_module(name), "parameters"))
         audit = scene.numerics.audit == "energy"
         self.kernel = build_kernel(self.effects, self.form, self.hole, audit=audit)

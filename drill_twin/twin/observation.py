@@ -2,7 +2,7 @@
 """Reading the string: tangents, wall forces, marks and the nearness of the wall at one instant, in one compiled call.
 
 In plain numpy a published frame cost as much as the motion between two of them. The wall's force is read with the
-kernel that made it (`drill_twin.effects.wall.press`).
+kernel that made it (`drill_twin.effects.wall.contact_force`).
 
 Marks are told in the frame of the hole at their depth, so that an orbit goes round the axis in a curved hole as it does
 in a straight one: x and y from the hole's axis, z along the hole (minus the measured depth). Their x and y are those of
@@ -21,7 +21,7 @@ from drill_twin.effects import wall as walls
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
 from drill_twin.model.shape_functions import hermite
-from drill_twin.model.wellbore import Axis, Bore, along, aside
+from drill_twin.model.wellbore import Axis, Wellbore, axis_offset, distance_along
 from drill_twin.solver.kernel_cache import load_generated
 
 DEEPEST, WHERE = 0, 1  # places in Sight.nearness
@@ -96,7 +96,7 @@ def see_nodes(u: Array, sight: Sight) -> None:
 
 
 @kernel
-def see_wall(length: Array, shape: Array, bore: Bore, wall: Any, u: Array, v: Array, sight: Sight) -> None:
+def see_wall(length: Array, shape: Array, bore: Wellbore, wall: Any, u: Array, v: Array, sight: Sight) -> None:
     """Nearness of the wall, and its force shared between the nodes as a lever would."""
     for e in range(u.shape[0] - 1):
         for p in range(2):
@@ -104,7 +104,7 @@ def see_wall(length: Array, shape: Array, bore: Bore, wall: Any, u: Array, v: Ar
             x = w[0] * u[e, 0] + w[1] * u[e, 3] + w[2] * u[e + 1, 0] + w[3] * u[e + 1, 3]
             y = w[0] * u[e, 1] + w[1] * u[e, 4] + w[2] * u[e + 1, 1] + w[3] * u[e + 1, 4]
             z = w[0] * u[e, 2] + w[1] * u[e, 5] + w[2] * u[e + 1, 2] + w[3] * u[e + 1, 5]
-            off = aside(bore.axis, place, x, y, z)
+            off = axis_offset(bore.axis, place, x, y, z)
             depth = np.sqrt(off.x**2 + off.y**2 + off.z**2) - bore.clearance[place]
             if depth > sight.nearness[DEEPEST]:
                 sight.nearness[DEEPEST], sight.nearness[WHERE] = depth, place
@@ -115,7 +115,7 @@ def see_wall(length: Array, shape: Array, bore: Bore, wall: Any, u: Array, v: Ar
                 here = Point(
                     e, place, 0.0, x, y, z, vx, vy, vz, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, True, 0.0
                 )
-                force = walls.press(wall, here, 0.0).force * 0.5 * length[e]
+                force = walls.contact_force(wall, here, 0.0).force * 0.5 * length[e]
                 far = w[2] + (w[1] + w[3]) / length[e]  # place of the Gauss point in the element, 0 to 1
                 sight.wall_force[e] += (1.0 - far) * force
                 sight.wall_force[e + 1] += far * force
@@ -138,13 +138,13 @@ def see_marks(u: Array, v: Array, probe: Probe, sight: Sight) -> None:
         g = 1.0 / np.sqrt(t[0] ** 2 + t[1] ** 2 + t[2] ** 2)
         arm = turned(t[0] * g, t[1] * g, t[2] * g, out * np.cos(psi), out * np.sin(psi))
         sweep = turned(t[0] * g, t[1] * g, t[2] * g, -out * rate * np.sin(psi), out * rate * np.cos(psi))
-        off = aside(probe.axis, m, r[0], r[1], r[2])
+        off = axis_offset(probe.axis, m, r[0], r[1], r[2])
         ex = turned(off.tx, off.ty, off.tz, 1.0, 0.0)
         ey = turned(off.tx, off.ty, off.tz, 0.0, 1.0)
         ez = (off.tx, off.ty, off.tz)
         sight.centre[m, 0] = ex[0] * off.x + ex[1] * off.y + ex[2] * off.z
         sight.centre[m, 1] = ey[0] * off.x + ey[1] * off.y + ey[2] * off.z
-        sight.centre[m, 2] = along(probe.axis, m, r[0], r[1], r[2])
+        sight.centre[m, 2] = distance_along(probe.axis, m, r[0], r[1], r[2])
         vx, vy, vz = dr[0] + sweep[0], dr[1] + sweep[1], dr[2] + sweep[2]
         sight.position[m, 0] = sight.centre[m, 0] + ex[0] * arm[0] + ex[1] * arm[1] + ex[2] * arm[2]
         sight.position[m, 1] = sight.centre[m, 1] + ey[0] * arm[0] + ey[1] * arm[1] + ey[2] * arm[2]
@@ -172,7 +172,7 @@ def observe(length, shape, bore, wall, u, v, probe, sight):
 '''
 
 
-def observe(rod: Rod, bore: Bore, wall: Any, u: Array, v: Array, probe: Probe, sight: Sight) -> None:
+def observe(rod: Rod, bore: Wellbore, wall: Any, u: Array, v: Array, probe: Probe, sight: Sight) -> None:
     """Fill `sight` from node rows u, v (r, r', psi).
 
     Args:

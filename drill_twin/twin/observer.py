@@ -40,7 +40,7 @@ class Observer:
         dynamics = self._machine
         u, v = dynamics.unknowns
         self._sight = make_sight(u.shape[0], self._probe.element.size)
-        observe(dynamics.rod, dynamics.model.bore, dynamics.wall, u, v, self._probe, self._sight)
+        observe(dynamics.rod, dynamics.model.wellbore, dynamics.wall, u, v, self._probe, self._sight)
         return float(self._sight.nearness[DEEPEST]), int(self._sight.nearness[WHERE])
 
     def frame(

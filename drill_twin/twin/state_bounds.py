@@ -68,7 +68,7 @@ class Bounds:
 
 def bounds_of(scene: Scene, model: DiscreteModel, *, lateral: bool) -> Bounds:
     """The bounds of a scene."""
-    rod, bore = model.rod, model.bore
+    rod, bore = model.rod, model.wellbore
     weight = np.abs(axial_weight(scene, model))
     gravity = 0.0 if scene.effects.gravity is None else scene.effects.gravity.magnitude
     random = 0.0 if scene.effects.random_force is None else scene.effects.random_force.rms

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whirl found on the stream: onset, precession, motion states. Knows neither ROS nor files.
+"""Whirl analysis: onset, precession, motion states. Independent of ROS and files.
 
-`Analyzer` takes one sample of the marks at a time; `two_sided_spectrum` looks at a whole record at once.
+`Analyzer` works on a stream of samples of the marks, `two_sided_spectrum` on a whole record.
 """
 
 from drill_twin.whirl.analyzer import Analyzer

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be said without positions of marks: stick-slip of the bit, and that whirl is not observable."""
+"""Analysis without positions of marks: stick-slip of the bit; whirl is not observable."""
 
 from __future__ import annotations
 
@@ -7,40 +7,35 @@ import math
 
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.rotation import Rotation, Stamps
+from drill_twin.whirl.rotation import Rotation, StampFilter
 
 NOT_OBSERVABLE = "whirl is not observable: there are no lateral positions of marks"
 
 
 class BitOnlyAnalyzer:
-    """Follows the speeds of top drive and bit, sample by sample."""
+    """Analysis of the speeds of top drive and bit, sample by sample."""
 
     def __init__(self) -> None:
         self.bit = StickSlip()
         """Stick-slip of the bit."""
-        self._stamps, self._rotation = Stamps(), Rotation()
+        self._stamps, self._rotation = StampFilter(), Rotation()
         self._accepted = self._incomplete = 0
 
     @property
     def quality(self) -> Quality:
         """Counts of good and bad samples so far."""
-        stamps = self._stamps
-        rate = self._accepted / self._rotation.travel if self._rotation.travel > 0.0 else math.nan
+        stamps, revolutions = self._stamps, self._rotation.revolutions
+        rate = self._accepted / revolutions if revolutions > 0.0 else math.nan
         return Quality(self._accepted, stamps.duplicate, stamps.late, self._incomplete, samples_per_revolution=rate)
 
-    @property
-    def seconds(self) -> float:
-        """Time from the first to the last sample [s]."""
-        return self._stamps.seconds
-
     def push(self, stamp_ns: int, top_speed: float, bit_speed: float) -> bool:
-        """Takes in a sample at a header stamp [ns], speeds in [rad/s]; returns whether the bit's motion changed."""
-        if not self._stamps.fresh(stamp_ns):
+        """Add a sample at a header stamp [ns], speeds in [rad/s]; return whether the motion of the bit changed."""
+        if not self._stamps.is_new(stamp_ns):
             return False
         if not (math.isfinite(top_speed) or math.isfinite(bit_speed)):
             self._incomplete += 1
             return False
-        self._rotation.advance(self._stamps.take(stamp_ns), top_speed, None)
+        self._rotation.update(self._stamps.accept(stamp_ns), top_speed, None)
         self._accepted += 1
         before = self.bit.motion
         self.bit.push(stamp_ns * 1e-9, bit_speed)

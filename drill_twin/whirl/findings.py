@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the analysis finds: after each sample, and in the end."""
+"""Results of the analysis: the state after each sample, and the summary of a run."""
 
 from __future__ import annotations
 
@@ -18,50 +18,50 @@ class Onset:
     """The onset of whirl (the paper's critical time)."""
 
     time_s: float
-    """When the radius first crossed its threshold [s]."""
+    """Time at which the radius first crossed its threshold [s]."""
     mark: str
-    """Mark that showed it first."""
+    """Mark with the earliest crossing."""
     confidence: float
-    """Confidence, 0 to 1: 1 less the chance that noise alone is as large, times the coherence of the turning."""
+    """Confidence, 0 to 1: 1 less the probability that noise alone is as large, times the coherence of the angle."""
     kind: Literal["asynchronous", "synchronous"]
-    """Whether the asynchronous part crossed, or the synchronous part surged."""
+    """Part of the motion that crossed its threshold."""
     detected_s: float
-    """When it was certain [s]: about a revolution later, more where a mark had crossed before but turned later."""
+    """Time of detection [s]: about a revolution later, more where a mark crossed before but swept its angle later."""
     criterion: str
-    """What decided it, in words."""
+    """The criterion that decided it, as text."""
 
 
 @dataclass(frozen=True)
 class MotionPeriod:
-    """From when on a motion state held."""
+    """Period of one motion state."""
 
     start_s: float
     """Start [s]; it ends where the next period starts."""
     state: MotionState
     """Motion state."""
     criterion: str
-    """What decided it, in words."""
+    """The criterion that decided it, as text."""
     confidence: float
-    """Mean share of the votes for the state while it held, 0 to 1."""
+    """Mean share of the estimates for the state while it held, 0 to 1."""
 
 
 class Quality(NamedTuple):
-    """How many samples came, and what was wrong with the others."""
+    """Counts of samples analysed and skipped."""
 
     accepted: int = 0
     """Samples analysed."""
     duplicate: int = 0
-    """Samples skipped because their stamp had been seen just before."""
+    """Samples skipped because their stamp equals the last one."""
     late: int = 0
-    """Samples skipped because their stamp lay before one already seen."""
+    """Samples skipped because their stamp is before the last one."""
     incomplete: int = 0
     """Samples skipped: no finite rotation, spin missing, or no mark with finite values."""
     missing_marks: int = 0
-    """Marks skipped within samples: not finite, or farther out than the hole is wide."""
+    """Marks skipped within samples: not finite, or farther out than three clearances."""
     gaps: int = 0
     """Gaps of more than 3/4 of a revolution or a second between accepted samples."""
     samples_per_revolution: float = math.nan
-    """Accepted samples in a revolution, mean since rotation began."""
+    """Mean number of accepted samples in a revolution since rotation began."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,10 +77,10 @@ class Findings:
     orbit_radius: Array
     """Distance of the centre line from the hole's axis [m]; nan for a mark without a valid sample."""
     precession: Array
-    """Precession of the centre line [rev/s], positive = forward (the sense of rotation); nan while the motion is too
-    small to have one. It is that of the asynchronous part during whirl, else of all that moves."""
+    """Precession of the centre line [rev/s], positive = forward (the sense of rotation); nan while the radius is too
+    small. Of the asynchronous part during whirl, otherwise of the motion about the offset."""
     ratio: Array
-    """Precession over rotation; nan as above or at rest."""
+    """Precession over rotation; nan as above, and at rest."""
     confidence: Array
     """Confidence in precession and ratio, 0 to 1."""
     whirl_radius: Array
@@ -90,34 +90,36 @@ class Findings:
     contact_fraction: Array
     """Share of the last two revolutions in contact with the wall."""
     phase: Array
-    """Angle of each mark's motion against that of the largest [rad]; nan while nothing moves."""
+    """Phase of each mark's motion relative to the mark with the largest [rad]; nan without motion."""
     planarity: float
-    """1 when the marks lie in one plane through the axis, towards 0 for a helix; nan while nothing moves."""
+    """1 if the marks lie in one plane through the axis, towards 0 for a helix; nan without motion."""
     rotation: float
     """Rotation over the last revolution [rev/s], signed, right-handed about +z."""
     state: tuple[MotionState, ...]
     """Motion state of each mark."""
     state_confidence: Array
-    """Share of the recent votes for the state, 0 to 1."""
+    """Share of the recent estimates for the state, 0 to 1."""
     criterion: tuple[str, ...]
-    """What decided each mark's state, in words."""
+    """The criterion that decided each mark's state, as text."""
     motion: MotionState
     """Motion state of the string."""
     motion_confidence: float
-    """Share of the recent votes for it, 0 to 1."""
+    """Share of the recent estimates for it, 0 to 1."""
     motion_criterion: str
-    """What decided it, in words."""
+    """The criterion that decided it, as text."""
     bit: BitMotion
-    """What the rotation of the bit is in: steady, torsional vibration, stick-slip."""
+    """Motion of the bit: steady, torsional vibration, stick-slip."""
     bit_criterion: str
-    """What decided it, in words."""
+    """The criterion that decided it, as text."""
     onset: Onset | None
-    """The onset, once it is certain; it never changes afterwards."""
+    """The onset, once it is detected; it never changes afterwards."""
     quality: Quality
     """Counts of good and bad samples."""
 
-    def after(self, stamp_ns: int, orbit_radius: Array, quality: Quality, bit: BitMotion, why: str) -> Findings:
-        """The same findings after one more sample that changed no estimate (`replace` at a tenth of the cost)."""
+    def with_sample(
+        self, stamp_ns: int, orbit_radius: Array, quality: Quality, bit: BitMotion, bit_criterion: str
+    ) -> Findings:
+        """Copy after one more sample that changed no estimate; ten times as fast as `dataclasses.replace`."""
         later = object.__new__(Findings)
         later.__dict__.update(
             self.__dict__,
@@ -126,7 +128,7 @@ class Findings:
             orbit_radius=orbit_radius,
             quality=quality,
             bit=bit,
-            bit_criterion=why,
+            bit_criterion=bit_criterion,
         )
         return later
 
@@ -138,31 +140,31 @@ class Summary:
     onset: Onset | None
     """The onset of whirl, if there was one."""
     mark_onset_s: dict[str, float | None]
-    """When each mark's radius crossed its threshold [s]."""
+    """Time at which each mark's radius crossed its threshold [s]."""
     whirl_frequency_hz: float | None
     """Dominant whirl after the onset [Hz], positive = forward; at `frequency_mark`."""
     precession_ratio: float | None
-    """The same over the rotation."""
+    """The same frequency over the rotation."""
     frequency_mark: str | None
-    """Mark with the most whirl relative to its clearance, whose frequency is reported."""
+    """Mark with the largest whirl relative to its clearance, whose frequency is reported."""
     max_radius_m: dict[str, float | None]
     """Largest distance of the centre line from the hole's axis at each mark [m]."""
     rotation_rev_s: float | None
-    """Mean rotation while it turned: since the onset, if there was one [rev/s]."""
+    """Mean rotation while the string rotated, since the onset if there was one [rev/s]."""
     motion: tuple[MotionPeriod, ...]
     """Motion states of the string over time."""
     mark_motion: dict[str, tuple[MotionPeriod, ...]]
     """Motion states of each mark over time."""
     stick_slip: tuple[StickSlipPeriod, ...]
-    """Stretches of stick-slip of the bit."""
+    """Periods of stick-slip of the bit."""
     bit: BitMotion
-    """What the rotation of the bit was in at the end."""
+    """Motion of the bit at the end."""
     quality: Quality
     """Counts of good and bad samples."""
     notes: tuple[str, ...]
-    """What limits these findings, in words."""
+    """Limits of these findings, as sentences."""
     observable: bool = True
-    """Whether whirl could be seen at all: there were positions of marks."""
+    """False if there were no positions of marks, so that whirl is not observable."""
 
     @property
     def onset_s(self) -> float | None:

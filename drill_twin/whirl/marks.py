@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The marks whose motion is analysed: where they sit and how far they can move."""
+"""Marks whose motion is analysed: position on the string and radial clearance."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drill_twin.errors import DrillTwinError
 
 
 class AnalysisError(DrillTwinError):
-    """Input that the whirl analysis cannot work on."""
+    """Input that the whirl analysis cannot use."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +28,12 @@ class MarkInfo:
     distance_from_bit: float
     """Distance from the bit along the string [m]."""
     on: Literal["wall", "centre"]
-    """Whether the mark sits on the outer wall, where it carries the spin, or on the centre line."""
+    """`wall`: on the outer wall, so that it shows the spin; `centre`: on the centre line."""
     wall_offset: float
     """Outer radius of the string at the mark [m]: a wall mark's distance from the centre line, and the rolling
     radius of any mark; 0 where it is unknown."""
     clearance: float
-    """How far the centre line can move before the string touches the wall [m]."""
+    """Radial clearance: displacement of the centre line at which the string touches the wall [m]."""
 
     def __post_init__(self) -> None:
         if self.on not in {"wall", "centre"}:
@@ -53,8 +53,8 @@ class MarkInfo:
         return -self.wall_offset / self.clearance
 
 
-def checked(marks: Sequence[MarkInfo]) -> tuple[MarkInfo, ...]:
-    """The marks, if there is at least one and their names differ.
+def check_marks(marks: Sequence[MarkInfo]) -> tuple[MarkInfo, ...]:
+    """Check that there is at least one mark and that their names differ; return them as a tuple.
 
     Raises:
         AnalysisError: No mark, or two of one name.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Time and rotation of the stream: which stamps count, and how far the string has turned."""
+"""Time base and angle of rotation of the sample stream."""
 
 from __future__ import annotations
 
@@ -9,22 +9,20 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 
-"""One revolution [rad]."""
 
-
-class Stamps:
-    """Lets each stamp through once and in order; counts what it turns away."""
+class StampFilter:
+    """Accepts stamps that increase; counts duplicate and late ones."""
 
     def __init__(self) -> None:
         self.first: int | None = None
         """First stamp [ns]."""
         self.last = 0
-        """Last stamp let through [ns]."""
+        """Last stamp accepted [ns]."""
         self.duplicate = 0
         self.late = 0
 
-    def fresh(self, stamp: int) -> bool:
-        """Whether a stamp [ns] lies after all before it; counts it if not."""
+    def is_new(self, stamp: int) -> bool:
+        """Check that a stamp [ns] is after the last one accepted; count it as duplicate or late if not."""
         if self.first is None or stamp > self.last:
             return True
         if stamp == self.last:
@@ -33,8 +31,8 @@ class Stamps:
             self.late += 1
         return False
 
-    def take(self, stamp: int) -> float:
-        """Makes a fresh stamp [ns] the last one; the time since the one before it [s], 0 for the first."""
+    def accept(self, stamp: int) -> float:
+        """Accept a new stamp [ns]; return the time since the one before [s], 0 for the first."""
         if self.first is None:
             self.first = self.last = stamp
             return 0.0
@@ -54,30 +52,33 @@ class Rotation:
     def __init__(self) -> None:
         self.angle = 0.0
         """Angle since the first sample [rad], signed."""
-        self.travel = 0.0
-        """Revolutions turned since the first sample, never falling [rev]."""
+        self.revolutions = 0.0
+        """Revolutions since the first sample [rev], in either sense; never decreases."""
         self._speed: float | None = None
         self._spin: Array | None = None
 
-    def advance(self, step: float, top_speed: float, spin: Array | None) -> bool:
-        """Turns on by a sample after `step` [s] at `top_speed` [rad/s] (nan: unknown) with `spin` [rad], shape (m,).
+    def update(self, step: float, top_speed: float, spin: Array | None) -> None:
+        """Add the rotation over a sample interval; nothing where neither speed nor spin is known.
 
-        Returns whether the rotation is known.
+        Args:
+            step: Time since the last sample [s].
+            top_speed: Speed of the top drive [rad/s]; nan where unknown.
+            spin: Spin at the marks [rad], shape (m,), if measured.
         """
         if math.isfinite(top_speed):
             before = top_speed if self._speed is None else self._speed
-            turned = 0.5 * (before + top_speed) * step
+            increment = 0.5 * (before + top_speed) * step
             self._speed = top_speed
         elif spin is not None:
-            turned = self._turned_by_spin(spin)
+            increment = self._mean_increment(spin)
             self._speed = None
         else:
-            return False
-        self.angle += turned
-        self.travel += abs(turned) / math.tau
-        return True
+            return
+        self.angle += increment
+        self.revolutions += abs(increment) / math.tau
 
-    def _turned_by_spin(self, spin: Array) -> float:
+    def _mean_increment(self, spin: Array) -> float:
+        """Mean change of the spin since the last sample [rad], each wrapped to -pi..pi."""
         before = np.full_like(spin, math.nan) if self._spin is None else self._spin
         wrapped = np.remainder(spin - before + math.pi, math.tau) - math.pi
         known = wrapped[np.isfinite(wrapped)]

@@ -26,7 +26,7 @@ class Peak:
     frequency: float
     """Frequency [Hz], signed, right-handed about +z."""
     radius: float
-    """Radius of the orbit that a pure line of this height is [m]."""
+    """Radius of a circular orbit with a line of this height [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,12 +36,12 @@ class Spectrum:
     frequency: Array
     """Frequencies [Hz], rising through zero, shape (k,)."""
     radius: Array
-    """Radius of the orbit at each frequency [m], shape (k,): a pure orbit shows its own radius."""
+    """Radius of the orbit at each frequency [m], shape (k,): for a circular orbit, its own radius."""
     resolution: float
     """Width of a line [Hz]."""
 
     def peak(self, low: float, high: float, *, beside: float | None = None) -> Peak | None:
-        """The highest line between two frequencies [Hz], not within two widths of `beside`; None if there is none.
+        """Highest line between two frequencies [Hz], not within two widths of `beside`; None if there is none.
 
         The frequency is refined by a parabola through the logarithm of the three highest points.
         """
@@ -62,16 +62,16 @@ class Spectrum:
         return Peak(frequency, float(self.radius[at]))
 
     def forward(self, *, beside: float | None = None) -> Peak | None:
-        """The highest line at positive frequencies, but for those at `beside` [Hz] (the rotation) and at zero."""
+        """Highest line at positive frequencies, except at `beside` [Hz] (the rotation) and at zero."""
         return self.peak(1.5 * self.resolution, math.inf, beside=beside)
 
     def backward(self, *, beside: float | None = None) -> Peak | None:
-        """The highest line at negative frequencies, but for those at `beside` [Hz] and at zero."""
+        """Highest line at negative frequencies, except at `beside` [Hz] and at zero."""
         return self.peak(-math.inf, -1.5 * self.resolution, beside=beside)
 
 
 def centre_line(x: Array, y: Array, spin: Array | None = None, wall_offset: float = 0.0) -> ComplexArray:
-    """The centre line z = x + i y [m] from a mark's record; a wall mark's spin [rad] is taken off. Shapes (n,)."""
+    """Centre line z = x + i y [m] from a mark's record, without the spin [rad] of a wall mark; shapes (n,)."""
     z = np.asarray(x, float) + 1j * np.asarray(y, float)
     return z if spin is None else z - wall_offset * np.exp(1j * np.asarray(spin, float))
 
@@ -80,15 +80,15 @@ def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = 
     """Spectrum of a record (Welch 1967: Hann windows, half overlap, mean power; offset removed).
 
     Args:
-        time: Times of the samples [s], rising, shape (n,); irregular records are put on their mean grid by linear
-            interpolation.
-        z: Centre line [m], shape (n,); samples that are not finite are left out.
+        time: Times of the samples [s], rising, shape (n,); an irregular record is interpolated linearly on its mean
+            grid.
+        z: Centre line [m], shape (n,); samples that are not finite are ignored.
         segment: Length of a segment [s]; the whole record by default.
 
     Raises:
         AnalysisError: Fewer than 16 finite samples, or times that do not rise.
     """
-    from scipy import signal  # two seconds to import, which the analyzer on the stream need not spend
+    from scipy import signal  # imported here since it takes two seconds
 
     good = np.isfinite(time) & np.isfinite(z.real) & np.isfinite(z.imag)
     time, z = np.asarray(time, float)[good], np.asarray(z, complex)[good]
@@ -118,13 +118,13 @@ def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = 
 def spectrum_over_time(time: Array, z: ComplexArray, window: float, columns: int = 400) -> tuple[Array, Array, Array]:
     """Two-sided spectra of a record in a sliding Hann window: times [s], frequencies [Hz] and radii [m].
 
-    Shapes (c,), (k,) and (k, c). A pure orbit shows its own radius; a steady offset stands at zero.
+    Shapes (c,), (k,) and (k, c). A circular orbit has its own radius; a constant offset is at zero.
 
     Args:
-        time: Times of the samples [s], rising, shape (n,); put on their mean grid by linear interpolation.
-        z: Centre line [m], shape (n,); samples that are not finite are left out.
+        time: Times of the samples [s], rising, shape (n,); interpolated linearly on their mean grid.
+        z: Centre line [m], shape (n,); samples that are not finite are ignored.
         window: Length of the window [s].
-        columns: Most windows.
+        columns: Largest number of windows.
 
     Raises:
         AnalysisError: The record is shorter than the window, or has fewer than 16 finite samples in one.

@@ -1,42 +1,56 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The criterion that decided a motion state, in words, with its numbers."""
+"""Text of the criterion that decided a motion state, with its numbers."""
 
 from __future__ import annotations
 
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.orbit.orbit import Orbit
-from drill_twin.whirl.orbit.string_shape import Shape
+from drill_twin.whirl.orbit.string_shape import StringShape
 
 
-def in_words(state: MotionState, orbit: Orbit, shape: Shape, rules: Criteria, mark: int, row: int, ratio: float) -> str:
-    """Why a mark is in `state`; `row` of the orbit 0 for asynchronous motion, 1 for all that moves."""
+def criterion_text(
+    state: MotionState, orbit: Orbit, shape: StringShape, criteria: Criteria, mark: int, row: int, ratio: float
+) -> str:
+    """Describe the criterion of a mark's `state`.
+
+    Args:
+        state: The state to explain.
+        orbit: Orbits of the marks.
+        shape: Shape of the string.
+        criteria: Thresholds.
+        mark: Index of the mark.
+        row: Row of the orbit: 0 for the asynchronous part, 1 for the motion about the offset.
+        ratio: Precession over rotation.
+    """
     whirl, synchronous = float(orbit.radius[0, mark]), float(orbit.synchronous[mark])
-    pace = f"radius {100 * float(orbit.radius[row, mark]):.0f} % of the clearance, ratio {ratio:+.2f}"
+    orbit_text = f"radius {100 * float(orbit.radius[row, mark]):.0f} % of the clearance, ratio {ratio:+.2f}"
     match state:
-        case MotionState.UNSEEN if orbit.aliased:
+        case MotionState.NOT_OBSERVABLE if orbit.aliased:
             return (
-                f"{orbit.sampling:.1f} samples in a revolution, at least {rules.fewest_samples:g} are needed to tell "
-                "one whirl from another"
+                f"{orbit.samples_per_revolution:.1f} samples in a revolution, at least {criteria.fewest_samples:g} are "
+                "needed to tell one whirl from another"
             )
-        case MotionState.UNSEEN:
+        case MotionState.NOT_OBSERVABLE:
             return "not seen in most of the last revolution"
         case MotionState.AT_REST:
-            return f"rotation {abs(orbit.recent_rotation):.3f} rev/s below {rules.rest_rotation} rev/s"
+            return f"rotation {abs(orbit.recent_rotation):.3f} rev/s below {criteria.rest_rotation} rev/s"
         case MotionState.FIXED_AXIS if not orbit.known:
             return "rotation has begun, less than a revolution seen"
         case MotionState.FIXED_AXIS:
             return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"
         case MotionState.IRREGULAR:
             coherence, unevenness = float(orbit.coherence[row, mark]), float(orbit.unevenness[row, mark])
-            return f"{pace}, coherence {coherence:.2f}, unevenness {unevenness:.2f}"
+            return f"{orbit_text}, coherence {coherence:.2f}, unevenness {unevenness:.2f}"
         case MotionState.SPIRAL:
-            return f"{pace}, planarity {shape.planarity:.2f} below {rules.planar}"
+            return f"{orbit_text}, planarity {shape.planarity:.2f} below {criteria.planar}"
         case MotionState.SECOND_BENDING:
-            return f"{pace}, planarity {shape.planarity:.2f}, marks on both sides, {shape.sides:.2f} of the largest"
+            return (
+                f"{orbit_text}, planarity {shape.planarity:.2f}, marks on both sides, "
+                f"{shape.second_lobe:.2f} of the largest"
+            )
         case _:
             sense = "forward" if ratio > 0.0 else "backward"
-            touching = float(orbit.contact[mark])
-            along = (
-                "" if touching <= rules.contact_fraction or state is MotionState.ROLLING else ", sliding along the wall"
-            )
-            return f"{pace} ({sense}){along}, in contact {100 * touching:.0f} % of the time"
+            contact = float(orbit.contact[mark])
+            slides = contact > criteria.contact_fraction and state is not MotionState.ROLLING
+            sliding = ", sliding along the wall" if slides else ""
+            return f"{orbit_text} ({sense}){sliding}, in contact {100 * contact:.0f} % of the time"

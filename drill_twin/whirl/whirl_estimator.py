@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every estimate of the analysis, in the order in which a bin passes through them."""
+"""Sequence of the estimates for each bin, and the decision on the onset of whirl."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from drill_twin.whirl.history import History
 from drill_twin.whirl.marks import MarkInfo
 from drill_twin.whirl.motion.classifier import MotionClassifier
 from drill_twin.whirl.onset.detector import OnsetDetector
-from drill_twin.whirl.onset.synchronous_onset import SurgeDetector
+from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsetDetector
 from drill_twin.whirl.onset.threshold_crossing import Crossing
 from drill_twin.whirl.orbit.orbit import Orbit
-from drill_twin.whirl.orbit.runout_separation import Baseline
-from drill_twin.whirl.orbit.string_shape import Shape
+from drill_twin.whirl.orbit.runout_separation import RunoutSeparation
+from drill_twin.whirl.orbit.string_shape import StringShape
 from drill_twin.whirl.sample_bins import BINS, Bin
 
-OFTEN = 4.0 / BINS
-"""Orbit and motion state are estimated this often [rev]; the onset with every bin."""
-SELDOM = 0.5
-"""And at least this often [s]."""
+INTERVAL_REV = 4.0 / BINS
+"""Interval of the estimates of orbit and motion state [rev]; the onset is checked with every bin."""
+INTERVAL_S = 0.5
+"""Longest interval of these estimates [s]."""
 
 
-class Estimates:
-    """Offset and synchronous part -> onset -> orbit -> motion state."""
+class WhirlEstimator:
+    """Separation of offset and synchronous part, then onset, orbit and motion state."""
 
     def __init__(self, marks: tuple[MarkInfo, ...], criteria: Criteria) -> None:
         m = len(marks)
@@ -35,23 +35,23 @@ class Estimates:
         self._names = tuple(mark.name for mark in marks)
         self._clearance = np.array([mark.clearance for mark in marks])
         self._vectors = np.zeros((3, m), complex)
-        self.baseline = Baseline(marks, criteria)
+        self.separation = RunoutSeparation(marks, criteria)
         self.history = History(m)
         self.orbit = Orbit(self._clearance, criteria)
         self.detector = OnsetDetector(self._clearance, criteria)
-        self._surge = SurgeDetector(self._clearance, criteria)
+        self._synchronous = SynchronousOnsetDetector(self._clearance, criteria)
         self.motion = MotionClassifier(marks, criteria)
-        self.shape = Shape(marks, criteria)
+        self.shape = StringShape(marks, criteria)
         self.origin = 0.0
         """Time of the first sample [s]."""
         self.onset: Onset | None = None
-        """The onset, once it is certain."""
-        self._pending: list[tuple[Crossing, bool]] = []
+        """The onset, once it is decided."""
+        self._candidates: list[tuple[Crossing, bool]] = []
         self.crossed: list[float | None] = [None] * m
-        """When each mark first began to whirl [s]."""
+        """Time at which each mark first crossed its threshold [s]."""
         self.gaps = 0
         """Gaps between bins."""
-        self._due = (-math.inf, -math.inf)
+        self._next_estimate = (-math.inf, -math.inf)
         self.precession = np.full(m, math.nan)
         """Precession [rev/s], positive = forward, shape (m,)."""
         self.ratio = np.full(m, math.nan)
@@ -60,63 +60,63 @@ class Estimates:
         """Confidence in both, shape (m,)."""
 
     def update(self, full: Bin) -> bool:
-        """Takes in a full bin; returns whether orbit and motion state are new."""
-        history, orbit, detector, baseline = self.history, self.orbit, self.detector, self.baseline
-        distance = baseline.split(full, self._vectors)
-        touching = full.contact
-        if touching is None:
-            touching = (distance > self.criteria.contact_radius * self._clearance).astype(float)
-        self.gaps += history.append(full, self._vectors, touching)
-        crossings = detector.update(history, baseline, orbit.slope[0], orbit.coherence[0])
+        """Add a full bin; return whether orbit and motion state were estimated."""
+        history, orbit, detector, separation = self.history, self.orbit, self.detector, self.separation
+        distance = separation.separate(full, self._vectors)
+        contact = full.contact
+        if contact is None:
+            contact = (distance > self.criteria.contact_radius * self._clearance).astype(float)
+        self.gaps += history.append(full, self._vectors, contact)
+        crossings = detector.update(history, separation, orbit.rate[0], orbit.coherence[0])
         for crossing in crossings:
             if crossing.refit is not None:
-                baseline.settle(crossing.mark, crossing.refit)
-        self._note(crossings, synchronous=False)
-        self._relearn(detector.leaning)
-        baseline.keep(detector.candidates, detector.active)
-        if self.onset is None and self._pending:
-            self._settle_onset(full.time)
-        if history.count < 2 or (full.travel < self._due[0] and full.time < self._due[1]):
+                separation.correct(crossing.mark, crossing.refit)
+        self._record(crossings, synchronous=False)
+        self._restart_separation(detector.moved)
+        separation.hold(detector.candidates, detector.active)
+        if self.onset is None and self._candidates:
+            self._decide_onset(full.time)
+        if history.count < 2 or (full.revolutions < self._next_estimate[0] and full.time < self._next_estimate[1]):
             return False
-        self._due = (full.travel + OFTEN - 0.25 / BINS, full.time + SELDOM)
-        self._look(full)
+        self._next_estimate = (full.revolutions + INTERVAL_REV - 0.25 / BINS, full.time + INTERVAL_S)
+        self._estimate(full)
         return True
 
-    def _look(self, full: Bin) -> None:
-        """Estimates orbit and motion state."""
-        history, orbit, detector = self.history, self.orbit, self.detector
+    def _estimate(self, full: Bin) -> None:
+        """Estimate orbit, precession and motion state."""
+        history, orbit, detector, synchronous = self.history, self.orbit, self.detector, self._synchronous
         noise = detector.noise.level
         orbit.update(history, noise)
-        surges = self._surge.update(history, orbit, noise)
-        self._note(surges, synchronous=True)
-        self._relearn(detector.release(orbit, history))
-        whirling = (detector.active, self._surge.active)
+        self._record(synchronous.update(history, orbit, noise), synchronous=True)
+        self._restart_separation(detector.release(orbit, history))
+        whirling = (detector.active, synchronous.active)
         self.precession, self.ratio, self.confidence = orbit.precession(detector.active, noise)
         self.shape.update(history)
-        at = (full.time, full.travel, self.origin)
+        at = (full.time, full.revolutions, self.origin)
         began = [
-            mine if mine is not None else surge for mine, surge in zip(detector.began, self._surge.began, strict=True)
+            first if first is not None else second
+            for first, second in zip(detector.began, synchronous.began, strict=True)
         ]
-        self.motion.update(orbit, self.shape, whirling, began, detector.certain, self.ratio, at)
+        self.motion.update(orbit, self.shape, whirling, began, detector.detected, self.ratio, at)
 
-    def _relearn(self, marks: list[int]) -> None:
-        """Learns the offset and the synchronous part of marks anew from the last revolution."""
-        window = self.history.newest(self.history.span(1.0))
+    def _restart_separation(self, marks: list[int]) -> None:
+        """Estimate offset and synchronous part of marks from the last revolution alone."""
+        window = self.history.newest(self.history.bins_in(1.0))
         for mark in marks:
-            self.baseline.relearn(mark, self.history.sample[window, :, mark])
+            self.separation.restart(mark, self.history.sample[window, :, mark])
 
-    def _note(self, crossings: list[Crossing], *, synchronous: bool) -> None:
-        """Notes first crossings of the marks; those before the onset is settled are candidates for it."""
+    def _record(self, crossings: list[Crossing], *, synchronous: bool) -> None:
+        """Record first crossings of the marks; until the onset is decided, each is a candidate for it."""
         for crossing in crossings:
             if self.crossed[crossing.mark] is None:
                 self.crossed[crossing.mark] = self.origin + crossing.time
             if self.onset is None:
-                self._pending.append((crossing, synchronous))
+                self._candidates.append((crossing, synchronous))
 
-    def _settle_onset(self, time: float) -> None:
-        """The onset is the earliest crossing, once no mark that crossed still earlier may prove to whirl as well."""
-        first, synchronous = min(self._pending, key=lambda pending: pending[0].time)
-        if self.detector.earliest(but=self._surge.active) < first.time:
+    def _decide_onset(self, time: float) -> None:
+        """Set the onset to the earliest crossing, once no undecided mark may have crossed earlier."""
+        first, synchronous = min(self._candidates, key=lambda candidate: candidate[0].time)
+        if self.detector.earliest_candidate(exclude=self._synchronous.active) < first.time:
             return
         self.onset = Onset(
             time_s=self.origin + first.time,
@@ -126,4 +126,4 @@ class Estimates:
             detected_s=self.origin + time,
             criterion=first.criterion,
         )
-        self.motion.votes.timelines[-1].redate(self.onset.time_s)
+        self.motion.hysteresis.timelines[-1].move_first_whirl(self.onset.time_s)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from drill_twin.effects import wall
 from drill_twin.model.point import Point
 from drill_twin.model.stretch import stretch_forces, stretching
-from drill_twin.model.wellbore import Bore
+from drill_twin.model.wellbore import Wellbore
 
 CLEARANCE, HERTZ, LINEAR, AXIAL = 0.08, 1e7, 1e6, 5e5
 angles = st.floats(0.0, 2.0 * np.pi)
@@ -19,7 +19,7 @@ speeds = st.floats(0.01, 3.0)  # [m/s]
 
 
 def law(linear: bool, damping: float = 0.0) -> wall.Parameters:
-    bore = Bore(np.array([CLEARANCE]), None)
+    bore = Wellbore(np.array([CLEARANCE]), None)
     return wall.Parameters(bore, np.array([0.008]), LINEAR if linear else HERTZ, float(linear), damping)
 
 
@@ -40,7 +40,7 @@ def stored(linear: bool, place: np.ndarray) -> float:
 @pytest.fixture(autouse=True)
 def interpreted(monkeypatch):
     """The kernels as Python: a compiled one takes longer to make than all of this to run."""
-    monkeypatch.setattr(wall, "press", wall.press.py_func)
+    monkeypatch.setattr(wall, "contact_force", wall.contact_force.py_func)
     monkeypatch.setattr(wall, "mean_force", wall.mean_force.py_func)
     monkeypatch.setattr(wall, "add_row", wall.add_row.py_func)
     monkeypatch.setattr(wall, "distributed_load", wall.distributed_load.py_func)

@@ -82,7 +82,7 @@ def test_rotation_in_a_bend_needs_no_torque_without_friction() -> None:
     for k in range(250):
         frame = twin.advance(Command(weight_on_bit=-20.0, rotation=5.0 * min((k + 1) / 50.0, 1.0)), 0.02)
     # what is left brakes the bending of the turning material: c = EI eta kappa^2 per length, and drag on the spin is 0
-    axis = twin.model.bore.axis
+    axis = twin.model.wellbore.axis
     assert axis is not None
     losses = float(np.sum(np.repeat(twin.rod.length / 2.0, 2) * EI * 0.02 * axis.curvature**2)) * 5.0
     assert frame.rig.top_drive_torque == pytest.approx(losses, rel=0.1)

@@ -54,7 +54,7 @@ def evaluate(both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, h2: fl
 
 def on_the_wall(twin: Twin, depth: float, angle: float) -> tuple[np.ndarray, np.ndarray]:
     """A place in contact, and the directions round the hole, along it and outward there, as rows."""
-    axis = twin.model.bore.axis
+    axis = twin.model.wellbore.axis
     centre, t = (np.array([0.0, 0.0, -9.0]), np.array([0.0, 0.0, 1.0])) if axis is None else (
         axis.centre[PLACE], axis.tangent[PLACE]
     )  # fmt: skip

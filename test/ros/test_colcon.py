@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from drill_twin.ros.entry_points import NODES
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -16,6 +18,6 @@ def test_the_package_builds_and_its_executables_run():
         ["bash", str(ROOT / ".ci" / "colcon")], capture_output=True, text=True, timeout=300, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    for node in ("simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin"):
+    for node in (*NODES, "twin"):
         assert f"ok: {node} -> install/drill_twin/lib/drill_twin/{node}" in done.stdout
     assert "ok: a run from the installed package" in done.stdout

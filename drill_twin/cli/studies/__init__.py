@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sub-commands that ask a question of many runs."""
+"""Commands of the studies, each of many runs."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin analyzer-score`: how well the analyzer detects, measured on labelled motions."""
+"""Command `drill-twin analyzer-score`: detection study of the analyzer."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drill_twin.cli.options import JsonOption, ReplaceOption
 
 
 def analyzer_score(
-    quick: Annotated[bool, typer.Option("--quick", help="A tenth of the records, to see that all is well.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="A tenth of the records, for a quick check.")] = False,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Write the tables, the numbers and the confusion matrix here too."),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin effects`: which effects a scene calls for, what each costs and what it changes."""
+"""Command `drill-twin effects`: ablation study of a scene."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ def effects(
             "--tolerance",
             min=0.001,
             max=1.0,
-            help="Change that counts: as a share of onset time and whirl frequency, absolute for mean orbit radius "
-            "over clearance and for contact fraction.",
+            help="Smallest relevant change: relative for onset time and whirl frequency, absolute for mean orbit "
+            "radius over clearance and for contact fraction.",
         ),
     ] = 0.05,
     replicas: Annotated[
         int,
-        typer.Option("--replicas", min=2, max=100, help="Runs per set of effects, set apart by a tiny random push."),
+        typer.Option("--replicas", min=2, max=100, help="Runs per set of effects, with small random differences."),
     ] = 5,
     duration: Annotated[
         str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
@@ -45,9 +45,9 @@ def effects(
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:
-    """Leave each effect of a scene out in turn: what it costs, what changes, and which ones the scene calls for.
+    """Leave out each effect of a scene in turn: cost and change of each, and the effects that the scene needs.
 
-    Each set of effects is compiled once (about 20 s) and then kept. Writes effects.json and effects.png.
+    Each set of effects is compiled once (about 20 s) and then cached. Writes effects.json and effects.png.
     """
     from rich.progress import Progress
 
@@ -118,9 +118,9 @@ def _value(key: str, value: float | None) -> str:
 
 
 def _verdict(ablation: Ablation) -> str:
-    spared = [key for key in ablation.effects if key not in ablation.kept]
+    not_needed = [key for key in ablation.effects if key not in ablation.kept]
     share = ablation.reduced.cost_share or 0.0
-    saved = f", which saves {share:.0%} of the run time" if spared else ""
+    saved = f", which saves {share:.0%} of the run time" if not_needed else ""
     failures = "".join(
         f"There is no run without {' + '.join(change.left_out)}: {change.failure}.\n"
         for change in ablation.changes
@@ -128,5 +128,5 @@ def _verdict(ablation: Ablation) -> str:
     )
     return (
         f"{failures}At a tolerance of {ablation.tolerance:.1%} this scene calls for: {', '.join(ablation.kept)}.\n"
-        f"It can do without: {', '.join(spared) or 'none'}{saved}."
+        f"It can do without: {', '.join(not_needed) or 'none'}{saved}."
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin hard`: the scenes at which simulators break down, one line each."""
+"""Command `drill-twin hard`: stress study on hard scenes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from drill_twin.studies.stress import HardCase, Result
-    from drill_twin.studies.verify.run import Outcome
+    from drill_twin.studies.verify.run import CaseResult
 
 NOT_IN_ORDER = 1
 """Exit code when a case is not in order."""
@@ -31,7 +31,7 @@ def hard(
         bool, typer.Option("--exact", help="Run the exact checks of bounce, rolling, growth and stick-slip too.")
     ] = False,
     energy: Annotated[
-        bool, typer.Option("--energy", help="Audit the energy; compiles kernels of its own, half a minute each.")
+        bool, typer.Option("--energy", help="Audit the energy; compiles further kernels, half a minute each.")
     ] = False,
     names: Annotated[bool, typer.Option("--list", help="Print the scenes and why they are hard.")] = False,
     page: Annotated[
@@ -39,9 +39,7 @@ def hard(
     ] = None,
     region: Annotated[
         Path | None,
-        typer.Option(
-            "--map", metavar="FILE", help="Only draw which steps are taken over stiffness and damping (.png)."
-        ),
+        typer.Option("--map", metavar="FILE", help="Only draw the stability map over stiffness and damping (.png)."),
     ] = None,
     workers: Annotated[int, typer.Option("--workers", min=1, max=64, help="Processes at a time.")] = 2,
     json: JsonOption = False,
@@ -66,9 +64,9 @@ def hard(
         out().print(grid(("scene", "why it is hard"), list(reasons.items())))
         return
     results = _run(cases, workers, energy=energy)
-    outcomes = _check(workers) if exact else []
+    checks = _check(workers) if exact else []
     if json:
-        print_json(to_data(results, outcomes))
+        print_json(to_data(results, checks))
     else:
         lines = [[line[0].replace("_", " "), *line[1:ALLOWED], *line[ALLOWED + 1 :]] for line in map(cells, results)]
         out().print(grid((*COLUMNS[:ALLOWED], *COLUMNS[ALLOWED + 1 :]), lines, right=(2, 3, 4, 5, 6, 7)))
@@ -78,8 +76,8 @@ def hard(
     err().print(summary(results), markup=False, soft_wrap=True)
     if page is not None:
         given = {"--quick": quick, "--exact": exact, "--energy": energy}
-        _write(page, results, outcomes, only=only, flags=[flag for flag, on in given.items() if on])
-    if not (all(result.ok for result in results) and all(outcome.ok for outcome in outcomes)):
+        _write(page, results, checks, only=only, flags=[flag for flag, on in given.items() if on])
+    if not (all(result.ok for result in results) and all(check.ok for check in checks)):
         raise typer.Exit(NOT_IN_ORDER)
 
 
@@ -110,7 +108,7 @@ def _draw_map(path: Path) -> None:
     err().print(f"{path}: see docs/stability.md", markup=False, soft_wrap=True)
 
 
-def _check(workers: int) -> list[Outcome]:
+def _check(workers: int) -> list[CaseResult]:
     from drill_twin.studies.stress.page import EXACT
     from drill_twin.studies.verify import all_cases
     from drill_twin.studies.verify.run import run_cases
@@ -120,7 +118,7 @@ def _check(workers: int) -> list[Outcome]:
 
 
 def _write(
-    page: Path, results: Sequence[Result], outcomes: Sequence[Outcome], *, only: str, flags: Sequence[str]
+    page: Path, results: Sequence[Result], checks: Sequence[CaseResult], *, only: str, flags: Sequence[str]
 ) -> None:
     from drill_twin.cli.folder import write_file
     from drill_twin.cli.show import err
@@ -128,7 +126,7 @@ def _write(
     from drill_twin.studies.stress.page import to_data, to_page
 
     options = [*(["--only", only] if only else []), *flags, "--page", page.as_posix()]
-    write_file(page, to_page(results, outcomes, " ".join(["drill-twin hard", *options])))
+    write_file(page, to_page(results, checks, " ".join(["drill-twin hard", *options])))
     data = page.with_suffix(".json")
-    write_file(data, json_text(to_data(results, outcomes)))
+    write_file(data, json_text(to_data(results, checks)))
     err().print(f"{page}, {data}", markup=False, soft_wrap=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin paper` and `drill-twin calibrate`: the paper reproduced, and what it leaves open sought."""
+"""Commands `drill-twin paper` and `drill-twin calibrate`: reproduction of the paper, and calibration."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def paper(
     processes: Processes = 0,
     only_bench: Annotated[
         bool,
-        typer.Option("--only-bench", help="Only the matrix of the bench: no other readings, no full-size assembly."),
+        typer.Option("--only-bench", help="Only the matrix of the bench: no variants, no full-size assembly."),
     ] = False,
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:
-    """Run all the paper reports and print each published number with ours beside it: tables, figures, one page."""
+    """Run all cases of the paper and print each published number beside that of the twin: tables, figures, one page."""
     import time
 
     from drill_twin.cli.folder import check_new, write_file
@@ -68,9 +68,9 @@ def paper(
 
 
 def calibrate(
-    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="The bench to start from.")] = BENCH,
+    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="Bench to start from.")] = BENCH,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the result.")] = Path("out/calibration"),
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the search.")] = 1,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the search.")] = 1,
     population: Annotated[int, typer.Option("--population", min=5, max=512, help="Members of a generation.")] = 16,
     generations: Annotated[
         int, typer.Option("--generations", min=0, help="Generations after the first; 0: only examine the scene.")
@@ -79,11 +79,11 @@ def calibrate(
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:
-    """Seek what the paper leaves open (ramps, imperfection, damping, friction): set, uncertainty, residuals.
+    """Calibrate the parameters that the paper does not give (ramps, imperfections, damping, friction).
 
-    It starts from the scene, fits a part of the table and leaves the rest to judge by, with `drill-twin paper`. A
-    figure shows which numbers exclude each other. The search is differential evolution; the same seed gives the same
-    result.
+    Prints values, uncertainties and residuals. The fit starts from the scene and uses a part of the table; the rest
+    validates it (`drill-twin paper`). A figure shows which numbers contradict each other. The search is differential
+    evolution; the same seed gives the same result.
     """
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.cli.show import err, grid, print_json
@@ -142,7 +142,7 @@ def _print(done: Reproduction) -> None:
 
 @contextmanager
 def _bar(name: str) -> Iterator[Callable[[str, int, int], None]]:
-    """A progress bar on stderr; call it with what ended, how many have ended, and of how many."""
+    """Progress bar on stderr; called with a description, the number of runs done, and their total."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     from drill_twin.cli.show import err

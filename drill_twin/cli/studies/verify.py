@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin verify`: every exact check, in one table."""
+"""Command `drill-twin verify`: every verification case, in one table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from drill_twin.studies.verify import Case
-    from drill_twin.studies.verify.run import Outcome
+    from drill_twin.studies.verify.run import CaseResult
 
 MISSED = 1
 """Exit code when a number is beyond its tolerance."""
@@ -32,7 +32,7 @@ def verify(
     quick: Annotated[
         bool, typer.Option("--quick", help="Leave out the cases that take more than a few seconds.")
     ] = False,
-    names: Annotated[bool, typer.Option("--list", help="Print the names of the cases and what they show.")] = False,
+    names: Annotated[bool, typer.Option("--list", help="Print the names of the cases and their descriptions.")] = False,
     page: Annotated[
         Path | None,
         typer.Option("--page", metavar="FILE", help="Write the table as a page (.md), and as JSON beside it."),
@@ -53,11 +53,11 @@ def verify(
     if names:
         _print_names(cases)
         return
-    outcomes = _run(cases, workers)
-    _show(outcomes, json=json)
+    checks = _run(cases, workers)
+    _show(checks, json=json)
     if page is not None:
-        _write(page, outcomes, only=only, quick=quick)
-    if not all(outcome.ok for outcome in outcomes):
+        _write(page, checks, only=only, quick=quick)
+    if not all(check.ok for check in checks):
         raise typer.Exit(MISSED)
 
 
@@ -73,7 +73,7 @@ def _print_names(cases: Sequence[Case]) -> None:
     out().print(grid(("case", "variants", "what it shows"), rows, right=(1,)))
 
 
-def _run(cases: Sequence[Case], workers: int) -> list[Outcome]:
+def _run(cases: Sequence[Case], workers: int) -> list[CaseResult]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     from drill_twin.cli.show import err
@@ -83,29 +83,29 @@ def _run(cases: Sequence[Case], workers: int) -> list[Outcome]:
     with Progress(*columns, console=err(), transient=True) as progress:
         task = progress.add_task("verifying", total=len(cases))
 
-        def done(outcome: Outcome) -> None:
-            progress.update(task, advance=1, description=outcome.case.name)
-            if not outcome.ok:
-                progress.console.print(f"miss: {outcome.case.name}", style="red", markup=False)
+        def done(check: CaseResult) -> None:
+            progress.update(task, advance=1, description=check.case.name)
+            if not check.ok:
+                progress.console.print(f"miss: {check.case.name}", style="red", markup=False)
 
         return run_cases(cases, workers=workers, progress=done)
 
 
-def _show(outcomes: Sequence[Outcome], *, json: bool) -> None:
+def _show(checks: Sequence[CaseResult], *, json: bool) -> None:
     from drill_twin.cli.show import err, out, print_json
     from drill_twin.studies.verify.page import summary, to_data
 
     if json:
-        print_json(to_data(outcomes))
+        print_json(to_data(checks))
     else:
-        out().print(_table(outcomes))
-        for outcome in outcomes:
-            if outcome.failure:
-                out().print(f"{outcome.case.name}: {outcome.failure}", style="red", markup=False, soft_wrap=True)
-    err().print(summary(outcomes), markup=False, soft_wrap=True)
+        out().print(_table(checks))
+        for check in checks:
+            if check.failure:
+                out().print(f"{check.case.name}: {check.failure}", style="red", markup=False, soft_wrap=True)
+    err().print(summary(checks), markup=False, soft_wrap=True)
 
 
-def _table(outcomes: Sequence[Outcome]) -> Table:
+def _table(checks: Sequence[CaseResult]) -> Table:
     from rich.text import Text
 
     from drill_twin.cli.show import grid
@@ -115,10 +115,10 @@ def _table(outcomes: Sequence[Outcome]) -> Table:
                  right=(1, 2, 3, 4))  # fmt: skip
     for column in table.columns[1:]:
         column.no_wrap = True
-    for outcome in outcomes:
-        table.add_row(Text(outcome.case.name, style="bold"))
+    for check in checks:
+        table.add_row(Text(check.case.name, style="bold"))
         said = ""
-        for row in outcome.rows:
+        for row in check.rows:
             reference = f"{row.reference} ({row.source})"
             told = Text(f"  {row.what}")
             if reference != said:
@@ -130,14 +130,14 @@ def _table(outcomes: Sequence[Outcome]) -> Table:
     return table
 
 
-def _write(page: Path, outcomes: Sequence[Outcome], *, only: str, quick: bool) -> None:
+def _write(page: Path, checks: Sequence[CaseResult], *, only: str, quick: bool) -> None:
     from drill_twin.cli.folder import write_file
     from drill_twin.cli.show import err
     from drill_twin.studies.json_io import json_text
     from drill_twin.studies.verify.page import to_data, to_page
 
     options = [*(["--only", only] if only else []), *(["--quick"] if quick else []), "--page", page.as_posix()]
-    write_file(page, to_page(outcomes, " ".join(["drill-twin verify", *options])))
+    write_file(page, to_page(checks, " ".join(["drill-twin verify", *options])))
     data = page.with_suffix(".json")
-    write_file(data, json_text(to_data(outcomes)))
+    write_file(data, json_text(to_data(checks)))
     err().print(f"{page}, {data}", markup=False, soft_wrap=True)

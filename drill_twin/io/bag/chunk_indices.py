@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the chunks of a file lie, kept small while it is written: ten chunks a second are 36 000 an hour.
+"""Chunk indices of a file while it is written, compressed: ten chunks a second are 36 000 an hour.
 
-As mcap's writer keeps them until the end of the file, a Python object each with a dictionary of its topics, the memory
-of a recorder grows with the recording. Here they are kept as the bytes they will be in the file, compressed.
+mcap's writer keeps a Python object for each until the end of the file, so that a recorder's memory grows with the
+recording. Here they are kept as the compressed bytes of their records.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.records import ChunkIndex
 from mcap.writer import Writer
 
-_TOGETHER = 256
+_BLOCK = 256  # indices compressed together
 _LIST = "_Writer__chunk_indices"
 
 
 class PackedIndices:
-    """Takes chunk indices and gives them back in order, which is all that the writer asks of its list."""
+    """Compressed list of chunk indices with the two methods that the writer needs: append and iterate."""
 
     def __init__(self) -> None:
         self._packed: list[bytes] = []
         self._open: list[ChunkIndex] = []
 
     def append(self, index: ChunkIndex) -> None:
-        """Take one."""
+        """Append an index."""
         self._open.append(index)
-        if len(self._open) == _TOGETHER:
+        if len(self._open) == _BLOCK:
             builder = RecordBuilder()
             for one in self._open:
                 one.write(builder)
@@ -48,11 +48,11 @@ class PackedIndices:
 
     @property
     def size(self) -> int:
-        """Bytes of those that are packed."""
+        """Size of the compressed indices [bytes]."""
         return sum(map(len, self._packed))
 
 
 def pack_indices(writer: Writer) -> None:
-    """Have a new writer keep its chunk indices packed; one that keeps them elsewhere is left as it is."""
+    """Make a new writer keep its chunk indices compressed; no effect if its private list has another name."""
     if getattr(writer, _LIST, None) == []:
         setattr(writer, _LIST, PackedIndices())

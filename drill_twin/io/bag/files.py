@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files of a bag folder: where it lies, in which order they are read, and by which reader."""
+"""Files of a bag folder: search, order, and choice of the reader for each."""
 
 from __future__ import annotations
 
@@ -19,14 +19,18 @@ BagFile = McapFile | RosbagsFile
 
 
 def bag_path(path: str | Path) -> Path:
-    """The bag in the folder of a run (`out/run` -> `out/run/bag_0`); any other path unchanged."""
+    """Bag in the folder of a run (`out/run` -> `out/run/bag_0`); any other path unchanged."""
     folder = Path(path)
     inside = folder / "bag_0"
     return inside if inside.is_dir() and not [*folder.glob("*.mcap"), *folder.glob("*.db3")] else folder
 
 
 def open_files(path: Path) -> tuple[list[BagFile], list[str]]:
-    """The files of a bag; and in words those of a split bag whose writer was killed as it began them."""
+    """Readers of the files of a bag, and sentences on empty files that a killed writer left.
+
+    Raises:
+        BagError: The path does not exist, cannot be read, or holds no bag.
+    """
     if not path.exists():
         raise BagError(f"{path}: expected a bag folder or file, found nothing there; check the path")
     if path.is_file():
@@ -40,8 +44,8 @@ def open_files(path: Path) -> tuple[list[BagFile], list[str]]:
     if _needs_rosbags(path, files):
         return [RosbagsFile(path)], []
     empty = [file for file in files[1:] if not file.stat().st_size]
-    unbegun = [f"{file.name} is empty: its writer was killed as it began" for file in empty]
-    return [_open_file(file) for file in files if file not in empty], unbegun
+    empty_files = [f"{file.name} is empty: its writer was killed as it began" for file in empty]
+    return [_open_file(file) for file in files if file not in empty], empty_files
 
 
 def _open_file(path: Path) -> BagFile:
@@ -49,7 +53,7 @@ def _open_file(path: Path) -> BagFile:
 
 
 def _needs_rosbags(folder: Path, files: Sequence[Path]) -> bool:
-    """Whether `metadata.yaml` says more than plain MCAP files do: sqlite3, or compression by rosbag2."""
+    """True if the folder must be read through `metadata.yaml`: sqlite3, or compression by rosbag2."""
     metadata = folder / "metadata.yaml"
     if any(file.suffix == ".zstd" for file in files):
         return True
@@ -65,12 +69,12 @@ def _needs_rosbags(folder: Path, files: Sequence[Path]) -> bool:
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
-    """Order of split bags: `run_2` before `run_10`."""
+    """Sort key of the files of a split bag: `run_2` before `run_10`."""
     return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.name)]
 
 
 def _inside(path: Path) -> str:
-    """What a folder that is not a bag holds, with a hint where a bag lies one level deeper."""
+    """Content of a folder that is not a bag, for messages; names a bag one level deeper."""
     entries = sorted(path.iterdir())
     for entry in entries:
         if entry.is_dir() and any(file.suffix in _SUFFIXES for file in entry.iterdir()):

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Read one MCAP file from front to back, whole or cut off: every whole, undamaged chunk counts.
+"""Sequential reader of one MCAP file, complete or truncated: every complete, undamaged chunk is read.
 
-The index at the end is not used, because a killed writer leaves none; so a recovered bag is read by the same
-code.
+The index at the end is not used, because a killed writer leaves none.
 """
 
 from __future__ import annotations
@@ -27,27 +26,27 @@ from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 
 from drill_twin.errors import BagError
-from drill_twin.io.bag.metadata import Qos, Recorded
+from drill_twin.io.bag.metadata import Qos, RecordedTopic
 
 _RECORD = struct.Struct("<BQ")  # opcode, length
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _DAMAGED = (McapError, struct.error, ValueError, zstandard.ZstdError, RuntimeError, OverflowError, MemoryError)
-"""What the libraries raise on bytes that are not what they should be."""
+"""Exceptions of the libraries on damaged bytes."""
 
 
 @dataclass
 class McapFile:
-    """Contents of one MCAP file, found by one pass over it."""
+    """Contents of one MCAP file, found in one pass."""
 
     path: Path
-    topics: dict[str, Recorded] = field(default_factory=dict)
-    """Topics by name, also those without a message."""
+    topics: dict[str, RecordedTopic] = field(default_factory=dict)
+    """Topics by name, including those without messages."""
     start: int | None = None
-    """Earliest time of recording [ns]; none where there is no message."""
+    """Earliest time of recording [ns]; None without messages."""
     end: int | None = None
     """Latest time of recording [ns]."""
     damage: list[str] = field(default_factory=list)
-    """What is missing, in words; empty for a whole file."""
+    """Sentences on missing or damaged parts; empty for a complete file."""
 
     def __post_init__(self) -> None:
         self._channels: dict[int, str | None] = {}
@@ -63,17 +62,17 @@ class McapFile:
         """Topic, time of recording [ns] and CDR of each message, in the order of the file.
 
         Raises:
-            BagError: The file cannot be read, or is no MCAP file.
+            BagError: The file cannot be read, or is not an MCAP file.
         """
         try:
             with self.path.open("rb") as stream:
-                for data in self._runs(stream):
+                for data in self._record_blocks(stream):
                     yield from self._messages_in(data, topics)
         except OSError as error:
             raise BagError(f"{self.path}: expected a readable bag file, found {error.strerror or error}") from error
 
-    def _runs(self, stream: BinaryIO) -> Iterator[bytes]:
-        """Runs of records: the content of each chunk, and each record outside of chunks."""
+    def _record_blocks(self, stream: BinaryIO) -> Iterator[bytes]:
+        """Blocks of records: the content of each chunk, and each record outside of chunks."""
         size = self.path.stat().st_size
         if stream.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
             found = f"{size} bytes that do not start as one" if size else "an empty file"
@@ -86,7 +85,7 @@ class McapFile:
                 self._note(f"ends in the middle of a record, at byte {place} of {size}")
                 return
             if opcode == Opcode.CHUNK:
-                content = _unpacked(stream.read(length))
+                content = _decompressed(stream.read(length))
                 if content is None:
                     self._note(f"has a damaged chunk at byte {place}, which is left out")
                 else:
@@ -98,7 +97,7 @@ class McapFile:
             place = stream.tell()
 
     def _messages_in(self, data: bytes, topics: Collection[str] | None) -> Iterator[tuple[str, int, bytes]]:
-        place, size, unannounced = 0, len(data), 0
+        place, size, unregistered = 0, len(data), 0
         try:
             while place < size:
                 opcode, length = _RECORD.unpack_from(data, place)
@@ -109,18 +108,18 @@ class McapFile:
                     channel, _, stamp, _ = _MESSAGE.unpack_from(data, start)
                     name = self._channels.get(channel)
                     if name is None:
-                        unannounced += channel not in self._channels
+                        unregistered += channel not in self._channels
                     elif topics is None or name in topics:
                         yield name, stamp, data[start + _MESSAGE.size : place]
                 elif opcode in {Opcode.SCHEMA, Opcode.CHANNEL}:
-                    self._announce(opcode, ReadDataStream(BytesIO(data[start:place])))
+                    self._register(opcode, ReadDataStream(BytesIO(data[start:place])))
         except _DAMAGED:
             self._note("has damaged records inside a chunk, which are left out")
-        if unannounced:
-            self._note(f"has {unannounced} messages on topics whose names were lost with a damaged chunk")
+        if unregistered:
+            self._note(f"has {unregistered} messages on topics whose names were lost with a damaged chunk")
 
-    def _announce(self, opcode: int, stream: ReadDataStream) -> None:
-        """Learn a message definition, or a topic; one that is not of ROS 2 is known without a name."""
+    def _register(self, opcode: int, stream: ReadDataStream) -> None:
+        """Register a message definition or a channel; a channel that is not of ROS 2 gets no topic name."""
         if opcode == Opcode.SCHEMA:
             schema = Schema.read(stream)
             self._schemas[schema.id] = schema
@@ -135,7 +134,7 @@ class McapFile:
         self._channels[channel.id] = channel.topic
         self.topics.setdefault(
             channel.topic,
-            Recorded(
+            RecordedTopic(
                 channel.topic,
                 definition.name,
                 definition.data.decode("utf-8", "replace"),
@@ -149,8 +148,8 @@ class McapFile:
             self.damage.append(f"{self.path.name} {text}")
 
 
-def _unpacked(record: bytes) -> bytes | None:
-    """Records in a chunk; none if it is damaged."""
+def _decompressed(record: bytes) -> bytes | None:
+    """Records in a chunk; None if it is damaged."""
     try:
         chunk = Chunk.read(ReadDataStream(BytesIO(record)))
         if chunk.compression == "zstd":
@@ -163,13 +162,13 @@ def _unpacked(record: bytes) -> bytes | None:
             data = chunk.data
     except _DAMAGED:
         return None
-    sound = len(data) == chunk.uncompressed_size and chunk.uncompressed_crc in {0, zlib.crc32(data)}
-    return data if sound else None
+    intact = len(data) == chunk.uncompressed_size and chunk.uncompressed_crc in {0, zlib.crc32(data)}
+    return data if intact else None
 
 
 @lru_cache(maxsize=64)
 def _qos(text: str) -> tuple[Qos, ...]:
-    """QoS profiles in the words of version 9; none where an older or other tool wrote something else."""
+    """QoS profiles in the format of version 9; empty where another tool wrote another format."""
     try:
         return tuple(dict(profile) for profile in dump_qos_v9(parse_qos(text)))
     except (ReaderError, KeyError, TypeError, AttributeError):

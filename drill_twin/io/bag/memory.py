@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from drill_twin.io.bag.metadata import Recorded, contract_topic
+from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
 
@@ -28,7 +28,7 @@ class MemoryBag(Bag):
         """
         self.path = Path(name)
         self.damage: list[str] = []
-        self.topics: dict[str, Recorded] = {}
+        self.topics: dict[str, RecordedTopic] = {}
         self.start = self.end = 0
         self._messages: list[tuple[str, int, bytes]] = []
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""rosbag2's `metadata.yaml`, version 9, key by key, and the quality of service in its words."""
+"""Content of rosbag2's `metadata.yaml`, version 9, and QoS profiles in its format."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from drill_twin.io.messages.topics import TOPICS, Topic
 _FOREVER = {"sec": 9223372036, "nsec": 854775807}
 
 Qos = dict[str, Any]
-"""One QoS profile as rosbag2 writes it: history, depth, reliability, durability and so on."""
+"""QoS profile as rosbag2 writes it: history, depth, reliability, durability and so on."""
 
 
 def contract_qos(topic: Topic) -> Qos:
-    """The QoS that the contract gives a topic."""
+    """QoS profile of a topic of the contract."""
     return {
         "history": "keep_last",
         "depth": topic.depth,
@@ -34,13 +34,13 @@ def contract_qos(topic: Topic) -> Qos:
 
 
 def to_yaml(content: Any) -> str:
-    """YAML in block style without aliases, keys in their order, as rosbag2 writes it."""
+    """YAML text in block style, without aliases, keys in their order, as rosbag2 writes it."""
     text: str = yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=4096)
     return text
 
 
 class _Dumper(yaml.SafeDumper):
-    """Writes a value that occurs twice two times."""
+    """Safe dumper without aliases for repeated values."""
 
     def ignore_aliases(self, data: Any) -> bool:
         del data
@@ -48,39 +48,39 @@ class _Dumper(yaml.SafeDumper):
 
 
 @dataclass
-class Recorded:
-    """One topic of a bag."""
+class RecordedTopic:
+    """Topic of a bag."""
 
     name: str
     """Topic name."""
     type_name: str
     """ROS type."""
     definition: str
-    """Message definition with all it refers to; empty where the bag does not hold it."""
+    """Message definition with those it depends on; empty where the bag has none."""
     type_hash: str
-    """RIHS01 hash; empty where the bag does not hold it."""
+    """RIHS01 hash; empty where the bag has none."""
     qos: Sequence[Qos] = field(default_factory=list)
     """QoS profiles of its publishers."""
     count: int = 0
-    """Messages so far."""
+    """Number of messages."""
 
 
-def contract_topic(name: str, qos: Sequence[Qos] | None = None) -> Recorded:
-    """A topic of the contract, as it is recorded; its own QoS unless another is given."""
+def contract_topic(name: str, qos: Sequence[Qos] | None = None) -> RecordedTopic:
+    """Topic of the contract, without messages; `qos` replaces the profile of the contract."""
     topic = TOPICS[name]
     offered = [contract_qos(topic)] if qos is None else qos
-    return Recorded(name, topic.type_name, definition(topic.type_name), type_hash(topic.type_name), offered)
+    return RecordedTopic(name, topic.type_name, definition(topic.type_name), type_hash(topic.type_name), offered)
 
 
 def bag_information(
-    files: Sequence[tuple[str, int, int, int]], topics: Sequence[Recorded], custom_data: Mapping[str, str]
+    files: Sequence[tuple[str, int, int, int]], topics: Sequence[RecordedTopic], custom_data: Mapping[str, str]
 ) -> dict[str, Any]:
     """Content of `rosbag2_bagfile_information` for a bag of MCAP files.
 
     Args:
-        files: Name, times of the first and the last message [ns] and number of messages of each file.
-        topics: With their counts over all files.
-        custom_data: Text by key.
+        files: Name, times of first and last message [ns] and number of messages of each file.
+        topics: Topics, with counts over all files.
+        custom_data: Texts by key.
     """
     times_of_all = [(start, end) for _, start, end, count in files if count] or [(0, 0)]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Open a bag, whole or left by a killed writer, and say plainly what is wrong with any other folder."""
+"""Reader of bags, complete or left by a killed writer."""
 
 from __future__ import annotations
 
@@ -8,16 +8,20 @@ from pathlib import Path
 
 from drill_twin.errors import BagError
 from drill_twin.io.bag.files import BagFile, open_files
-from drill_twin.io.bag.metadata import Recorded
+from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.topics import GENERIC, TOPICS, TWIN_SCENE
 
 
 class Bag:
-    """A bag of this package, ready to be read any number of times.
+    """Bag with topics of the contract; it can be read any number of times.
 
-    `damage` says in words what is missing; a bag is `truncated` when its writer never finished it or a part
-    of it is damaged. What is there can be read all the same.
+    Attributes:
+        path: Bag folder or file.
+        topics: Topics by name.
+        start: Earliest time of recording [ns].
+        end: Latest time of recording [ns].
+        damage: Sentences on missing or damaged parts; the rest of the bag can be read.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -27,12 +31,12 @@ class Bag:
             path: Bag folder, `.mcap` or `.db3` file.
 
         Raises:
-            BagError: There is none, it is not a bag, it is empty, or it is not from this package.
+            BagError: Nothing is there, it is not a bag, it has no messages, or none on a topic of the contract.
         """
         self.path = Path(path)
-        self._files, unbegun = open_files(self.path)
-        self.damage: list[str] = [*(text for file in self._files for text in file.damage), *unbegun]
-        self.topics: dict[str, Recorded] = _merged(self._files)
+        self._files, empty_files = open_files(self.path)
+        self.damage: list[str] = [*(text for file in self._files for text in file.damage), *empty_files]
+        self.topics: dict[str, RecordedTopic] = _merged(self._files)
         starts = [file.start for file in self._files if file.start is not None]
         ends = [file.end for file in self._files if file.end is not None]
         if not starts:
@@ -43,36 +47,36 @@ class Bag:
 
     @property
     def truncated(self) -> bool:
-        """Whether something is missing at the end, or was damaged."""
+        """True if the writer did not finish the bag, or a part of it is damaged."""
         return bool(self.damage)
 
     @property
     def message_count(self) -> int:
-        """Messages in the bag, all topics."""
+        """Number of messages on all topics."""
         return sum(topic.count for topic in self.topics.values())
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
         """Topic, time of recording [ns] and CDR of each message, in recorded order.
 
         Args:
-            topics: Only these topics; all where none.
+            topics: Names of topics to read; by default all.
         """
         wanted = None if topics is None else frozenset(topics)
         for file in self._files:
             yield from file.messages(wanted)
 
     def last(self, topic: str) -> bytes | None:
-        """CDR of the last message on a topic, if there is one."""
+        """CDR of the last message on a topic; None without messages."""
         raw = None
-        for _, _, raw in self.messages((topic,)):  # noqa: B007  the last one is what we want
+        for _, _, raw in self.messages((topic,)):  # noqa: B007  only the last value is used
             pass
         return raw
 
     def scene(self) -> str:
-        """The resolved scene (YAML, with its `run` block) that the bag was made from.
+        """Resolved scene of the recorded run, a YAML text with a `run` block.
 
         Raises:
-            BagError: The bag does not hold one.
+            BagError: The bag has no scene.
         """
         raw = self.last(TWIN_SCENE)
         if raw is None:
@@ -97,8 +101,8 @@ class Bag:
             )
 
 
-def _merged(files: Sequence[BagFile]) -> dict[str, Recorded]:
-    topics: dict[str, Recorded] = {}
+def _merged(files: Sequence[BagFile]) -> dict[str, RecordedTopic]:
+    topics: dict[str, RecordedTopic] = {}
     for file in files:
         for name, topic in file.topics.items():
             if name in topics:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Read bags that rosbag2 wrote in other ways (sqlite3, compressed files or messages), through rosbags."""
+"""Reader of bags with other storage (sqlite3, compressed files or messages), through rosbags."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from rosbags.rosbag2 import Reader
 from rosbags.rosbag2.metadata import dump_qos_v9
 
 from drill_twin.errors import BagError
-from drill_twin.io.bag.metadata import Recorded
+from drill_twin.io.bag.metadata import RecordedTopic
 
 
 class RosbagsFile:
-    """A bag folder with `metadata.yaml`, or one storage file, read by rosbags."""
+    """Bag folder with `metadata.yaml`, or a single storage file; as `McapFile`."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.topics: dict[str, Recorded] = {}
+        self.topics: dict[str, RecordedTopic] = {}
         self.start: int | None = None
         self.end: int | None = None
         self.damage: list[str] = []
@@ -32,10 +32,10 @@ class RosbagsFile:
                 self.start, self.end = reader.start_time, reader.end_time - 1
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
-        """Topic, time of recording [ns] and CDR of each message, in the order of their times."""
+        """Topic, time of recording [ns] and CDR of each message, in order of time."""
         with self._opened() as reader:
             wanted = [c for c in reader.connections if topics is None or c.topic in topics]
-            if not wanted:  # rosbags takes an empty choice for no choice
+            if not wanted:  # rosbags reads all topics where none is selected
                 return
             for connection, stamp, raw in reader.messages(wanted):
                 yield connection.topic, stamp, bytes(raw)
@@ -45,12 +45,12 @@ class RosbagsFile:
         try:
             with Reader(self.path) as reader:
                 yield reader
-        except Exception as error:  # rosbags, YAML and two SQLites under it raise classes of their own
+        except Exception as error:  # of rosbags, YAML or SQLite
             raise BagError(f"{self.path}: expected a rosbag2 bag, found {_one_line(error)}") from error
 
 
-def _recorded(connection: Any) -> Recorded:
-    return Recorded(
+def _recorded(connection: Any) -> RecordedTopic:
+    return RecordedTopic(
         connection.topic,
         connection.msgtype,
         connection.msgdef.data,

@@ -17,7 +17,7 @@ from drill_twin.io.messages.encode import MARK_AXES, RIG_JOINTS, read_command, r
 from drill_twin.io.messages.pose import spin_of, tangent_of
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.whirl_encode import read_whirl_state
-from drill_twin.io.whirl_pipeline import columns, speeds
+from drill_twin.io.samples import columns, speeds
 from drill_twin.twin.frame import RigState
 
 _ALL, _XYZ, _SPIN = slice(None), slice(3), 3

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write a bag that survives its writer: whole chunks reach the file every 0.1 s, `metadata.yaml` comes last.
+"""Crash-safe writer of bags: whole chunks reach the file every 0.1 s, `metadata.yaml` is written last.
 
 A folder `run` holds `run_0.mcap` and, where the bag is split, `run_1.mcap` and so on; a folder `run_0` holds
 `run_0.mcap`, `run_0_1.mcap`, ..., because `ros2 bag reindex` only finds files whose names end in a number.
@@ -10,47 +10,48 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 from drill_twin import __version__
 from drill_twin.errors import BagError
-from drill_twin.io.bag.metadata import Recorded, bag_information, contract_topic, to_yaml
-from drill_twin.io.bag.part import Part
+from drill_twin.io.bag.file_writer import FileWriter
+from drill_twin.io.bag.metadata import RecordedTopic, bag_information, contract_topic, to_yaml
 from drill_twin.io.messages.topics import TOPICS
 
 FLUSH_INTERVAL = 0.1
-"""Longest time [s] of data in an open chunk, which kill -9 would lose."""
+"""Longest time of data in an open chunk [s], which kill -9 would lose."""
 
 _NANOSECONDS = 1e9
 
 
 class BagWriter:
-    """Streams CDR messages to a new bag folder; a context manager.
+    """Writes CDR messages to a new bag folder; a context manager.
 
-    Leaving the `with` block closes the bag, also after an exception: what was recorded is kept.
+    Leaving the `with` block closes the bag, also after an exception, and keeps the messages recorded so far.
     """
 
     def __init__(
         self,
         folder: str | Path,
         *,
-        topics: Iterable[str | Recorded] = tuple(TOPICS),
+        topics: Iterable[str | RecordedTopic] = tuple(TOPICS),
         custom_data: Mapping[str, str] | None = None,
         flush_interval: float = FLUSH_INTERVAL,
         largest: float = 0.0,
         longest: float = 0.0,
     ) -> None:
-        """Create the folder and start the file.
+        """Create the folder and its first file.
 
         Args:
             folder: New folder of the bag; parents are made as needed.
-            topics: Topics to record: names from the contract, or whole descriptions.
-            custom_data: Text by key, kept in `metadata.yaml`.
-            flush_interval: Longest time [s] of data that kill -9 loses.
-            largest: A file of this size [bytes] is followed by another; 0: one file.
-            longest: A file of this many seconds of recording is followed by another; 0: one file.
+            topics: Topics to record: names of the contract, or descriptions.
+            custom_data: Texts by key, stored in `metadata.yaml`.
+            flush_interval: Longest time of data that kill -9 loses [s].
+            largest: Size at which the bag is split [bytes]; 0: no split.
+            longest: Time of recording at which the bag is split [s]; 0: no split.
 
         Raises:
             BagError: The folder exists or cannot be written.
@@ -59,36 +60,37 @@ class BagWriter:
         self._custom_data = {"drill_twin_version": __version__, **(custom_data or {})}
         self._flush_interval = flush_interval
         self._largest, self._longest = largest, longest
-        self._topics = {topic.name: topic for topic in (contract_topic(t) if isinstance(t, str) else t for t in topics)}
-        self._parts = [_first_part(self.folder, self._topics.values())]
+        described = (contract_topic(topic) if isinstance(topic, str) else replace(topic, count=0) for topic in topics)
+        self._topics = {topic.name: topic for topic in described}
+        self._files = [_first_file(self.folder, self._topics.values())]
         self._closed = False
         self.flush()
 
     @property
     def file(self) -> Path:
-        """The file that is being written."""
-        return self._parts[-1].path
+        """Path of the file that is being written."""
+        return self._files[-1].path
 
     @property
     def files(self) -> int:
-        """Files so far."""
-        return len(self._parts)
+        """Number of files so far."""
+        return len(self._files)
 
     @property
     def counts(self) -> dict[str, int]:
         """Messages written so far, by topic."""
         return {name: topic.count for name, topic in self._topics.items()}
 
-    def add_topic(self, topic: Recorded) -> None:
-        """Announce a topic before its first message.
+    def add_topic(self, topic: RecordedTopic) -> None:
+        """Register a topic before its first message.
 
         Raises:
-            BagError: The topic is there already, with another type.
+            BagError: The topic is registered with another type.
         """
         known = self._topics.get(topic.name)
         if known is None:
             self._topics[topic.name] = topic
-            self._parts[-1].add_topic(topic)
+            self._files[-1].add_topic(topic)
         elif known.type_name != topic.type_name:
             raise BagError(
                 f"{self.folder}: expected {topic.name} as {known.type_name} throughout, found {topic.type_name}"
@@ -98,12 +100,12 @@ class BagWriter:
         """Record one message.
 
         Args:
-            topic: Topic name, announced before.
+            topic: Name of a registered topic.
             stamp: Time of the recording [ns]: of reception, or simulated time in a run without ROS.
             raw: The message in CDR.
 
         Raises:
-            BagError: The topic was not announced, the bag is closed, or the file cannot be written.
+            BagError: The topic is not registered, the bag is closed, or the file cannot be written.
         """
         if self._closed:
             raise BagError(f"{self.folder}: expected an open bag, found it closed; open a new one")
@@ -118,14 +120,14 @@ class BagWriter:
             if self._is_full(stamp):
                 self._begin_next()
             recorded.count += 1
-            self._parts[-1].write(topic, stamp, raw, recorded.count)
+            self._files[-1].write(topic, stamp, raw, recorded.count)
             self.flush_if_due()
         except BagError:
             self._closed = True
             raise
 
     def flush_if_due(self) -> None:
-        """Flush when the interval is over; `write` does it too, call it from an idle loop.
+        """Flush if the interval is over; to be called from an idle loop, since only `write` calls it otherwise.
 
         Raises:
             BagError: The file cannot be written.
@@ -134,20 +136,20 @@ class BagWriter:
             self.flush()
 
     def flush(self) -> None:
-        """Hand all messages so far to the operating system; kill -9 cannot lose them any more.
+        """Pass all messages so far to the operating system; kill -9 no longer loses them.
 
         Raises:
             BagError: The file cannot be written.
         """
         try:
-            self._parts[-1].flush()
+            self._files[-1].flush()
         except BagError:
             self._closed = True
             raise
         self._flushed = time.monotonic()
 
     def close(self) -> None:
-        """Finish the file and write `metadata.yaml`; a second call does nothing.
+        """Finish the file and write `metadata.yaml`; a second call has no effect.
 
         Raises:
             BagError: The file cannot be written.
@@ -156,29 +158,29 @@ class BagWriter:
             return
         self._closed = True
         information = self._information()
-        self._parts[-1].finish(information)
+        self._files[-1].finish(information)
         try:
             unfinished = self.folder / "metadata.yaml.tmp"
             unfinished.write_text(to_yaml({"rosbag2_bagfile_information": information}), "utf-8")
             unfinished.replace(self.folder / "metadata.yaml")
         except OSError as error:
-            raise self._parts[-1].broken(error) from error
+            raise self._files[-1].broken(error) from error
 
     def _is_full(self, stamp: int) -> bool:
-        part = self._parts[-1]
-        if part.start is None:
+        file = self._files[-1]
+        if file.start is None:
             return False
-        too_large = self._largest > 0.0 and part.size >= self._largest
-        return too_large or (self._longest > 0.0 and stamp - part.start >= self._longest * _NANOSECONDS)
+        too_large = self._largest > 0.0 and file.size >= self._largest
+        return too_large or (self._longest > 0.0 and stamp - file.start >= self._longest * _NANOSECONDS)
 
     def _begin_next(self) -> None:
-        self._parts[-1].finish(self._information())
-        stem = self._parts[0].path.stem
+        self._files[-1].finish(self._information())
+        stem = self._files[0].path.stem
         if not re.search(r"_\d+$", self.folder.name):
             stem = self.folder.name
-        path = self.folder / f"{stem}_{len(self._parts)}.mcap"
+        path = self.folder / f"{stem}_{len(self._files)}.mcap"
         try:
-            self._parts.append(Part(path, self._topics.values()))
+            self._files.append(FileWriter(path, self._topics.values()))
         except OSError as error:
             raise BagError(
                 f"{path}: expected to go on in a new file of the bag, found {error.strerror or error}; "
@@ -187,7 +189,7 @@ class BagWriter:
         self.flush()
 
     def _information(self) -> dict[str, Any]:
-        files = [(part.path.name, part.start or 0, part.end, part.count) for part in self._parts]
+        files = [(file.path.name, file.start or 0, file.end, file.count) for file in self._files]
         return bag_information(files, list(self._topics.values()), self._custom_data)
 
     def __enter__(self) -> Self:
@@ -199,11 +201,11 @@ class BagWriter:
         self.close()
 
 
-def _first_part(folder: Path, topics: Iterable[Recorded]) -> Part:
+def _first_file(folder: Path, topics: Iterable[RecordedTopic]) -> FileWriter:
     name = folder.name if re.search(r"_\d+$", folder.name) else f"{folder.name}_0"
     try:
         folder.mkdir(parents=True)
-        return Part(folder / f"{name}.mcap", topics)
+        return FileWriter(folder / f"{name}.mcap", topics)
     except FileExistsError as error:
         raise BagError(
             f"{folder}: expected a new folder for the bag, found one that exists; choose another or remove it"

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The topic contract as code: names, types and the bytes on the wire, without ROS itself.
+"""Topic contract: names, types and serialised messages, without ROS.
 
-Nodes publish these bytes over DDS and `session` writes them to a bag, so a bag is the same whoever wrote it.
+Nodes publish these bytes over DDS, and a run without ROS writes them to its bag, so that both bags are the same.
 Definitions, type hashes and CDR come from rosbags' type store for Jazzy.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Read the topics back into arrays: by offset where the bytes are as expected, else by rosbags."""
+"""Decoding of messages into arrays: by offset where the layout is known, else by rosbags."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FRAME_ID = 12  # then the length of the frame's name
 
 @dataclass(frozen=True, eq=False)
 class JointState:
-    """A JointState as arrays; each is empty or as long as the names."""
+    """JointState as arrays; each is empty or as long as the names."""
 
     stamp: int
     """Header stamp [ns]."""
@@ -33,7 +33,7 @@ class JointState:
     effort: Array
 
     def index(self, name: str) -> int:
-        """Place of a joint among the names.
+        """Index of a joint among the names.
 
         Raises:
             MessageError: There is no such joint.
@@ -45,11 +45,11 @@ class JointState:
 
 
 class JointStateReader:
-    """Reads the JointStates of one publisher: 5 us each once it has seen the first one.
+    """Decoder of the JointStates of one publisher: 5 us each after the first.
 
-    The first message is decoded by rosbags. If its bytes are those our own templates write, its layout is
-    kept, and a later message with the same length and the same bytes outside the numbers is read by offset;
-    any other message takes the slow way again. So a reader is never wrong, only slower.
+    The first message is decoded by rosbags. If a template of its names gives the same bytes, its layout is kept, and a
+    later message of equal length with equal bytes outside the numbers is read by offset. Any other message is decoded
+    by rosbags again.
     """
 
     def __init__(self) -> None:
@@ -59,7 +59,7 @@ class JointStateReader:
         self._text_bytes = b""
         self._gaps: list[tuple[slice, bytes]] = []
         self._places = [(0, 0)] * 3
-        self._refused: tuple[object, ...] = ()  # last layout whose bytes were not as ours
+        self._refused: tuple[object, ...] = ()  # last layout whose template gives other bytes
 
     def read(self, raw: bytes) -> JointState:
         """Decode one message.
@@ -71,14 +71,14 @@ class JointStateReader:
             arrays = [np.frombuffer(raw, np.float64, count, offset).copy() for count, offset in self._places]
             return JointState(unpack_stamp(raw), self._names, *arrays)
         state, frame_id = _decoded(raw)
-        self._learn(raw, state, frame_id)
+        self._keep_layout(raw, state, frame_id)
         return state
 
     def _gaps_agree(self, raw: bytes) -> bool:
         return raw[:_STAMP] == CDR_LITTLE_ENDIAN and all(raw[gap] == expected for gap, expected in self._gaps)
 
-    def _learn(self, raw: bytes, state: JointState, frame_id: str) -> None:
-        """Keep the layout, if the template made for it lies exactly over these bytes."""
+    def _keep_layout(self, raw: bytes, state: JointState, frame_id: str) -> None:
+        """Keep the layout if its template gives exactly these bytes."""
         layout = (state.names, frame_id, state.position.size, state.velocity.size, state.effort.size)
         if layout == self._refused or not state.position.size:
             return
@@ -97,7 +97,7 @@ class JointStateReader:
 
 
 def _gaps_after(places: list[tuple[int, int]], length: int) -> list[slice]:
-    """Bytes behind the first block that hold no numbers: lengths and padding."""
+    """Slices after the first block that hold no numbers: lengths and padding."""
     gaps, end = [], places[0][1] + 8 * places[0][0]
     for count, offset in places[1:]:
         if count:
@@ -108,7 +108,7 @@ def _gaps_after(places: list[tuple[int, int]], length: int) -> list[slice]:
 
 
 def read_joint_state(raw: bytes) -> JointState:
-    """Decode one JointState of any writer.
+    """Decode a JointState of any writer.
 
     Raises:
         MessageError: Not a JointState.
@@ -117,7 +117,7 @@ def read_joint_state(raw: bytes) -> JointState:
 
 
 def _decoded(raw: bytes) -> tuple[JointState, str]:
-    """A JointState and the name of its frame, the slow way."""
+    """JointState and the name of its frame, decoded by rosbags."""
     content = deserialize(raw, JOINT_STATE)
     names = tuple(content.name)
     arrays = [np.array(values, np.float64) for values in (content.position, content.velocity, content.effort)]
@@ -131,7 +131,7 @@ def _decoded(raw: bytes) -> tuple[JointState, str]:
 
 @dataclass(frozen=True, eq=False)
 class PoseArray:
-    """A PoseArray as arrays."""
+    """PoseArray as arrays."""
 
     stamp: int
     """Header stamp [ns]."""
@@ -142,13 +142,13 @@ class PoseArray:
 
 
 def read_pose_array(raw: bytes) -> PoseArray:
-    """Decode one PoseArray of any writer; 3 us where it is little-endian, as on every machine we know.
+    """Decode a PoseArray of any writer; 3 us where it is little-endian.
 
     Raises:
         MessageError: Not a PoseArray.
     """
     if raw[:_STAMP] != CDR_LITTLE_ENDIAN:
-        return _read_poses_slowly(raw)
+        return _poses_by_rosbags(raw)
     try:
         place = _FRAME_ID + 4 + _COUNT.unpack_from(raw, _FRAME_ID)[0]
         place += -place % 4
@@ -163,7 +163,7 @@ def read_pose_array(raw: bytes) -> PoseArray:
     return PoseArray(unpack_stamp(raw), poses[:, :3], poses[:, 3:])
 
 
-def _read_poses_slowly(raw: bytes) -> PoseArray:
+def _poses_by_rosbags(raw: bytes) -> PoseArray:
     content = deserialize(raw, POSE_ARRAY)
     rows = [
         (
@@ -182,7 +182,7 @@ def _read_poses_slowly(raw: bytes) -> PoseArray:
 
 
 def read_float64(raw: bytes) -> float:
-    """Decode one std_msgs/Float64.
+    """Decode a std_msgs/Float64.
 
     Raises:
         MessageError: Not a Float64.
@@ -191,7 +191,7 @@ def read_float64(raw: bytes) -> float:
 
 
 def read_string(raw: bytes) -> str:
-    """Decode one std_msgs/String.
+    """Decode a std_msgs/String.
 
     Raises:
         MessageError: Not a String.
@@ -200,7 +200,7 @@ def read_string(raw: bytes) -> str:
 
 
 def read_clock(raw: bytes) -> int:
-    """Decode one rosgraph_msgs/Clock to a stamp [ns].
+    """Decode a rosgraph_msgs/Clock to a stamp [ns].
 
     Raises:
         MessageError: Not a Clock.

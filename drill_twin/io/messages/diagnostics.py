@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""DiagnosticArray in and out: a level, a sentence, and named values as text for each component."""
+"""DiagnosticArray: level, sentence and named values as text for each component."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ class Level(IntEnum):
 
 @dataclass(frozen=True)
 class Status:
-    """State of one component."""
+    """Status of one component."""
 
     name: str
     """Component, as `simulator: guard`."""
     level: Level
-    """How well it is."""
+    """Severity."""
     text: str
     """One sentence."""
     values: Mapping[str, str] = field(default_factory=dict)
-    """Named values, as text; floats by `exact`, so that they come back bit for bit."""
+    """Named values as text; floats by `exact`, so that they are read back bit for bit."""
     hardware_id: str = ""
-    """What it is about, as a mark's name."""
+    """Subject, as the name of a mark."""
 
 
 def exact(value: float) -> str:
-    """Shortest text that reads back as the same float."""
+    """Shortest text that is read back as the same float."""
     return repr(float(value))
 
 

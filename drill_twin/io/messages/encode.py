@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames and set-points to the bytes of the topics: `TwinEncoder` for the simulator, and back again."""
+"""Encoding of frames and set-points to messages, and reading of set-points and rig states."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drill_twin.errors import MessageError
 from drill_twin.io.messages.cdr import ClockTemplate, Float64Template, JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.definitions import message, serialize
-from drill_twin.io.messages.finite import finite_number, finite_only
+from drill_twin.io.messages.finite import check_finite, finite_number
 from drill_twin.io.messages.geometry import StringGeometry, default_exaggeration
 from drill_twin.io.messages.markers import MarkerArrayTemplate
 from drill_twin.io.messages.pose import orientation
@@ -35,10 +35,10 @@ COMMAND_JOINTS = ("bit", "top_drive")
 
 
 class CommandEncoder:
-    """Set-points to `/rig/command`, `/rig/wob_command` and `/rig/rps_command`.
+    """Encoder of `/rig/command`, `/rig/wob_command` and `/rig/rps_command`.
 
     Raises:
-        MessageError: from any of them, for a set-point that is not finite.
+        MessageError: Raised by all methods for a set-point that is not finite.
     """
 
     def __init__(self) -> None:
@@ -46,7 +46,7 @@ class CommandEncoder:
         self._one = Float64Template()
 
     def command(self, stamp: int, command: Command) -> bytes:
-        """Both set-points at a stamp [ns], as a JointState; what is not a set-point is NaN."""
+        """Both set-points at a stamp [ns], as a JointState; all other fields are NaN."""
         weight = finite_number(RIG_COMMAND, "weight on bit", command.weight_on_bit)
         rotation = finite_number(RIG_COMMAND, "rotation", command.rotation)
         return self._both.fill(stamp, (np.nan, np.nan), (np.nan, rotation), (weight, np.nan))
@@ -61,10 +61,10 @@ class CommandEncoder:
 
 
 class TwinEncoder:
-    """Frames of one scene to the topics of the simulator; sizes are fixed by the geometry.
+    """Encoder of the simulator's topics, for frames of one scene; sizes are fixed by the geometry.
 
     Raises:
-        MessageError: from any of them, for a frame with a number that is not finite.
+        MessageError: Raised by all methods for a frame with a number that is not finite.
     """
 
     def __init__(self, geometry: StringGeometry) -> None:
@@ -77,13 +77,13 @@ class TwinEncoder:
         self._rig = JointStateTemplate(RIG_JOINTS)
         self._clock = ClockTemplate()
         self._exaggeration = default_exaggeration(geometry)
-        self._picture: MarkerArrayTemplate | None = None
+        self._markers: MarkerArrayTemplate | None = None
 
     def poses(self, frame: Frame) -> bytes:
         """`/string/poses`."""
         turned = orientation(frame.tangents, frame.spin, self._quaternions)
-        finite_only(STRING_POSES, frame.positions)
-        finite_only(STRING_POSES, turned)
+        check_finite(STRING_POSES, frame.positions)
+        check_finite(STRING_POSES, turned)
         return self._poses.fill(stamp_ns(frame.time), frame.positions, turned)
 
     def marks(self, frame: Frame) -> bytes:
@@ -94,7 +94,7 @@ class TwinEncoder:
         outwards = marks.centre[:, :2]
         radius = np.maximum(np.hypot(outwards[:, 0], outwards[:, 1]), np.finfo(float).tiny)
         effort[:, :2] = -(marks.wall_force / radius)[:, None] * outwards
-        finite_only(MARKS_STATE, self._mark_values)
+        check_finite(MARKS_STATE, self._mark_values)
         return self._mark_state.fill(stamp_ns(frame.time), *self._mark_values.reshape(3, -1))
 
     def rig_state(self, frame: Frame) -> bytes:
@@ -107,18 +107,18 @@ class TwinEncoder:
                 (rig.top_drive_torque, rig.bit_force, rig.hookload, rig.bit_torque),
             )
         )
-        finite_only(RIG_STATE, values)
+        check_finite(RIG_STATE, values)
         return self._rig.fill(stamp_ns(frame.time), *values)
 
     def markers(self, frame: Frame, exaggeration: float | None = None) -> bytes:
-        """`/string/markers`, lateral motion exaggerated by a factor (none: `default_exaggeration`)."""
+        """`/string/markers`, with this factor on lateral motion; by default `default_exaggeration`."""
         wanted = self._exaggeration if exaggeration is None else exaggeration
-        if self._picture is None or wanted != self._exaggeration:
+        if self._markers is None or wanted != self._exaggeration:
             self._exaggeration = wanted
-            self._picture = MarkerArrayTemplate(self._geometry, wanted)
+            self._markers = MarkerArrayTemplate(self._geometry, wanted)
         for values in (frame.positions, frame.marks.position, frame.wall_force):
-            finite_only(STRING_MARKERS, values)
-        return self._picture.fill(stamp_ns(frame.time), frame.positions, frame.marks.position, frame.wall_force)
+            check_finite(STRING_MARKERS, values)
+        return self._markers.fill(stamp_ns(frame.time), frame.positions, frame.marks.position, frame.wall_force)
 
     def clock(self, time: float) -> bytes:
         """`/clock` of a simulated time [s]."""
@@ -126,12 +126,12 @@ class TwinEncoder:
 
 
 def encode_string(text: str) -> bytes:
-    """A std_msgs/String, as for `/twin/scene`."""
+    """CDR of a std_msgs/String, as on `/twin/scene`."""
     return serialize(message(STRING, data=text), STRING)
 
 
 def read_command(state: JointState) -> Command:
-    """The set-points in a `/rig/command`, as sent; whether they can be obeyed is the receiver's to judge.
+    """Set-points of a `/rig/command`, without a check of their range.
 
     Raises:
         MessageError: One of the two set-points is missing.
@@ -145,7 +145,7 @@ def read_command(state: JointState) -> Command:
 
 
 def read_rig_state(state: JointState) -> RigState:
-    """The rig in a `/rig/state`.
+    """Rig state of a `/rig/state`.
 
     Raises:
         MessageError: A joint or an array is missing.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The last gate: a number that is none reaches no topic and no file."""
+"""Checks that values to be published are finite."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 
 
-def finite_only(topic: str, values: Array) -> None:
-    """Let an array pass if all of it is finite.
+def check_finite(topic: str, values: Array) -> None:
+    """Check that all values are finite.
 
     Raises:
-        MessageError: It is not; says which entry.
+        MessageError: A value is not finite; names the first one.
     """
     if not np.isfinite(values).all():
         place = np.unravel_index(int(np.argmin(np.isfinite(values))), values.shape)
@@ -27,21 +27,21 @@ def finite_only(topic: str, values: Array) -> None:
 
 
 def finite_number(topic: str, what: str, value: float) -> float:
-    """Let a number pass if it is finite.
+    """Return a number if it is finite.
 
     Raises:
-        MessageError: It is not.
+        MessageError: It is not finite.
     """
     if not math.isfinite(value):
         raise MessageError(f"{topic}: expected a finite {what}, found {value}; it was not sent")
     return value
 
 
-def not_infinite(topic: str, values: Array) -> None:
-    """Let an array pass if none of it is infinite; NaN stands for what is not known.
+def check_not_infinite(topic: str, values: Array) -> None:
+    """Check that no value is infinite; NaN stands for an unknown value.
 
     Raises:
-        MessageError: It is not.
+        MessageError: A value is infinite.
     """
     if np.isinf(values).any():
         raise MessageError(f"{topic}: expected finite numbers, or NaN for what is not known, found an infinite one")

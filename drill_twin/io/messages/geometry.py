@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the picture draws things: all that is lateral widened by one factor, about the axis of the hole."""
+"""Positions of the drawn string, marks and hole, with lateral distances exaggerated about the hole's axis."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.model.wellbore import Axis
-from drill_twin.model.wellbore_coordinates import across, rolled, seen
+from drill_twin.model.wellbore_coordinates import from_hole_coordinates, offsets, transverse_axes
 
 _RING_SEGMENTS = 32
 
 
 @dataclass(frozen=True, eq=False)
 class StringGeometry:
-    """What the picture needs to know of a scene; lengths in metres."""
+    """Dimensions of a scene that the markers need."""
 
     node_count: int
     """Nodes of the string, n + 1."""
@@ -33,22 +33,22 @@ class StringGeometry:
     hole_radius: float
     """Radius of the hole [m]."""
     contact_force: float = 10.0
-    """Wall force [N] whose colour is half way between a light and a hard touch."""
+    """Wall force [N] drawn half way between the colours of light and hard contact."""
     node_distances: Array | None = None
     """Distances of the nodes from the bit [m], shape (n + 1,); needed in a curved hole."""
     axis_at: Callable[[Array], Axis] | None = None
-    """The axis of a curved hole at measured depths [m]; None where it is straight."""
+    """Axis of a curved hole at measured depths [m]; None where it is straight."""
 
 
 def default_exaggeration(geometry: StringGeometry) -> float:
-    """Factor (1, 2 or 5 times a power of ten) that draws the hole about a tenth as wide as it is long."""
+    """Factor, 1, 2 or 5 times a power of ten, with which the hole is drawn about a tenth as wide as long."""
     wanted = max(geometry.length / (20.0 * geometry.hole_radius), 1.0)
     decade = 10.0 ** np.floor(np.log10(wanted))
     return float(min((step * decade for step in (1.0, 2.0, 5.0, 10.0)), key=lambda step: abs(np.log(step / wanted))))
 
 
-class Widened:
-    """Places of one string, drawn with one factor."""
+class ExaggeratedGeometry:
+    """Drawn positions of one string, with one factor on lateral distances."""
 
     def __init__(self, geometry: StringGeometry, factor: float) -> None:
         self._geometry, self._factor = geometry, factor
@@ -59,25 +59,25 @@ class Widened:
             self._marks = geometry.axis_at(geometry.length - np.array(geometry.mark_distances))
 
     def nodes(self, positions: Array) -> Array:
-        """Of node positions in the frame `hole` [m], shape (n + 1, 3)."""
+        """Drawn positions of nodes, from positions in the frame `hole` [m], shape (n + 1, 3)."""
         drawn: Array = positions * self._scale
         if self._nodes is not None:
-            drawn = positions + (self._factor - 1.0) * seen(self._nodes, positions).off
+            drawn = positions + (self._factor - 1.0) * offsets(self._nodes, positions).off
         return drawn
 
     def marks(self, positions: Array) -> Array:
-        """Of marks as the topics tell them, off the axis and along it [m], shape (m, 3)."""
+        """Drawn positions of marks, from x and y off the hole's axis and z along it [m], shape (m, 3)."""
         drawn: Array = positions * self._scale
-        return drawn if self._marks is None else rolled(self._marks, drawn)
+        return drawn if self._marks is None else from_hole_coordinates(self._marks, drawn)
 
     def rings(self, depths: Array) -> Array:
-        """Segments of circles at the wall, at measured depths [m]; shape (2 x segments, 3)."""
+        """Line segments of circles at the wall, at measured depths [m]; shape (2 x segments, 3)."""
         angle = np.linspace(0.0, math.tau, _RING_SEGMENTS + 1)
         circle = self._factor * self._geometry.hole_radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
         segments = np.stack((circle[:-1], circle[1:]), axis=1).reshape(-1, 2)
         if self._geometry.axis_at is None:
             return np.concatenate([np.insert(segments, 2, -depth, axis=1) for depth in depths])
         axis = self._geometry.axis_at(depths)
-        ex, ey = across(axis.tangent)
+        ex, ey = transverse_axes(axis.tangent)
         x, y = segments[None, :, 0:1], segments[None, :, 1:2]
         return (axis.centre[:, None] + x * ex[:, None] + y * ey[:, None]).reshape(-1, 3)

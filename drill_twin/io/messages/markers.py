@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture for RViz and Foxglove: string, hole, marks and contacts as one MarkerArray of fixed size.
+"""MarkerArray of fixed size for RViz and Foxglove: string, hole, marks and contacts.
 
-A string is some hundred times as long as its hole is wide, so everything lateral (motion, hole and thickness)
-is drawn exaggerated by one factor; the text marker says which. Contacts at the wall therefore look like
-contacts.
+A string is about a hundred times as long as its hole is wide. Lateral motion, hole and thickness are therefore
+exaggerated by one factor, which the text marker states; a contact at the wall is drawn as a contact.
 """
 
 from __future__ import annotations
@@ -17,15 +16,15 @@ from numpy.typing import NDArray
 from drill_twin.base.arrays import Array
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.definitions import message
-from drill_twin.io.messages.geometry import StringGeometry, Widened
+from drill_twin.io.messages.geometry import ExaggeratedGeometry, StringGeometry
 from drill_twin.io.messages.topics import FRAME_ID, MARKER_ARRAY
 
 Colour = tuple[float, float, float, float]
 
 _SPHERE, _CYLINDER, _LINE_STRIP, _LINE_LIST, _SPHERE_LIST, _TEXT = 2, 3, 4, 5, 7, 9
-_JOINTS = 25  # of the wall of a curved hole
+_JOINTS = 25  # points and rings along a curved hole
 
-# Okabe and Ito's palette, told apart by colour-blind eyes too.
+# Palette of Okabe and Ito, for colour-blind readers too.
 _STEEL: Colour = (0.35, 0.35, 0.38, 1.0)
 _ROCK: Colour = (0.60, 0.50, 0.40, 0.15)
 _RING: Colour = (0.60, 0.50, 0.40, 0.60)
@@ -45,7 +44,7 @@ class MarkerArrayTemplate:
     """visualization_msgs/MarkerArray of one string, drawn with one factor of lateral exaggeration."""
 
     def __init__(self, geometry: StringGeometry, exaggeration: float) -> None:
-        self._widened = Widened(geometry, exaggeration)
+        self._drawn_geometry = ExaggeratedGeometry(geometry, exaggeration)
         self._half_force = geometry.contact_force
         nodes, marks = geometry.node_count, len(geometry.mark_names)
         line, centres = sentinels(3 * nodes, 1), sentinels(3 * marks, 2)
@@ -54,7 +53,7 @@ class MarkerArrayTemplate:
         mark_size = max(1.5 * thickness, 0.01 * geometry.length)
         markers = [
             _marker("string", 0, _LINE_STRIP, _STEEL, (thickness, 0.0, 0.0), points=line),
-            *_hole(geometry, self._widened, exaggeration),
+            *_hole(geometry, self._drawn_geometry, exaggeration),
             *(
                 _marker("marks", i, _SPHERE, _MARKS[i % len(_MARKS)], (mark_size,) * 3, position=centre)
                 for i, centre in enumerate(centres.reshape(marks, 3))
@@ -69,18 +68,18 @@ class MarkerArrayTemplate:
         self._colours = self._template.view(colours).reshape(nodes, 4)
 
     def fill(self, stamp: int, positions: Array, mark_positions: Array, wall_force: Array) -> bytes:
-        """CDR of the picture at a stamp [ns].
+        """CDR of the markers at a stamp [ns].
 
         Args:
             stamp: Stamp [ns].
             positions: Node positions [m], shape (n + 1, 3).
             mark_positions: Positions of the marks [m], shape (m, 3).
-            wall_force: Normal wall force at the nodes [N], shape (n + 1,). Nodes without any are drawn
-                transparent, at the top clamp, because the number of points is fixed.
+            wall_force: Normal wall force at the nodes [N], shape (n + 1,). The number of points is
+                fixed: nodes without contact are drawn transparent, at the top clamp.
         """
-        drawn = self._widened.nodes(positions)
+        drawn = self._drawn_geometry.nodes(positions)
         self._line[:] = drawn
-        for view, mark in zip(self._marks, self._widened.marks(mark_positions), strict=True):
+        for view, mark in zip(self._marks, self._drawn_geometry.marks(mark_positions), strict=True):
             view[:] = mark
         touching = wall_force > 0.0
         self._spots[:] = drawn * touching[:, None]
@@ -92,8 +91,8 @@ class MarkerArrayTemplate:
         return self._template.stamped(stamp)
 
 
-def _hole(geometry: StringGeometry, widened: Widened, exaggeration: float) -> list[Any]:
-    """The wall: transparent, and rings at both ends and at every mark; where it is curved, a ring at every joint."""
+def _hole(geometry: StringGeometry, drawn_geometry: ExaggeratedGeometry, exaggeration: float) -> list[Any]:
+    """Transparent wall, with rings at both ends, at every mark, and along a curved hole."""
     radius, length = exaggeration * geometry.hole_radius, geometry.length
     depths = {0.0, length, *(length - distance for distance in geometry.mark_distances)}
     if geometry.axis_at is None:
@@ -104,12 +103,12 @@ def _hole(geometry: StringGeometry, widened: Widened, exaggeration: float) -> li
         depths |= set(along.tolist())
         centres = geometry.axis_at(along).centre
         wall = _marker("hole", 0, _LINE_STRIP, _ROCK, (2.0 * radius, 0.0, 0.0), points=centres.ravel())
-    rings = widened.rings(np.array(sorted(depths)))
+    rings = drawn_geometry.rings(np.array(sorted(depths)))
     return [wall, _marker("hole", 1, _LINE_LIST, _RING, (0.05 * radius, 0.0, 0.0), points=rings.ravel())]
 
 
 def _label(geometry: StringGeometry, exaggeration: float) -> Any:
-    """The text that says how much the lateral motion is exaggerated."""
+    """Text that states the factor of lateral exaggeration."""
     size = 0.04 * geometry.length
     return _marker(
         "text",
@@ -134,7 +133,7 @@ def _marker(
     colours: NDArray[np.float32] | None = None,
     text: str = "",
 ) -> Any:
-    """One visualization_msgs/Marker; points and colours are flat arrays of x y z and r g b a."""
+    """visualization_msgs/Marker; points and colours are flat arrays of x y z and r g b a."""
     place = np.zeros(3) if position is None else position
     no_time = message("builtin_interfaces/msg/Duration", sec=0, nanosec=0)
     empty = message("sensor_msgs/msg/CompressedImage", header=_plain_header(), format="", data=np.zeros(0, np.uint8))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Orientation of a section as a quaternion: the spin about z, then the shortest turn of z to the tangent."""
+"""Orientation of a section as a quaternion: the spin about z, then the shortest rotation of z onto the tangent."""
 
 from __future__ import annotations
 
@@ -13,14 +13,13 @@ _ANTIPARALLEL = 1e-12
 def orientation(tangents: Array, spin: Array, out: Array) -> Array:
     """Unit quaternions x y z w of sections with these tangents and spins [rad].
 
-    With a = (-t_y, t_x, 0, 1 + t_z)/sqrt(2 + 2 t_z), the shortest turn of z onto t, the result is a
-    times the turn by the spin about z. A tangent straight down (t_z = -1) has no shortest turn; that about y
-    is taken.
+    With a = (-t_y, t_x, 0, 1 + t_z)/sqrt(2 + 2 t_z), the shortest rotation of z onto t, the result is a times the
+    rotation by the spin about z. A tangent straight down (t_z = -1) has no shortest rotation; the one about y is used.
 
     Args:
         tangents: Unit tangents, shape (n, 3).
         spin: Spins [rad], shape (n,).
-        out: Written and returned, shape (n, 4).
+        out: Result, written and returned, shape (n, 4).
     """
     half = 0.5 * spin
     cosine, sine = np.cos(half), np.sin(half)
@@ -44,6 +43,6 @@ def spin_of(quaternions: Array) -> Array:
 
 
 def tangent_of(quaternions: Array) -> Array:
-    """Unit tangents, shape (..., 3), of quaternions x y z w, shape (..., 4): their turn of z."""
+    """Unit tangents, shape (..., 3), of quaternions x y z w, shape (..., 4): the directions of their z axes."""
     x, y, z, w = np.moveaxis(quaternions, -1, 0)
     return np.stack((2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)), axis=-1)

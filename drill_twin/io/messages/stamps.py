@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stamps: integer nanoseconds inside, `builtin_interfaces/Time` (seconds, nanoseconds) on the wire."""
+"""Stamps: integer nanoseconds in the package, `builtin_interfaces/Time` (seconds, nanoseconds) in messages."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def stamp_ns(time: float) -> int:
 
 
 def seconds(stamp: int) -> float:
-    """Integer nanoseconds as time [s]."""
+    """Stamp [ns] as time [s]."""
     return stamp / NANOSECONDS
 
 
@@ -56,13 +56,13 @@ def unpack_stamp(raw: bytes) -> int:
 
 
 def time_message(stamp: int) -> Any:
-    """A `builtin_interfaces/Time` object of a stamp [ns]."""
+    """`builtin_interfaces/Time` object of a stamp [ns]."""
     whole, part = divmod(stamp, NANOSECONDS)
     return message("builtin_interfaces/msg/Time", sec=whole, nanosec=part)
 
 
 def header(stamp: int, frame_id: str) -> Any:
-    """A `std_msgs/Header` object of a stamp [ns] and a frame."""
+    """`std_msgs/Header` object of a stamp [ns] and a frame."""
     return message("std_msgs/msg/Header", stamp=time_message(stamp), frame_id=frame_id)
 
 

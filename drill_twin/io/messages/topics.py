@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The topic contract: one row a topic. The README's table is printed from here (`topic_table`)."""
+"""Topic contract, one row a topic; source of the table in the README (`topic_table`)."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ CLOCK_TOPIC = "/clock"
 
 @dataclass(frozen=True)
 class Topic:
-    """One row of the contract."""
+    """Row of the contract."""
 
     name: str
     """Topic name, absolute."""
     type_name: str
     """ROS type, as `sensor_msgs/msg/JointState`."""
     publisher: str
-    """Node that publishes it."""
+    """Publishing node."""
     rate: str
-    """When it is published, in words."""
+    """Condition or rate of publication."""
     meaning: str
-    """What it says, with units."""
+    """Content, with units."""
     latched: bool = False
     """TRANSIENT_LOCAL, depth 1: a late subscriber still receives the last message."""
     depth: int = 10
@@ -152,14 +152,14 @@ _ROWS = (
 )
 
 TOPICS: dict[str, Topic] = {row.name: row for row in _ROWS}
-"""The contract, by topic name."""
+"""Topics of the contract by name."""
 
 GENERIC = frozenset({DIAGNOSTICS, CLOCK_TOPIC})
-"""Topics that any ROS system may have; they do not make a bag one of ours."""
+"""Topics of any ROS system; a bag with no others is not one of this package."""
 
 
 def topic_table() -> str:
-    """The contract as a Markdown table."""
+    """Markdown table of the contract."""
     lines = ["| topic | type | who | when | meaning |", "| --- | --- | --- | --- | --- |"]
     for topic in TOPICS.values():
         when = f"{topic.rate}, latched" if topic.latched else topic.rate

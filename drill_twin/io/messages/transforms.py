@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames for tf: the hole in the plumb frame `map`; in the hole the bit and every mark, turned with the spin.
+"""Transforms for tf2: the hole in the plumb frame `map`; bit and marks, turning with their spin, in the hole.
 
-Plain data first (`placed`), bytes of a tf2_msgs/TFMessage from it; the message package itself is needed by nobody but
-the publisher.
+`TransformsTemplate` encodes them as tf2_msgs/TFMessage without the message package, which only the publisher needs.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.definitions import message
-from drill_twin.io.messages.geometry import StringGeometry, Widened
+from drill_twin.io.messages.geometry import ExaggeratedGeometry, StringGeometry
 from drill_twin.io.messages.pose import orientation
 from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.twin.frame import Frame
@@ -26,49 +25,49 @@ MAP = "map"
 BIT = "bit"
 
 
-class Placed(NamedTuple):
-    """One frame in its parent."""
+class Transform(NamedTuple):
+    """Pose of a frame in its parent."""
 
     parent: str
     child: str
-    place: Array
+    translation: Array
     """Origin in the parent [m], shape (3,)."""
-    turn: Array
+    rotation: Array
     """Unit quaternion x y z w, shape (4,)."""
 
 
-def hole_placed(inclination: float) -> Placed:
-    """The hole in `map`: its axis leans by the inclination [rad], so that +x of the hole is the low side."""
+def hole_transform(inclination: float) -> Transform:
+    """Pose of the hole in `map`: its axis is inclined [rad] so that +x of the hole is the low side."""
     half = 0.5 * inclination
-    return Placed(MAP, FRAME_ID, np.zeros(3), np.array((0.0, np.sin(half), 0.0, np.cos(half))))
+    return Transform(MAP, FRAME_ID, np.zeros(3), np.array((0.0, np.sin(half), 0.0, np.cos(half))))
 
 
-class Frames:
-    """Where the frames of one string are."""
+class StringTransforms:
+    """Poses of the bit and of the marks of one string, in the hole."""
 
     def __init__(self, geometry: StringGeometry) -> None:
         self._names = (BIT, *geometry.mark_names)
-        self._true = Widened(geometry, 1.0)
+        self._true = ExaggeratedGeometry(geometry, 1.0)
         distances = geometry.node_distances
         nodes = np.linspace(0.0, geometry.length, geometry.node_count) if distances is None else distances
         self._nodes, self._marks = nodes, np.array(geometry.mark_distances)
 
-    def placed(self, frame: Frame) -> list[Placed]:
-        """Bit and marks in the hole."""
+    def at(self, frame: Frame) -> list[Transform]:
+        """Poses of bit and marks in a frame of the twin."""
         along = np.concatenate(([0.0], self._marks))
         tangents = np.stack([np.interp(along, self._nodes, column) for column in frame.tangents.T], axis=1)
         tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
         spin = np.concatenate((frame.spin[:1], frame.marks.spin))
         places = np.concatenate((frame.positions[:1], self._true.marks(frame.marks.position)))
         turns = orientation(tangents, spin, np.empty((spin.size, 4)))
-        return [Placed(FRAME_ID, *row) for row in zip(self._names, places, turns, strict=True)]
+        return [Transform(FRAME_ID, *row) for row in zip(self._names, places, turns, strict=True)]
 
 
 class TransformsTemplate:
-    """tf2_msgs/TFMessage of a fixed list of frames."""
+    """tf2_msgs/TFMessage of a fixed list of transforms."""
 
     def __init__(self, frames: Sequence[tuple[str, str]]) -> None:
-        """Lay out the message for these parents and children."""
+        """Lay out the message for these pairs of parent and child."""
         blocks = sentinels(7 * len(frames), 1).reshape(-1, 7)
         content = message(
             TF_TYPE,
@@ -89,8 +88,8 @@ class TransformsTemplate:
         self._template = Template(content, TF_TYPE)
         self._blocks = [self._template.view(row) for row in blocks]
 
-    def fill(self, stamp: int, frames: Sequence[Placed]) -> bytes:
-        """CDR of these frames, in the order of the layout, at a stamp [ns]."""
-        for block, placed in zip(self._blocks, frames, strict=True):
-            block[:3], block[3:] = placed.place, placed.turn
+    def fill(self, stamp: int, transforms: Sequence[Transform]) -> bytes:
+        """CDR of these transforms, in the order of the layout, at a stamp [ns]."""
+        for block, transform in zip(self._blocks, transforms, strict=True):
+            block[:3], block[3:] = transform.translation, transform.rotation
         return self._template.stamped(stamp)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The analyzer's findings to `/whirl/state`, `/whirl/motion`, `/whirl/onset`, and back, bit for bit.
+"""Encoding and decoding of `/whirl/state`, `/whirl/motion` and `/whirl/onset`, bit for bit.
 
-Arguments are plain arrays and strings, because the whirl analysis itself lies above the messages.
+Arguments are plain arrays and strings: this module does not depend on the whirl analysis.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from drill_twin.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics, exact
-from drill_twin.io.messages.finite import not_infinite
+from drill_twin.io.messages.finite import check_not_infinite
 from drill_twin.io.messages.topics import FRAME_ID, WHIRL_STATE
 
 WHIRL_SCALARS = ("orbit_radius", "precession", "ratio", "confidence")
 STRING_LEVEL = "string"
-"""Name under which `/whirl/motion` reports the whole string."""
+"""Subject of the whole string on `/whirl/motion`."""
 
 _ONSET = "whirl onset"
 _MOTION = "motion: "
@@ -56,23 +56,23 @@ class Motion:
     state: str
     """Motion state, as `forward whirl`."""
     criterion: str
-    """What decided it, in words."""
+    """Criterion that decided the state, as a sentence."""
 
 
 @dataclass(frozen=True)
 class OnsetMessage:
-    """The onset of whirl."""
+    """Onset of whirl."""
 
     time: float
     """Simulated time [s]."""
     mark: str
-    """Mark that showed it first."""
+    """First mark that whirled."""
     confidence: float
     """Confidence, 0 to 1."""
 
 
 class WhirlStateEncoder:
-    """Findings of marks with fixed names to `/whirl/state`."""
+    """Encoder of `/whirl/state` for marks with fixed names."""
 
     def __init__(self, marks: Sequence[str]) -> None:
         self._template = JointStateTemplate(
@@ -88,20 +88,26 @@ class WhirlStateEncoder:
         ratio: ArrayLike,
         confidence: ArrayLike,
     ) -> bytes:
-        """CDR of `/whirl/state` at a stamp [ns]; radius [m], precession [rev/s], ratio, confidence, shape
-        (m,) each; NaN where one is not known.
+        """CDR of `/whirl/state`.
+
+        Args:
+            stamp: Header stamp [ns].
+            orbit_radius: Radius of the centre line's orbit [m], shape (m,); NaN where unknown, as all others.
+            precession: Precession [rev/s], positive = forward, shape (m,).
+            ratio: Precession over rotation, shape (m,).
+            confidence: Confidence, 0 to 1, shape (m,).
 
         Raises:
-            MessageError: One is infinite.
+            MessageError: A value is infinite.
         """
         for column, values in enumerate((orbit_radius, precession, ratio, confidence)):
             self._values[:, column] = values
-        not_infinite(WHIRL_STATE, self._values)
+        check_not_infinite(WHIRL_STATE, self._values)
         return self._template.fill(stamp, self._values.ravel())
 
 
 def read_whirl_state(state: JointState) -> WhirlState:
-    """The findings in a `/whirl/state`.
+    """Findings of a `/whirl/state`.
 
     Raises:
         MessageError: The names are not those of a `/whirl/state`.
@@ -150,7 +156,7 @@ def decode_motion(raw: bytes) -> tuple[int, list[Motion]]:
 
 
 def encode_onset(stamp: int, onset: OnsetMessage | None) -> bytes:
-    """CDR of `/whirl/onset` at a stamp [ns]; none before there is one."""
+    """CDR of `/whirl/onset` at a stamp [ns]; None before the onset."""
     if onset is None:
         return encode_diagnostics(stamp, [Status(_ONSET, Level.OK, _NONE_YET)], FRAME_ID)
     text = f"whirl began at {onset.time:.2f} s at {onset.mark}, confidence {onset.confidence:.2f}"
@@ -159,7 +165,7 @@ def encode_onset(stamp: int, onset: OnsetMessage | None) -> bytes:
 
 
 def decode_onset(raw: bytes) -> tuple[int, OnsetMessage | None]:
-    """Stamp [ns] and onset, if there is one, of a `/whirl/onset`.
+    """Stamp [ns] and onset of a `/whirl/onset`; None before the onset.
 
     Raises:
         MessageError: Not a `/whirl/onset`.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Displacement of the marks over time (as the paper's Figs 4 to 6): x, y and distance from the axis."""
+"""Displacement of the marks over time: x, y and distance from the axis, as in Figs 4 to 6 of the paper."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drill_twin.report.text import millimetres
 
 
 def displacement(recording: Recording) -> Figure:
-    """One panel a mark, all of one scale [mm], with the reach of the centre line."""
+    """One panel a mark, all with one scale [mm], with the limits of the centre line."""
     time, centre = recording.marks.time, recording.centre_lines() * 1e3
     places = recording.scene.mark_table
     largest = float(np.nanmax(np.abs(centre), initial=0.0))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Motion states over time, as the analysis names them, and the precession they rest on."""
+"""Motion states over time, and the precession that decides them."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from drill_twin.whirl import Criteria, MotionPeriod, MotionState
 
 _ROW = 0.34
 _ROOM = 11
-"""Letters of a name that fit beside the bands."""
+"""Number of letters of a name that fit beside the bands."""
 _LETTER = 0.0078
 """Width of a letter, as a share of the time axis."""
 
 
 def motion(recording: Recording) -> Figure:
-    """Bands of motion states, the string's and each mark's; below, signed precession over rotation."""
+    """Bands of motion states of the string and of each mark; below, signed precession over rotation."""
     summary = recording.summary
     rows = {"string": summary.motion, **summary.mark_motion}
     figure, (bands, ratio) = over_time(recording, [_ROW * len(rows), 1.9], title="Motion state and precession")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Orbits of the centre line across the hole, seen from the top, one panel a mark."""
+"""Orbits of the centre line in the cross-section of the hole, seen from above, one panel a mark."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from drill_twin.report.recording import Recording
 COLUMNS = 4
 MAP = "cividis_r"
 _SEGMENTS = 6000
-"""Most line segments an orbit is drawn with."""
+"""Most line segments of an orbit."""
 
 
 def orbits(recording: Recording) -> Figure:
-    """The wall (thick), how far the centre line can go (dotted), and its orbit, coloured by time."""
+    """Wall (thick), limit of the centre line (dotted), and orbit, coloured by time."""
     places = recording.scene.mark_table
     columns = min(COLUMNS, len(places))
     rows = math.ceil(len(places) / columns)

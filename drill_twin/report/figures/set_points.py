@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Weight on bit and rotation over time: as commanded and as applied."""
+"""Weight on bit and rotation over time, as commanded and as applied."""
 
 from __future__ import annotations
 

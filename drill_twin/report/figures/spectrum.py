@@ -11,7 +11,7 @@ from drill_twin.report.recording import Recording
 from drill_twin.whirl import AnalysisError, two_sided_spectrum
 
 _SHORTEST = 2.0
-"""Least time after the onset that makes a spectrum of its own [s]."""
+"""Least time after the onset for which the spectrum begins at the onset [s]."""
 
 
 def spectrum(recording: Recording) -> Figure:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Spectrum over time of the mark that whirls most, with the rotation and its multiples, and the orbits' radii below."""
+"""Spectrum over time of the mark with most whirl, with multiples of the rotation; below, the radii of the orbits."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _REVOLUTIONS = 6.0
 """Length of the window [rev]."""
 _MULTIPLES = (-1, 1, 2, 3)
 _DEPTH = 1e-2
-"""Faintest radius shown, over the largest."""
+"""Smallest radius shown, over the largest."""
 _STRING_MARK = 0.02
-"""A whirl beyond this share of the largest radius has its precession drawn."""
+"""Share of the largest radius above which the precession is drawn."""
 
 
 def spectrum_over_time(recording: Recording) -> Figure:
     """Two panels: radius of each line over time and signed frequency; radius of each mark's orbit over time."""
-    mark = _leader(recording)
+    mark = _leading_mark(recording)
     name = mark_label(recording, mark)
     figure, (lines, radii) = over_time(recording, [2.9, 1.3], title=f"Spectrum over time, {name}", headed=True)
     _spectra(lines, recording, mark)
@@ -42,8 +42,8 @@ def spectrum_over_time(recording: Recording) -> Figure:
     return figure
 
 
-def _leader(recording: Recording) -> int:
-    """The mark whose frequency the summary gives, else the one that moves most."""
+def _leading_mark(recording: Recording) -> int:
+    """Mark whose frequency the summary gives, else the one with the largest radius."""
     names = [place.name for place in recording.places]
     if recording.summary.frequency_mark in names:
         return names.index(recording.summary.frequency_mark)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The string in space: its shape at several instants, and the paths of the marks between them."""
+"""Shapes of the string in 3-D at several instants, and paths of the marks."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from drill_twin.report.recording import Recording
 
 _SHAPES = 9
 _REVOLUTIONS = 2.0
-"""Paths of the marks are drawn over so many of the slower turns, at the end of the run."""
+"""Length of the paths of the marks at the end of the run, in revolutions of rotation or whirl, the slower one."""
 
 
 def string_shapes(recording: Recording) -> Figure:
-    """Left: shapes over the whole run; right: the last turns, with the paths of the marks. Lateral axes stretched."""
+    """Left: shapes over the run; right: the last revolutions, with the paths of the marks. Lateral axes stretched."""
     figure = blank(6.6)
     head(figure, "The string in the hole (lateral axes stretched)")
     if not len(recording.poses):
@@ -56,7 +56,7 @@ def string_shapes(recording: Recording) -> Figure:
 
 
 def _window(recording: Recording) -> float:
-    """Time of the last turns [s]."""
+    """Time of the last revolutions [s]."""
     summary = recording.summary
     rates = [abs(rate) for rate in (summary.whirl_frequency_hz, summary.rotation_rev_s) if rate]
     return min(_REVOLUTIONS / min(rates, default=1.0), 0.5 * recording.duration)
@@ -72,7 +72,7 @@ def _paths(panel: Any, recording: Recording, since: float) -> None:
 
 
 def _box(figure: Figure, recording: Recording, side: int) -> Any:
-    """3-D axes with the rings of the wall; z = 0 is the top clamp."""
+    """3-D axes with rings at the wall; z = 0 is the top clamp."""
     panel: Any = figure.add_axes((0.045 + 0.465 * side, 0.0, 0.48, 0.93), projection="3d")
     radius, length = recording.scene.hole.radius * 1e3, recording.scene.length
     angle = np.linspace(0.0, math.tau, 73)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the figures look: colours that the colour-blind can tell apart (Okabe and Ito 2008), sizes, the shared time axis.
+"""Style of the figures: palette for colour-blind readers (Okabe and Ito 2008), sizes, the shared time axis.
 
-Figures are drawn without pyplot, so that nothing global is touched and no display is needed.
+Figures are drawn without pyplot, which has global state and may need a display.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ MARK_COLOURS = (BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY)
 MARK_LINES = ("-", "--", "-", ":", "-", "--")
 
 STATE_COLOURS = {
-    MotionState.UNSEEN: "#fafafa",
+    MotionState.NOT_OBSERVABLE: "#fafafa",
     MotionState.AT_REST: "#eeeeee",
     MotionState.FIXED_AXIS: "#bdbdbd",
     MotionState.FORWARD_WHIRL: SKY,
@@ -71,7 +71,7 @@ _RC: Any = {
 
 
 def styled() -> Any:
-    """A context in which figures are drawn our way."""
+    """Context manager that sets the style."""
     return mpl.rc_context(_RC)
 
 
@@ -85,7 +85,7 @@ class NotebookFigure(Figure):
 
 
 def blank(height: float) -> Figure:
-    """An empty figure of our width and a height [inch]."""
+    """Empty figure of the common width and a height [inch]."""
     figure = NotebookFigure(figsize=(WIDTH, height))
     FigureCanvasAgg(figure)
     return figure
@@ -94,13 +94,13 @@ def blank(height: float) -> Figure:
 def over_time(
     recording: Recording, heights: Sequence[float], *, title: str, headed: bool = False
 ) -> tuple[Figure, list[Axes]]:
-    """Panels one below the other on the time axis that all figures over time share.
+    """Figure with panels one below the other, on the time axis of all figures over time.
 
     Args:
         recording: The run.
         heights: Heights of the panels [inch].
         title: Title of the figure.
-        headed: Whether the panels have titles of their own.
+        headed: True if the panels have titles.
     """
     top, bottom, gap = 0.66 if headed else 0.62, 0.52, 0.34
     height = top + bottom + sum(heights) + gap * (len(heights) - 1)
@@ -121,13 +121,13 @@ def over_time(
 
 
 def head(figure: Figure, title: str) -> None:
-    """The title of a figure, at its upper left."""
+    """Draw the title of a figure, at its upper left."""
     place = 1.0 - 0.08 / figure.get_size_inches()[1]
     figure.suptitle(title, x=0.012, y=place, ha="left", va="top", fontsize=13, fontweight="bold")
 
 
 def draw_onset(recording: Recording, panels: Sequence[Axes]) -> None:
-    """The onset of whirl as a line through all panels, named above the first."""
+    """Draw the onset of whirl as a line through all panels, labelled at the first."""
     onset = recording.summary.onset
     if onset is None:
         return
@@ -152,18 +152,18 @@ def draw_onset(recording: Recording, panels: Sequence[Axes]) -> None:
 def note(
     panel: Axes, text: str, at: tuple[float, float], *, where: Any, shift: tuple[float, float], **looks: Any
 ) -> None:
-    """A short text at a place of a panel, in the coordinates `where`, shifted by points."""
+    """Draw a short text at a position in the coordinates `where`, shifted by points."""
     panel.annotate(text, at, xycoords=where, xytext=shift, textcoords="offset points", annotation_clip=False, **looks)
 
 
 def mark_label(recording: Recording, mark: int) -> str:
-    """A mark's name and place, as `mark_1, 4.4 m from the bit`."""
+    """Name and position of a mark, as `mark_1, 4.4 m from the bit`."""
     place = recording.scene.mark_table[mark]
     return f"{place.name}, {place.distance_from_bit:g} m from the bit"
 
 
 def mark_style(mark: int) -> dict[str, Any]:
-    """Colour and line of a mark, the same in all figures."""
+    """Colour and line style of a mark, the same in all figures."""
     return {"color": MARK_COLOURS[mark % len(MARK_COLOURS)], "linestyle": MARK_LINES[mark % len(MARK_LINES)]}
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from rclpy.context import Context
 
@@ -24,6 +24,9 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Parameter, Value
+
+if TYPE_CHECKING:
+    from drill_twin.io.whirl_pipeline import WhirlPipeline
 
 _DEPTH = 1000  # messages; 5 s at 200 Hz
 _STALE = 1.0  # s without a sample
@@ -47,7 +50,7 @@ class Analyzer(TwinNode):
         self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
     ) -> None:
         super().__init__(context, values, other_parameters)
-        self._pipeline: Any = None
+        self._pipeline: WhirlPipeline | None = None
         self._last_sample: float | None = None
         self._onset_logged = False
         self._logged_problem = ""
@@ -58,32 +61,32 @@ class Analyzer(TwinNode):
         from drill_twin.io.whirl_pipeline import WhirlPipeline
         from drill_twin.scene import load_scene
 
-        self._pipeline = WhirlPipeline(load_scene(self.settings.marks_scene) if self.settings.marks_scene else None)
+        scene = load_scene(self.settings.marks_scene) if self.settings.marks_scene else None
+        pipeline = self._pipeline = WhirlPipeline(scene)
         for topic in (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET):
             self.topics.advertise(topic)
-        self._publish(self._pipeline.start())
-        self.topics.subscribe(TWIN_SCENE, partial(self._on_message, TWIN_SCENE))
+        self._publish(pipeline.start())
+        self.topics.subscribe(TWIN_SCENE, partial(self._on_message, pipeline, TWIN_SCENE))
         self._inputs = [
-            self.topics.subscribe(topic, partial(self._on_message, topic), depth=_DEPTH)
+            self.topics.subscribe(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH)
             for topic in (MARKS_STATE, RIG_STATE)
         ]
 
-    def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
+    def _on_message(self, pipeline: WhirlPipeline, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
-        pipeline = self._pipeline
         runs = pipeline.runs
         self._publish(pipeline.take(topic, bytes(raw)))
-        if topic == MARKS_STATE or pipeline.blind is not None:
+        if topic == MARKS_STATE or pipeline.bit_only is not None:
             self._last_sample = time.monotonic()
-        if pipeline.runs != runs:
+        if pipeline.runs != runs and pipeline.scene is not None:
             self._onset_logged = False
             self.get_logger().info(f"analysing {len(pipeline.scene.string.marks)} marks of {pipeline.scene.name}")
         if pipeline.trouble != self._logged_problem:
             self._logged_problem = pipeline.trouble
             self.get_logger().error(self._logged_problem or "analysing again")
-        if pipeline.onset_announced and not self._onset_logged:
+        onset = pipeline.findings.onset if pipeline.findings is not None else None
+        if onset is not None and not self._onset_logged:
             self._onset_logged = True
-            onset = pipeline.findings.onset
             self.get_logger().info(f"whirl began at {onset.time_s:.2f} s at {onset.mark}: {onset.criterion}")
 
     def _publish(self, messages: Iterable[tuple[str, bytes]]) -> None:
@@ -102,7 +105,7 @@ class Analyzer(TwinNode):
 
     def not_ready(self) -> str:
         """Reason why it cannot analyse yet: no scene, or a topic without a connected publisher."""
-        if self._pipeline.scene is None:
+        if self._pipeline is None or self._pipeline.scene is None:
             return f"no scene on {TWIN_SCENE} yet"
         late = [topic.topic_name for topic in self._inputs if not topic.get_publisher_count()]
         return f"not yet connected to the publishers of {', '.join(late)}" if late else ""
@@ -110,6 +113,8 @@ class Analyzer(TwinNode):
     def health(self) -> Status:
         """Counts of accepted and rejected samples, and the state of motion."""
         pipeline = self._pipeline
+        if pipeline is None:
+            return Status(self.NAME, Level.OK, "starting")
         quality = pipeline.quality
         values = {
             "samples": str(quality.accepted),

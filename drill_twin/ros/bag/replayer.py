@@ -67,12 +67,12 @@ class Replayer(TwinNode):
 
     def open(self) -> None:
         """Open the bag and create its topics."""
-        from drill_twin.io.bag.mapped import MappedBag, names_from
+        from drill_twin.io.bag.remapped import RemappedBag, parse_remappings
 
         settings = self.settings
         if not settings.bag:
             raise ParameterError("parameter bag: expected the path of a bag, found none; add -p bag:=PATH")
-        self._bag = MappedBag(settings.bag, names_from(settings.map.split(), "parameter map"))
+        self._bag = RemappedBag(settings.bag, parse_remappings(settings.map.split(), "parameter map"))
         self._topics = self._chosen()
         for topic in self._topics:
             if topic != DIAGNOSTICS:  # every node has its publisher

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 from rclpy.node import Node
@@ -25,9 +26,13 @@ class DiagnosticsPublisher:
         self._publisher = topics.advertise(DIAGNOSTICS)
         self._seen: dict[str, float] = {}
 
-    def publish(self, status: Status) -> None:
-        """Publish a status now; a publisher that cannot be connected to turns OK into a warning."""
-        queues = self._topics.queue_report()
+    def publish(self, health: Callable[[], Status]) -> None:
+        """Publish the status of the node; a publisher that cannot be connected to turns OK into a warning.
+
+        Args:
+            health: Called for the status, once the dropped messages have been counted.
+        """
+        queues, status = self._topics.queue_report(), health()
         if status.level == Level.OK and (problem := self._topics.incompatible_publisher()):
             status = replace(status, level=Level.WARN, text=problem)
         if status.level != Level.OK:

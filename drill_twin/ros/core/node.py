@@ -116,7 +116,7 @@ class TwinNode(Node):
 
     def publish_diagnostics(self) -> None:
         """Publish the diagnostics of this node now."""
-        self._diagnostics.publish(self.health())
+        self._diagnostics.publish(self.health)
 
     def offer_readiness(self) -> None:
         """Create the service `~/ready`, unless topics are still to be created."""

@@ -11,14 +11,17 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from drill_twin.errors import RunError
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.demo.folder import prepare_folder
 from drill_twin.ros.demo.result import check_bag, draw_report
 from drill_twin.ros.demo.stall_detector import STARTING_TIME, StallDetector
-from drill_twin.ros.deployment.processes import processes
+from drill_twin.ros.deployment.processes import Child, processes
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 
 @dataclass(frozen=True)
@@ -89,14 +92,14 @@ def _commands(options: DemoOptions, duration: float) -> dict[str, Mapping[str, o
     }
 
 
-def _run_nodes(options: DemoOptions, duration: float, console: Any, stop: StopRequest) -> None:
+def _run_nodes(options: DemoOptions, duration: float, console: Console, stop: StopRequest) -> None:
     """Run the nodes until the simulator is done."""
     environment = dict(os.environ, PYTHONUNBUFFERED="1")
     with processes(_commands(options, duration), environment, options.out / "log") as children:
         _observe(children, duration, console, stop)
 
 
-def _observe(children: Mapping[str, Any], duration: float, console: Any, stop: StopRequest) -> None:
+def _observe(children: Mapping[str, Child], duration: float, console: Console, stop: StopRequest) -> None:
     """Show the progress of the run until the simulator ends.
 
     Raises:

@@ -5,9 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drill_twin.errors import BagError, RunError
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 
 def check_bag(folder: Path) -> None:
@@ -30,7 +33,7 @@ def check_bag(folder: Path) -> None:
         raise RunError(f"{folder}: expected a whole bag, found {'; '.join(bag.damage)}")
 
 
-def draw_report(out: Path, console: Any) -> None:
+def draw_report(out: Path, console: Console) -> None:
     """Write the report of the bag in a folder, and print its findings."""
     import json
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps a checkpoint of the run on the disk, without holding up the loop: a disk may take its time."""
+"""Checkpoints written to the disk in the background, so that a slow disk does not delay the loop."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from drill_twin.twin.checkpoint import Checkpoint
 
 
 class CheckpointWriter:
-    """Writes one checkpoint at a time, in a thread; one that comes while it writes is left out."""
+    """Writes one checkpoint at a time, in a thread; another that is due meanwhile is left out."""
 
     def __init__(self) -> None:
         self._writing: threading.Thread | None = None
-        self.kept: float | None = None
+        self.written: float | None = None
         """Simulated time of the last one that is on the disk [s]."""
         self.trouble = ""
         """Why the last one could not be written; empty when it could."""
 
-    def keep(self, checkpoint: Checkpoint, path: str) -> None:
-        """Begin to write one."""
+    def start(self, checkpoint: Checkpoint, path: str) -> None:
+        """Start to write one, unless one is being written."""
         if self._writing is not None and self._writing.is_alive():
             return
         self._writing = threading.Thread(target=self._write, args=(checkpoint, path), name="checkpoint")
@@ -37,4 +37,4 @@ class CheckpointWriter:
         except CheckpointError as error:
             self.trouble = str(error)
             return
-        self.kept, self.trouble = checkpoint.time, ""
+        self.written, self.trouble = checkpoint.time, ""

@@ -83,12 +83,12 @@ class CommandArbiter:
         self.last_refusal = ""
         """The last refusal, in words."""
 
-    def rule(self, limits: Limits, silence: Silence) -> None:
-        """Go by other limits from now on."""
+    def set_limits(self, limits: Limits, silence: Silence) -> None:
+        """Apply other limits from now on."""
         self._limits, self._silence = limits, silence
 
-    def go_on_with(self, command: Command) -> None:
-        """Take up a run where this command was in force; it counts as just heard."""
+    def resume(self, command: Command) -> None:
+        """Resume a run in which this command was in force; it counts as just received."""
         self._good = self._applied = command
         self._last_time = self._clock()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where commands come in from the topics: read, checked against a time that went back, and handed to the desk."""
+"""Subscriptions to the command topics: decode messages, check their stamps, hand them to the arbiter."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ _AHEAD = 1_000_000_000  # ns; a command stamped later than this is not for the f
 
 
 class CommandSubscriptions:
-    """The command topics of a simulator, and the desk behind them.
+    """Command topics of a simulator, and the arbiter of what they bring.
 
     Attributes:
-        desk: Judges the commands and holds the set-point.
+        arbiter: Checks the commands and holds the set-point.
     """
 
     def __init__(self, node: TwinNode, scene: Scene, first: Command, now: Callable[[], float]) -> None:
-        """Open the desk; `listen` opens the door.
+        """Create the arbiter; `subscribe` creates the subscriptions.
 
         Args:
             node: The simulator.
-            scene: What is drilled: it says which commands can be meant.
+            scene: The scene; it limits the commands.
             first: Set-points before the first command.
             now: Simulated time [s].
         """
@@ -44,30 +44,30 @@ class CommandSubscriptions:
         self._read_command = JointStateReader().read
         self._drivers_topic = node.resolve_topic_name(relative(RIG_COMMAND))
         self._went_back = False
-        self.desk = CommandArbiter(*self._rules(), first)
+        self.arbiter = CommandArbiter(*self._rules(), first)
 
-    def listen(self) -> None:
-        """Subscribe."""
+    def subscribe(self) -> None:
+        """Create the subscriptions."""
         self._node.topics.subscribe(RIG_COMMAND, self._on_command)
-        self._node.topics.subscribe(WOB_COMMAND, lambda raw, _: self._on_single(raw, self.desk.weight_on_bit))
-        self._node.topics.subscribe(RPS_COMMAND, lambda raw, _: self._on_single(raw, self.desk.speed))
+        self._node.topics.subscribe(WOB_COMMAND, lambda raw, _: self._on_single(raw, self.arbiter.weight_on_bit))
+        self._node.topics.subscribe(RPS_COMMAND, lambda raw, _: self._on_single(raw, self.arbiter.speed))
 
-    def follow_settings(self) -> None:
-        """Go by the node's settings of now."""
-        self.desk.rule(*self._rules())
+    def apply_settings(self) -> None:
+        """Apply the limits in the node's settings."""
+        self.arbiter.set_limits(*self._rules())
 
-    def begin_again(self, command: Command | None = None) -> None:
-        """Time went back, or to a checkpoint where this command was in force: what is under way is of before."""
-        self.desk = CommandArbiter(*self._rules(), self._first)
+    def reset(self, command: Command | None = None) -> None:
+        """Start anew, as time went back, or to a checkpoint with this command in force; what is under way is older."""
+        self.arbiter = CommandArbiter(*self._rules(), self._first)
         self._went_back = True
         if command is not None:
-            self.desk.go_on_with(command)
+            self.arbiter.resume(command)
 
     def sources(self) -> list[str]:
-        """Who commands: all publishers of `/rig/command`, and those of single values who are none of these.
+        """Names of the nodes that command: publishers of `/rig/command`, then the others with single values.
 
-        A driver announces `/rig/command` first, so it is asked for last: else one that comes in between would look
-        like somebody with single values.
+        A driver announces `/rig/command` first, so that topic is looked up last: else a driver that comes in between
+        would be taken for a source of single values.
         """
         of = self._node.topics.publisher_nodes
         singles = {*of(WOB_COMMAND), *of(RPS_COMMAND)}
@@ -91,24 +91,24 @@ class CommandSubscriptions:
             state = self._read_command(raw)
             command = read_command(state)
         except MessageError as error:
-            self.desk.malformed(str(error))
+            self.arbiter.malformed(str(error))
             return
         ahead = state.stamp - stamp_ns(self._now())
         if ahead > _AHEAD:
             if self._went_back:  # it was under way when time went back
                 return
             if self._node.settings.pace == "lockstep":  # it would set free all frames until then
-                self.desk.malformed(
+                self.arbiter.malformed(
                     f"expected a command stamped for the next frames, found one {ahead * 1e-9:g} s ahead"
                 )
                 return
         self._went_back = False
-        self.desk.both(state.stamp, command)
+        self.arbiter.both(state.stamp, command)
 
     def _on_single(self, raw: bytes, deliver: Callable[..., None]) -> None:
         try:
             value = read_float64(raw)
         except MessageError as error:
-            self.desk.malformed(str(error))
+            self.arbiter.malformed(str(error))
             return
         deliver(value, driver_present=self._node.count_publishers(self._drivers_topic) > 0)

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulator: set-points in, the moving string out, in real time, as fast as possible, or in lockstep.
+"""The simulator node: set-points in, motion of the string out, in real time, as fast as possible, or in lockstep.
 
-Each turn of its loop takes the commands that have come, lets the twin take one frame's worth of steps (compiled, with
-the GIL released), publishes the frame, and waits until the next one is due. Simulated time starts at 0 with the first
-good command, or where a checkpoint left it.
+Each turn of its loop processes the commands that have come, advances the twin by a frame (compiled, with the GIL
+released), publishes the frame, and waits until the next one is due. Simulated time starts at 0 with the first good
+command, or at the time of a checkpoint.
 
-It is a lifecycle node: to configure it builds and compiles, to activate it lets time run, to deactivate it lets time
-stand still, to clean it up forgets the twin. With `autostart` it does the first two itself.
+It is a lifecycle node: `configure` compiles and builds, `activate` lets time run, `deactivate` lets it stand still,
+`cleanup` drops the twin. With `autostart` it does the first two itself.
 """
 
 from __future__ import annotations
@@ -14,45 +14,65 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from rclpy.context import Context
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.lifecycle.node import LifecycleNodeMixin
 
 from drill_twin.errors import DrillTwinError
-from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, STRING_POSES, WOB_COMMAND
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, STRING_POSES, WOB_COMMAND
 from drill_twin.ros.core.lifecycle import answer_any_transition
-from drill_twin.ros.core.pacing import Pacer
+from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Value
 from drill_twin.ros.core.scene_parameters import resolved, scene_of
 from drill_twin.ros.core.topic_qos import relative
-from drill_twin.ros.simulator.run_control import RunControl
+from drill_twin.ros.simulator.parameters import PARAMETERS
 from drill_twin.ros.simulator.simulation_interfaces import offer_where_installed
 from drill_twin.ros.simulator.trigger_services import offer
+
+if TYPE_CHECKING:
+    from drill_twin.ros.simulator.run_control import RunControl
+    from drill_twin.ros.simulator.simulation import Simulation
 
 _LEASE = 6.0  # s; a killed node has left the graph by then
 _DISCOVERY = 1.0  # s; a living node has been found by then
 _DONE, _REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 
 
-class Simulator(LifecycleNodeMixin, RunControl):
+class Configured(NamedTuple):
+    """Parts of a configured simulator."""
+
+    simulation: Simulation
+    control: RunControl
+
+
+class Simulator(LifecycleNodeMixin, TwinNode):
     """Moves the string of a scene under the commands it receives."""
+
+    NAME: ClassVar = "simulator"
+    PURPOSE: ClassVar = "Moves the drillstring of a scene under the set-points it receives."
+    PARAMETERS: ClassVar = PARAMETERS
 
     def __init__(
         self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
     ) -> None:
-        RunControl.__init__(self, context, values, other_parameters)
+        self._parts: Configured | None = None
+        self._created = time.monotonic()
+        self._refusal: Exception | None = None
+        self._shut_down = False
+        TwinNode.__init__(self, context, values, other_parameters)
         LifecycleNodeMixin.__init__(self)
         answer_any_transition(self, self._service_change_state)
-        self._born = time.monotonic()
-        self._refusal: Exception | None = None
 
     # --- life cycle -----------------------------------------------------------------------------------------------
 
     def open(self) -> None:
-        """Configure and activate, unless somebody else is to do it."""
+        """Configure and activate, unless a lifecycle manager is to do it."""
         if not self.settings.autostart:
-            self.get_logger().info("waiting to be configured: ros2 lifecycle set /simulator configure")
+            name = self.get_fully_qualified_name()
+            self.get_logger().info(f"waiting to be configured: ros2 lifecycle set {name} configure")
             return
         for transition in (self.trigger_configure, self.trigger_activate):
             transition()
@@ -75,68 +95,66 @@ class Simulator(LifecycleNodeMixin, RunControl):
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Let time run."""
         del state
-        self._active = True
+        self._set_active(active=True)
         return _DONE
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Let time stand still; the twin keeps its state."""
         del state
-        self._active = False
+        self._set_active(active=False)
         return _DONE
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Forget the twin."""
+        """Drop the twin."""
         del state
-        self._keeper.finish()
+        if self._parts is not None:
+            self._parts.simulation.destroy()
+        self._parts = None
         self.destroy_endpoints()
-        self._stage.retire()
-        self._stage = None
-        self._started = self._paused = False
         return _DONE
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """End the node."""
         del state
-        self._over, self._active = True, False
+        self._shut_down = True
+        self._set_active(active=False)
         return _DONE
 
+    def _set_active(self, *, active: bool) -> None:
+        if self._parts is not None:
+            self._parts.control.active = active
+
     def _configure(self) -> None:
-        # Imported here: compiling takes long, and a bad parameter should be refused before.
-        from drill_twin.ros.simulator.command_subscriptions import CommandSubscriptions
-        from drill_twin.ros.simulator.twin_publisher import TOPICS_OF_TWIN, TwinPublisher
+        # Imported here: it takes long, and a bad parameter should be refused before.
+        from drill_twin.ros.simulator.run_control import RunControl
+        from drill_twin.ros.simulator.simulation import Simulation
 
         settings = self.settings
         scene = resolved(scene_of(settings), settings.duration, self.get_logger().info)
         rate = settings.frame_rate or scene.numerics.frame_rate
-        self._period = 1.0 / rate
-        self._pacer = Pacer(self._period)
-        for topic in TOPICS_OF_TWIN:
-            self.topics.advertise(topic)
-        # Latched, so that a driver which comes back in mid-run learns at once what time it is.
-        self.topics.advertise(CLOCK_TOPIC, latched=True)
-        stage = TwinPublisher(self, scene, self._period, settings.pace, self.topics.publishers)
-        self._inbox = CommandSubscriptions(self, scene, stage.first, lambda: stage.twin.time)
-        self._refuse_a_second_one()
+        simulation = Simulation(self, scene, rate)
+        control = RunControl(simulation, settings, self.get_fully_qualified_name())
+        self._refuse_second_simulator()
         if settings.checkpoint and Path(settings.checkpoint).exists():
-            self._go_on_from(settings.checkpoint, stage)
-        stage.announce()
-        self._inbox.listen()
-        self.on_change()
-        actions = (self.pause, self.resume, self.step, self.reset, self.save_checkpoint, self.load_checkpoint)
-        self.services_while_configured += offer(self, {action.__name__: action for action in actions})
-        self.services_while_configured += offer_where_installed(self, self)
-        self._stage = stage
+            simulation.resume(settings.checkpoint)
+        simulation.loop.announce()
+        simulation.commands.subscribe()
+        simulation.apply_settings()
+        self.services_while_configured += offer(self, control.actions())
+        self.services_while_configured += offer_where_installed(self, control)
+        self._parts = Configured(simulation, control)
         self.offer_readiness()
+        twin = simulation.loop.twin
         self.get_logger().info(
-            f"{scene.name}: {stage.twin.elements} elements, {stage.twin.step_size * 1e6:.0f} us steps, "
-            f"{rate:g} frames/s, {settings.pace}"
+            f"{scene.name}: {twin.elements} elements, {twin.step_size * 1e6:.0f} us steps, {rate:g} frames/s, "
+            f"{settings.pace}"
         )
-        if self._waits_for_command():
+        if simulation.waits_for_command:
             topics = [self.resolve_topic_name(relative(name)) for name in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND)]
             self.get_logger().info(f"time stands still until a command comes on {', '.join(topics)}")
 
-    def _refuse_a_second_one(self) -> None:
-        time.sleep(max(self._born + _DISCOVERY - time.monotonic(), 0.0))
+    def _refuse_second_simulator(self) -> None:
+        time.sleep(max(self._created + _DISCOVERY - time.monotonic(), 0.0))
         deadline = time.monotonic() + _LEASE
         while len(others := self.topics.publisher_nodes(STRING_POSES)) > 1:
             if time.monotonic() > deadline:
@@ -146,3 +164,66 @@ class Simulator(LifecycleNodeMixin, RunControl):
                     "another domain or namespace"
                 )
             time.sleep(0.1)
+
+    # --- the loop -------------------------------------------------------------------------------------------------
+
+    def work(self) -> None:
+        """Advance by a frame, or wait for what the run needs."""
+        self.spin_once(0.0)
+        parts = self._parts
+        if parts is None:
+            self.spin_once(0.05)
+        elif parts.control.runs:
+            parts.simulation.advance()
+            parts.simulation.keep_pace()
+        else:
+            parts.simulation.pacer.restart()
+            self.spin_once(0.05)
+
+    @property
+    def finished(self) -> bool:
+        """True once the wanted duration has been simulated, or a lifecycle manager has ended the node."""
+        if self._parts is None:
+            return self._shut_down
+        return self._shut_down or self._parts.control.over or self._parts.simulation.complete
+
+    def close(self) -> None:
+        """Write the last checkpoint, and wait until the readers have received everything."""
+        if self._parts is not None:
+            self._parts.simulation.close()
+
+    def on_change(self) -> None:
+        """Apply a live parameter."""
+        if self._parts is not None:
+            self._parts.simulation.apply_settings()
+
+    # --- readiness and diagnostics --------------------------------------------------------------------------------
+
+    @property
+    def topics_pending(self) -> bool:
+        """True until the node is configured."""
+        return self._parts is None
+
+    def not_ready(self) -> str:
+        """Reason why the twin cannot be driven yet; empty when it can."""
+        if self._parts is None:
+            return "the twin is being compiled" if self.settings.autostart else "it is not configured"
+        return "" if self._parts.control.active else "it is not active"
+
+    def health(self) -> Status:
+        """Pace, cost, set-points and their sources."""
+        if self._parts is None:
+            return Status(self.NAME, Level.OK, self.not_ready())
+        from drill_twin.ros.simulator.health import diagnostic_values, verdict
+
+        simulation, control = self._parts
+        simulation.commands.arbiter.settle_doubts()
+        sources = simulation.commands.sources()
+        values = diagnostic_values(self.settings, simulation, sources)
+        if len(self.topics.publisher_nodes(STRING_POSES)) > 1:
+            text = f"another simulator publishes {STRING_POSES} in this domain and namespace"
+            return Status(self.NAME, Level.ERROR, text, values)
+        if not control.active or control.paused:
+            state = "paused" if control.active else "inactive"
+            return Status(self.NAME, Level.OK, f"{state} at {simulation.time_text}", values)
+        return Status(self.NAME, *verdict(self.settings, simulation, sources), values)

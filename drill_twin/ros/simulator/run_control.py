@@ -1,96 +1,113 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run that is held in hand: pause, resume, step, reset, and its checkpoint. Each says in a sentence what it did."""
+"""Control of a run by services: pause, resume, step, reset, checkpoints; each action returns a sentence."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from types import SimpleNamespace
 
 from drill_twin.errors import CheckpointError, DrillTwinError
-from drill_twin.ros.simulator.loop import Simulation
+from drill_twin.ros.simulator.simulation import Simulation
 from drill_twin.ros.simulator.simulation_interfaces import PAUSED, PLAYING, STOPPED
 
+Action = Callable[[], str]
+"""Returns a sentence on what it did; raises a DrillTwinError where it cannot."""
 
-class RunControl(Simulation):
-    """What the services of a simulator do."""
+
+class RunControl:
+    """Control of one simulation.
+
+    Attributes:
+        active: True while the lifecycle node is active.
+        paused: True while the run is paused.
+        over: True once the node is to end.
+    """
+
+    def __init__(self, simulation: Simulation, settings: SimpleNamespace, node_name: str) -> None:
+        """Start inactive and not paused.
+
+        Args:
+            simulation: The run.
+            settings: Settings of the node.
+            node_name: Full name of the node, for hints.
+        """
+        self._simulation, self._settings, self._node_name = simulation, settings, node_name
+        self.active = self.paused = self.over = False
+
+    @property
+    def runs(self) -> bool:
+        """True while the next frame may be computed."""
+        return self.active and not self.paused and not self.over and not self._simulation.waits_for_command
 
     @property
     def state(self) -> int:
         """State by the numbers of simulation_interfaces: stopped is paused before the first frame."""
-        if self._active and not self._paused:
+        if self.active and not self.paused:
             return PLAYING
-        return PAUSED if self._stage.frames else STOPPED
+        return PAUSED if self._simulation.loop.frames else STOPPED
+
+    def actions(self) -> dict[str, Action]:
+        """Actions offered as services, by name."""
+        offered = (self.pause, self.resume, self.step, self.reset, self.save_checkpoint, self.load_checkpoint)
+        return {action.__name__: action for action in offered}
 
     def quit(self) -> None:
         """End the node."""
-        self._over = True
+        self.over = True
 
     def pause(self) -> str:
-        """Let time stand still."""
-        self._paused = True
-        return f"paused at {self._at()}"
+        """Stop simulated time."""
+        self.paused = True
+        return f"paused at {self._simulation.time_text}"
 
     def resume(self) -> str:
-        """Let time run again."""
-        self._paused = False
-        return f"running from {self._at()}"
+        """Let simulated time go on."""
+        self.paused = False
+        return f"running from {self._simulation.time_text}"
 
     def step(self) -> str:
-        """Take as many frames as the parameter says."""
-        return self.take_frames(self.settings.step_frames)
+        """Advance by as many frames as the parameter says."""
+        return self.take_frames(self._settings.step_frames)
 
     def take_frames(self, count: int) -> str:
-        """Take frames now, one after the other, so that they are out when the answer comes."""
-        if not self._paused:
+        """Advance a paused run by frames, all published before the answer is sent.
+
+        Raises:
+            DrillTwinError: The run is not paused, or is in lockstep.
+        """
+        if not self.paused:
             raise DrillTwinError("expected a paused run to step, found one that runs; call ~/pause first")
-        if self.settings.pace == "lockstep":
+        if self._settings.pace == "lockstep":
             raise DrillTwinError(
                 "expected the pace realtime or fast to step by hand, found lockstep, where each command is a step; "
                 "call ~/resume and send commands one by one"
             )
         for _ in range(count):
-            self._advance()
-        return f"{count} frame{'s' if count > 1 else ''} on, at {self._at()}"
+            self._simulation.advance()
+        return f"{count} frame{'s' if count > 1 else ''} on, at {self._simulation.time_text}"
 
     def reset(self) -> str:
-        """Begin again at time zero, as a run of its own."""
-        self._inbox.begin_again()
-        self._started = False
-        self._pacer.restart()
-        self._stage.reset()
-        return f"began again at {self._at()}"
+        """Start a new run at time zero."""
+        self._simulation.reset()
+        return f"began again at {self._simulation.time_text}"
 
     def save_checkpoint(self) -> str:
-        """Keep the state in the file that the parameter names."""
+        """Write the state to the file that the parameter names."""
         path = self._checkpoint_path()
-        self._keeper.finish()
-        self._checkpoint().save(path)
-        return f"kept {self._at()} in {path}"
+        self._simulation.checkpoints.finish()
+        self._simulation.checkpoint().save(path)
+        return f"kept {self._simulation.time_text} in {path}"
 
     def load_checkpoint(self) -> str:
         """Go to the state in that file."""
         path = self._checkpoint_path()
-        self._keeper.finish()
-        self._go_on_from(path, self._stage)
-        self._pacer.restart()
-        self._stage.announce()
-        return f"went to {self._at()}, from {path}"
+        self._simulation.resume(path)
+        self._simulation.loop.announce()
+        return f"went to {self._simulation.time_text}, from {path}"
 
     def _checkpoint_path(self) -> str:
-        if not self.settings.checkpoint:
+        if not self._settings.checkpoint:
             raise CheckpointError(
-                "expected a file for the checkpoint, found none; ros2 param set /simulator checkpoint FILE.npz"
+                f"expected a file for the checkpoint, found none; ros2 param set {self._node_name} checkpoint FILE.npz"
             )
-        return str(self.settings.checkpoint)
-
-    def _go_on_from(self, path: str, stage: Any) -> None:
-        from drill_twin.twin.checkpoint import Checkpoint
-
-        checkpoint = Checkpoint.load(path)
-        if self.settings.duration and checkpoint.time >= self.settings.duration - 0.5 * self._period:
-            raise CheckpointError(
-                f"{path}: expected a checkpoint before the duration of {self.settings.duration:g} s, found one at "
-                f"{checkpoint.time:g} s, where the run was over; move it away, or simulate for longer"
-            )
-        stage.go_on_from(checkpoint)
-        self._inbox.begin_again(checkpoint.command)
-        self.get_logger().info(f"going on from {path} at {checkpoint.time:.6g} s")
+        return str(self._settings.checkpoint)

@@ -11,7 +11,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from drill_twin.io.messages.geometry import StringGeometry
 from drill_twin.io.messages.stamps import stamp_ns
-from drill_twin.io.messages.transforms import Frames, TransformsTemplate, hole_placed
+from drill_twin.io.messages.transforms import StringTransforms, TransformsTemplate, hole_transform
 from drill_twin.twin.frame import Frame
 
 _DEPTH = 100
@@ -25,14 +25,14 @@ def tf_message() -> Any:
         return None
 
 
-class Transforms:
-    """Publishes `tf` at the rate of the pictures, and `tf_static` once."""
+class TfPublisher:
+    """Publishes `tf` at the rate of the markers, and `tf_static` once."""
 
     def __init__(self, node: Node, kind: Any, geometry: StringGeometry, inclination: float) -> None:
-        """Announce both topics.
+        """Create both publishers.
 
         Args:
-            node: Who publishes.
+            node: The simulator.
             kind: `tf_message()`.
             geometry: Of the string.
             inclination: Of the hole at the top clamp [rad].
@@ -41,19 +41,19 @@ class Transforms:
         self._node = node
         self._moving = node.create_publisher(kind, "tf", _DEPTH)
         self._fixed = node.create_publisher(kind, "tf_static", latched)
-        self._frames = Frames(geometry)
+        self._transforms = StringTransforms(geometry)
         self._template: TransformsTemplate | None = None
-        hole = hole_placed(inclination)
+        hole = hole_transform(inclination)
         self._fixed.publish(TransformsTemplate([hole[:2]]).fill(0, [hole]))
 
     def publish(self, frame: Frame) -> None:
-        """Where bit and marks are now."""
-        placed = self._frames.placed(frame)
+        """Publish the frames of bit and marks."""
+        transforms = self._transforms.at(frame)
         if self._template is None:
-            self._template = TransformsTemplate([one[:2] for one in placed])
-        self._moving.publish(self._template.fill(stamp_ns(frame.time), placed))
+            self._template = TransformsTemplate([one[:2] for one in transforms])
+        self._moving.publish(self._template.fill(stamp_ns(frame.time), transforms))
 
-    def retire(self) -> None:
-        """Take both topics back."""
+    def destroy(self) -> None:
+        """Destroy both publishers."""
         for publisher in (self._moving, self._fixed):
             self._node.destroy_publisher(publisher)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
-from drill_twin.model.bit import BIT_WEIGHT, TOP_TORQUE, WEIGHT, YIELD, Bit
+from drill_twin.model.bit import BIT_WEIGHT, TOP_TORQUE, WEIGHT, WEIGHT_DAMPING, Bit
 from drill_twin.model.mesh import SPIN
 
 WEIGHT_ON_BIT, ROTATION = 0, 1
@@ -44,7 +44,7 @@ def rig_end_load(drive: Drive, command: Array, h2: float, u: Array, v: Array, v_
     bit = drive.bit
     for c in range(7):
         bit.start[c] = u[0, c] - h2 * v[0, c]
-    bit.now[YIELD] = 0.0
+    bit.now[WEIGHT_DAMPING] = 0.0
     if drive.from_top > 0.0:
         ends[TOP, 2, RESIDUAL] += command[WEIGHT_ON_BIT]
         bit.now[WEIGHT] = command[WEIGHT_ON_BIT] + drive.hanging

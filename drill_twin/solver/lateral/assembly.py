@@ -15,7 +15,8 @@ from drill_twin.base.arrays import Array, Pair
 from drill_twin.base.jit import kernel
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
-from drill_twin.model.section import BEND_DAMP, COUPLE, MX, MY, RESULTANTS, Strain
+from drill_twin.model.section import BEND_DAMP, COUPLE, MX, MY, RESULTANTS
+from drill_twin.model.strain import Strain
 from drill_twin.solver.midpoint import Effects
 
 # Places in Workspace.axial: force at the bit and at the top [N], weight of the string along the axis [N], torque that

@@ -19,7 +19,8 @@ from drill_twin.base.arrays import Array, Triple
 from drill_twin.base.jit import kernel
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
-from drill_twin.model.section import BEND_DAMP, TORQUE_RATE, elastic_resultants, section_forces, strain_at
+from drill_twin.model.section import BEND_DAMP, TORQUE_RATE, elastic_resultants, section_forces
+from drill_twin.model.strain import strain_at
 from drill_twin.model.stretch import stretch_forces, stretching
 from drill_twin.solver.midpoint import Effects
 from drill_twin.solver.spatial.workspace import Workspace

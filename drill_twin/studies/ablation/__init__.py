@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which effects a scene calls for: what each one costs, and what changes without it."""
+"""Ablation study: cost of each effect of a scene, and change of the results without it."""
 
 from drill_twin.studies.ablation.ablation import Ablation, Change, ablate, groups
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Leave each effect out in turn, see what it costs and what it changes, and find the set that a scene calls for."""
+"""Runs of a scene without each of its effects, and the smallest set of effects that keeps the results."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drill_twin.studies.ablation.compare import Quantity, differences, worst
 from drill_twin.studies.pool import run_jobs
 
 TOGETHER = ("stretch", "torsion")
-"""Effects that only come and go together."""
+"""Effects that can only be left out together."""
 
 Group = tuple[str, ...]
 """Keys of effects that are left out together."""
@@ -23,33 +23,33 @@ Group = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Change:
-    """What leaving something out changed."""
+    """Change of results and cost without a group of effects."""
 
     left_out: tuple[str, ...]
-    """Keys of the effects that were left out; more than one where others need it."""
+    """Keys of the effects that were left out: one, and those that require it."""
     quantities: dict[str, Quantity] = field(default_factory=dict)
-    """What changed, by name; empty if the run failed."""
+    """Results with and without, by name; empty if the run failed."""
     cost_share: float | None = None
-    """Share of the run's cost that goes with it [-]; negative if the run without it is livelier, None if it failed."""
+    """Share of the run time that is saved [-]; negative if the run without it takes longer, None if it failed."""
     iteration_share: float | None = None
-    """Share of the cost of a Newton iteration that goes with it [-]: the price of its code alone."""
+    """Share of the time of a Newton iteration that is saved [-]."""
     failure: str = ""
-    """Why there is no run without it; empty if there is one."""
+    """Reason why the run without it failed; empty if it did not."""
 
     @property
     def size(self) -> float:
-        """Largest change in tolerances, infinite without a run."""
+        """Largest change, in tolerances; infinite without a run."""
         return float("inf") if self.failure else worst(self.quantities)
 
     @property
-    def called_for(self) -> bool:
-        """Whether the scene needs it: a change beyond the tolerance that chance does not explain."""
+    def needed(self) -> bool:
+        """True if the scene needs the group: the run fails, or a change is significant and beyond the tolerance."""
         return bool(self.failure) or any(quantity.matters for quantity in self.quantities.values())
 
 
 @dataclass(frozen=True)
 class Ablation:
-    """The answer for one scene."""
+    """Result of the study of one scene."""
 
     scene: str
     effects: tuple[str, ...]
@@ -58,9 +58,9 @@ class Ablation:
     baseline: tuple[Trial, ...]
     changes: tuple[Change, ...]
     kept: tuple[str, ...]
-    """Effects that the scene calls for at this tolerance."""
+    """Effects that the scene needs at this tolerance."""
     reduced: Change
-    """What leaving out all the others at once changes."""
+    """Change without all the others."""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON (`drill_twin.studies.json_io`)."""
@@ -68,7 +68,7 @@ class Ablation:
 
 
 def groups(effects: tuple[str, ...]) -> list[tuple[str, ...]]:
-    """What has to be left out together, per effect: the effect and all that need it.
+    """Groups to leave out together: each effect with all that require it.
 
     >>> groups(("stretch", "torsion", "wall", "wall_friction"))
     [('stretch', 'torsion'), ('wall', 'wall_friction'), ('wall_friction',)]
@@ -93,19 +93,19 @@ def ablate(
     workers: int = 2,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Ablation:
-    """Run a scene with all its effects, without each of them, and with only those it calls for.
+    """Run a scene with all its effects, without each of them, and with only those it needs.
 
     Args:
         scene: Name or file of the scene.
         overrides: Changes to it.
         tolerance: Change that counts, as a share of the value (of the clearance for the radius).
-        replicas: Runs per set of effects, set apart by a small random push; at least 2.
+        replicas: Runs per set of effects, which differ by a small random velocity; at least 2.
         workers: Processes.
-        progress: Called with what was left out whenever a set of runs is done.
+        progress: Called with the effects left out as each set of runs ends.
 
     Raises:
-        SceneError: The scene, or what is left of it, is none.
-        RunError: The scene itself cannot be run.
+        SceneError: The scene is invalid.
+        RunError: The scene with all its effects cannot be run.
     """
     effects = tuple(load_scene(scene, overrides=dict(overrides)).effect_names)
 
@@ -118,12 +118,12 @@ def ablate(
     if isinstance(baseline, str):
         raise RunError(f"the scene with all its effects cannot be run: {baseline}")
     changes = [_change(group, baseline, trials, tolerance) for group, trials in results.items()]
-    left_out = _not_called_for(effects, changes)
+    left_out = _not_needed(effects, changes)
     while True:
         reduced = _change(left_out, baseline, run([left_out], "all of ")[left_out] if left_out else baseline, tolerance)
-        if not left_out or not reduced.called_for:
+        if not left_out or not reduced.needed:
             break
-        left_out = _one_back(left_out, changes)
+        left_out = _restore_one(left_out, changes)
     kept = tuple(key for key in effects if key not in left_out)
     return Ablation(scene, effects, tolerance, replicas, baseline, tuple(changes), kept, reduced)
 
@@ -134,7 +134,7 @@ def _off(group: Group) -> dict[str, str]:
 
 
 def _runs(scene: str, overrides: dict[str, str], replicas: int) -> tuple[Trial, ...] | str:
-    """The trials of one set of effects, or why there are none; runs in a process of its own."""
+    """Runs of one set of effects, or the message of the error; called in a worker process."""
     try:
         described = load_scene(scene, overrides=overrides)
         return tuple(run_trial(described, seed) for seed in range(replicas))
@@ -154,23 +154,23 @@ def _change(
 
 
 def _saved(before: tuple[Trial, ...], after: tuple[Trial, ...], name: str) -> float:
-    """Share of a cost that is saved, by the quickest run of each: what a busy machine adds is not the effect's."""
+    """Share of a cost that is saved [-], from the fastest run of each: other load on the machine only adds time."""
     first: float = min(getattr(trial, name) for trial in before)
     second: float = min(getattr(trial, name) for trial in after)
     return 1.0 - second / first
 
 
-def _not_called_for(effects: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
-    """Effects that no change calls for; what another needs stays with it."""
-    wanted = {change.left_out[0] for change in changes if change.called_for}
+def _not_needed(effects: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
+    """Effects that the scene does not need and that no needed effect requires."""
+    wanted = {change.left_out[0] for change in changes if change.needed}
     wanted |= {key for key in TOGETHER if set(TOGETHER) & wanted and key in effects}
     while more := {need for key in wanted for need in EFFECTS[key].requires} - wanted:
         wanted |= more
     return tuple(key for key in effects if key not in wanted)
 
 
-def _one_back(left_out: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
-    """Take back the effect whose absence changed most: together, effects may matter that alone do not."""
+def _restore_one(left_out: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
+    """Restore the effect with the largest change: effects may matter together that alone do not."""
     candidates = [change for change in changes if change.left_out[0] in left_out]
     back = max(candidates, key=lambda change: change.size).left_out[0]
     wanted = {back, *(TOGETHER if back in TOGETHER else ())}

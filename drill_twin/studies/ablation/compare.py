@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether two sets of runs differ: by more than the user minds, and by more than chance."""
+"""Comparison of two sets of runs: differences beyond the tolerance and beyond chance."""
 
 from __future__ import annotations
 
@@ -13,47 +13,47 @@ from scipy import stats
 from drill_twin.accuracy.trial import Trial
 
 CONFIDENCE = 0.95
-"""Confidence with which a difference is no chance."""
+"""Confidence level of a significant difference."""
 RELATIVE = ("onset_s", "whirl_frequency_hz")
-"""Quantities measured by their own size; the others are shares already."""
+"""Quantities whose tolerance is relative; the others are shares already."""
 NAMES = {
     "onset_s": "onset",
     "whirl_frequency_hz": "whirl frequency",
     "mean_radius": "mean orbit radius",
     "contact_fraction": "contact fraction",
 }
-"""What is compared, and what it is called."""
+"""Quantities to compare, and their names in the tables."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """One figure with and without."""
+    """A quantity with and without a group of effects."""
 
     before: float | None
-    """Mean with everything; None where there is none, such as the onset of a run that does not whirl."""
+    """Mean with all effects; None where there is none, as the onset of a run that does not whirl."""
     after: float | None
-    """Mean without."""
+    """Mean without the group."""
     noise: float
     """Standard error of the difference."""
     tolerances: float
     """The difference in tolerances; infinite if only one of the two exists."""
     matters: bool
-    """Whether the difference is beyond the tolerance and beyond chance."""
+    """True if the difference is beyond the tolerance and statistically significant."""
 
 
 def differences(before: Sequence[Trial], after: Sequence[Trial], tolerance: float) -> dict[str, Quantity]:
-    """Every figure with and without.
+    """Every quantity with and without a group of effects.
 
     Args:
-        before: Runs with everything.
-        after: Runs without.
-        tolerance: What counts, relative for times and frequencies, absolute for shares [-].
+        before: Runs with all effects.
+        after: Runs without the group.
+        tolerance: Smallest relevant difference, relative for times and frequencies, absolute for shares [-].
     """
     return {name: _quantity(_values(before, name), _values(after, name), tolerance, name in RELATIVE) for name in NAMES}
 
 
 def worst(quantities: Mapping[str, Quantity]) -> float:
-    """Largest difference in tolerances; those that chance explains count only among themselves."""
+    """Largest difference in tolerances, of the significant ones if there are any."""
     sure = [quantity.tolerances for quantity in quantities.values() if quantity.matters]
     return max(sure or [quantity.tolerances for quantity in quantities.values()] or [0.0])
 
@@ -72,15 +72,17 @@ def _quantity(before: list[float], after: list[float], tolerance: float, relativ
     noise = math.sqrt(_square_error(before) + _square_error(after))
     scale = tolerance * (abs(one) if relative else 1.0)
     difference = abs(other - one)
-    return Quantity(one, other, noise, difference / max(scale, 1e-300), difference > max(scale, _chance(before, after)))
+    return Quantity(
+        one, other, noise, difference / max(scale, 1e-300), difference > max(scale, _chance_difference(before, after))
+    )
 
 
 def _mean(values: list[float]) -> float | None:
     return float(np.mean(values)) if values else None
 
 
-def _chance(before: list[float], after: list[float]) -> float:
-    """Difference of two means that chance could make (Welch 1947): far above its standard error after few runs."""
+def _chance_difference(before: list[float], after: list[float]) -> float:
+    """Confidence limit of the difference of two means (Welch 1947); far above its standard error for few runs."""
     errors = (_square_error(before), _square_error(after))
     freedom = sum(e**2 / (len(runs) - 1) for e, runs in zip(errors, (before, after), strict=True) if e > 0.0)
     if freedom == 0.0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture of an ablation: what each effect changes, in tolerances, beside what it costs."""
+"""Figure of an ablation: change without each effect, in tolerances, and its cost."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from drill_twin.studies.ablation.ablation import Ablation, Change
 from drill_twin.studies.ablation.compare import NAMES
 
-NEEDED, SPARED = "#b3402e", "#9aa5ad"
+NEEDED, NOT_NEEDED = "#b3402e", "#9aa5ad"
 SMALLEST, LARGEST = 1e-2, 1e2  # tolerances shown
 
 
@@ -34,14 +34,14 @@ def draw(ablation: Ablation, path: Path) -> None:
     axes[0].set_yticks(rows, [_label(change) for change in changes])
     axes[0].invert_yaxis()
     figure.suptitle(
-        f"{ablation.scene}: what leaving an effect out changes (red: beyond the tolerance and beyond chance)",
+        f"{ablation.scene}: change without each effect (red: beyond the tolerance and beyond chance)",
         fontsize=12,
     )
     figure.savefig(path, dpi=120)
 
 
 def _bars(axis: object, rows: np.ndarray, values: list[float], matters: list[bool]) -> None:
-    colours = [NEEDED if needed else SPARED for needed in matters]
+    colours = [NEEDED if needed else NOT_NEEDED for needed in matters]
     axis.barh(rows, values, color=colours, height=0.7)  # type: ignore[attr-defined]
     axis.grid(axis="x", alpha=0.3)  # type: ignore[attr-defined]
 

@@ -36,7 +36,7 @@ class Resolution:
     elements: int
     step: float
     tolerance: float | None = None
-    """Of Newton's method; None: the scene's."""
+    """Tolerance of Newton's method; None: that of the scene."""
 
     @property
     def text(self) -> str:
@@ -69,7 +69,7 @@ class MeasuredRun:
     iterations: float
     """Newton iterations per simulated second [1/s]."""
     on_front: bool = False
-    """Whether no other run is both cheaper and more accurate in the errors that `accuracy` controls."""
+    """True if no other run is both cheaper and more accurate in the errors that `accuracy` controls."""
 
 
 @dataclass(frozen=True)

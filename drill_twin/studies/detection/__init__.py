@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How well the analyzer detects: labelled motions, their truth, and what the analyzer makes of them.
+"""Detection study: findings of the analyzer against the ground truth of labelled motions.
 
-The truth (`truth`, `signals`) shares nothing with `drill_twin.whirl`: it is either prescribed or computed from the full
-state of a simulated run, with windows that may look ahead.
+The ground truth (`ground_truth`, `signals`) shares no code with `drill_twin.whirl`: it is prescribed, or computed from
+the full state of a simulated run with non-causal windows.
 """

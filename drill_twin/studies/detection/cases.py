@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulated set: runs of the paper's bench with drawn loads, ends, friction, damping and imperfections."""
+"""Simulated cases: runs of the paper's bench with random loads, ends, friction, damping and imperfections."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ CHOICES = {
     "effects.eccentricity.offset": ("0.1 mm", "0.3 mm"),
     "effects.bow.amplitude": ("1 mm", "3 mm"),
 }
-"""What is drawn; the number of frames, the mesh and the effects stay those of the scene."""
+"""Values to draw from; frame rate, mesh and effects stay those of the scene."""
 RAMPS = {
     "rig.rotation.duration": "2 s",
     "rig.weight_on_bit.start": "4 s",
     "rig.weight_on_bit.duration": "12 s",
     "rig.duration": "32 s",
 }
-"""Off bottom first: within the first revolutions nobody can tell a bow from a whirl."""
+"""Ramps that start off bottom: in the first revolutions a bow and a whirl cannot be told apart."""
 
 
 BENCH: tuple[dict[str, str], ...] = (
@@ -51,8 +51,8 @@ BENCH: tuple[dict[str, str], ...] = (
     {"string.bit_end": "guided", "wob": "25 N", "effects.wall_friction.coefficient": "0.3"},
     {"effects.drag.linear": "1 N s/m^2"},
 )
-"""The paper's bench itself, one or two things changed in each run."""
-RATTLING = {
+"""The paper's bench, with one or two changes in each run."""
+BOUNCING = {
     "rig.rotation.value": "6 rev/s",
     "hole.radius": "45 mm",
     "effects.wall_friction.coefficient": "0.3",
@@ -61,25 +61,25 @@ RATTLING = {
     "effects.eccentricity.offset": "1 mm",
     "effects.bow.amplitude": "10 mm",
 }
-"""A badly bent, unbalanced string that is thrown about between lively walls from the start."""
+"""A strongly bent, unbalanced string that bounces between elastic walls from the start."""
 
 
 def bench(number: int) -> Run:
     """One of the `BENCH` runs."""
     changes = BENCH[number]
-    words = ", ".join(f"{key.rpartition('.')[2]} {value}" for key, value in changes.items())
-    return simulate(f"bench: {words}", {"string.marks": _marks(), **changes})
+    label = ", ".join(f"{key.rpartition('.')[2]} {value}" for key, value in changes.items())
+    return simulate(f"bench: {label}", {"string.marks": _marks(), **changes})
 
 
-def rattling(seed: int) -> Run:
-    """A run of the `RATTLING` string with a drawn end, load and damping."""
+def bouncing(seed: int) -> Run:
+    """A run of the `BOUNCING` string with a random end, load and damping."""
     draw = np.random.default_rng([seed, 10])
     chosen = {
         key: str(CHOICES[key][int(draw.integers(len(CHOICES[key])))])
         for key in ("string.bit_end", "rig.weight_on_bit.value", "effects.internal_damping.bending_time")
     }
-    words = ", ".join(chosen.values())
-    return simulate(f"rattling {seed}: {words}", {"string.marks": _marks(), **RAMPS, **RATTLING, **chosen})
+    label = ", ".join(chosen.values())
+    return simulate(f"bouncing {seed}: {label}", {"string.marks": _marks(), **RAMPS, **BOUNCING, **chosen})
 
 
 def _marks() -> str:
@@ -87,22 +87,22 @@ def _marks() -> str:
     return f"[{marks}]"
 
 
-def drawn(seed: int) -> dict[str, str]:
-    """The overrides of a run, the same for the same seed."""
+def random_overrides(seed: int) -> dict[str, str]:
+    """Overrides of a random run, the same for the same seed."""
     draw = np.random.default_rng([seed, 9])
     chosen = {key: str(values[int(draw.integers(len(values)))]) for key, values in CHOICES.items()}
     return {"string.marks": _marks(), **RAMPS, **chosen}
 
 
 def simulated(seed: int) -> Run:
-    """The run of a seed."""
-    overrides = drawn(seed)
-    words = ", ".join(value for key, value in overrides.items() if key in CHOICES)
-    return simulate(f"drawn {seed}: {words}", overrides)
+    """The random run of a seed."""
+    overrides = random_overrides(seed)
+    label = ", ".join(value for key, value in overrides.items() if key in CHOICES)
+    return simulate(f"drawn {seed}: {label}", overrides)
 
 
 def recorded(run: Run, *, forces: bool) -> Record:
-    """What the rig and a camera see of a run, with its truth; the wall force of the marks only if asked for."""
+    """Record of a run as measured by rig and camera, with its ground truth; `forces`: with wall forces of the marks."""
     return Record(
         run.name,
         run.marks,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The confusion of the motion states: what was true against what was found."""
+"""Confusion matrices of the motion states."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _SHORT = {
 
 
 def confusion_figure(result: Result, path: Path) -> None:
-    """Writes the confusion matrices of the string's states, kinematic and simulated, as PNG: shares of each row."""
+    """Write the confusion matrices of the states of the string as PNG, each row normalised: kinematic and simulated."""
     with styled():
         figure = Figure(figsize=(10.0, 4.9))
         FigureCanvasAgg(figure)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The whole measurement: every labelled set through the analyzer, and what comes out as tables and JSON."""
+"""Runs of the study: every labelled set through the analyzer, and its scores."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.studies.detection.cases import BENCH, bench, rattling, recorded, simulated
-from drill_twin.studies.detection.scoring import STATES, Score, analysed, f1_scores, macro_f1
+from drill_twin.studies.detection.cases import BENCH, bench, bouncing, recorded, simulated
+from drill_twin.studies.detection.scoring import STATES, Score, analyse, f1_scores, macro_f1
 from drill_twin.studies.detection.signals import Record, labelled, steady
 from drill_twin.studies.detection.steady import false_onsets
 from drill_twin.studies.pool import run_jobs
@@ -19,7 +19,7 @@ from drill_twin.studies.pool import run_jobs
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is measured."""
+    """Size of the study."""
 
     kinematic: int = 300
     """Labelled kinematic records."""
@@ -28,31 +28,31 @@ class Plan:
     bench: int = len(BENCH)
     """Simulated runs of the paper's bench."""
     drawn: int = 36
-    """Simulated runs with everything drawn."""
-    rattling: int = 8
-    """Simulated runs of a string that is thrown about."""
+    """Simulated runs with random parameters."""
+    bouncing: int = 8
+    """Simulated runs of a string that bounces between the walls."""
     hours: float = 24.0
-    """Steady rotation at 20 samples in a second [h]."""
+    """Steady rotation at 20 Hz [h]."""
 
 
-QUICK = Plan(kinematic=24, still=6, bench=4, drawn=4, rattling=1, hours=0.25)
-"""A tenth of it, to see that all is well."""
+QUICK = Plan(kinematic=24, still=6, bench=4, drawn=4, bouncing=1, hours=0.25)
+"""A tenth of it, for a quick check."""
 
 
 @dataclass
 class Result:
-    """What was measured."""
+    """Scores of the study."""
 
     plan: Plan
     kinematic: Score = field(default_factory=Score)
     simulated: Score = field(default_factory=Score)
     """Simulated runs, from wall marks, spin and top speed alone."""
     with_forces: Score = field(default_factory=Score)
-    """The same, with the wall forces at the marks."""
+    """Simulated runs, with the wall forces at the marks too."""
     false_onsets: int = 0
     """Marks with an onset in the hours of steady rotation."""
     worst: list[tuple[float, str]] = field(default_factory=list)
-    """Onsets that were not met: error [rev] and record."""
+    """Onsets beyond the tolerance: error [rev] and record."""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
@@ -66,7 +66,7 @@ class Result:
 
 
 def measure(plan: Plan, *, workers: int = 1, progress: Callable[[str], None] = lambda _: None) -> Result:
-    """Makes every record of a plan, has it analysed, and counts."""
+    """Make and analyse every record of a plan, on several processes, and merge the scores."""
     result = Result(plan)
     jobs = {job: (plan, *job) for job in _jobs(plan)}
     for name, found in run_jobs(_one, jobs, workers, done=lambda _, named: progress(named[0])).values():
@@ -82,7 +82,7 @@ def measure(plan: Plan, *, workers: int = 1, progress: Callable[[str], None] = l
 def _jobs(plan: Plan) -> Iterator[tuple[str, int]]:
     if plan.hours:
         yield "hours", 0
-    for kind in ("rattling", "bench", "drawn", "kinematic", "still"):
+    for kind in ("bouncing", "bench", "drawn", "kinematic", "still"):
         yield from ((kind, number) for number in range(getattr(plan, kind)))
 
 
@@ -93,7 +93,7 @@ def _one(plan: Plan, kind: str, number: int) -> tuple[str, list[tuple[str, Score
     if kind in {"kinematic", "still"}:
         record = labelled(number) if kind == "kinematic" else steady(number)
         return record.name, [("kinematic", _scored(record, states=kind == "kinematic"))]
-    run = {"rattling": rattling, "bench": bench, "drawn": simulated}[kind](number)
+    run = {"bouncing": bouncing, "bench": bench, "drawn": simulated}[kind](number)
     seen = partial(recorded, run)
     return run.name, [
         ("simulated", _scored(seen(forces=False), early=True)),
@@ -103,7 +103,7 @@ def _one(plan: Plan, kind: str, number: int) -> tuple[str, list[tuple[str, Score
 
 def _scored(record: Record, *, early: bool = False, states: bool = True) -> Score:
     score = Score()
-    score.add(record.truth, analysed(record), record.rotation, early=early)
+    score.add(record.truth, analyse(record), record.rotation, early=early)
     if not states:
         score.string[:] = 0
         score.marks[:] = 0

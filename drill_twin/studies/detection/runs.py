@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulated runs of which everything is kept: what a rig would see, and the full state that the truth is taken from."""
+"""Simulated runs with their measured signals and full state, from which the ground truth is computed."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ class Run:
     name: str
     """Name of the run."""
     marks: tuple[MarkInfo, ...]
-    """The marks, as the analyzer knows them."""
+    """The marks, as given to the analyzer."""
     time: Array
     """Times [s], shape (T,)."""
     top_speed: Array
     """Speed of the top drive [rad/s], shape (T,)."""
     point: ComplexArray
-    """Marked points [m], shape (T, m): what a camera sees."""
+    """Marked points as a camera measures them [m], shape (T, m)."""
     mark_spin: Array
     """Spin at the marks [rad], shape (T, m)."""
     mark_force: Array
@@ -48,15 +48,15 @@ class Run:
     clearance: Array
     """Clearance at the nodes [m], shape (n + 1,)."""
     vertical: bool
-    """Whether the hole is vertical."""
+    """True if the hole is vertical."""
 
 
 def simulate(name: str, overrides: Mapping[str, str]) -> Run:
-    """Runs the bench, with some things changed, from its start to its end and keeps everything.
+    """Run the bench with overrides from start to end and return all signals.
 
     Raises:
         SceneError: An override does not fit the scene.
-        RunError: The motion could not be followed.
+        RunError: A time step did not converge.
     """
     scene = parse_scene(BENCH_SCENE, name=name, overrides=dict(overrides))
     schedule, twin = Schedule.from_scene(scene), Twin(scene)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The scene of the simulated set: a bench like the paper's, kept here so that the set stays as it is."""
+"""Scene of the simulated cases: a bench like the paper's, fixed here so that the scores stay comparable."""
 
 BENCH_SCENE = """\
 name: detection_bench

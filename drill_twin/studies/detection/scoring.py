@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the analyzer makes of labelled records, and how that compares with the truth."""
+"""Analysis of labelled records, and its scores against the ground truth."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ STATES = (
     "not observable",
 )
 """Motion states in the order of the confusion matrix."""
-WITHIN = 0.5
-"""An onset is met within this [rev]."""
+MAX_ONSET_ERROR = 0.5
+"""Tolerance of an onset [rev]."""
 EARLY = 12.0
-"""Before so many revolutions a bow that has just begun to turn is easily taken for a whirl; counted apart [rev]."""
+"""Onsets before this are scored separately: there a bow is easily taken for whirl [rev]."""
 
 
-def analysed(record: Record) -> Summary:
-    """The findings of a record."""
+def analyse(record: Record) -> Summary:
+    """Summary of the analyzer for a record."""
     analyzer = Analyzer(record.marks)
     stamps, speeds = record.stamp.tolist(), record.top_speed.tolist()
     for i, stamp in enumerate(stamps):
@@ -44,14 +44,14 @@ def analysed(record: Record) -> Summary:
 
 @dataclass(eq=False)
 class Score:
-    """Counts over many records."""
+    """Scores over many records."""
 
     onset_error: list[float] = field(default_factory=list)
-    """Found less true onset [rev], where both are."""
+    """Found minus true onset [rev], where both exist."""
     delay: list[float] = field(default_factory=list)
-    """From the true onset until it was announced [rev]."""
+    """Time from the true onset to its detection [rev]."""
     early_error: list[float] = field(default_factory=list)
-    """The same of onsets in the first revolutions."""
+    """Errors of the onsets in the first revolutions [rev]."""
     missed: int = 0
     """Records with an onset that was not found."""
     false: int = 0
@@ -60,10 +60,10 @@ class Score:
     string: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(STATES), len(STATES)), np.int64))
     """Confusion of the string's states: true (row) and found (column), in eighths of a revolution."""
     marks: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(STATES), len(STATES)), np.int64))
-    """The same of the marks' states."""
+    """Confusion of the states of the marks."""
 
     def add(self, truth: Truth, found: Summary, rotation: float, *, early: bool = False) -> None:
-        """Counts a record with its truth and the rotation [rev/s]; `early` onsets apart, where asked for."""
+        """Add a record with its ground truth and rotation [rev/s]; with `early`, early onsets separately."""
         self.records += 1
         if truth.onset is None:
             self.false += found.onset is not None
@@ -79,7 +79,7 @@ class Score:
             _count(self.marks, truth.time, labels, periods)
 
     def merge(self, other: Score) -> None:
-        """Adds the counts of another."""
+        """Add another score."""
         self.onset_error += other.onset_error
         self.early_error += other.early_error
         self.delay += other.delay
@@ -97,7 +97,11 @@ class Score:
     @property
     def met(self) -> float:
         """Share of the onsets that were found within half a revolution."""
-        return sum(abs(error) <= WITHIN for error in self.onset_error) / self.onsets if self.onsets else float("nan")
+        return (
+            sum(abs(error) <= MAX_ONSET_ERROR for error in self.onset_error) / self.onsets
+            if self.onsets
+            else float("nan")
+        )
 
 
 def f1_scores(confusion: NDArray[np.int64]) -> dict[str, float]:
@@ -117,7 +121,7 @@ def macro_f1(confusion: NDArray[np.int64]) -> float:
 
 
 def states_at(time: Array, periods: Sequence[MotionPeriod]) -> list[str]:
-    """The state that a timeline names at given times [s]; of periods that start at once, the last."""
+    """States of a timeline at given times [s]; of periods with one start, the last."""
     starts = np.array([period.start_s for period in periods])
     index = np.maximum(np.searchsorted(starts, time, side="right") - 1, 0)
     return [periods[i].state.value for i in index.tolist()]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Labelled motions that are prescribed, and what a camera makes of them: noise, drop-outs, jitter, quantisation.
+"""Kinematic records: prescribed labelled motions, measured with noise, drop-outs, jitter and quantisation.
 
-Every record is drawn from a seed: a string that spins about a bent shape, is thrown into one motion and goes over into
-another. Radii are fractions of the clearance, time is counted in revolutions.
+Every record is random with a seed: steady rotation of a bent string, then one motion and then another. Radii are
+fractions of the clearance, times are in revolutions.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.studies.detection.ground_truth import GRID, LEVEL, Truth, onset
+from drill_twin.studies.detection.ground_truth import STATES_PER_TURN, WHIRL_THRESHOLD, Truth, onset
 from drill_twin.whirl import MarkInfo
 
 MOTIONS = (
@@ -25,20 +25,20 @@ MOTIONS = (
     "reverse whirl",
     "spiral",
 )
-"""Motions a record may be thrown into."""
-STEADY, HELD = 10.0, 24.0
+"""Motions of a record after its steady rotation."""
+STEADY_LENGTH, MOTION_LENGTH = 10.0, 24.0
 """Length of the steady rotation at the start and of each motion [rev]."""
 BLEND = 1.5
 """Length of the change from one motion to the next [rev]."""
 TOUCHING = 0.98
-"""A string this far out touches the wall."""
+"""Radius over the clearance from which the string touches the wall [-]."""
 HOLES = ((0.08175, 0.00825), (0.03675, 0.00825), (0.0539, 0.1016), (0.3, 0.09))
 """Clearance and outer radius [m]: the bench, the bench with 90 mm as diameter, 8 in in 12 1/4 in, and a wide hole."""
 
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """What a camera and the rig tell, and what is true; T samples, m marks."""
+    """Measured signals of camera and rig, and the ground truth; T samples, m marks."""
 
     name: str
     marks: tuple[MarkInfo, ...]
@@ -66,7 +66,7 @@ class _Motion:
 
 
 def labelled(seed: int) -> Record:
-    """A labelled record, the same for the same seed: steady rotation, then two motions one after the other."""
+    """A labelled record, the same for the same seed: steady rotation, then two motions."""
     draw = np.random.default_rng([seed, 6])
     clearance, outer = HOLES[int(draw.integers(len(HOLES)))]
     heights = int(draw.integers(3, 6))
@@ -76,12 +76,12 @@ def labelled(seed: int) -> Record:
     )
     first = MOTIONS[seed % len(MOTIONS)]
     second = MOTIONS[(seed + 1 + (seed // len(MOTIONS)) % (len(MOTIONS) - 1)) % len(MOTIONS)]
-    motions = [_drawn(name, draw, marks) for name in (first, second)]
-    time, rate, speed = _clock(draw)
-    angle = speed * math.tau * time  # it turns already when the record begins
+    motions = [_random_motion(name, draw, marks) for name in (first, second)]
+    time, rate, speed = _sample_times(draw)
+    angle = speed * math.tau * time  # the string rotates when the record begins
     revolutions = np.abs(angle) / math.tau
     growth = draw.uniform(0.4, 4.0)
-    part, change = _moving(motions, revolutions, angle, growth, draw)
+    part, change = _blended(motions, revolutions, angle, growth, draw)
     spin = angle[:, None] - 0.3 * np.arange(heights)
     rolls = any(motion.name == MOTIONS[1] for motion in motions)
     offset = 0.0 if rolls else draw.uniform(0.0, 0.15) * np.exp(1j * draw.uniform(0.0, math.tau))
@@ -89,26 +89,26 @@ def labelled(seed: int) -> Record:
     centre = part + rest
     centre /= np.maximum(np.abs(centre), 1.0)
     truth = _truth(motions, time, angle, part, change)
-    return _seen(f"{seed}: {first}, {second}", marks, time, spin, speed, centre, truth, draw, rate)
+    return _observed(f"{seed}: {first}, {second}", marks, time, spin, speed, centre, truth, draw, rate)
 
 
 def steady(seed: int, noise: float = 0.05) -> Record:
-    """A record without whirl: a bent string spins off the centre, with `noise` over the clearance on each axis."""
+    """A record without whirl: rotation of a bent, eccentric string, with `noise` over the clearance on each axis."""
     draw = np.random.default_rng([seed, 7])
     clearance, outer = HOLES[int(draw.integers(len(HOLES)))]
     marks = tuple(MarkInfo(f"mark_{k + 1}", 1.0 + k, "wall", outer, clearance) for k in range(4))
-    time, rate, speed = _clock(draw)
+    time, rate, speed = _sample_times(draw)
     angle = speed * math.tau * time
     spin = angle[:, None] - 0.3 * np.arange(4)
     rest = draw.uniform(0.0, 0.5) + draw.uniform(0.0, 0.2) * np.exp(1j * (spin + draw.uniform(0.0, math.tau)))
-    at = np.searchsorted(np.abs(angle) / math.tau, np.arange(0.0, abs(angle[-1]) / math.tau, 1.0 / GRID))
+    at = np.searchsorted(np.abs(angle) / math.tau, np.arange(0.0, abs(angle[-1]) / math.tau, 1.0 / STATES_PER_TURN))
     still = tuple("rotation about a fixed axis" for _ in at)
     truth = Truth(None, (None,) * 4, time[at], still, (still,) * 4)
-    return _seen(f"{seed}: steady", marks, time, spin, speed, rest, truth, draw, rate, noise=noise)
+    return _observed(f"{seed}: steady", marks, time, spin, speed, rest, truth, draw, rate, noise=noise)
 
 
-def _drawn(name: str, draw: np.random.Generator, marks: tuple[MarkInfo, ...]) -> _Motion:
-    """A motion of a name, with ratio, level and shape drawn."""
+def _random_motion(name: str, draw: np.random.Generator, marks: tuple[MarkInfo, ...]) -> _Motion:
+    """A motion of a name, with random ratio, level and shape."""
     m = len(marks)
     ratio = float(draw.choice([draw.uniform(0.15, 0.8), draw.uniform(1.2, 1.6), -draw.uniform(0.1, 1.2)]))
     level = float(draw.uniform(0.2, 0.85))
@@ -130,11 +130,11 @@ def _drawn(name: str, draw: np.random.Generator, marks: tuple[MarkInfo, ...]) ->
     return _Motion(name, ratio, level, shape.astype(complex))
 
 
-def _clock(draw: np.random.Generator) -> tuple[Array, float, float]:
+def _sample_times(draw: np.random.Generator) -> tuple[Array, float, float]:
     """Sample times [s], their rate [Hz] and the speed [rev/s, signed]; 6 to 400 samples in a revolution."""
     rate = float(np.exp(draw.uniform(math.log(20.0), math.log(2000.0))))
     speed = float(draw.uniform(max(0.5, rate / 400.0), min(6.0, rate / 6.0)))
-    count = int((STEADY + 2.0 * HELD) / speed * rate)
+    count = int((STEADY_LENGTH + 2.0 * MOTION_LENGTH) / speed * rate)
     time = np.arange(count) / rate
     jitter = draw.uniform(0.0, 0.3) / rate
     time = np.sort(time + draw.normal(size=count) * jitter)
@@ -142,11 +142,11 @@ def _clock(draw: np.random.Generator) -> tuple[Array, float, float]:
     return time, rate, float(draw.choice([-1.0, 1.0])) * speed
 
 
-def _moving(
+def _blended(
     motions: list[_Motion], revolutions: Array, angle: Array, growth: float, draw: np.random.Generator
 ) -> tuple[ComplexArray, float]:
-    """The asynchronous part over the clearance, shape (T, m), and when the second motion takes over [rev]."""
-    change = STEADY + HELD
+    """The asynchronous part over the clearance, shape (T, m), and the time of the second motion [rev]."""
+    change = STEADY_LENGTH + MOTION_LENGTH
     parts = []
     for number, motion in enumerate(motions):
         if motion.name == "irregular":
@@ -155,7 +155,7 @@ def _moving(
             path = np.exp(1j * (motion.ratio * angle + draw.uniform(0.0, math.tau)))
         part = motion.level * path[:, None] * motion.shape
         if number == 0:
-            grown = LEVEL / motion.level * np.exp(np.minimum(growth * (revolutions - STEADY), 50.0))
+            grown = WHIRL_THRESHOLD / motion.level * np.exp(np.minimum(growth * (revolutions - STEADY_LENGTH), 50.0))
             part = part * (grown / (1.0 + grown))[:, None]
         parts.append(part)
     x = np.clip((revolutions - change) / BLEND + 0.5, 0.0, 1.0)[:, None]
@@ -164,7 +164,7 @@ def _moving(
 
 
 def _wandering(revolutions: Array, draw: np.random.Generator) -> ComplexArray:
-    """A path without a steady pace or radius: complex Gaussian noise, most of it within 0.6 of the rotation."""
+    """Irregular path: complex Gaussian noise, most of it within 0.6 of the rotation."""
     lines = 24
     pace = draw.normal(0.0, 0.6, lines)
     phase = draw.uniform(0.0, math.tau, lines)
@@ -174,7 +174,7 @@ def _wandering(revolutions: Array, draw: np.random.Generator) -> ComplexArray:
 
 def _truth(motions: list[_Motion], time: Array, angle: Array, part: ComplexArray, change: float) -> Truth:
     revolutions, radius = np.abs(angle) / math.tau, np.abs(part)
-    at = np.searchsorted(revolutions, np.arange(0.0, revolutions[-1], 1.0 / GRID))
+    at = np.searchsorted(revolutions, np.arange(0.0, revolutions[-1], 1.0 / STATES_PER_TURN))
     at = at[at < time.size]
     onsets = tuple(onset(time, part[:, k], angle) for k in range(radius.shape[1]))
     known = [found for found in onsets if found is not None]
@@ -195,15 +195,15 @@ def _truth(motions: list[_Motion], time: Array, angle: Array, part: ComplexArray
 
 
 def _of_mark(motion: _Motion, name: str, mark: int) -> str:
-    """What a mark is in when the string is in a motion of this name; nothing where it moves too little to tell."""
-    if abs(motion.shape[mark]) * motion.level < 2.0 * LEVEL:
+    """Motion of a mark during a motion of the string; empty where its radius is too small."""
+    if abs(motion.shape[mark]) * motion.level < 2.0 * WHIRL_THRESHOLD:
         return ""
     if name in {"second bending", "spiral"}:
         return "forward whirl" if motion.ratio > 0.0 else "reverse whirl"
     return name
 
 
-def _seen(
+def _observed(
     name: str,
     marks: tuple[MarkInfo, ...],
     time: Array,
@@ -215,7 +215,7 @@ def _seen(
     rate: float,
     noise: float | None = None,
 ) -> Record:
-    """What a camera sees of a centre line over the clearance, shape (T, m)."""
+    """Record of a centre line over the clearance, shape (T, m)."""
     scale = marks[0].clearance
     arm = np.array([mark.wall_offset if mark.on == "wall" else 0.0 for mark in marks])
     level = float(draw.uniform(0.0, 0.03)) if noise is None else noise

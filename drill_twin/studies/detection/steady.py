@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Hours of steady rotation with noise, in which no onset may be found."""
+"""False onsets in hours of steady rotation with noise."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ CLEARANCE, OUTER = 0.08175, 0.00825
 SPEED = 2.0
 """Rotation [rev/s]."""
 BOW, OFFSET = 0.1, 0.2
-"""Of the clearance."""
+"""Radius of the bow and static offset, over the clearance [-]."""
 PART = 600.0
-"""Noise is drawn for so long at a time [s]."""
+"""Length of the blocks of noise [s]."""
 
 
 def false_onsets(hours: float, *, marks: int = 4, rate: float = 20.0, noise: float = 0.05, seed: int = 0) -> int:
-    """Marks for which an onset is found in `hours` of steady rotation of a bent, leaning string.
+    """Number of marks with an onset in `hours` of steady rotation of a bent, eccentric string.
 
     Args:
         hours: Length of the record [h].

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The measurement as Markdown tables, as they stand in `docs/analyzer.md`."""
+"""Scores as the Markdown tables of `docs/analyzer.md`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 TARGETS = {"kinematic": 0.95, "simulated": 0.85, "simulated_with_forces": 0.85}
-"""Macro-F1 that is asked for."""
+"""Required macro-F1."""
 NAMES = {
     "kinematic": "kinematic signals",
     "simulated": "simulated runs, marks and top speed alone",
@@ -16,7 +16,7 @@ NAMES = {
 
 
 def markdown(measured: dict[str, Any]) -> str:
-    """The tables of a result in plain types (`Result.to_dict`)."""
+    """Tables of a result in plain types (`Result.to_dict`)."""
     return "\n".join([*_onsets(measured), "", *_states(measured), ""])
 
 

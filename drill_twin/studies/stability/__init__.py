@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which steps the scheme can take, measured, beside the steps that an explicit scheme could (docs/stability.md)."""
+"""Stability study: time steps that the scheme can take, beside the limit of an explicit scheme (docs/stability.md)."""
 
 from drill_twin.studies.stability.bound import explicit_limit
 from drill_twin.studies.stability.figure import draw

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The largest step of an explicit scheme for a string's linear forces, for comparison: ours has none."""
+"""Stability limit of an explicit scheme for the linear forces of a string, for comparison with the implicit one."""
 
 from __future__ import annotations
 
@@ -11,17 +11,16 @@ from drill_twin.model.mesh import Rod
 
 
 def explicit_limit(rod: Rod, *, damping_time: float = 0.0, drag: float = 0.0, wall: float = 0.0) -> float:
-    """Largest stable step of central differences with lagged damping, for the string across the hole [s].
+    """Largest stable step of central differences with lagged damping, for lateral motion [s].
 
     2 / w (sqrt(1 + z^2) - z) over all modes, with w their frequency and z their damping ratio (Belytschko, Liu and
-    Moran 2000, section 6.2). The damping is a sum of a part in proportion to bending and one to mass, so that all modes
-    of a string with its wall all along have their own.
+    Moran 2000, section 6.2). The damping is the sum of a part proportional to bending and a part proportional to mass.
 
     Args:
-        rod: The string; its ends free, which bounds every other end.
+        rod: The string; its ends are free, which bounds every other boundary condition.
         damping_time: Retardation time of bending [s].
         drag: Linear drag per length [N s/m2].
-        wall: Stiffness of a linear wall that the string lies on everywhere [N/m2].
+        wall: Stiffness of a linear wall in contact along the whole string [N/m2].
     """
     size = 2 * rod.arc.size
     mass, bend, bed = np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture of the region: energy gone astray as colour, Newton iterations as numbers, an explicit scheme's bound."""
+"""Stability map: energy error as colour, Newton iterations as numbers, limit of an explicit scheme."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from drill_twin.studies.stability.measure import Cell
 
 LABELS = {"wall": "stiffness of the wall [N/m²]", "damping_time": "retardation time of bending [s]"}
-LEAST, MOST = 1e-4, 1.0  # shares of energy told apart
+LEAST, MOST = 1e-4, 1.0  # range of the energy error
 
 
 def draw(maps: dict[str, Sequence[Sequence[Cell]]], path: str | Path) -> None:
@@ -32,10 +32,10 @@ def draw(maps: dict[str, Sequence[Sequence[Cell]]], path: str | Path) -> None:
         axis.set_ylabel(LABELS[what])
         axis.set_xlabel("time step [s]")
     figure.suptitle(
-        "Steps that the midpoint rule takes: Newton iterations per step; x = some steps halved, red = not followed",
+        "Time steps of the midpoint rule: Newton iterations per step; x = some steps halved, red = stopped",
         fontsize=12,
     )
-    figure.colorbar(images[0], ax=list(axes), label="energy that nothing accounts for, of that on the move")
+    figure.colorbar(images[0], ax=list(axes), label="energy error, of the energy in motion")
     figure.savefig(Path(path), dpi=120)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs over step and stiffness or damping: does the scheme follow, at what price, and how much energy goes astray."""
+"""Runs over time step and wall stiffness or damping: convergence, iterations and energy error."""
 
 from __future__ import annotations
 
@@ -26,26 +26,26 @@ HERTZ = 20.0
 
 @dataclass(frozen=True)
 class Cell:
-    """One run."""
+    """Result of one run."""
 
     step: float
     """Nominal time step [s]."""
     value: float
     """Stiffness of the wall [N/m2] or retardation time [s]."""
     followed: bool
-    """Whether it came to its end."""
+    """True if the run reached its end."""
     iterations: float
-    """Newton iterations per step taken."""
+    """Newton iterations per step [-]."""
     cut: float
-    """Steps that had to be halved, by Newton's method or by the guard, per step taken."""
+    """Steps halved, after failed convergence or by the step guard, per step [-]."""
     energy: float
-    """Largest energy that nothing accounts for, as a share of what was on the move."""
+    """Largest energy error, over the energy in motion [-]."""
     limit: float
-    """Largest step that an explicit scheme could take [s]."""
+    """Stability limit of an explicit scheme [s]."""
 
 
 def measure(step: float, *, wall: float = 1e6, damping_time: float = 0.0) -> Cell:
-    """The rod is kicked into the wall of a narrow hole, turns, and is left to itself for half a second.
+    """Run of the rotating rod for half a second, after a lateral velocity towards the wall of a narrow hole.
 
     Args:
         step: Nominal time step [s].
@@ -87,7 +87,7 @@ def stability_map(
     values: Sequence[float] | None = None,
     progress: Callable[[Cell], None] = lambda _: None,
 ) -> list[list[Cell]]:
-    """Runs over steps and values of `wall` or `damping_time`: a row for each value."""
+    """Results over steps and values of `wall` or `damping_time`: a row for each value."""
     chosen = values if values is not None else (WALLS if what == "wall" else TIMES)
     rows = []
     for value in chosen:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The library of hard scenes (`config/hard/`), run to the end and judged: for `drill-twin hard` and docs/hard.md."""
+"""Stress study: runs of the scenes in `config/hard/`, for `drill-twin hard` and docs/hard.md."""
 
 from drill_twin.studies.stress.case import HardCase, all_hard_cases, choose_hard
-from drill_twin.studies.stress.judge import Result, run_case, run_hard
+from drill_twin.studies.stress.run import Result, run_case, run_hard
 
 __all__ = ["HardCase", "Result", "all_hard_cases", "choose_hard", "run_case", "run_hard"]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How deep the law of the wall lets a string sink in.
+"""Bound on the penetration of the wall, from the contact law.
 
-A judge of its own, tighter than the guard's bound (`drill_twin.twin.state_bounds`), which it must not share: what is
-wrong in one would pass the other.
+Tighter than the bound of the step guard (`drill_twin.twin.state_bounds`), and independent of it, so that each finds an
+error in the other.
 """
 
 from __future__ import annotations
@@ -12,22 +12,22 @@ import numpy as np
 from drill_twin.schedule import extremes
 from drill_twin.twin.twin import Twin
 
-NEIGHBOURS = 2.0
-"""A bent string rests on parts of its contact only: the peak of its force per length over the mean of the helix."""
+PEAK_FACTOR = 2.0
+"""A bent string rests on parts of its contact only: peak over mean of its wall force per length."""
 
 
-def deepest_allowed(twin: Twin, speed: float) -> float:
+def allowed_depth(twin: Twin, speed: float) -> float:
     """Depth at which a slice of the string comes to rest in the wall [m]; infinite where the scene lists no wall.
 
     From K d^(p+1) / (p+1) = m v^2 / 2 + q d + h d^2 / 2 for a slice of mass m per length that meets the wall at the
-    speed v and is pressed, suddenly, by q per length: by its weight, by six times the rms of a random force, and by
-    what presses a helix on the wall, h (c + d) with h = P^2 / (4 EI) and c the clearance (Mitchell 1988). Neighbours
-    that press through the bending of the string count twice over. A wall softer than h bears no helix: the string
-    buckles into it as on an elastic bed (Hetenyi 1946, section 7), and only its length bounds the depth.
+    speed v and is pressed suddenly by q per length: by its weight, by six times the rms of a random force, and by the
+    wall force of a helix, h (c + d) with h = P^2 / (4 EI) and c the clearance (Mitchell 1988). The
+    uneven distribution along a bent string counts twice. A wall softer than h supports no helix: the string buckles
+    into it as on an elastic foundation (Hetenyi 1946, section 7), and only its length bounds the depth.
 
     Args:
-        twin: The string in its hole.
-        speed: The largest lateral speed it had [m/s].
+        twin: The twin after its run.
+        speed: Largest lateral speed of the run [m/s].
     """
     wall = twin.scene.effects.wall
     if wall is None:
@@ -36,25 +36,25 @@ def deepest_allowed(twin: Twin, speed: float) -> float:
     stiffness = float(wall.stiffness or wall.linear_stiffness)
     mass = float(twin.rod.line_mass.max())
     helix = extremes(twin.scene).weight_on_bit ** 2 / (4.0 * float(twin.rod.bending.min()))
-    pressed = NEIGHBOURS * (pressure(twin) + helix * float(twin.model.bore.clearance.max()))
+    pressed = PEAK_FACTOR * (pressing_force(twin) + helix * float(twin.model.wellbore.clearance.max()))
 
-    def sinks_on(depth: float) -> bool:
-        pushed = 0.5 * mass * speed**2 + pressed * depth + 0.5 * NEIGHBOURS * helix * depth**2
+    def sinks_further(depth: float) -> bool:
+        pushed = 0.5 * mass * speed**2 + pressed * depth + 0.5 * PEAK_FACTOR * helix * depth**2
         return bool(stiffness * depth ** (power + 1.0) / (power + 1.0) < pushed)
 
     low, high, longest = 0.0, 1e-9, float(twin.rod.arc[-1])
-    while sinks_on(high):
+    while sinks_further(high):
         high *= 2.0
         if high > longest:
             return longest
     for _ in range(100):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if sinks_on(middle) else (low, middle)
+        low, high = (middle, high) if sinks_further(middle) else (low, middle)
     return high
 
 
-def pressure(twin: Twin) -> float:
-    """Largest force per length that presses the string on the wall whatever its shape [N/m]: weight, random force."""
+def pressing_force(twin: Twin) -> float:
+    """Largest external force per length that presses the string on the wall [N/m]: weight, random force."""
     effects = twin.scene.effects
     weight = effects.gravity.magnitude * float(twin.rod.line_mass.max()) if effects.gravity is not None else 0.0
     random = 6.0 * effects.random_force.rms if effects.random_force is not None else 0.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which hard scenes there are, and in which forms of the string each can be run."""
+"""Cases: the hard scenes, each in the formulations that it permits."""
 
 from __future__ import annotations
 
@@ -11,49 +11,49 @@ from drill_twin.errors import SceneError
 from drill_twin.scene import Scene, hard_scenes, load_scene
 
 SPATIAL, LATERAL = "spatial", "lateral"
-LONG = 100.0
+QUICK_LIMIT = 100.0
 """Simulated time above which a case is left out of the quick run [s]."""
-STOPS = {"hard/folds": "folded back"}
-"""Scenes that no solver of this kind can follow to the end, and a word that the reason for stopping must hold."""
+EXPECTED_STOPS = {"hard/folds": "folded back"}
+"""Scenes that must stop with an error, and a part of its message."""
 LARGE_SLOPES = frozenset({"hard/clearance_10_m", "hard/folds"})
-"""Scenes whose slopes are of order one; the lateral form is for small ones."""
+"""Scenes with slopes of order one; the lateral formulation is for small slopes."""
 
 
 @dataclass(frozen=True)
 class HardCase:
-    """A hard scene in one form of the string."""
+    """A hard scene in one formulation."""
 
     scene_name: str
-    """As `drill-twin run` takes it, such as `hard/load_300_n`."""
+    """Name for `drill-twin run`, as `hard/load_300_n`."""
     form: str
     """`spatial` or `lateral`."""
     why: str
-    """Why it is hard, in one line."""
+    """Reason why the scene is hard, in one line."""
     seconds: float
     """Simulated time [s]."""
 
     @property
     def name(self) -> str:
-        """`load_300_n[spatial]`."""
+        """Name of the case, as `load_300_n[spatial]`."""
         return f"{self.scene_name.removeprefix('hard/')}[{self.form}]"
 
     @property
     def long(self) -> bool:
-        """Whether the quick run leaves it out."""
-        return self.seconds > LONG
+        """True if `--quick` leaves the case out."""
+        return self.seconds > QUICK_LIMIT
 
     def scene(self, *, energy: bool = False) -> Scene:
-        """The scene in this form, with the energy audit if asked for."""
+        """The scene in this formulation, with the energy audit if `energy`."""
         audit = {"numerics.audit": "energy"} if energy else {}
         return load_scene(self.scene_name, overrides=_form(self.form) | audit)
 
 
 @cache
 def all_hard_cases() -> tuple[HardCase, ...]:
-    """Every case: each scene in space, and across the hole only where it permits that.
+    """Every case: each scene in the spatial formulation, and in the lateral one where it permits that.
 
     Raises:
-        SceneError: A scene of the library is wrong.
+        SceneError: A scene of the library is invalid.
     """
     return tuple(case for name in hard_scenes() for case in _forms_of(name))
 
@@ -79,6 +79,6 @@ def _permits_lateral(name: str) -> bool:
         return False
     try:
         load_scene(name, overrides=_form(LATERAL))
-    except SceneError:  # an effect or a drive that needs what the lateral form leaves out
+    except SceneError:  # an effect or a drive that needs stretch or torsion
         return False
     return True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The hard cases as a page for the docs and as plain data."""
+"""Results of the hard cases as a Markdown page and as plain data."""
 
 from __future__ import annotations
 
@@ -8,46 +8,47 @@ from itertools import groupby
 from typing import Any
 
 from drill_twin import __version__
-from drill_twin.studies.stress.judge import Result
+from drill_twin.studies.stress.run import Result
 from drill_twin.studies.verify.page import computed, error, number, tolerance
-from drill_twin.studies.verify.run import Outcome
+from drill_twin.studies.verify.run import CaseResult
 
 EXACT = (
     "buckling.euler", "rotor.whirl_driven_by_internal_damping", "contact.bounce_without_loss", "contact.restitution",
     "contact.pure_rolling", "contact.climbing", "stick_slip.cycle", "stick_slip.thresholds",
 )  # fmt: skip
-"""Exact checks (`drill-twin verify`) of what the hard scenes are about."""
+"""Cases of `drill-twin verify` on the same physics."""
 
-ALLOWED = 6  # place of the depth that is allowed, too wide for a terminal
+ALLOWED = 6  # index of the column of the allowed depth, too wide for a terminal
 COLUMNS = ("scene", "form", "steps", "cut", "back", "depth", "law + step", "energy", "RTF", "")
 
 _HEAD = """# Hard cases
 
-<!-- Written by `{command}`; do not edit. Whoever changes physics or solver runs it again. -->
+<!-- Written by `{command}`; do not edit. Run it again after a change of physics or solver. -->
 
 The scenes of `config/hard/`, each run to its end. `drill-twin hard` does it on your machine and ends with exit code 1
 if one is not in order; `drill-twin run hard/load_300_n` runs one as any other scene. {summary}
 
-*Steps* are those taken, *cut* those halved because Newton's method did not converge, *back* the frames that the guard
-had done again. *Depth* is the deepest penetration of the wall in any frame [mm]. *Law* is what the law of the wall
-gives a slice of the string at the speed and under the load that occurred, K d^(p+1) / (p+1) = m v^2 / 2 + q d; *step*
-is what half a step adds at that speed: where it is the larger one, impacts are not resolved. *Energy* is the largest
-part that nothing accounts for in the audit (`numerics.audit`, here by `--energy`), of the largest energy on the move. A
-run is in order if it comes to its end with every number finite, no deeper than law and step together, at most a tenth
-of the energy not accounted for, and no effect that dissipates giving any; or, where nothing could follow the motion, if
-it stops and names the reason. *RTF* is simulated over wall-clock seconds, two runs at a time.
+*Steps* is the number of time steps, *cut* that of steps halved because Newton's method did not converge, *back* that of
+frames that the step guard rejected and repeated. *Depth* is the largest penetration of the wall in any frame [mm].
+*Law* is the penetration that the contact law gives for a slice of the string at the speed and under the load of the
+run, K d^(p+1) / (p+1) = m v^2 / 2 + q d; *step* is the displacement in half a step at that speed: where it is the
+larger one, impacts are not resolved. *Energy* is the largest error of the energy balance (`numerics.audit`, here by
+`--energy`) over the largest energy in motion. A run is in order if it ends with every number finite, a penetration
+below law and step together, an energy error of at most a tenth, and no dissipative effect that adds energy; or, where
+the motion cannot be computed, if it stops and names the reason. *RTF* is simulated over wall-clock time, two runs at a
+time.
 
 """
 _EXACT = """## With an exact answer
 
-What the same kernels compute at the same tolerances, beside closed forms; the whole list is in
+Results of the same kernels at the same tolerances beside closed forms; the whole list is in
 [verification.md](verification.md).
 
 """
 
 
 def summary(results: Sequence[Result]) -> str:
-    """One line.
+    """One line: number of cases in order.
 
     >>> summary([])
     'Nothing was run.'
@@ -58,7 +59,7 @@ def summary(results: Sequence[Result]) -> str:
 
 
 def cells(result: Result) -> tuple[str, ...]:
-    """A line of the table."""
+    """Cells of a row of the table."""
     wall = result.depth > 0.0
     return (
         result.name.partition("[")[0], result.form, str(result.steps), str(result.cut_steps), str(result.interventions),
@@ -69,34 +70,34 @@ def cells(result: Result) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def to_data(results: Sequence[Result], outcomes: Sequence[Outcome] = ()) -> dict[str, Any]:
+def to_data(results: Sequence[Result], checks: Sequence[CaseResult] = ()) -> dict[str, Any]:
     """Plain types for JSON."""
     return {
         "version": __version__,
-        "ok": all(result.ok for result in results) and all(outcome.ok for outcome in outcomes),
+        "ok": all(result.ok for result in results) and all(check.ok for check in checks),
         "cases": [result.to_dict() for result in results],
-        "exact": [outcome.to_dict() for outcome in outcomes],
+        "exact": [check.to_dict() for check in checks],
     }
 
 
-def to_page(results: Sequence[Result], outcomes: Sequence[Outcome], command: str) -> str:
+def to_page(results: Sequence[Result], checks: Sequence[CaseResult], command: str) -> str:
     """The docs page, in Markdown.
 
     Args:
-        results: In the order of the library.
-        outcomes: Of the exact checks.
-        command: What writes it.
+        results: Results, in the order of the library.
+        checks: Results of the cases with an exact answer.
+        command: Command line that writes it.
     """
     lines = [_line(*COLUMNS), _line(*["---"] * len(COLUMNS)), *(_line(*cells(result)) for result in results)]
     text = _HEAD.format(command=command, summary=summary(results))
     text += "\n".join(lines) + "\n\n## Why they are hard\n\n"
     text += "\n".join(f"* `{name}`: {why}" for name, why in _reasons(results)) + "\n\n"
-    if outcomes:
+    if checks:
         columns = ("check", "form", "number", "reference", "expected", "computed", "error", "tolerance", "")
-        text += _EXACT + "\n".join([_line(*columns), _line(*["---"] * len(columns)), *_exact(outcomes)]) + "\n\n"
-    said = [result for result in results if result.verdict != "ok"]
-    if said:
-        text += "## What was said\n\n" + "\n".join(f"* `{result.name}`: {result.verdict}" for result in said)
+        text += _EXACT + "\n".join([_line(*columns), _line(*["---"] * len(columns)), *_exact(checks)]) + "\n\n"
+    messages = [result for result in results if result.verdict != "ok"]
+    if messages:
+        text += "## Messages\n\n" + "\n".join(f"* `{result.name}`: {result.verdict}" for result in messages)
     return text.rstrip() + "\n"
 
 
@@ -105,13 +106,13 @@ def _reasons(results: Sequence[Result]) -> Iterator[tuple[str, str]]:
         yield name, next(group).why
 
 
-def _exact(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    for outcome in outcomes:
-        if outcome.failure:
-            yield _line(outcome.case.name, outcome.case.form, outcome.failure, "", "", "", "", "", "**miss**")
-        for row in outcome.rows:
+def _exact(checks: Sequence[CaseResult]) -> Iterator[str]:
+    for check in checks:
+        if check.failure:
+            yield _line(check.case.name, check.case.form, check.failure, "", "", "", "", "", "**miss**")
+        for row in check.rows:
             yield _line(
-                outcome.case.name.partition("[")[0], outcome.case.form, row.what, f"`{row.reference}` ({row.source})",
+                check.case.name.partition("[")[0], check.case.form, row.what, f"`{row.reference}` ({row.source})",
                 number(row.expected), computed(row), error(row), tolerance(row), "ok" if row.ok else "**miss**",
             )  # fmt: skip
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exact checks: each is a scene that is run and compared with a closed form or a published number.
+"""Verification: scenes whose results are compared with closed forms or published numbers.
 
-One source for the command `drill-twin verify`, for docs/verification.md and for the tests in test/studies/verify.
+The command `drill-twin verify`, docs/verification.md and the tests in test/studies/verify use the same cases.
 """
 
 from __future__ import annotations
@@ -33,8 +33,10 @@ TOPICS = {
     "numerics.formulations": "walled",
     "numerics.default_resolution": "quiet",
 }
-"""Modules with cases, in the order of the page, and the set of effects that (nearly) all of their scenes have: cases
-with the same one run the same compiled code, so one process should run them."""
+"""Modules with cases, in the order of the page, and the set of effects of nearly all of their scenes.
+
+Cases with the same set run the same kernel.
+"""
 
 
 def all_cases() -> list[Case]:
@@ -46,11 +48,11 @@ def all_cases() -> list[Case]:
 
 
 def choose(pattern: str = "", *, quick: bool = False) -> list[Case]:
-    """Cases whose name contains the pattern, or matches it if it has a `*` or `?`.
+    """Cases whose name contains the pattern, or matches it if it contains `*` or `?`.
 
     Args:
-        pattern: Empty for all of them.
-        quick: Leave out the long ones.
+        pattern: Part of a name or a pattern; empty: all cases.
+        quick: Leave out the long cases.
     """
     wild = any(sign in pattern for sign in "*?")
     return [

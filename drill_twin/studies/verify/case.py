@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A case: a scene that is run and compared with exact numbers, once for each form of the string and each variant."""
+"""Case: a function that runs scenes and yields rows, registered once for each formulation and variant."""
 
 from __future__ import annotations
 
@@ -13,62 +13,62 @@ from drill_twin.studies.verify.row import Row
 
 SPATIAL, LATERAL = "spatial", "lateral"
 FORMS = (SPATIAL, LATERAL)
-"""Both forms of the string (`drill_twin.twin.form_of`)."""
+"""Both formulations (`drill_twin.twin.dynamics.form_of`)."""
 
 Function = Callable[..., Iterable[Row]]
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One run, or a few that belong together."""
+    """One variant of a check, run in one formulation."""
 
     name: str
-    """`topic.function[variant,form]`."""
+    """Name as `module.function[variant,form]`."""
     topic: str
-    """Module in `drill_twin.studies.verify`, such as `statics.buckling`."""
+    """Module in `drill_twin.studies.verify`, as `statics.buckling`."""
     form: str
-    """"spatial", "lateral", or "both" where the case is about the two."""
+    """"spatial", "lateral", or "both" for a comparison of the two."""
     long: bool
-    """Takes more than a few seconds; left out of the quick suite."""
+    """Takes more than a few seconds; left out by `--quick` and run by `make test-long`."""
     function: Function
     arguments: dict[str, Any] = field(default_factory=dict)
 
     @property
     def about(self) -> str:
-        """What is shown and why the tolerance is what it is."""
+        """Description of the case and reason of its tolerance: the docstring of its function."""
         return inspect.getdoc(self.function) or ""
 
     def run(self) -> list[Row]:
-        """The rows of the table.
+        """Run the case and return its rows.
 
         Raises:
-            RunError: The motion could not be followed.
+            RunError: A time step did not converge.
         """
         return list(self.function(**self.arguments))
 
 
 CASES: list[Case] = []
-"""Every case, in the order of the page."""
+"""Every registered case."""
 
 
 def case(*, forms: tuple[str, ...] = (SPATIAL,), long: bool = False, **variants: Iterable[Any]) -> Callable[..., Any]:
-    """Register a function that yields rows.
+    """Decorator that registers a function that yields rows.
 
     Args:
-        forms: Run it for each of these, given as `form` if the function takes that; `()`: it is about both.
-        long: Leave it out of the quick suite.
-        variants: Run it for each value of these arguments too, and for their combinations.
+        forms: Formulations to run, passed as `form` if the function takes it; `()`: one case for both.
+        long: Leave the case out of the quick ones.
+        variants: Values of further arguments; a case for each combination.
     """
 
     def register(function: Function) -> Function:
         topic = ".".join(function.__module__.split(".")[-2:])
-        whole = f"{topic.rpartition('.')[2]}.{getattr(function, '__name__', '')}"
+        name_of_function = f"{topic.rpartition('.')[2]}.{getattr(function, '__name__', '')}"
         takes_form = "form" in inspect.signature(function).parameters
         for values in product(*variants.values()):
             for form in forms or ("both",):
                 arguments = dict(zip(variants, values, strict=True))
-                words = [str(value) for value in values] + ([form] if forms else [])
-                name = whole + (f"[{','.join(words)}]" if words else "")
+                labels = [str(value) for value in values] + ([form] if forms else [])
+                name = name_of_function + (f"[{','.join(labels)}]" if labels else "")
                 given = arguments | ({"form": form} if takes_form else {})
                 CASES.append(Case(name, topic, form, long, function, given))
         return function

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is not shown against exact or published numbers, and why: said on the page, so that nobody has to find out."""
+"""Parts of the model that are not compared with exact or published numbers, and why; printed on the page."""
 
 _LIST = """
 Load of helical buckling in an inclined hole: the published criteria, 2.83 and 3.66 sqrt(EI w sin(alpha) / r), differ
-by far more than the twin errs, and the transition has hysteresis. Snaking and the helix itself are checked.
+by far more than the error of the twin, and the transition has hysteresis. Snaking and the helix itself are checked.
 
-Roll-up to a full circle: the reference that twist is counted from is singular where the string is folded back by half
-a turn; 0.9 of that is checked.
+Roll-up to a full circle: the reference frame of the twist is singular where the string is folded back by half a
+turn; 0.9 of that is checked.
 
 Order of convergence through impacts and sticking: the orders are those of smooth motion; in contact there is no exact
 path to compare with.
@@ -15,13 +15,13 @@ Onset, frequencies and orbits of the paper's own runs: it gives no ramp, bow, da
 or bit end; pa6_bench uses estimates.
 
 Maps of forward and backward whirl over speed and friction: Jansen 1991 and the lumped models of others are cited,
-their numbers are not at hand. Pure rolling, the threshold of internal damping and imbalance are checked.
+their numbers are not available to us. Pure rolling, the threshold of internal damping and imbalance are checked.
 
 Start-up of a well off bottom: the first mode and its damping are checked, the break-off torque and the field records
 of Aarsnes and Shor 2018 are not.
 
-Regenerative cutting (axial-torsional coupling by delay): no effect of the twin remembers the rock that the last blade
-left.
+Regenerative cutting (axial-torsional coupling by delay): no effect of the twin stores the rock surface that the last
+blade left.
 
 Laboratory rigs: of the published ones only the UFRJ stick-slip rig has raw data, and neither its inertia nor its
 stiffness.
@@ -35,7 +35,7 @@ Rotary inertia and gyroscopic moments of the cross-section: left out of the mode
 length)^2.
 """
 
-MISSING: tuple[tuple[str, str], ...] = tuple(
+NOT_VALIDATED: tuple[tuple[str, str], ...] = tuple(
     (what, " ".join(why.split())) for what, _, why in (part.partition(": ") for part in _LIST.strip().split("\n\n"))
 )
-"""What, and why."""
+"""Part of the model, and reason."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One line of the table: what the twin computed beside what is exact."""
+"""Row of the table: a computed number and its reference."""
 
 from __future__ import annotations
 
@@ -10,37 +10,37 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Row:
-    """One number of the twin against its reference."""
+    """A computed number and its reference."""
 
     what: str
-    """The number, with its unit in brackets."""
+    """Quantity, with its unit in brackets."""
     reference: str
-    """The formula, or what the law says."""
+    """Formula of the reference."""
     source: str
     """Author, year and equation or table of the formula."""
     expected: float
-    """By the formula."""
+    """Value of the reference."""
     computed: float
-    """By the twin."""
+    """Value that the twin computed."""
     tolerance: float
-    """Largest error that the discretisation explains; the case says why."""
+    """Largest error that the discretisation explains; the docstring of the case gives the reason."""
     relative: bool = True
-    """Whether error and tolerance are shares of the expected number; else they have its unit."""
+    """True if error and tolerance are relative to the expected number; else they have its unit."""
 
     def __post_init__(self) -> None:
-        """Refuse shares of nothing."""
+        """Refuse a relative error of zero."""
         if self.relative and self.expected == 0.0:
             raise ValueError(f"{self.what}: expected a reference other than 0 for a relative error; say relative=False")
 
     @property
     def error(self) -> float:
-        """Computed less expected; as a share of the expected number if `relative`."""
+        """Computed minus expected, over the expected number if `relative`."""
         difference = float(self.computed) - float(self.expected)
         return difference / abs(float(self.expected)) if self.relative else difference
 
     @property
     def ok(self) -> bool:
-        """Whether the error is a number and within the tolerance."""
+        """True if the error is finite and within the tolerance."""
         return math.isfinite(self.error) and abs(self.error) <= self.tolerance
 
     def to_dict(self) -> dict[str, Any]:

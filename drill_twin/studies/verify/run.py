@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run cases on several processors and gather what they found."""
+"""Runs of cases on several processes."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from drill_twin.studies.verify.row import Row
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What one case showed."""
+class CaseResult:
+    """Rows of a case, or the reason why there are none."""
 
     case: Case
     rows: tuple[Row, ...]
     seconds: float
-    """Time it took, compiling included [s]."""
+    """Wall-clock time, with compiling [s]."""
     failure: str = ""
-    """Why there are no rows; empty if there are."""
+    """Reason why there are no rows; empty if there are."""
 
     @property
     def ok(self) -> bool:
-        """Whether it ran and every row holds."""
+        """True if the case ran and every row is within its tolerance."""
         return not self.failure and bool(self.rows) and all(row.ok for row in self.rows)
 
     def to_dict(self) -> dict[str, Any]:
@@ -42,23 +42,23 @@ class Outcome:
 
 
 def run_cases(
-    cases: Sequence[Case], *, workers: int = 2, progress: Callable[[Outcome], None] = lambda _: None
-) -> list[Outcome]:
+    cases: Sequence[Case], *, workers: int = 2, progress: Callable[[CaseResult], None] = lambda _: None
+) -> list[CaseResult]:
     """Run the cases on several processes.
 
     Args:
-        cases: What to run.
+        cases: Cases to run.
         workers: Processes.
-        progress: Called with each outcome as a case ends.
+        progress: Called with each result as a case ends.
 
     Returns:
-        Outcomes in the order of the cases.
+        Results in the order of the cases.
     """
     found = run_jobs(
         _run, {case: (case.name,) for case in cases}, workers,
-        done=lambda case, result: progress(Outcome(case, *result)), kernel=_kernel,
+        done=lambda case, result: progress(CaseResult(case, *result)), kernel=_kernel,
     )  # fmt: skip
-    return [Outcome(case, *result) for case, result in found.items()]
+    return [CaseResult(case, *result) for case, result in found.items()]
 
 
 def _kernel(case: Case) -> str:

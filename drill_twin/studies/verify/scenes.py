@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes for exact checks: the paper's rod with only the effects a reference has. Plain numbers are SI."""
+"""Scenes of the cases: the paper's rod with only the effects of the reference. Plain numbers are SI."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ FIRST = 4.730040745**2 / LENGTH**2 * sqrt(EI / LINE_MASS)
 
 BARE: dict[str, Any] = {"stretch": {}, "torsion": {}}
 KICK: dict[str, Any] = {"lateral_kick": {"velocity": 1e-6, "shape": "hump"}}
-"""A velocity too small for anything but linear motion, at rest at both ends."""
+"""Initial velocity small enough for linear motion, zero at both ends."""
 WAVE: dict[str, Any] = {"lateral_kick": {"velocity": 1e-6, "shape": "half_wave"}}
-"""The same, for ends that turn."""
+"""Initial velocity for ends that are free to rotate."""
 QUIET: dict[str, dict[str, Any]] = {
     "gravity": {"magnitude": 0.0},
     "bow": {"amplitude": 0.0},
@@ -39,13 +39,13 @@ QUIET: dict[str, dict[str, Any]] = {
     "random_force": {"rms": 0.0, "correlation_time": 1.0, "correlation_length": 1.0},
     "top_shake": {"amplitude": 0.0, "frequency": 0.0},
 }
-"""One set of effects for many checks, so that one kernel serves them all: listed, but with nothing to do."""
+"""One set of effects for many cases, so that one kernel serves all of them; the parameters make each effect zero."""
 WALLED: dict[str, dict[str, Any]] = {
     **{key: QUIET[key] for key in ("gravity", "bow", "eccentricity", "internal_damping", "drag")},
     "wall": {"stiffness": 1e7},
     "wall_friction": {"coefficient": 0.0},
 }
-"""The same in a hole that can be touched: the effects of the scene pa6_bench."""
+"""Set of effects with a wall: those of the scene pa6_bench."""
 ROLLING: dict[str, Any] = {
     "bow": {"amplitude": 2e-3},
     "drag": {"linear": 0.02},
@@ -54,7 +54,7 @@ ROLLING: dict[str, Any] = {
     "wall_friction": {"coefficient": 0.5},
     "lateral_kick": {"velocity": 0.05, "shape": "hump"},
 }
-"""Whirls into the wall of a 40 mm hole under a few newtons, and rolls there."""
+"""Effects under which the rod whirls into the wall of a 40 mm hole under a few newtons, and rolls there."""
 
 
 def rod_scene(
@@ -79,20 +79,20 @@ def rod_scene(
 
     Args:
         effects: Fields of each effect by its key.
-        bit_end: What holds the bit.
+        bit_end: Boundary condition at the bit.
         length: Of a section [m].
-        sections: What differs from the rod in each section, from the bit up.
+        sections: Changes to the rod that make each section, from the bit up.
         elements: Of the whole string.
         step: Time step [s].
         radius: Of the hole [m].
         inclination: Of the hole [rad].
-        hole: The whole block, in place of the two.
+        hole: The whole block, in place of `radius` and `inclination`.
         weight_on_bit: Load [N].
-        at: Where the load is applied and counted.
+        at: Place where the load is applied and measured.
         marks: Distances from the bit of marks on the centre line [m].
         frame_rate: Published frames [Hz]; at least one step each.
         form: "spatial", or "lateral": without stretch and torsion.
-        tolerance: Of Newton's method; what is kept to round-off by the scheme is kept to this.
+        tolerance: Tolerance of Newton's method; invariants of the scheme hold to this tolerance.
     """
     rod = {
         "name": "rod", "length": length, "outer_diameter": DIAMETER, "inner_diameter": 0.0,
@@ -121,19 +121,19 @@ def rod_scene(
 
 
 def quiet_scene(effects: dict[str, Any], *, of: dict[str, dict[str, Any]] = QUIET, **scene: Any) -> Scene:
-    """The rod with the effects given; those of the set `of` are listed too, with nothing to do.
+    """The rod with the effects given; the other effects of the set `of` are listed too, at zero.
 
     Args:
         effects: Fields of effects, by key.
-        of: The set.
-        scene: As for `rod_scene`.
+        of: Set of effects.
+        scene: Arguments of `rod_scene`.
     """
     more = {key: block for key, block in effects.items() if key not in of}
     return rod_scene(effects={key: block | effects.get(key, {}) for key, block in of.items()} | more, **scene)
 
 
 def steel(effects: dict[str, Any], *, at: str = "bit", weight_on_bit: float = 0.0, step: float = 1e-3) -> Scene:
-    """A short stiff steel pipe under a drill bit, turned as commanded."""
+    """A short stiff steel pipe above a drill bit, turned at a constant rate."""
     return Scene.model_validate({
         "name": "steel",
         "string": {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Running a scene and reading frequencies, rates and orders off what it showed: signal tools, not solvers."""
+"""Runs of a scene, and frequencies, rates and orders identified from them."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from drill_twin.twin.twin import Twin
 AT_REST = Command(weight_on_bit=0.0, rotation=0.0)
 
 
-def settle(scene: Scene, seconds: float, *, interval: float = 0.05, rotation: float = 0.0) -> Twin:
-    """The twin after so many seconds under the scene's weight on bit."""
+def run_for(scene: Scene, seconds: float, *, interval: float = 0.05, rotation: float = 0.0) -> Twin:
+    """Run a scene under its weight on bit and return the twin."""
     twin = Twin(scene)
     command = Command(weight_on_bit=scene.rig.weight_on_bit.value, rotation=rotation)
     for _ in range(round(seconds / interval)):
@@ -28,7 +28,7 @@ def settle(scene: Scene, seconds: float, *, interval: float = 0.05, rotation: fl
 
 
 def free_motion(scene: Scene, seconds: float, interval: float) -> Array:
-    """Lateral place x of every node over a free motion [m], shape (samples, n + 1)."""
+    """Lateral position x of every node over a free motion [m], shape (samples, n + 1)."""
     twin = Twin(scene)
     command = Command(weight_on_bit=scene.rig.weight_on_bit.value, rotation=0.0)
     frames = [twin.advance(command, interval) for _ in range(round(seconds / interval))]
@@ -36,7 +36,7 @@ def free_motion(scene: Scene, seconds: float, interval: float) -> Array:
 
 
 def squared_frequencies(motion: Array, interval: float, modes: int) -> Array:
-    """omega^2 [1/s2] of the strongest modes, ascending; negative for a mode that grows like cosh.
+    """omega^2 [1/s2] of the strongest modes, ascending; negative for a mode that grows as cosh.
 
     An undamped mode obeys x(t + T) + x(t - T) = 2 c x(t) with c = cos(omega T) or cosh(sigma T), whatever its phase.
     Projected on the strongest shapes of the motion this is a small eigenvalue problem.
@@ -53,7 +53,7 @@ def squared_frequencies(motion: Array, interval: float, modes: int) -> Array:
 
 
 def rates(signal: NDArray[Any], interval: float, order: int = 2) -> ComplexArray:
-    """Complex rates lambda [1/s] of a sum of exp(lambda t): each sample is a fixed combination of those before it."""
+    """Complex rates lambda [1/s] of a sum of exp(lambda t), by linear prediction (Prony's method)."""
     history = np.stack([signal[k : k - order] for k in range(order)], -1)
     combination = np.linalg.lstsq(history, signal[order:], rcond=1e-10)[0]
     found: ComplexArray = np.log(np.roots(np.append(1.0, -combination[::-1])).astype(complex)) / interval
@@ -61,18 +61,18 @@ def rates(signal: NDArray[Any], interval: float, order: int = 2) -> ComplexArray
 
 
 def first_mode(arc: Array) -> tuple[Array, Array]:
-    """First mode of the rod between clamps and its slope, unscaled (Blevins 1979)."""
+    """First mode of the clamped-clamped rod and its slope, unscaled (Blevins 1979)."""
     x, ratio = 4.730040745 / LENGTH * arc, 0.9825022158
     shape = np.cosh(x) - np.cos(x) - ratio * (np.sinh(x) - np.sin(x))
     return shape, 4.730040745 / LENGTH * (np.sinh(x) + np.sin(x) - ratio * (np.cosh(x) - np.cos(x)))
 
 
-def seen_by_the_string(
+def rotating_frame_response(
     scene: Scene, speed: float, seconds: float, interval: float = 0.02
 ) -> tuple[complex, float, float]:
-    """Steady place of the first mark in the turning string's own frame, its scatter [m], and the drive's torque [N m].
+    """Steady position of the first mark in the frame that rotates with the string, its scatter [m], and torque [N m].
 
-    Taken over the last second of a run whose rotation rises to `speed` within the first.
+    Means over the last second of a run whose rotation rises to `speed` within the first second.
     """
     twin = Twin(scene)
     places, torques = [], []
@@ -84,6 +84,6 @@ def seen_by_the_string(
     return complex(np.mean(places[last])), float(np.std(places[last])), float(np.mean(torques[last]))
 
 
-def slope(sizes: Sequence[float], errors: Sequence[float]) -> float:
+def convergence_order(sizes: Sequence[float], errors: Sequence[float]) -> float:
     """Order of convergence: fitted slope of log error over log size."""
     return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Irregular motion: how much of the last revolutions had no steady pace or radius."""
+"""Irregular motion: share of the last revolutions without a steady rate or radius."""
 
 from __future__ import annotations
 
@@ -11,32 +11,40 @@ from drill_twin.base.arrays import Array, Mask
 from drill_twin.whirl.criteria import Criteria
 
 RISE = 0.1
-"""Irregular motion is dated to when its share of the time last rose above this."""
+"""Irregular motion starts when its share of the time last rose above this."""
 
 
-class Roughness:
-    """Share of rough time of each mark, fading over `Criteria.rough_memory` revolutions, with hysteresis."""
+class Irregularity:
+    """Share of irregular time of each mark, fading over `Criteria.irregularity_memory` revolutions, with hysteresis."""
 
     def __init__(self, marks: int, criteria: Criteria) -> None:
         self._criteria = criteria
         self._share = np.zeros(marks)
-        self._travel = 0.0
-        self.irregular: Mask = np.zeros(marks, bool)
+        self._revolutions = 0.0
+        self.active: Mask = np.zeros(marks, bool)
         """Marks in irregular motion now."""
         self.rose = np.zeros(marks)
-        """When the share last rose, since the first sample [s]."""
+        """Time at which the share last rose, since the first sample [s]."""
         self.last = np.zeros(marks)
-        """When the motion was last rough, since the first sample [s]."""
+        """Time at which the motion was last irregular, since the first sample [s]."""
 
-    def update(self, coherence: Array, unevenness: Array, settled: Mask, time: float, travel: float) -> None:
-        """Takes in the regularity of each mark at `time` [s] and `travel` [rev]; only `settled` motion can be rough."""
-        rules = self._criteria
-        rough = settled & ((coherence < rules.coherence) | (unevenness > rules.unevenness))
-        gain = 1.0 - math.exp(-(travel - self._travel) / rules.rough_memory)
-        self._travel = travel
+    def update(self, coherence: Array, unevenness: Array, settled: Mask, time: float, revolutions: float) -> None:
+        """Add an estimate.
+
+        Args:
+            coherence: Coherence of the angle of each mark, shape (m,).
+            unevenness: Unevenness of its radius, shape (m,).
+            settled: Marks whose motion may be irregular, shape (m,).
+            time: Time since the first sample [s].
+            revolutions: Revolutions since the first sample [rev].
+        """
+        criteria = self._criteria
+        irregular = settled & ((coherence < criteria.coherence) | (unevenness > criteria.unevenness))
+        gain = 1.0 - math.exp(-(revolutions - self._revolutions) / criteria.irregularity_memory)
+        self._revolutions = revolutions
         before = self._share
-        share = np.where(settled, before + gain * (rough - before), 0.0)
+        share = np.where(settled, before + gain * (irregular - before), 0.0)
         self.rose[(before < RISE) & (share >= RISE)] = time
-        self.last[rough] = time
-        self.irregular = (share > rules.rough_share) | (self.irregular & (share > rules.rough_end))
+        self.last[irregular] = time
+        self.active = (share > criteria.irregularity_on) | (self.active & (share > criteria.irregularity_off))
         self._share = share

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stick-slip of the bit, found on the stream from its speed alone.
+"""Stick-slip of the bit, detected on the stream from its speed alone.
 
-The speed, low-passed at 15 Hz by two equal poles, swings about its own slow mean. A cycle runs from one crossing of the
-mean plus a quarter to the next, once the speed has been below the mean less a quarter in between; crossings are
+The speed, low-passed at 15 Hz by two equal poles, oscillates about its own slow mean. A cycle runs from one crossing of
+the mean plus a quarter to the next, once the speed has been below the mean less a quarter in between; crossings are
 interpolated. The severity of a cycle is (fastest - slowest) / (2 mean), the stick-slip index of Pavone and Desplans
 (1994). A cycle sticks when its severity is above 0.8 and its slowest speed below 0.15 of the mean. Two such cycles in a
-row make stick-slip; two others in a row, or three periods without a cycle, end it.
+row start stick-slip; two others in a row, or three periods without a cycle, end it.
 """
 
 from __future__ import annotations
@@ -15,32 +15,32 @@ from dataclasses import dataclass
 from enum import Enum
 
 CORNER = 15.0
-"""Of each pole of the low-pass [Hz]."""
+"""Corner frequency of each pole of the low-pass [Hz]."""
 MEAN_MEMORY, CYCLES, LONGEST_MEMORY = 3.0, 4.0, 60.0
-"""Memory of the slow mean: four cycles, but at least and at most so long [s]."""
+"""Memory of the slow mean: four cycles, at least 3 s and at most 60 s."""
 BAND = 0.25
 """Half width of the band that a cycle must cross, over the mean."""
 SEVERE, STICKING = 0.8, 0.15
-"""A cycle sticks above this severity and below this share of the mean speed."""
+"""Smallest severity and largest slowest speed, over the mean, of a cycle that sticks."""
 UNSTEADY = 0.3
-"""Cycles of less severity are steady rotation."""
+"""Cycles of smaller severity are steady rotation."""
 IN_A_ROW = 2
-"""Cycles that decide."""
+"""Equal cycles in a row that change the state."""
 QUIET = 3.0
-"""After so many periods without a cycle the rotation is steady."""
+"""Periods without a cycle after which the rotation is steady."""
 LONGEST_GAP = 0.5
-"""A pause between samples that ends a cycle [s]."""
-LONGEST = 2000
-"""Periods remembered."""
+"""Longest interval between samples within a cycle [s]."""
+LARGEST_COUNT = 2000
+"""Largest number of periods stored."""
 
 
 class BitMotion(Enum):
-    """What the bit's rotation is in."""
+    """Motion of the bit."""
 
     UNKNOWN = "not observable"
-    """No speed of the bit has come."""
+    """No speed of the bit was given."""
     STEADY = "steady rotation"
-    """No cycles, or of little severity."""
+    """No cycles, or cycles of small severity."""
     VIBRATION = "torsional vibration"
     """Cycles that do not stick."""
     STICK_SLIP = "stick-slip"
@@ -49,12 +49,12 @@ class BitMotion(Enum):
 
 @dataclass(frozen=True)
 class StickSlipPeriod:
-    """A stretch of stick-slip."""
+    """Period of stick-slip."""
 
     start_s: float
     """Start of its first cycle [s]."""
     end_s: float
-    """End of its last [s]."""
+    """End of its last cycle [s]."""
     cycles: int
     """Cycles in it."""
     period_s: float
@@ -70,7 +70,7 @@ class StickSlipPeriod:
 
     @property
     def frequency_hz(self) -> float:
-        """Cycles in a second [Hz]."""
+        """Frequency of the cycles [Hz]."""
         return 1.0 / self.period_s
 
 
@@ -83,57 +83,57 @@ class _Cycle:
 
 
 class StickSlip:
-    """Follows the speed of the bit."""
+    """Detector of stick-slip in the speed of the bit."""
 
     def __init__(self) -> None:
         self.motion = BitMotion.UNKNOWN
-        """What the bit is in now."""
+        """Present motion of the bit."""
         self.criterion = "no speed of the bit so far"
-        """What decided it, in words."""
+        """The criterion that decided it, as text."""
         self.periods: list[StickSlipPeriod] = []
-        """Stretches of stick-slip so far; the last one grows while it lasts."""
+        """Periods of stick-slip so far; the last one grows while it lasts."""
         self.samples = 0
         """Samples with a speed of the bit."""
         self._first = self._last = math.nan
         self._poles = [0.0, 0.0]
         self._mean = 0.0
         self._cycle: _Cycle | None = None
-        self._judged = BitMotion.UNKNOWN
-        self._row = 0
+        self._last_class = BitMotion.UNKNOWN
+        self._repeats = 0
         self._pending: StickSlipPeriod | None = None
-        self._length = math.nan
+        self._period = math.nan
         self._full = False
 
     def push(self, time: float, bit_speed: float) -> None:
-        """Takes in the speed of the bit [rad/s] at a time [s]; what is not finite or not later is passed over."""
+        """Add the speed of the bit [rad/s] at a time [s]; values that are not finite or not later are ignored."""
         if not math.isfinite(bit_speed) or (self.samples and time <= self._last):
             return
         self.samples += 1
         step = time - self._last
         self._last = time
         if self.samples == 1 or step > LONGEST_GAP:
-            self._begin(time, bit_speed)
+            self._restart(time, bit_speed)
             return
         before, poles = self._poles[1], self._poles
         gain = 1.0 - math.exp(-math.tau * CORNER * step)
         poles[0] += gain * (bit_speed - poles[0])
         poles[1] += gain * (poles[0] - poles[1])
-        # Until a cycle is known, the mean is that of all so far; then it forgets over several cycles.
-        known = self._length if math.isfinite(self._length) else LONGEST_MEMORY
-        memory = max(min(max(MEAN_MEMORY, CYCLES * known), LONGEST_MEMORY, time - self._first), step)
+        # Until a cycle is complete, the mean is that of all samples; afterwards it fades over several cycles.
+        period = self._period if math.isfinite(self._period) else LONGEST_MEMORY
+        memory = max(min(max(MEAN_MEMORY, CYCLES * period), LONGEST_MEMORY, time - self._first), step)
         self._mean += (bit_speed - self._mean) * (1.0 - math.exp(-step / memory))
         sense = math.copysign(1.0, self._mean)
-        self._follow(sense * before, sense * poles[1], time, step)
+        self._track_cycle(sense * before, sense * poles[1], time, step)
 
-    def _begin(self, time: float, bit_speed: float) -> None:
-        """Starts anew, after nothing or a pause."""
+    def _restart(self, time: float, bit_speed: float) -> None:
+        """Restart with the first sample, or after a pause."""
         self._first, self._poles, self._mean, self._cycle = time, [bit_speed, bit_speed], bit_speed, None
-        self._length = math.nan
-        self._leave()
-        self._enter(BitMotion.STEADY, "no cycle so far")
+        self._period = math.nan
+        self._reset_count()
+        self._set(BitMotion.STEADY, "no cycle so far")
 
-    def _follow(self, before: float, now: float, time: float, step: float) -> None:
-        """Follows the low-passed speed from one sample to the next."""
+    def _track_cycle(self, before: float, now: float, time: float, step: float) -> None:
+        """Check the low-passed speed [rad/s], before and now, for the start and end of a cycle."""
         mean, cycle = abs(self._mean), self._cycle
         if cycle is not None:
             cycle.slowest, cycle.fastest = min(cycle.slowest, now), max(cycle.fastest, now)
@@ -144,55 +144,55 @@ class StickSlip:
             if cycle is not None:
                 self._complete(cycle, start, mean)
             self._cycle = _Cycle(start, now, now)
-        elif cycle is not None and time - cycle.start > QUIET * self._length and self.motion is not BitMotion.STEADY:
-            self._leave()
-            self._enter(BitMotion.STEADY, f"no cycle for {QUIET:.0f} periods, mean speed {mean:.2f} rad/s")
+        elif cycle is not None and time - cycle.start > QUIET * self._period and self.motion is not BitMotion.STEADY:
+            self._reset_count()
+            self._set(BitMotion.STEADY, f"no cycle for {QUIET:.0f} periods, mean speed {mean:.2f} rad/s")
 
     def _complete(self, cycle: _Cycle, end: float, mean: float) -> None:
-        """Judges a cycle that has ended."""
-        self._length = end - cycle.start
+        """Classify a completed cycle."""
+        self._period = end - cycle.start
         severity = (cycle.fastest - cycle.slowest) / (2.0 * mean)
         if severity > SEVERE and cycle.slowest < STICKING * mean:
             motion = BitMotion.STICK_SLIP
         else:
             motion = BitMotion.VIBRATION if severity > UNSTEADY else BitMotion.STEADY
-        self._row = self._row + 1 if motion is self._judged else 1
-        self._judged = motion
+        self._repeats = self._repeats + 1 if motion is self._last_class else 1
+        self._last_class = motion
         if motion is BitMotion.STICK_SLIP:
-            self._sticks(cycle, end, severity)
-        elif self._row >= IN_A_ROW:
+            self._add_cycle(cycle, end, severity)
+        elif self._repeats >= IN_A_ROW:
             self._pending = None
-        if self._row >= IN_A_ROW:
-            words = (
-                f"cycles of {self._length:.3f} s, from {cycle.slowest:.2f} to {cycle.fastest:.2f} rad/s, "
+        if self._repeats >= IN_A_ROW:
+            text = (
+                f"cycles of {self._period:.3f} s, from {cycle.slowest:.2f} to {cycle.fastest:.2f} rad/s, "
                 f"severity {severity:.2f}"
             )
-            self._enter(motion, words)
+            self._set(motion, text)
 
-    def _sticks(self, cycle: _Cycle, end: float, severity: float) -> None:
-        """Adds a cycle that sticks to the stretch it belongs to."""
+    def _add_cycle(self, cycle: _Cycle, end: float, severity: float) -> None:
+        """Add a cycle that sticks to its period of stick-slip."""
         one = StickSlipPeriod(
-            cycle.start, end, 1, self._length, self._length, self._length, cycle.slowest, cycle.fastest, severity
+            cycle.start, end, 1, self._period, self._period, self._period, cycle.slowest, cycle.fastest, severity
         )
         if self.motion is BitMotion.STICK_SLIP and self.periods and not self._full:
             self.periods[-1] = _joined(self.periods[-1], one)
-        elif self._row == 1 or self._pending is None:
+        elif self._repeats == 1 or self._pending is None:
             self._pending = one
-        elif len(self.periods) < LONGEST:
+        elif len(self.periods) < LARGEST_COUNT:
             self.periods.append(_joined(self._pending, one))
         else:
             self._full = True
 
-    def _leave(self) -> None:
-        self._pending, self._row = None, 0
+    def _reset_count(self) -> None:
+        self._pending, self._repeats = None, 0
 
-    def _enter(self, motion: BitMotion, words: str) -> None:
+    def _set(self, motion: BitMotion, criterion: str) -> None:
         if motion is not self.motion:
-            self.motion, self.criterion = motion, words
+            self.motion, self.criterion = motion, criterion
 
 
 def _joined(one: StickSlipPeriod, other: StickSlipPeriod) -> StickSlipPeriod:
-    """A stretch and the cycles that follow it."""
+    """Merge a period and the cycles that follow it."""
     cycles = one.cycles + other.cycles
     return StickSlipPeriod(
         one.start_s,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The motion states of one subject over time: periods that follow each other, in bounded memory."""
+"""Motion states of one subject over time: consecutive periods, in bounded memory."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import MotionPeriod
 
-LONGEST = 2000
-"""Periods remembered; later ones are counted but not kept."""
-NO_WHIRL = frozenset({MotionState.UNSEEN, MotionState.AT_REST, MotionState.FIXED_AXIS})
+LARGEST_COUNT = 2000
+"""Largest number of periods stored; later ones are counted only."""
+NO_WHIRL = frozenset({MotionState.NOT_OBSERVABLE, MotionState.AT_REST, MotionState.FIXED_AXIS})
 
 
 @dataclass
@@ -18,28 +18,28 @@ class _Period:
     start: float
     state: MotionState
     criterion: str
-    told: bool  # whether the words are those of the settled motion
-    travel: float  # when it was entered [rev]
-    weight: float = 0.0
-    weighed: float = 0.0
+    revolutions: float  # at which it was entered [rev]
+    described: bool = False  # with the criterion of the settled state
+    duration: float = 0.0
+    weighted_share: float = 0.0
 
 
 class Timeline:
-    """Periods of one state each; a period that turns out to have no length is left out."""
+    """Periods of one state each; a period of zero length is removed."""
 
     def __init__(self) -> None:
         self._periods: list[_Period] = []
         self._full = False
         self.dropped = 0
-        """Periods that came after the longest timeline kept."""
+        """Periods that were not stored."""
 
     def __len__(self) -> int:
         return len(self._periods)
 
-    def begin(self, state: MotionState, start: float, criterion: str, travel: float) -> None:
-        """A state holds since `start` [s]; it was entered at `travel` [rev]."""
+    def start(self, state: MotionState, start: float, criterion: str, revolutions: float) -> None:
+        """Start a period at `start` [s]; its state was entered at `revolutions` [rev]."""
         periods = self._periods
-        if len(periods) >= LONGEST:
+        if len(periods) >= LARGEST_COUNT:
             self.dropped += 1
             self._full = True
             return
@@ -49,29 +49,29 @@ class Timeline:
             return
         if periods:
             start = max(start, periods[-1].start)
-        periods.append(_Period(start, state, criterion, told=False, travel=travel))
+        periods.append(_Period(start, state, criterion, revolutions))
 
-    def hold(self, share: float, passed: float) -> None:
-        """The state has held for a while, with this share of the votes."""
+    def extend(self, share: float, elapsed: float) -> None:
+        """Extend the present period by `elapsed` [rev], with this share of the estimates."""
         if self._periods and not self._full:
             last = self._periods[-1]
-            last.weight += passed
-            last.weighed += passed * share
+            last.duration += elapsed
+            last.weighted_share += elapsed * share
 
-    def untold(self, travel: float, after: float) -> bool:
-        """Whether the present state was entered `after` revolutions ago and has not been described since."""
+    def needs_description(self, revolutions: float, after: float) -> bool:
+        """Check whether the present period started `after` revolutions ago and has not been described since."""
         if not self._periods or self._full:
             return False
         last = self._periods[-1]
-        return not last.told and travel - last.travel > after
+        return not last.described and revolutions - last.revolutions > after
 
-    def tell(self, criterion: str) -> None:
-        """Describes the present state anew, now that it has settled."""
+    def describe(self, criterion: str) -> None:
+        """Replace the criterion of the present period."""
         last = self._periods[-1]
-        last.criterion, last.told = criterion, True
+        last.criterion, last.described = criterion, True
 
-    def redate(self, start: float) -> None:
-        """Moves the first whirl back to `start` [s], where that is earlier and after the state before."""
+    def move_first_whirl(self, start: float) -> None:
+        """Move the start of the first whirl to `start` [s], if that is earlier and after the period before."""
         for i, period in enumerate(self._periods):
             if period.state not in NO_WHIRL:
                 if i and self._periods[i - 1].start < start < period.start:
@@ -80,13 +80,13 @@ class Timeline:
 
     @property
     def periods(self) -> tuple[MotionPeriod, ...]:
-        """The periods so far, each with the mean of its confidence."""
+        """The periods so far, each with its mean confidence."""
         return tuple(
             MotionPeriod(
                 period.start,
                 period.state,
                 period.criterion,
-                period.weighed / period.weight if period.weight > 0.0 else 1.0,
+                period.weighted_share / period.duration if period.duration > 0.0 else 1.0,
             )
             for period in self._periods
         )

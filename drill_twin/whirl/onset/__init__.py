@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Onset of whirl: detection and dating."""
+"""Onset of whirl: detection and time of the threshold crossing."""

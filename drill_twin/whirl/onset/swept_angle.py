@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far a radius has turned since it crossed its threshold: what tells a whirl from a string that leans or swings.
+"""Angle swept by a radius vector, which separates whirl from a displaced or swinging string.
 
-Two measures of the turn must agree. The mean angle over half a revolution at the end less that at the start is not
-moved by noise; the area swept, sum Im(conj(v_i) v_i+1) over the mean of |v|^2, is nought for a string that swings in a
-plane, whose angle jumps by half a turn each time it passes the middle.
+Two measures must agree. The change of the mean angle, averaged over half a revolution at either end, is insensitive to
+noise; the swept area, sum Im(conj(v_i) v_i+1) over the mean of |v|^2, is zero for a string that swings in a plane,
+whose angle jumps by pi with each passage of the centre.
 """
 
 from __future__ import annotations
@@ -14,58 +14,62 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
 
-CREEP = math.radians(1.5)
-"""A steady turn takes it at least this much farther in each half of the time [rad]."""
+SLOWEST = math.radians(1.5)
+"""Smallest angle that a steady precession sweeps in each half of the window [rad]."""
 
 
-class Turned:
-    """Turn of a vector over time, as seen from the hole and from the string."""
+class SweptAngle:
+    """Angle swept by a vector in the frame of the hole and in the rotating frame, by halves of the window."""
 
     def __init__(self, vector: ComplexArray, rotation: Array, half: int, angle: Array | None = None) -> None:
-        """Of a vector at the angles of `rotation` [rad], shape (n,); `half` the bins of half a revolution.
+        """Measure the angles of `vector`.
 
-        `angle` is its unwrapped angle [rad] where that is known.
+        Args:
+            vector: The vector, shape (n,).
+            rotation: Angle of rotation [rad], shape (n,).
+            half: Number of bins of half a revolution.
+            angle: Unwrapped angle of the vector [rad], shape (n,), where it is known.
         """
         angle = np.unwrap(np.angle(vector)) if angle is None else angle
         half = max(1, min(vector.size // 2, half))
-        self._hole = _stages(vector, angle, half)
-        self._string = _stages(vector * np.exp(-1j * rotation), angle - rotation, half)
+        self._hole = _by_halves(vector, angle, half)
+        self._string = _by_halves(vector * np.exp(-1j * rotation), angle - rotation, half)
 
     @property
-    def least(self) -> float:
-        """How far it turned as seen from the hole or from the string, whichever saw it turn less [rad]."""
+    def smallest(self) -> float:
+        """Smaller one of the angles swept in the two frames [rad]."""
         return min(abs(self._hole[0] + self._hole[1]), abs(self._string[0] + self._string[1]))
 
     @property
-    def creeps(self) -> bool:
-        """Whether it turns steadily in one sense, however slowly, as seen from both."""
+    def steady(self) -> bool:
+        """True if the vector turns in one sense in both halves and both frames, however slowly."""
         return all(
-            first * second > 0.0 and min(abs(first), abs(second)) > CREEP
+            first * second > 0.0 and min(abs(first), abs(second)) > SLOWEST
             for first, second in (self._hole, self._string)
         )
 
 
-def _stages(vector: ComplexArray, angle: Array, half: int) -> tuple[float, float]:
-    """Turn in the first and in the second half of the bins [rad]."""
+def _by_halves(vector: ComplexArray, angle: Array, half: int) -> tuple[float, float]:
+    """Angle swept in the first and in the second half of the bins [rad]."""
     middle = (angle.size - half) // 2
     first = float(angle[:half].sum()) / half
     between = float(angle[middle : middle + half].sum()) / half
     last = float(angle[-half:].sum()) / half
     cut = angle.size // 2
     return (
-        _lesser(between - first, _swept(vector[: cut + 1])),
-        _lesser(last - between, _swept(vector[cut:])),
+        _smaller(between - first, _from_area(vector[: cut + 1])),
+        _smaller(last - between, _from_area(vector[cut:])),
     )
 
 
-def _swept(vector: ComplexArray) -> float:
-    """Twice the area swept over the mean square of the radius [rad]."""
+def _from_area(vector: ComplexArray) -> float:
+    """Twice the swept area over the mean square of the radius [rad]."""
     area = float((vector[:-1].conj() * vector[1:]).imag.sum())
     return area * vector.size / (float((vector.real**2 + vector.imag**2).sum()) + 1e-300)
 
 
-def _lesser(one: float, other: float) -> float:
-    """The lesser of two turns of one sense; nought where they disagree in sense."""
+def _smaller(one: float, other: float) -> float:
+    """The smaller of two angles of one sign; 0 if their signs differ."""
     if one * other <= 0.0:
         return 0.0
     return one if abs(one) < abs(other) else other

@@ -1,5 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The moment at which a mark began to whirl, dated with all that is remembered of the revolutions before."""
+"""Time at which the radius of a whirl crossed its threshold, found backwards once the whirl is detected.
+
+The crossing is the change point that best separates bins below the threshold from bins above (Page 1954, in its
+log-likelihood form): a bin above counts 1 for "already crossed", a bin below counts against it by the square of its
+distance from the threshold in units of the noise. Without noise this is exactly the last crossing; with noise, dips
+that noise explains do not delay it.
+"""
 
 from __future__ import annotations
 
@@ -10,152 +16,173 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, History
-from drill_twin.whirl.onset.crossing_time import crossing_time, smoothed_radius
-from drill_twin.whirl.orbit.orbit_refit import LONGEST, SHORTEST, Refit, refit
+from drill_twin.whirl.orbit.orbit_refit import LONGEST, SHORTEST, OrbitRefit, refit_orbit, smoothed_radius
 
-ROUND = math.radians(70.0)
-"""An orbit is fitted once it has gone so far round, as seen from the hole and from the string [rad]."""
-PART = 0.4
-"""A good part of the threshold."""
-CALM = 4.0
-"""So long before it crossed, a mark was at its old place [rev]."""
+SMALLEST_NOISE = 2e-4
+"""Smallest noise of a radius, over the clearance."""
+LARGEST_WEIGHT = 1e4
+"""Largest weight of a single bin against a crossing."""
+SMALLEST_SWEEP = math.radians(70.0)
+"""Smallest angle swept by an orbit that is refitted, in the frames of hole and string [rad]."""
+SWEEP_RADIUS = 0.4
+"""Smallest radius, over the threshold, at which that angle is counted."""
+STEADY_BEFORE = 4.0
+"""Duration before the crossing that is left out of the steady position [rev]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Crossing:
-    """A mark's radius that crossed its threshold for good."""
+    """Crossing of the threshold by a mark's radius."""
 
     time: float
-    """When it crossed, since the first sample [s]."""
+    """Time since the first sample [s]."""
     mark: int
     """Index of the mark."""
     confidence: float
     """0 to 1."""
     criterion: str
-    """What decided it, in words."""
-    refit: Refit | None = None
-    """The last revolutions with the orbit in mind, where they could be fitted."""
+    """The criterion that decided it, as text."""
+    refit: OrbitRefit | None = None
+    """Parts of the motion fitted with the orbit in the model, for an asynchronous crossing."""
 
 
 @dataclass(frozen=True)
-class Evidence:
-    """What is known of a mark when its whirl has become certain; radii over the clearance."""
+class Detection:
+    """A mark whose whirl has been detected; radii over the clearance."""
 
     mark: int
     clearance: float
     """[m]"""
     threshold: float
-    size: float
-    """Radius now."""
+    radius: float
+    """Present radius."""
     noise: float
     """Noise of a bin per axis."""
     width: int
     """Bins averaged."""
     coherence: float
-    """How steadily it turns, 0 to 1."""
+    """Coherence of the angle, 0 to 1."""
     offset: complex = 0j
-    """Offset that was taken off [m]."""
+    """Offset that was subtracted [m]."""
     synchronous: complex = 0j
-    """Synchronous part that was taken off [m]."""
+    """Synchronous part that was subtracted [m]."""
     arm: complex | None = None
-    """Arm of the mark [m] where it crossed before its steady place was known: the hole's axis then stands for it."""
+    """Arm of the mark [m] if it crossed before its steady position was known: the hole's axis then replaces it."""
 
 
-def asynchronous_crossing(history: History, known: Evidence, pace: float, since: int, trusted: int) -> Crossing:
-    """Dates a whirl that has been above its threshold for `since` bins at about `pace` [rad/s].
+def asynchronous_crossing(history: History, detection: Detection, rate: float, since: int, valid: int) -> Crossing:
+    """Find the crossing of the asynchronous part.
 
-    Only the `trusted` newest bins count: before them, the motion stood still elsewhere.
+    Args:
+        history: The last revolutions.
+        detection: The mark and its radius.
+        rate: Approximate rate of the asynchronous part [rad/s].
+        since: Number of newest bins above the threshold.
+        valid: Number of newest bins that may be used; before them, the steady position was another.
     """
-    mark, half = known.mark, known.width // 2
-    n = min(history.span(LONGEST), max(1, trusted))
+    mark, half = detection.mark, detection.width // 2
+    n = min(history.bins_in(LONGEST), max(1, valid))
     window = history.newest(n)
     time, orbit = history.time[window], history.vector[window, ASYNCHRONOUS, mark]
-    again = refit(time, history.sample[window, :, mark], orbit, min(n, since), pace, half)
-    if again is not None and _near(again, known) and _goes_round(again, history, window, known):
-        orbit, pace = again.orbit, again.pace
+    refit = refit_orbit(time, history.sample[window, :, mark], orbit, min(n, since), rate, half)
+    if refit is not None and _plausible(refit, detection) and _sweeps_enough(refit, history, window, detection):
+        orbit, rate = refit.orbit, refit.rate
     else:
-        offset, synchronous = old_place(history, mark, since, trusted) or (known.offset, known.synchronous)
+        steady = steady_position(history, mark, since, valid)
+        offset, synchronous = steady or (detection.offset, detection.synchronous)
         orbit = history.sample[window, 0, mark] - offset - synchronous * history.sample[window, 1, mark]
-        again = Refit(offset, synchronous, orbit, pace)
-    back = orbit / known.clearance * np.exp(-1j * pace * (time - time[-1]))
-    ratio = pace / (math.tau * rotation) if (rotation := _rotation(history, since)) else math.nan
-    radius = smoothed_radius(back, half, known.noise)
-    if known.arm is not None:
-        # So early, offset and synchronous part can stand for each other: about the axis it must be as large.
-        place, turn = history.sample[window, 0, mark], history.sample[window, 1, mark]
-        whole: ComplexArray = (place - known.arm * turn) / known.clearance * np.exp(-1j * pace * (time - time[-1]))
-        radius = np.minimum(radius, smoothed_radius(whole, half, known.noise))
+        refit = OrbitRefit(offset, synchronous, orbit, rate)
+    carrier = np.exp(-1j * rate * (time - time[-1]))
+    radius = smoothed_radius(orbit / detection.clearance * carrier, half, detection.noise)
+    if detection.arm is not None:
+        # Offset and synchronous part are not known this early: the radius about the axis must be as large.
+        position, phasor = history.sample[window, 0, mark], history.sample[window, 1, mark]
+        centre: ComplexArray = (position - detection.arm * phasor) / detection.clearance * carrier
+        radius = np.minimum(radius, smoothed_radius(centre, half, detection.noise))
+    ratio = rate / (math.tau * rotation) if (rotation := _rotation(history, since)) else math.nan
     return Crossing(
-        _dated(time, radius, known, half),
+        _crossing_time(time, radius, detection, half),
         mark,
-        known.coherence * _certainty(known),
-        f"asynchronous radius over {100 * known.threshold:.0f} % of the clearance for a revolution, "
-        f"now {100 * known.size:.1f} %, turning at {ratio:+.2f} of the rotation",
-        again,
+        detection.coherence * _significance(detection),
+        f"asynchronous radius over {100 * detection.threshold:.0f} % of the clearance for a revolution, "
+        f"now {100 * detection.radius:.1f} %, turning at {ratio:+.2f} of the rotation",
+        refit,
     )
 
 
-def old_place(history: History, mark: int, since: int, trusted: int) -> tuple[complex, complex] | None:
-    """Offset and synchronous part [m] of a mark until `CALM` revolutions before it crossed, `since` bins ago.
+def synchronous_crossing(history: History, detection: Detection) -> Crossing:
+    """Find the crossing of the motion about the offset in a synchronous whirl."""
+    window = history.newest(history.length)
+    half, clearance = detection.width // 2, detection.clearance
+    vector = history.vector[window, SYNCHRONOUS, detection.mark]
+    radius = smoothed_radius(vector, half, detection.noise * clearance) / clearance
+    return Crossing(
+        _crossing_time(history.time[window], radius, detection, half),
+        detection.mark,
+        min(1.0, detection.coherence) * _significance(detection),
+        f"synchronous radius over {100 * detection.threshold:.0f} % of the clearance and twice its steady level or "
+        f"more, now {100 * detection.radius:.1f} %",
+    )
 
-    None where that is not remembered. An orbit too slow to be fitted has leaked into the running offset while it grew,
-    but not into the old place.
+
+def steady_position(history: History, mark: int, since: int, valid: int) -> tuple[complex, complex] | None:
+    """Offset and synchronous part [m] of a mark until `STEADY_BEFORE` revolutions before it crossed, `since` bins ago.
+
+    None where the history is too short. A slow orbit leaks into the running offset while it grows, but not into this
+    position.
     """
-    window = history.newest(min(history.span(LONGEST), max(1, trusted)))
-    travel = history.travel[window]
-    old = travel < travel[-min(since, travel.size)] - CALM
-    n = int(old.sum())
+    window = history.newest(min(history.bins_in(LONGEST), max(1, valid)))
+    revolutions = history.revolutions[window]
+    before = revolutions < revolutions[-min(since, revolutions.size)] - STEADY_BEFORE
+    n = int(before.sum())
     if n < SHORTEST:
         return None
-    e, z = history.sample[window, 1, mark][old], history.sample[window, 0, mark][old]
-    mean_e, mean_z = complex(e.sum()) / n, complex(z.sum()) / n
-    spread = float((np.abs(e - mean_e) ** 2).sum())
-    if spread < 0.5 * n:  # not a full turn of the string
+    phasor, position = history.sample[window, 1, mark][before], history.sample[window, 0, mark][before]
+    mean_phasor, mean_position = complex(phasor.sum()) / n, complex(position.sum()) / n
+    spread = float((np.abs(phasor - mean_phasor) ** 2).sum())
+    if spread < 0.5 * n:  # less than a revolution of the string
         return None
-    synchronous = complex(((e - mean_e).conj() * z).sum()) / spread
-    return mean_z - synchronous * mean_e, synchronous
+    synchronous = complex(((phasor - mean_phasor).conj() * position).sum()) / spread
+    return mean_position - synchronous * mean_phasor, synchronous
 
 
-def _near(again: Refit, known: Evidence) -> bool:
-    """Whether a refit corrects no more than can have leaked while the orbit was below its threshold."""
-    most = known.threshold * known.clearance
-    return abs(again.offset - known.offset) < most and abs(again.synchronous - known.synchronous) < most
+def _plausible(refit: OrbitRefit, detection: Detection) -> bool:
+    """Check that a refit corrects no more than can have leaked while the orbit was below its threshold."""
+    largest = detection.threshold * detection.clearance
+    return abs(refit.offset - detection.offset) < largest and abs(refit.synchronous - detection.synchronous) < largest
 
 
-def _goes_round(again: Refit, history: History, window: slice, known: Evidence) -> bool:
-    """Whether an orbit has gone far enough round, since it was a good part of its threshold, to tell its middle."""
-    small = np.flatnonzero(np.abs(again.orbit) < PART * known.threshold * known.clearance)
+def _sweeps_enough(refit: OrbitRefit, history: History, window: slice, detection: Detection) -> bool:
+    """Check that an orbit has swept a sufficient angle to determine its centre."""
+    small = np.flatnonzero(np.abs(refit.orbit) < SWEEP_RADIUS * detection.threshold * detection.clearance)
     start = int(small[-1]) + 1 if small.size else 0
     time, angle = history.time[window][start:], history.angle[window][start:]
     if time.size < 2:
         return False
-    turned = again.pace * float(time[-1] - time[0])
-    return min(abs(turned), abs(turned - float(angle[-1] - angle[0]))) > ROUND
+    swept = refit.rate * float(time[-1] - time[0])
+    return min(abs(swept), abs(swept - float(angle[-1] - angle[0]))) > SMALLEST_SWEEP
 
 
-def synchronous_crossing(history: History, known: Evidence) -> Crossing:
-    """Dates a surge of the synchronous part."""
-    window = history.newest(history.length)
-    half, clearance = known.width // 2, known.clearance
-    vector = history.vector[window, SYNCHRONOUS, known.mark]
-    radius = smoothed_radius(vector, half, known.noise * clearance) / clearance
-    return Crossing(
-        _dated(history.time[window], radius, known, half),
-        known.mark,
-        min(1.0, known.coherence) * _certainty(known),
-        f"synchronous radius over {100 * known.threshold:.0f} % of the clearance and twice its steady level or more, "
-        f"now {100 * known.size:.1f} %",
-    )
+def _crossing_time(time: Array, radius: Array, detection: Detection, half: int) -> float:
+    """Time [s] of the change point of `radius` over the clearance, shape (n,); the last bin is above the threshold."""
+    threshold = detection.threshold
+    noise = max(detection.noise / math.sqrt(2 * half + 1), SMALLEST_NOISE)
+    below = radius < threshold
+    evidence = np.where(below, -np.minimum(((threshold - radius) / noise) ** 2 + 1e-9, LARGEST_WEIGHT), 1.0)
+    backward = np.cumsum(evidence[::-1])[::-1]
+    first = int(np.argmax(backward))
+    if first == 0 or not below[first - 1]:
+        return float(time[first])
+    low, high = float(radius[first - 1]), float(radius[first])
+    share = (threshold - low) / (high - low) if high > low else 1.0
+    share = min(max(share, 0.0), 1.0)
+    return math.fsum((float(time[first - 1]) * (1.0 - share), float(time[first]) * share))
 
 
-def _dated(time: Array, radius: Array, known: Evidence, half: int) -> float:
-    return crossing_time(time, radius, known.threshold, known.noise / math.sqrt(2 * half + 1))
-
-
-def _certainty(known: Evidence) -> float:
-    """1 less the chance that the averaged noise alone is as large."""
-    remaining = known.noise / math.sqrt(known.width)
-    return 1.0 - math.exp(-0.5 * (known.size / remaining) ** 2) if remaining > 0.0 else 1.0
+def _significance(detection: Detection) -> float:
+    """1 less the probability that the averaged noise alone is as large."""
+    remaining = detection.noise / math.sqrt(detection.width)
+    return 1.0 - math.exp(-0.5 * (detection.radius / remaining) ** 2) if remaining > 0.0 else 1.0
 
 
 def _rotation(history: History, bins: int) -> float:

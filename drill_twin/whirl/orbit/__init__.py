@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Orbits: radius and precession, runout separation, dominant precession."""
+"""Orbits of the marks: radius, precession, runout separation, shape of the string, noise."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How noisy the bins are, learned from what no orbit can do.
+"""Estimate of the measurement noise of the bins.
 
-The third difference of bins that are turned back by the orbit's own precession takes out any steady or growing orbit
-and leaves white noise 20 times in power (binomial weights 1, -3, 3, -1).
+The third difference of bins, demodulated with the precession, suppresses any steady or growing orbit and amplifies
+white noise 20 times in power (binomial weights 1, -3, 3, -1).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ GAIN = 20.0
 MEMORY = 64
 """Memory [bins]."""
 OUTLIER = 16.0
-"""A single difference counts at most this times the present power."""
+"""Largest power of a single difference, over the present estimate."""
 
 
 class Noise:
@@ -29,18 +29,18 @@ class Noise:
         """Standard deviation per axis over the clearance."""
 
     @property
-    def learned(self) -> bool:
-        """Whether enough bins have been seen to trust the level."""
+    def converged(self) -> bool:
+        """True after enough bins."""
         return self._count >= MEMORY // 4
 
     def update(self, vector: ComplexArray, whirling: Mask) -> None:
-        """Takes in the newest four bins over the clearance, turned back by the precession, shape (4, m).
+        """Add the newest four bins over the clearance, demodulated with the precession, shape (4, m).
 
-        Marks that whirl keep their noise: irregular motion is not noise.
+        Marks that whirl keep their estimate, since irregular motion is not noise.
         """
         difference = vector[3] - 3.0 * vector[2] + 3.0 * vector[1] - vector[0]
         power = (difference.real**2 + difference.imag**2) / (2.0 * GAIN)
-        if self.learned:
+        if self.converged:
             power = np.minimum(power, OUTLIER * self._power + 1e-300)
         self._count = min(self._count + 1, MEMORY)
         self._power += np.where(whirling, 0.0, (power - self._power) / self._count)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Offset and synchronous part once more, now that there is an orbit to tell them from.
+"""Second fit of offset and synchronous part, with the detected orbit in the model.
 
-The running fit of `separation` knows no orbit, so a slow or slowly growing one leaks into the offset, and one near the
-rotation into the synchronous part. Once whirl is certain, the last revolutions are fitted again with the orbit in the
-model, z = c + S e + A rho(t) exp(i omega t), with its own radius rho and pace omega from the residual of the fit
-before; three rounds settle. What is left, z - c - S e, is the orbit undistorted.
+The running fit of `runout_separation` has no orbit in its model, so that a slow or slowly growing one leaks into the
+offset, and one near the rotation into the synchronous part. Once whirl is detected, the last revolutions are fitted
+with z = c + S e + A rho(t) exp(i omega t), where radius rho and rate omega come from the residual of the fit before;
+three iterations converge. The residual z - c - S e is the undistorted orbit.
 """
 
 from __future__ import annotations
@@ -14,20 +14,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.whirl.onset.crossing_time import smoothed_radius
 
-ROUNDS = 3
+ITERATIONS = 3
 LONGEST = 28.0
-"""Revolutions fitted at most."""
+"""Longest record to fit [rev]."""
 SHORTEST = 12
-"""Bins needed to fit at all."""
-DETERMINED = 0.1
-"""Least determinant of the normalised fit: the orbit has turned by some 70 degrees in the hole and in the string."""
+"""Shortest record to fit [bins]."""
+SMALLEST_DETERMINANT = 0.1
+"""Smallest determinant of the normalised fit: the orbit has swept some 70 degrees in the frames of hole and string."""
 
 
 @dataclass(frozen=True, eq=False)
-class Refit:
-    """The last revolutions of a mark, told apart with the orbit in mind."""
+class OrbitRefit:
+    """Parts of the motion of a mark over the last revolutions."""
 
     offset: complex
     """Offset [m]."""
@@ -35,48 +34,71 @@ class Refit:
     """Synchronous part of the marked point, the arm of a wall mark included [m]."""
     orbit: ComplexArray
     """Asynchronous part [m], shape (n,)."""
-    pace: float
-    """Its rate of turning [rad/s]."""
+    rate: float
+    """Rate of its angle [rad/s]."""
 
 
-def refit(
-    time: Array, sample: ComplexArray, orbit: ComplexArray, recent: int, pace: float, half_width: int
-) -> Refit | None:
-    """Fits the bins at `time` [s], shape (n,), of `sample` (place and turn), shape (n, 2), anew.
+def refit_orbit(
+    time: Array, sample: ComplexArray, orbit: ComplexArray, recent: int, rate: float, half_width: int
+) -> OrbitRefit | None:
+    """Fit offset, synchronous part and orbit of a mark; None where the fit is singular.
 
-    `orbit` is the asynchronous part so far [m], shape (n,); its pace is taken from the `recent` newest bins. None
-    where the fit is not determined.
+    Args:
+        time: Times of the bins [s], shape (n,).
+        sample: Position [m] and phasor, shape (n, 2).
+        orbit: First estimate of the asynchronous part [m], shape (n,).
+        recent: Number of newest bins from which the rate is estimated.
+        rate: First estimate of the rate [rad/s].
+        half_width: Half width of the average for the radius [bins].
     """
     n = time.size
     if n < SHORTEST:
         return None
-    place, turn = sample[:, 0], sample[:, 1]
+    position, phasor = sample[:, 0], sample[:, 1]
     since = time - time[-1]
     offset = synchronous = 0j
-    for _ in range(ROUNDS):
-        pace = _pace(since[-recent:], orbit[-recent:], pace)
-        steady = np.exp(1j * pace * since)
-        envelope = smoothed_radius(orbit * steady.conj(), half_width, 0.0) * steady
-        columns = (np.ones(n, complex), turn, envelope)
+    for _ in range(ITERATIONS):
+        rate = _mean_rate(since[-recent:], orbit[-recent:], rate)
+        carrier = np.exp(1j * rate * since)
+        envelope = smoothed_radius(orbit * carrier.conj(), half_width, 0.0) * carrier
+        columns = (np.ones(n, complex), phasor, envelope)
         norms = [float(np.sqrt((np.abs(column) ** 2).sum())) for column in columns]
         if min(norms) <= 0.0:
             return None
         unit = [column / norm for column, norm in zip(columns, norms, strict=True)]
         gram = np.array([[(a.conj() * b).sum() for b in unit] for a in unit])
-        if abs(np.linalg.det(gram)) < DETERMINED:
+        if abs(np.linalg.det(gram)) < SMALLEST_DETERMINANT:
             return None
-        parts = np.linalg.solve(gram, np.array([(a.conj() * place).sum() for a in unit]))
+        parts = np.linalg.solve(gram, np.array([(a.conj() * position).sum() for a in unit]))
         offset, synchronous = complex(parts[0]) / norms[0], complex(parts[1]) / norms[1]
-        orbit = place - offset - synchronous * turn
-    return Refit(offset, synchronous, orbit, _pace(since[-recent:], orbit[-recent:], pace))
+        orbit = position - offset - synchronous * phasor
+    return OrbitRefit(offset, synchronous, orbit, _mean_rate(since[-recent:], orbit[-recent:], rate))
 
 
-def _pace(time: Array, orbit: ComplexArray, pace: float) -> float:
-    """Rate of the angle [rad/s], by least squares weighted with the power, near a first guess."""
-    angle = np.unwrap(np.angle(orbit * np.exp(-1j * pace * time)))
+def smoothed_radius(vector: ComplexArray, half_width: int, noise: float) -> Array:
+    """Radius of a demodulated orbit after a centred moving average, noise removed, shape (n,).
+
+    Args:
+        vector: Orbit demodulated with its precession, so that the average does not shorten it, shape (n,).
+        half_width: Half width h of the average of 2 h + 1 bins; it is truncated at the ends.
+        noise: Noise of a bin per axis, in the unit of `vector`.
+    """
+    n = vector.size
+    sums = np.concatenate(([0.0], np.cumsum(vector)))
+    low = np.maximum(np.arange(n) - half_width, 0)
+    high = np.minimum(np.arange(n) + half_width + 1, n)
+    width = high - low
+    mean = (sums[high] - sums[low]) / width
+    radius: Array = np.sqrt(np.maximum(np.abs(mean) ** 2 - 2.0 * noise**2 / width, 0.0))
+    return radius
+
+
+def _mean_rate(time: Array, orbit: ComplexArray, rate: float) -> float:
+    """Rate of the angle [rad/s] by least squares weighted with the power, near a first estimate."""
+    angle = np.unwrap(np.angle(orbit * np.exp(-1j * rate * time)))
     weight = np.abs(orbit) ** 2
     total = float(weight.sum())
     if total <= 0.0:
-        return pace
+        return rate
     centred = time - float((weight * time).sum()) / total
-    return pace + float((weight * centred * angle).sum() / (weight * centred * centred).sum())
+    return rate + float((weight * centred * angle).sum() / (weight * centred * centred).sum())

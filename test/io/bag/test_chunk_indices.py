@@ -44,7 +44,7 @@ def test_an_hour_of_chunks_is_kept_in_a_few_megabytes_and_comes_back():
 def test_the_writer_keeps_them_so_and_every_chunk_is_found_again(tmp_path):
     raw = encode_string("text")
     with BagWriter(tmp_path / "run_0", topics=[TWIN_SCENE]) as bag:
-        assert isinstance(vars(bag._parts[0]._writer)["_Writer__chunk_indices"], PackedIndices)
+        assert isinstance(vars(bag._files[0]._writer)["_Writer__chunk_indices"], PackedIndices)
         for k in range(600):
             bag.write(TWIN_SCENE, k, raw)
             bag.flush()

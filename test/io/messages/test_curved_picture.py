@@ -9,7 +9,7 @@ import pytest
 from drill_twin.io.messages.cdr import PoseArrayTemplate
 from drill_twin.io.messages.definitions import deserialize
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.geometry import StringGeometry, Widened
+from drill_twin.io.messages.geometry import ExaggeratedGeometry, StringGeometry
 from drill_twin.io.messages.markers import MarkerArrayTemplate
 from drill_twin.io.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
 from drill_twin.live.page_state import PageState
@@ -62,7 +62,7 @@ def geometry(line):
 
 
 def test_lateral_motion_is_widened_about_the_axis(line, off, geometry):
-    widened = Widened(geometry, FACTOR)
+    widened = ExaggeratedGeometry(geometry, FACTOR)
     axis = line.at(DEPTHS)
     np.testing.assert_allclose(widened.nodes(axis.centre), axis.centre, atol=1e-9)
     wide, narrow = seen(axis, widened.nodes(off)), seen(axis, off)

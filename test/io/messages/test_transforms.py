@@ -7,7 +7,7 @@ import pytest
 from drill_twin.io.messages.decode import read_pose_array
 from drill_twin.io.messages.definitions import deserialize
 from drill_twin.io.messages.encode import TwinEncoder
-from drill_twin.io.messages.transforms import TF_TYPE, Frames, TransformsTemplate, hole_placed
+from drill_twin.io.messages.transforms import TF_TYPE, StringTransforms, TransformsTemplate, hole_transform
 
 STAMP = 12_340_000_000
 
@@ -21,41 +21,41 @@ def turned(quaternion, vector):
 def test_bit_and_marks_are_where_the_topics_say(make_frame, make_geometry):
     geometry = make_geometry(11)
     frame = make_frame(nodes=11)
-    placed = Frames(geometry).placed(frame)
-    assert [one.child for one in placed] == ["bit", *geometry.mark_names]
-    assert {one.parent for one in placed} == {"hole"}
+    transforms = StringTransforms(geometry).at(frame)
+    assert [one.child for one in transforms] == ["bit", *geometry.mark_names]
+    assert {one.parent for one in transforms} == {"hole"}
     poses = read_pose_array(TwinEncoder(geometry).poses(frame))
-    np.testing.assert_array_equal(placed[0].place, poses.position[0])
-    np.testing.assert_allclose(placed[0].turn, poses.orientation[0], atol=1e-12)
-    np.testing.assert_array_equal([one.place for one in placed[1:]], frame.marks.position)
-    for one in placed:
-        assert np.linalg.norm(one.turn) == pytest.approx(1.0, abs=1e-12)
+    np.testing.assert_array_equal(transforms[0].translation, poses.position[0])
+    np.testing.assert_allclose(transforms[0].rotation, poses.orientation[0], atol=1e-12)
+    np.testing.assert_array_equal([one.translation for one in transforms[1:]], frame.marks.position)
+    for one in transforms:
+        assert np.linalg.norm(one.rotation) == pytest.approx(1.0, abs=1e-12)
 
 
 def test_a_mark_is_turned_with_the_spin_of_its_section(make_frame, make_geometry):
     geometry, frame = make_geometry(11), make_frame(nodes=11)
     upright = np.broadcast_to([0.0, 0.0, 1.0], frame.tangents.shape)
     object.__setattr__(frame, "tangents", upright)
-    for one, spin in zip(Frames(geometry).placed(frame)[1:], frame.marks.spin, strict=True):
+    for one, spin in zip(StringTransforms(geometry).at(frame)[1:], frame.marks.spin, strict=True):
         np.testing.assert_allclose(
-            turned(one.turn, np.array([1.0, 0.0, 0.0])), [np.cos(spin), np.sin(spin), 0.0], atol=1e-12
+            turned(one.rotation, np.array([1.0, 0.0, 0.0])), [np.cos(spin), np.sin(spin), 0.0], atol=1e-12
         )
 
 
 def test_plus_x_of_an_inclined_hole_is_its_low_side():
     """As gravity acts: along (sin i, 0, -cos i) of the hole."""
-    hole = hole_placed(0.3)
-    plumb = turned(hole.turn, np.array([np.sin(0.3), 0.0, -np.cos(0.3)]))
+    hole = hole_transform(0.3)
+    plumb = turned(hole.rotation, np.array([np.sin(0.3), 0.0, -np.cos(0.3)]))
     np.testing.assert_allclose(plumb, [0.0, 0.0, -1.0], atol=1e-12)
     assert (hole.parent, hole.child) == ("map", "hole")
 
 
 def test_the_bytes_are_a_message_of_tf(make_frame, make_geometry):
-    placed = Frames(make_geometry(11)).placed(make_frame(nodes=11))
-    raw = TransformsTemplate([one[:2] for one in placed]).fill(STAMP, placed)
-    for one, read in zip(placed, deserialize(raw, TF_TYPE).transforms, strict=True):
+    transforms = StringTransforms(make_geometry(11)).at(make_frame(nodes=11))
+    raw = TransformsTemplate([one[:2] for one in transforms]).fill(STAMP, transforms)
+    for one, read in zip(transforms, deserialize(raw, TF_TYPE).transforms, strict=True):
         assert (read.header.frame_id, read.child_frame_id) == (one.parent, one.child)
         assert read.header.stamp.sec * 10**9 + read.header.stamp.nanosec == STAMP
         place, turn = read.transform.translation, read.transform.rotation
-        assert [place.x, place.y, place.z] == one.place.tolist()
-        assert [turn.x, turn.y, turn.z, turn.w] == one.turn.tolist()
+        assert [place.x, place.y, place.z] == one.translation.tolist()
+        assert [turn.x, turn.y, turn.z, turn.w] == one.rotation.tolist()

@@ -10,7 +10,7 @@ from drill_twin.studies.detection.cases import BENCH, bench, recorded, simulated
 from drill_twin.studies.detection.figure import confusion_figure
 from drill_twin.studies.detection.measure import Plan, measure
 from drill_twin.studies.detection.runs import simulate
-from drill_twin.studies.detection.scoring import Score, analysed, macro_f1
+from drill_twin.studies.detection.scoring import Score, analyse, macro_f1
 from drill_twin.studies.detection.signals import labelled, steady
 from drill_twin.studies.detection.steady import false_onsets
 from drill_twin.studies.detection.text import markdown
@@ -20,7 +20,7 @@ def test_kinematic_sample():
     score = Score()
     for seed in range(18):
         record = labelled(seed)
-        score.add(record.truth, analysed(record), record.rotation)
+        score.add(record.truth, analyse(record), record.rotation)
     assert score.onsets == 18
     assert score.missed == 0
     assert score.met >= 17 / 18
@@ -31,7 +31,7 @@ def test_kinematic_sample():
 @pytest.mark.parametrize("seed", range(4))
 def test_no_onset_in_noise(seed):
     record = steady(seed)
-    assert analysed(record).onset is None
+    assert analyse(record).onset is None
 
 
 def test_minutes_of_steady_rotation():
@@ -43,7 +43,7 @@ def test_simulated_sample(forces):
     score = Score()
     for run in (bench(2), bench(8), bench(16), simulated(10)):
         record = recorded(run, forces=forces)
-        score.add(record.truth, analysed(record), record.rotation)
+        score.add(record.truth, analyse(record), record.rotation)
     assert score.met == 1.0
     assert score.missed == score.false == 0
     # Not every state comes in four runs, and some only for a moment: the share of the time stands for them here.
@@ -55,7 +55,7 @@ def test_steady_bench_has_no_onset():
     assert BENCH[0] == {"wob": "5 N"}
     record = recorded(bench(0), forces=True)
     assert record.truth.onset is None
-    assert analysed(record).onset is None
+    assert analyse(record).onset is None
 
 
 def test_string_that_falls_to_the_low_side_of_an_inclined_hole_does_not_whirl():
@@ -64,13 +64,13 @@ def test_string_that_falls_to_the_low_side_of_an_inclined_hole_does_not_whirl():
     place = run.mark_centre / np.array([mark.clearance for mark in run.marks])
     assert np.abs(place[200:, 1]).min() > 0.5
     assert np.ptp(np.unwrap(np.angle(place[50:, 1]))) < 1.0
-    summary = analysed(recorded(run, forces=True))
+    summary = analyse(recorded(run, forces=True))
     assert summary.onset is None, summary.onset
     assert summary.motion[-1].state.value == "rotation about a fixed axis"
 
 
 def test_measurement_from_end_to_end(tmp_path):
-    plan = Plan(kinematic=2, still=1, bench=1, drawn=0, rattling=0, hours=0.01)
+    plan = Plan(kinematic=2, still=1, bench=1, drawn=0, bouncing=0, hours=0.01)
     result = measure(plan, workers=1)
     plain = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     assert plain["sets"]["kinematic"]["records"] == 3

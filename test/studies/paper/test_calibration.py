@@ -7,8 +7,8 @@ from drill_twin.scene import load_scene
 from drill_twin.studies.paper.calibration import calibrate as module
 from drill_twin.studies.paper.calibration.calibrate import calibrate
 from drill_twin.studies.paper.calibration.objective import FITTED, LARGEST, Loss, evaluate, lateral, loss
+from drill_twin.studies.paper.calibration.parameters import PARAMETERS, shares_of, with_shares
 from drill_twin.studies.paper.calibration.trade_off import draw_trade_off, front, groups, point
-from drill_twin.studies.paper.calibration.unknowns import UNKNOWNS, shares_of, with_shares
 
 WANTED = (0.3, 0.7, 0.5, 0.4, 0.6, 0.2, 0.8, 0.45, 0.55, 0.35)
 
@@ -36,7 +36,7 @@ def test_the_search_finds_the_bottom_and_how_wide_it_is(quick_search):
     assert done.best.total < 0.02
     assert done.shares == pytest.approx(WANTED, abs=0.05)
     assert done.best.total <= done.start.total
-    assert done.changes["effects.bow.amplitude"] == pytest.approx(UNKNOWNS[2].value(done.shares[2]))
+    assert done.changes["effects.bow.amplitude"] == pytest.approx(PARAMETERS[2].value(done.shares[2]))
     for found in done.found:
         assert found.low <= found.value <= found.high
     assert quick_search() == done  # the seed decides
@@ -58,7 +58,7 @@ def test_numbers_and_shares_are_each_others_and_lie_within_the_bounds():
     assert shares_of(again) == pytest.approx(shares)
     damping = again.effects.internal_damping
     assert damping.bending_time == damping.stretch_time == damping.torsion_time
-    low, high = with_shares(scene, [0.0] * len(UNKNOWNS)), with_shares(scene, [1.0] * len(UNKNOWNS))
+    low, high = with_shares(scene, [0.0] * len(PARAMETERS)), with_shares(scene, [1.0] * len(PARAMETERS))
     assert low.effects.bow.amplitude == pytest.approx(1e-5)
     assert high.effects.drag.linear == pytest.approx(0.1)
 

@@ -64,7 +64,7 @@ def test_a_scene_without_what_is_sought_is_one_clear_error(quick_file, tmp_path)
     bare.write_text(f"base: {quick_file}\nname: bare\neffects: {{bow: off}}\n", "utf-8")
     done = command("calibrate", "--scene", bare, "--generations", "0", "--out", tmp_path / "x")
     assert isinstance(done.exception, SceneError)
-    assert str(done.exception) == "bare: expected `effects.bow`, for its bow is sought, found none"
+    assert str(done.exception) == "bare: expected `effects.bow`, whose bow is calibrated, found none"
     assert not (tmp_path / "x").exists()
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from drill_twin.errors import SceneError
 from drill_twin.scene import load_scene
-from drill_twin.studies.paper.calibration.objective import FITTED, JUDGED, deviation
+from drill_twin.studies.paper.calibration.objective import FITTED, HELD_OUT, deviation
 from drill_twin.studies.paper.runs.cases import LOADS, MATRIX, SPEEDS, Case, changed, scene_of, value_at
 from drill_twin.studies.paper.runs.full_size import CASES as FULL_SIZE
 from drill_twin.studies.paper.runs.published import Published, published
@@ -114,7 +114,7 @@ def test_backward_whirl_counts_as_a_frequency_but_not_as_a_forward_ratio():
 
 
 def test_fitted_and_judged_numbers_are_all_of_them_and_none_twice():
-    names = [number.name for number in (*FITTED, *JUDGED)]
+    names = [number.name for number in (*FITTED, *HELD_OUT)]
     assert sorted(names) == sorted(BENCH)
     assert (deviation(0.6, 0.5), deviation(None, 1.0), deviation(-0.5, 0.5)) == (pytest.approx(1.0), 8.0, 8.0)
 

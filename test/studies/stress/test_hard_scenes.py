@@ -14,8 +14,8 @@ from drill_twin.monitor.run_timing import RunTiming
 from drill_twin.scene import hard_scenes, load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.studies import stress
-from drill_twin.studies.stress.bound import deepest_allowed
-from drill_twin.studies.stress.judge import Watch, judge
+from drill_twin.studies.stress.bound import allowed_depth
+from drill_twin.studies.stress.run import RunStatistics, verdict_on
 from drill_twin.twin.frame import EnergyBalance
 from drill_twin.twin.twin import Twin
 
@@ -64,13 +64,13 @@ def test_a_long_run_is_in_order(name):
 @pytest.mark.skipif("DRILL_TWIN_DAY" not in os.environ, reason="a day of rotation: make day")
 def test_a_day_of_rotation_is_in_order():
     scene = load_scene("hard/steady_hour", overrides={"duration": "86400"})
-    twin, watch = Twin(scene), Watch()
+    twin, found = Twin(scene), RunStatistics()
     schedule = Schedule.from_scene(scene)
     for k in range(864_000):
-        watch.see(twin.advance(schedule.at(0.1 * (k + 1)), 0.1))
+        found.add(twin.advance(schedule.at(0.1 * (k + 1)), 0.1))
     case = next(case for case in stress.all_hard_cases() if case.name == "steady_hour[spatial]")
-    allowed = deepest_allowed(twin, watch.speed) + 0.5 * twin.step_size * watch.speed
-    assert judge(case, watch, "", allowed) == "ok"
+    allowed = allowed_depth(twin, found.speed) + 0.5 * twin.step_size * found.speed
+    assert verdict_on(case, found, "", allowed) == "ok"
 
 
 def test_steps_taken_loosely_are_counted_and_told():
@@ -88,33 +88,33 @@ def test_steps_taken_loosely_are_counted_and_told():
 def test_what_is_wrong_is_told(make_frame):
     case = next(case for case in CASES if case.name == "load_300_n[spatial]")
     folds = next(case for case in CASES if case.name == "folds[spatial]")
-    watch = Watch()
-    watch.see(make_frame())
-    assert judge(case, watch, "", 0.0) == "ok"
-    watch.depth = 2e-3
-    assert "2 mm into the wall" in judge(case, watch, "", 1e-3)
-    assert judge(case, watch, "no step", 1.0) == "stopped: no step"
-    assert judge(folds, watch, "at node 3 folded back on itself", 1.0).startswith("ok, stopped")
-    assert judge(folds, watch, "no step", 1.0) == "stopped: no step"
-    assert "followed to the end" in judge(folds, watch, "", 1.0)
+    found = RunStatistics()
+    found.add(make_frame())
+    assert verdict_on(case, found, "", 0.0) == "ok"
+    found.depth = 2e-3
+    assert "2 mm into the wall" in verdict_on(case, found, "", 1e-3)
+    assert verdict_on(case, found, "no step", 1.0) == "stopped: no step"
+    assert verdict_on(folds, found, "at node 3 folded back on itself", 1.0).startswith("ok, stopped")
+    assert verdict_on(folds, found, "no step", 1.0) == "stopped: no step"
+    assert "run to its end" in verdict_on(folds, found, "", 1.0)
     broken = make_frame()
     broken.velocities[3, 1] = np.nan
-    watch.see(broken)
-    assert judge(case, watch, "", 1.0) == "a state that is no number"
+    found.add(broken)
+    assert verdict_on(case, found, "", 1.0) == "the state is not finite"
 
 
 def test_heat_cannot_come_back(make_frame):
-    case, watch = next(case for case in CASES if case.name == "load_300_n[spatial]"), Watch()
+    case, found = next(case for case in CASES if case.name == "load_300_n[spatial]"), RunStatistics()
     for heat in (0.5, -0.1):
         books = EnergyBalance({}, {}, {"drag": heat}, residual=-2e-3, scale=1.0, newton=0.0)
-        watch.see(replace(make_frame(), energy=books))
-        assert judge(case, watch, "", 1.0) == (
-            "ok" if heat > 0.0 else "drag gave the string energy, where it can only take it"
+        found.add(replace(make_frame(), energy=books))
+        assert verdict_on(case, found, "", 1.0) == (
+            "ok" if heat > 0.0 else "drag added energy to the string, expected only dissipation"
         )
-    assert watch.energy == pytest.approx(2e-3)
+    assert found.energy == pytest.approx(2e-3)
     lost = EnergyBalance({}, {}, {}, residual=0.3, scale=1.0, newton=0.0)
-    (watch := Watch()).see(replace(make_frame(), energy=lost))
-    assert judge(case, watch, "", 1.0) == "30% of the energy is not accounted for"
+    (found := RunStatistics()).add(replace(make_frame(), energy=lost))
+    assert verdict_on(case, found, "", 1.0) == "30% of the energy in motion is an error of the energy balance"
 
 
 @pytest.mark.long
@@ -131,7 +131,7 @@ def test_the_depth_allowed_is_that_of_an_impact():
     scene = load_scene("hard/load_300_n", overrides={"wob": "0", "effects.gravity": "off"})
     twin = Twin(scene)
     mass = scene.string.sections[0].mass_per_length
-    assert deepest_allowed(twin, 2.0) == pytest.approx((5.0 * mass * 4.0 / 4e7) ** 0.4, rel=1e-6)
+    assert allowed_depth(twin, 2.0) == pytest.approx((5.0 * mass * 4.0 / 4e7) ** 0.4, rel=1e-6)
 
 
 def test_the_command_tells_and_ends_with_one_where_a_case_is_not_in_order(tmp_path, monkeypatch):

@@ -20,7 +20,7 @@ from drill_twin.effects import EFFECTS
 from drill_twin.errors import RunError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
-from drill_twin.studies.stress.bound import deepest_allowed
+from drill_twin.studies.stress.bound import allowed_depth
 from drill_twin.twin.twin import Twin
 
 BENCH = frozenset(load_scene("pa6_bench").effect_names)
@@ -95,7 +95,7 @@ def check(data: dict, lost: list | None = None) -> None:
         if number <= 3:
             early.append(frame.positions.copy())
     if scene.effects.wall is not None:
-        assert depth <= 2.0 * deepest_allowed(twin, speed) + twin.step_size * speed
+        assert depth <= 2.0 * allowed_depth(twin, speed) + twin.step_size * speed
     if reached < FRAMES:
         return
     again = Twin(scene)
@@ -110,7 +110,7 @@ def check(data: dict, lost: list | None = None) -> None:
     if image is not None:
         other = Scene.model_validate(image)
         seen = [frame.positions for _, frame in frames(Twin(other), Schedule.from_scene(other), last=3)]
-        room = float(twin.model.bore.clearance.max())
+        room = float(twin.model.wellbore.clearance.max())
         for here, there in zip(early, seen, strict=True):
             np.testing.assert_allclose(there * (1.0, -1.0, 1.0), here, rtol=0.0, atol=ROUND_OFF * max(room, 1e-3))
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from drill_twin.studies.verify import Case
 from drill_twin.studies.verify.case import FORMS
-from drill_twin.studies.verify.numerics.symmetry import lively, turned
+from drill_twin.studies.verify.numerics.symmetry import rotated_run, whirling_scene
 
 SHORT = 0.4  # [s]
 LOADS, SPEEDS = st.floats(5.0, 60.0), st.floats(-20.0, 20.0)
@@ -28,9 +28,9 @@ def test_no_direction_across_the_hole_is_special(
     form: str, angle: float, load: float, speed: float, friction: float
 ) -> None:
     """Turning the start about the hole's axis turns the whole motion, whatever the load, the speed and the friction."""
-    scene = lively(form, wall_friction={"coefficient": friction})
-    straight = turned(scene, 0.0, load=load, speed=speed, seconds=SHORT)
-    assert turned(scene, angle, load=load, speed=speed, seconds=SHORT) == pytest.approx(straight, abs=1e-6)
+    scene = whirling_scene(form, wall_friction={"coefficient": friction})
+    straight = rotated_run(scene, 0.0, load=load, speed=speed, seconds=SHORT)
+    assert rotated_run(scene, angle, load=load, speed=speed, seconds=SHORT) == pytest.approx(straight, abs=1e-6)
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -38,12 +38,12 @@ def test_no_direction_across_the_hole_is_special(
 @given(load=LOADS, speed=SPEEDS, friction=FRICTION)
 def test_a_mirror_image_turns_the_other_way(form: str, load: float, speed: float, friction: float) -> None:
     """The mirrored start, turned the other way, gives the mirrored motion."""
-    scene = lively(form, wall_friction={"coefficient": friction})
-    straight = turned(scene, 0.0, load=load, speed=speed, seconds=SHORT)
-    mirrored = turned(scene, 0.0, mirror=True, load=load, speed=speed, seconds=SHORT)
+    scene = whirling_scene(form, wall_friction={"coefficient": friction})
+    straight = rotated_run(scene, 0.0, load=load, speed=speed, seconds=SHORT)
+    mirrored = rotated_run(scene, 0.0, mirror=True, load=load, speed=speed, seconds=SHORT)
     assert mirrored == pytest.approx(straight, abs=1e-6)
 
 
 def test_same_scene_same_bits() -> None:
     """Two runs of one scene agree to the last bit."""
-    assert np.array_equal(turned(lively(), 0.3), turned(lively(), 0.3))
+    assert np.array_equal(rotated_run(whirling_scene(), 0.3), rotated_run(whirling_scene(), 0.3))

@@ -13,7 +13,7 @@ from drill_twin.cli.app import app
 from drill_twin.studies.json_io import json_text
 from drill_twin.studies.verify import Case, Row, all_cases, choose, run, scenes
 from drill_twin.studies.verify.page import to_page
-from drill_twin.studies.verify.run import Outcome, run_cases
+from drill_twin.studies.verify.run import CaseResult, run_cases
 from drill_twin.studies.verify.statics.airy import critical_bit_load
 
 QUICK = "lateral_frequencies.frequencies[free,lateral]"
@@ -87,20 +87,20 @@ def test_the_command_lists_names() -> None:
 
 
 @pytest.fixture
-def outcome() -> Callable[..., Outcome]:
-    def make(*rows: Row, failure: str = "") -> Outcome:
-        return Outcome(choose(QUICK)[0], rows, 0.1, failure)
+def check() -> Callable[..., CaseResult]:
+    def make(*rows: Row, failure: str = "") -> CaseResult:
+        return CaseResult(choose(QUICK)[0], rows, 0.1, failure)
 
     return make
 
 
-def test_a_miss_ends_with_one(outcome: Callable[..., Outcome], monkeypatch: pytest.MonkeyPatch) -> None:
-    for missed in (outcome(row(-2.0), row(-3.0)), outcome(failure="RunError: no step"), outcome()):
+def test_a_miss_ends_with_one(check: Callable[..., CaseResult], monkeypatch: pytest.MonkeyPatch) -> None:
+    for missed in (check(row(-2.0), row(-3.0)), check(failure="RunError: no step"), check()):
         monkeypatch.setattr(run, "run_cases", lambda *_, missed=missed, **__: [missed])
         said = invoke("--only", QUICK)
         assert said.exit_code == 1
         assert "**miss**" in to_page([missed], "") or not (missed.rows or missed.failure)
-    monkeypatch.setattr(run, "run_cases", lambda *_, **__: [outcome(row(-2.0))])
+    monkeypatch.setattr(run, "run_cases", lambda *_, **__: [check(row(-2.0))])
     assert invoke("--only", QUICK).exit_code == 0
 
 
@@ -116,6 +116,6 @@ def test_a_case_that_cannot_run_is_a_miss() -> None:
     assert "no.such" in found[0].failure
 
 
-def test_cells_of_the_page_keep_their_bars(outcome: Callable[..., Outcome]) -> None:
-    assert "F \\| G" in to_page([outcome(row(-2.0), row(-2.0, reference="H"))], "this")
-    assert "Reference: `F | G` (Euler)" in to_page([outcome(row(-2.0), row(-2.0))], "this")
+def test_cells_of_the_page_keep_their_bars(check: Callable[..., CaseResult]) -> None:
+    assert "F \\| G" in to_page([check(row(-2.0), row(-2.0, reference="H"))], "this")
+    assert "Reference: `F | G` (Euler)" in to_page([check(row(-2.0), row(-2.0))], "this")

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The search for the numbers that the paper leaves open."""
+"""Calibration of the parameters that the paper does not give."""

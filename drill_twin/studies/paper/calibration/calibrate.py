@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The search for what the paper leaves open.
+"""Calibration of the parameters that the paper does not give.
 
-Differential evolution (Storn and Price 1997; scipy's, which is well kept): the loss jumps where a whirl turns from one
-branch to another, so there is no gradient to follow, and a population keeps several branches alive. The scene's own
-numbers are one member of the first generation, Sobol points the others; a generation is evaluated as a whole, so the
-result does not depend on the number of processes.
+Differential evolution (Storn and Price 1997; from scipy): the loss is discontinuous where a whirl changes its branch,
+so it has no useful gradient, and a population covers several branches. The first generation holds the values of the
+scene and Sobol points; a generation is evaluated as a whole, so the result does not depend on the number of processes.
 """
 
 from __future__ import annotations
@@ -23,71 +22,72 @@ from scipy.stats import qmc
 from drill_twin.base.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.studies.paper.calibration.objective import Loss, lateral, loss_at
-from drill_twin.studies.paper.calibration.unknowns import UNKNOWNS, Unknown, shares_of
+from drill_twin.studies.paper.calibration.parameters import PARAMETERS, FreeParameter, shares_of
 from drill_twin.studies.paper.runs.run import compile_for
 from drill_twin.studies.pool import process_pool
 
 STEP = 0.03
-"""Shares by which a number is moved to see how sharply it is known."""
-TOLERATED = 1.0
-"""A loss this much higher still counts as the same quality."""
+"""Step of the sensitivity analysis, as a share of the bounds."""
+LOSS_MARGIN = 1.0
+"""Rise of the loss within which a value counts as equally good."""
 
 
 @dataclass(frozen=True)
 class Found:
-    """One number found."""
+    """A calibrated parameter."""
 
-    unknown: Unknown
+    parameter: FreeParameter
     value: float
-    """[unit]"""
+    """Best value [unit]."""
     low: float
-    """Down to here the loss rises by no more than `TOLERATED`, as far as was tried [unit]."""
+    """Least tried value at which the loss rises by no more than `LOSS_MARGIN` [unit]."""
     high: float
-    """Up to here [unit]."""
+    """Largest such value [unit]."""
     without: float | None
-    """Rise of the loss when it is left out; None where that has no meaning."""
+    """Rise of the loss without the parameter; None where that has no meaning."""
     needed_for: tuple[str, ...]
-    """Numbers that are worse by 20 % or more without it."""
+    """Published numbers that deviate by a further 20 % or more without it."""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
         return {
-            "place": self.unknown.place, "name": self.unknown.name, "unit": self.unknown.unit, "value": self.value,
-            "low": self.low, "high": self.high, "without": self.without, "needed_for": list(self.needed_for),
+            "place": self.parameter.place, "name": self.parameter.name, "unit": self.parameter.unit,
+            "value": self.value, "low": self.low, "high": self.high,
+            "without": self.without, "needed_for": list(self.needed_for),
         }  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """The result of a search."""
+    """Result of a calibration."""
 
     start: Loss
-    """Of the scene as it was."""
+    """Loss of the scene as given."""
     best: Loss
     shares: tuple[float, ...]
-    """Where the numbers found lie between their bounds."""
+    """Values found, as shares of the way between their bounds."""
     evaluations: int
     seed: int
     found: tuple[Found, ...] = field(default=())
     tried: tuple[Loss, ...] = field(default=())
-    """Every set that the search tried, in its order."""
+    """Loss of every set of parameters that was tried, in order."""
 
     @property
     def changes(self) -> dict[str, float]:
-        """The numbers found, in SI, by their place in the scene."""
+        """Values found, in SI, by their key in the scene."""
         return {
             place: u.value(share)
-            for u, share in zip(UNKNOWNS, self.shares, strict=True)
+            for u, share in zip(PARAMETERS, self.shares, strict=True)
             for place in (u.place, *u.also)
         }
 
 
 Progress = Callable[[str, int, int, float], None]
-"""What is being done, how much of it, of how much, and the least loss so far."""
+"""Stage, number of evaluations done, their total, and the least loss so far."""
 
 
 class _Search:
-    """Evaluates generations and remembers the best."""
+    """Evaluates generations and stores the best set of parameters."""
 
     def __init__(self, scene: Scene, workers: ProcessPoolExecutor | None, progress: Progress, total: int) -> None:
         self.scene, self.workers, self.progress, self.total = scene, workers, progress, total
@@ -95,7 +95,7 @@ class _Search:
         self.tried: list[Loss] = []
 
     def losses(self, points: Iterable[Array]) -> list[Loss]:
-        """The losses of some points, in their order."""
+        """Losses of some points, in their order."""
         listed = [[float(x) for x in point] for point in points]
         scenes = [self.scene] * len(listed)
         found = []
@@ -109,43 +109,43 @@ class _Search:
         return found
 
     def map(self, _function: Callable[[Array], float], points: Iterable[Array]) -> list[float]:
-        """The losses of a generation, as scipy asks for them."""
+        """Losses of a generation, as the `workers` argument of scipy expects."""
         return [value.total for value in self.losses(points)]
 
 
-def _nowhere(point: Array) -> float:
-    """Scipy's scalar entry, which is not used: generations are evaluated as a whole."""
+def _unused(point: Array) -> float:
+    """Scalar function that scipy requires and does not call, because generations are evaluated as a whole."""
     raise NotImplementedError(point)
 
 
 def calibrate(
     scene: Scene, *, seed: int, population: int, generations: int, processes: int, progress: Progress
 ) -> Calibration:
-    """Search, then see how sharply each number is known and what it is needed for.
+    """Search for the parameters, then find the uncertainty and the importance of each.
 
     Args:
-        scene: The bench with its present numbers.
-        seed: Of the search.
+        scene: The bench with its present values.
+        seed: Seed of the search.
         population: Members of a generation.
-        generations: How many generations after the first.
-        processes: How many evaluations at once.
-        progress: Told after each evaluation.
+        generations: Generations after the first.
+        processes: Evaluations at once.
+        progress: Called after each evaluation.
     """
     own = shares_of(scene)
     for form in (scene, lateral(scene)):
         compile_for(form)
-    first = qmc.Sobol(len(UNKNOWNS), seed=seed).random_base2((population - 1).bit_length())[:population]
+    first = qmc.Sobol(len(PARAMETERS), seed=seed).random_base2((population - 1).bit_length())[:population]
     first[0] = own
     with process_pool(processes) if processes > 1 else nullcontext() as workers:
         search = _Search(scene, workers, progress, population * (generations + 1))
         if generations:
             differential_evolution(
-                _nowhere, [(0.0, 1.0)] * len(UNKNOWNS), init=first, maxiter=generations, seed=seed,
+                _unused, [(0.0, 1.0)] * len(PARAMETERS), init=first, maxiter=generations, seed=seed,
                 strategy="currenttobest1bin", mutation=(0.4, 0.9), recombination=0.8, tol=0.0, polish=False,
                 updating="deferred", workers=search.map,
             )  # fmt: skip
         else:
-            search.map(_nowhere, first[:1])
+            search.map(_unused, first[:1])
         spent, shares = search.count, search.shares
         best, start = search.losses([np.array(shares), np.array(own)])
         found = _examine(search, np.array(shares), best)
@@ -153,43 +153,43 @@ def calibrate(
 
 
 def _examine(search: _Search, at: Array, best: Loss) -> list[Found]:
-    """Move each number a little each way, and leave each out in turn."""
+    """Sensitivity of the loss to each parameter, and loss without each."""
     moved = []
-    for number in range(len(UNKNOWNS)):
+    for number in range(len(PARAMETERS)):
         for step in (-2 * STEP, -STEP, STEP, 2 * STEP):
             point = at.copy()
             point[number] = min(max(point[number] + step, 0.0), 1.0)
             moved.append(point)
     rises = [value.total - best.total for value in search.losses(moved)]
-    left_out = [unknown for unknown in UNKNOWNS if unknown.off is not None]
+    left_out = [parameter for parameter in PARAMETERS if parameter.off is not None]
     without = dict(zip((u.place for u in left_out), _without(search, at, left_out), strict=True))
     found = []
-    for number, unknown in enumerate(UNKNOWNS):
+    for number, parameter in enumerate(PARAMETERS):
         four = rises[4 * number : 4 * number + 4]
-        down = 0 if four[1] > TOLERATED else 1 if four[0] > TOLERATED else 2
-        up = 0 if four[2] > TOLERATED else 1 if four[3] > TOLERATED else 2
+        down = 0 if four[1] > LOSS_MARGIN else 1 if four[0] > LOSS_MARGIN else 2
+        up = 0 if four[2] > LOSS_MARGIN else 1 if four[3] > LOSS_MARGIN else 2
         low, value, high = (
-            float(unknown.value(min(max(float(at[number]) + step, 0.0), 1.0)) / unknown.scale)
+            float(parameter.value(min(max(float(at[number]) + step, 0.0), 1.0)) / parameter.scale)
             for step in (-down * STEP, 0.0, up * STEP)
         )
-        gone = without.get(unknown.place)
+        gone = without.get(parameter.place)
         needed = () if gone is None else tuple(
             name for name, e in gone.deviations.items() if e > best.deviations[name] + 1.0
         )  # fmt: skip
-        found.append(Found(unknown, value, low, high, None if gone is None else gone.total - best.total, needed))
+        found.append(Found(parameter, value, low, high, None if gone is None else gone.total - best.total, needed))
     return found
 
 
-def _without(search: _Search, at: Array, unknowns: list[Unknown]) -> list[Loss]:
-    """The losses with each of some numbers at the value that stands for leaving it out."""
+def _without(search: _Search, at: Array, parameters: list[FreeParameter]) -> list[Loss]:
+    """Losses with each of some parameters at the value that leaves it out."""
     from drill_twin.studies.paper.calibration.objective import evaluate, loss
-    from drill_twin.studies.paper.calibration.unknowns import with_shares
+    from drill_twin.studies.paper.calibration.parameters import with_shares
     from drill_twin.studies.paper.runs.cases import changed
 
     losses = []
-    for number, unknown in enumerate(unknowns):
-        off = 0.0 if unknown.off is None else unknown.off * unknown.scale
-        scene = changed(with_shares(search.scene, list(at)), unknown.place, off)
+    for number, parameter in enumerate(parameters):
+        off = 0.0 if parameter.off is None else parameter.off * parameter.scale
+        scene = changed(with_shares(search.scene, list(at)), parameter.place, off)
         losses.append(loss(evaluate(scene)))
-        search.progress("leaving out", number + 1, len(unknowns), search.best)
+        search.progress("leaving out", number + 1, len(parameters), search.best)
     return losses

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How well a set of unknowns does: the fitted part of the table."""
+"""Loss of a set of parameters: deviations of the fitted part of the table."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from dataclasses import dataclass
 
 from drill_twin.errors import RunError
 from drill_twin.scene import Scene
-from drill_twin.studies.paper.calibration.unknowns import with_shares
+from drill_twin.studies.paper.calibration.parameters import with_shares
 from drill_twin.studies.paper.runs.cases import Case, changed, scene_of
 from drill_twin.studies.paper.runs.published import CRITICAL_TIME, DISPLACEMENT, FREQUENCY, RATIO, Number, published
 from drill_twin.studies.paper.runs.run import Measured, measure, run
 from drill_twin.studies.paper.runs.table import ours_for
 
 RUNS = (Case(40.0, 2.0), Case(20.0, 2.0), Case(150.0, 2.0), Case(300.0, 2.0), Case(40.0, 6.0))
-"""The runs of the fit, at full length: a whirl at high load may change its branch after 15 s."""
+"""Runs of the fit, at full duration: a whirl at high load may change its branch after 15 s."""
 SAMPLES = 10.5
-"""Frames in a revolution; the analyzer needs six."""
-SMALL_SLOPES = 50.0
-"""Up to this load [N] the rod, without stretch and torsion, whirls as the whole one does and is ten times as fast to
-follow; its helix has a slope of 0.13 at 40 N and of 0.35 at 300 N, where the two forms differ."""
+"""Frames per revolution; the analyzer needs six."""
+LATERAL_UP_TO = 50.0
+"""Load [N] up to which the lateral formulation, ten times faster, gives the same whirl; the slope of the helix is 0.13
+at 40 N and 0.35 at 300 N, where the two formulations differ."""
 LARGEST = 8.0
-"""No number counts for more deviations of 20 % than this."""
+"""Limit of the deviation of a number, in units of 20 %."""
 
 
 def fitted(number: Number) -> bool:
-    """Whether a number is fitted: critical times, frequencies, a ratio on each side of the surge, and mark-3."""
+    """True if a number is fitted: critical times, frequencies, a ratio on each side of the surge, and mark-3."""
     if number.what in (CRITICAL_TIME, FREQUENCY):
         return True
     if number.what == RATIO:
@@ -36,12 +36,12 @@ def fitted(number: Number) -> bool:
 
 
 FITTED = tuple(number for number in published().bench if fitted(number))
-JUDGED = tuple(number for number in published().bench if not fitted(number))
+HELD_OUT = tuple(number for number in published().bench if not fitted(number))
 
 
 @dataclass(frozen=True)
 class Loss:
-    """What a set of unknowns costs."""
+    """Loss of a set of parameters."""
 
     total: float
     """Sum of ln(1 + e^2) over the fitted numbers."""
@@ -50,11 +50,11 @@ class Loss:
 
 
 def evaluate(scene: Scene) -> dict[Case, Measured]:
-    """The runs of the fit; one that cannot be followed counts as one without findings."""
+    """Results of the runs of the fit; a run that fails has none."""
     results = {}
     for case in RUNS:
         described = scene_of(scene, case, {"numerics.frame_rate": max(20.0, SAMPLES * case.speed)})
-        if case.weight_on_bit <= SMALL_SLOPES:
+        if case.weight_on_bit <= LATERAL_UP_TO:
             described = lateral(described)
         try:
             results[case] = measure(run(described))
@@ -71,7 +71,7 @@ def lateral(scene: Scene) -> Scene:
 
 
 def loss(results: Mapping[Case, Measured]) -> Loss:
-    """Cauchy's loss, so that a number which excludes the others is given up and does not spoil them all."""
+    """Cauchy loss, in which a number that contradicts the others has a bounded influence."""
     deviations = {
         number.name: deviation(ours_for(number, results.get(Case(number.weight_on_bit, number.speed))), number.value)
         for number in FITTED
@@ -91,5 +91,5 @@ def deviation(ours: float | None, value: float) -> float:
 
 
 def loss_at(scene: Scene, shares: list[float]) -> Loss:
-    """The loss of the scene with its unknowns at these shares of their bounds."""
+    """Loss of the scene with its parameters at these shares of their bounds."""
     return loss(evaluate(with_shares(scene, list(shares))))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A calibration in words and as JSON."""
+"""Result of a calibration as tables and as JSON."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from drill_twin.studies.paper.calibration.calibrate import Calibration
-from drill_twin.studies.paper.calibration.objective import FITTED, JUDGED
-from drill_twin.studies.paper.calibration.unknowns import UNKNOWNS
+from drill_twin.studies.paper.calibration.objective import FITTED, HELD_OUT
+from drill_twin.studies.paper.calibration.parameters import PARAMETERS
 
 FOUND = ("number", "found", "as good from ... to", "bounds", "loss without it", "needed for")
 RESIDUALS = ("fitted number", "published", "off at the start, in 20 %", "off now, in 20 %")
@@ -20,7 +20,7 @@ Cells = tuple[str, ...]
 def found_rows(done: Calibration) -> Iterator[Cells]:
     """Cells under `FOUND`."""
     for found in done.found:
-        u = found.unknown
+        u = found.parameter
         unit = f" {u.unit}" if u.unit else ""
         yield (
             u.name, f"{found.value:.3g}{unit}", f"{found.low:.3g} ... {found.high:.3g}", f"{u.low:g} ... {u.high:g}",
@@ -39,15 +39,15 @@ def residual_rows(done: Calibration) -> Iterator[Cells]:
 
 def bound_rows() -> Iterator[Cells]:
     """Cells under `BOUNDS`."""
-    for unknown in UNKNOWNS:
-        yield unknown.name, unknown.reason
+    for parameter in PARAMETERS:
+        yield parameter.name, parameter.reason
 
 
 def title(done: Calibration) -> str:
-    """What was done, in a line."""
+    """Result of the calibration in one line."""
     return (
         f"loss {done.start.total:.2f} at the start, {done.best.total:.2f} found in {done.evaluations} evaluations, "
-        f"seed {done.seed}; judged by drill-twin paper on {len(JUDGED)} other numbers and the trends"
+        f"seed {done.seed}; validated by drill-twin paper on {len(HELD_OUT)} other numbers and the trends"
     )
 
 
@@ -56,6 +56,6 @@ def to_dict(done: Calibration) -> dict[str, Any]:
     return {
         "seed": done.seed, "evaluations": done.evaluations, "loss_at_start": done.start.total,
         "loss": done.best.total, "changes": done.changes, "deviations": done.best.deviations,
-        "found": [found.to_dict() for found in done.found], "judged": [number.name for number in JUDGED],
+        "found": [found.to_dict() for found in done.found], "judged": [number.name for number in HELD_OUT],
         "tried": [loss.deviations for loss in done.tried],
     }  # fmt: skip

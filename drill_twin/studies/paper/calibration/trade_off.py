@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which published numbers exclude each other: two groups of them, and how well one set does at both."""
+"""Figure of the conflict between two groups of published numbers: deviation of each set of parameters from both."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from drill_twin.studies.paper.calibration.objective import FITTED, LARGEST, Loss
 from drill_twin.studies.paper.runs.published import FREQUENCY, RATIO, Number
 
 Point = tuple[float, float]
-"""How far off the two groups are, in units of 20 %: the fast whirl, the slow one."""
+"""Deviations of the two groups, in units of 20 %: fast whirl, slow whirl."""
 
 SLOW_FROM = 150.0
-"""From this load on the paper's whirl is slow [N]."""
+"""Least load of the paper's slow whirl [N]."""
 
 
 def groups() -> tuple[tuple[Number, ...], tuple[Number, ...]]:
-    """The fitted frequencies and ratios: half the rotation and more up to 40 N, a seventh of it from 150 N on."""
+    """Fitted frequencies and ratios: fast whirl (half the rotation and more) and slow whirl (a seventh of it)."""
     whirl = [number for number in FITTED if number.what in (FREQUENCY, RATIO)]
     slow = tuple(number for number in whirl if number.weight_on_bit >= SLOW_FROM)
     return tuple(number for number in whirl if number not in slow), slow
 
 
 def point(loss: Loss) -> Point:
-    """Root mean square of the deviations of each group."""
+    """Root mean square deviation of each group."""
     fast, slow = (
         math.sqrt(sum(loss.deviations[number.name] ** 2 for number in group) / len(group)) for group in groups()
     )
@@ -35,7 +35,7 @@ def point(loss: Loss) -> Point:
 
 
 def front(points: Sequence[Point]) -> list[Point]:
-    """Those that no other beats at both (Pareto), from the best at the first to the best at the second."""
+    """Pareto front, from the best at the first to the best at the second."""
     found: list[Point] = []
     for fast, slow in sorted(set(points)):
         if not found or slow < found[-1][1]:
@@ -44,7 +44,7 @@ def front(points: Sequence[Point]) -> list[Point]:
 
 
 def draw_trade_off(tried: Sequence[Loss], best: Loss) -> Figure:
-    """Every set tried, those that nothing beats, and the one found."""
+    """Figure of every set tried, the Pareto front and the set found."""
     points = [point(loss) for loss in tried]
     best_of = front(points)
     figure = blank(5.8)

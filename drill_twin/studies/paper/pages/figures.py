@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures like the paper's, ours with its published numbers drawn in."""
+"""Figures of the reproduction, as in the paper, with the published numbers."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def spectra(done: Reproduction) -> Figure:
 
 
 def _frequencies(case: Case) -> list[float]:
-    """Published whirl frequencies of a case, read from ratios too [Hz]."""
+    """Published whirl frequencies of a case, from ratios too [Hz]."""
     found = []
     for number in published().bench:
         if (number.weight_on_bit, number.speed) == case:
@@ -172,7 +172,7 @@ def _fill(figure: Figure, done: Reproduction, cases: list[Case], label: str, whe
 
 
 def _as(given: str, wanted: str, value: float, case: Case) -> float | None:
-    """A published number as another quantity: ratios and frequencies are each other's."""
+    """A published number as another quantity: ratios convert to frequencies and back."""
     if given == wanted:
         return value
     if (given, wanted) == (FREQUENCY, RATIO):
@@ -181,7 +181,7 @@ def _as(given: str, wanted: str, value: float, case: Case) -> float | None:
 
 
 def motion(done: Reproduction) -> Figure:
-    """The motion states of every run over time, to compare with the paper's Fig. 7 and its text."""
+    """Motion states of every run over time, for comparison with the paper's Fig. 7."""
     cases = [Case(LOAD, speed) for speed in SPEEDS] + [Case(load, SPEED) for load in LOADS if load != LOAD]
     figure = blank(5.6)
     head(figure, "Motion of the string in every run (the paper's Fig. 7)")
@@ -248,11 +248,11 @@ FIGURES: dict[str, Callable[[Reproduction], Figure]] = {
     "paper_displacement": displacement, "paper_paths": paths, "paper_spectra": spectra, "paper_speed": over_speed,
     "paper_load": over_load, "paper_motion": motion, "paper_full_size": full_size,
 }  # fmt: skip
-"""By the name of their file."""
+"""Figures by the name of their file."""
 
 
 def draw(done: Reproduction, folder: Path) -> dict[str, Path]:
-    """Draw all figures there are runs for, as PNG files in a folder."""
+    """Draw all figures whose runs are available, as PNG files in a folder."""
     files = {}
     with styled():
         for name, figure in FIGURES.items():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables as Markdown, as `docs/paper.md` shows them."""
+"""Tables of the reproduction as Markdown, as in `docs/paper.md`."""
 
 from __future__ import annotations
 

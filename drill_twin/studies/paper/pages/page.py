@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The reproduction as one HTML file, which opens from the disk of a machine without a network."""
+"""The reproduction as one HTML file that needs no network."""
 
 from __future__ import annotations
 

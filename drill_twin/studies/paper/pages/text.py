@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables in words, the same for the terminal and the page."""
+"""Texts of the tables, for the terminal and the page."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ DISORDER = ("speed", "entropy of the near-bit orbit", "largest Lyapunov exponent
 
 
 def lead(done: Reproduction) -> str:
-    """What came of it, in a sentence."""
+    """Result of the reproduction in a sentence."""
     near, right = sum(row.near for row in done.rows), sum(trend.right for trend in done.trends)
-    words = (
+    sentence = (
         f"{near} of {len(done.rows)} published numbers of the bench within 20 %, "
         f"{right} of {len(done.trends)} trends right, with one set of parameters for all runs"
     )
     if done.full_size:
-        words += f"; {sum(row.near for row in done.full_size)} of {len(done.full_size)} of the full-size assembly"
-    return words + "."
+        sentence += f"; {sum(row.near for row in done.full_size)} of {len(done.full_size)} of the full-size assembly"
+    return sentence + "."
 
 
 def number_rows(rows: Iterable[Row]) -> Iterator[Cells]:

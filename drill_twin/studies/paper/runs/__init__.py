@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs of the reproduction, and what is measured on them."""
+"""Runs of the reproduction, and their measured quantities."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The runs of the paper: which loads at which speeds, and the scene of each."""
+"""Cases of the reproduction: loads and speeds of the paper's runs, and the scene of each."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ LOADS = (20.0, 40.0, 60.0, 80.0, 100.0, 150.0, 200.0, 250.0, 300.0)
 SPEEDS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 6.5)
 """Speeds of the paper's Table 2 [rev/s]."""
 LOAD, SPEED = 40.0, 2.0
-"""The load of the sweep over speeds [N], and the speed of the sweep over loads [rev/s]."""
+"""Load of the sweep over speeds [N], and speed of the sweep over loads [rev/s]."""
 REFERENCE = Case(LOAD, SPEED)
 DAMPING = tuple(f"effects.internal_damping.{kind}_time" for kind in ("bending", "stretch", "torsion"))
-"""Places of the retardation time: one value for all three, for they are of one material."""
+"""Keys of the retardation times, which have one value because the material is one."""
 MATRIX = (*(Case(LOAD, speed) for speed in SPEEDS), *(Case(load, SPEED) for load in LOADS if load != LOAD))
-"""All runs of the bench, each once."""
+"""All cases of the bench, each once."""
 
 
 def scene_of(scene: Scene, case: Case, changes: Mapping[str, float | str] | None = None) -> Scene:
-    """The scene with a case's load and speed, and with other numbers changed.
+    """The scene with load and speed of a case, and with other values changed.
 
     Args:
         scene: The bench.
         case: Load and speed.
-        changes: Values in SI by their place in the scene, as `effects.drag.linear`.
+        changes: Values in SI by their key in the scene, as `effects.drag.linear`.
     """
     wanted: dict[str, float | str] = {
         "rig.weight_on_bit.value": case.weight_on_bit,
@@ -56,7 +56,7 @@ def scene_of(scene: Scene, case: Case, changes: Mapping[str, float | str] | None
 def changed(part: Any, place: str, value: float | str | None) -> Any:
     """A copy of a scene, or of a part of it, with one value changed; `place` as `effects.bow.amplitude`.
 
-    Values are not checked again: it is for numbers that a study moves within bounds of its own.
+    Values are not checked again: a study changes them within bounds of its own.
     """
     name, _, rest = place.partition(".")
     old = getattr(part, name)
@@ -64,7 +64,7 @@ def changed(part: Any, place: str, value: float | str | None) -> Any:
 
 
 def value_at(scene: Scene, place: str) -> Any:
-    """The value at a place of a scene."""
+    """The value at a key of a scene."""
     value: Any = scene
     for name in place.split("."):
         value = getattr(value, name)

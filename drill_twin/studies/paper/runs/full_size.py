@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The full-size bottom-hole assembly of the paper's section 4, on a stand-in: its Table 4 is lost."""
+"""The full-size bottom-hole assembly of the paper's section 4, with assumed dimensions: its Table 4 is lost."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ LOADS = tuple(Case(load, 50 * RPM) for load in (100e3, 150e3, 200e3))
 SPEEDS = tuple(Case(180e3, speed * RPM) for speed in (40, 60, 80, 100))
 CASES = (REFERENCE, *LOADS, *SPEEDS)
 NEAR_BIT, FAR_BIT = "near_bit", "far_bit"
-TURNING = 0.95
-"""Steady rotation: the near-bit mark turns at this share of the top drive's final speed."""
-JUDGED = 6.0
-"""Length of the records whose disorder is compared: the last ones of each run [s]."""
+STEADY_SHARE = 0.95
+"""Steady rotation: the near-bit mark rotates at this share of the final speed of the top drive."""
+RECORD_LENGTH = 6.0
+"""Length of the last part of each run, whose disorder is compared [s]."""
 
 
 @dataclass(frozen=True)
 class FullSizeRow:
-    """A published value or range of the full-size assembly and ours."""
+    """A published value or range of the full-size assembly, and that of the twin."""
 
     number: Range
     ours: tuple[float, float] | None
-    """Lowest and highest; twice the same for a single value; None where there is none."""
+    """Lowest and highest, equal for a single value; None where there is none."""
 
     @property
     def near(self) -> bool:
-        """Whether both ends are within 20 %."""
+        """True if both ends are within 20 %."""
         ends = ((self.number.low, self.number.high), self.ours or (math.inf, math.inf))
         return all(abs(ours - value) <= NEAR * abs(value) for value, ours in zip(*ends, strict=True))
 
@@ -50,7 +50,7 @@ class FullSizeRow:
 
 @dataclass(frozen=True)
 class Disorder:
-    """How disordered one speed is."""
+    """Disorder of the motion at one speed."""
 
     speed: float
     """[r/min]"""
@@ -59,17 +59,17 @@ class Disorder:
     lyapunov: float
     """Largest Lyapunov exponent [1/s]."""
     per_turn: float
-    """The same per revolution."""
+    """Largest Lyapunov exponent per revolution [-]."""
 
 
 def scenes(name: str = "bha_full_size") -> dict[Case, Scene]:
-    """The runs of section 4."""
+    """Scenes of the runs of section 4."""
     scene = load_scene(name)
     return {case: scene_of(scene, case) for case in CASES}
 
 
 def rows(runs: Mapping[Case, Run]) -> list[FullSizeRow]:
-    """The published numbers and ours, for the runs there are."""
+    """Published numbers and those of the twin, for the runs available."""
     found: dict[str, tuple[float, float] | None] = {}
     if REFERENCE in runs:
         run = runs[REFERENCE]
@@ -90,20 +90,20 @@ def rows(runs: Mapping[Case, Run]) -> list[FullSizeRow]:
 
 
 def steady_from(run: Run) -> float | None:
-    """When the string near the bit first turns as fast as it is to [s]."""
+    """Time at which the near-bit mark first reaches steady rotation [s]."""
     rate = run.spin_rate[:, run.index(NEAR_BIT)]
     target = run.summary.rotation_rev_s
     if target is None:
         return None
-    turning = np.flatnonzero(rate >= TURNING * abs(target) * math.tau)
+    turning = np.flatnonzero(rate >= STEADY_SHARE * abs(target) * math.tau)
     return float(run.time[turning[0]]) if turning.size else None
 
 
 def disorder(case: Case, scene: Scene, run: Run) -> Disorder:
-    """Disorder of the last seconds of a run; runs it twice more for the exponent."""
-    late = run.time > run.time[-1] - JUDGED
+    """Disorder of the last seconds of a run; makes two more runs for the exponent."""
+    late = run.time > run.time[-1] - RECORD_LENGTH
     centre = run.centre[late, run.index(NEAR_BIT)]
-    exponent = largest_lyapunov(scene, float(run.time[-1]) - JUDGED, JUDGED)
+    exponent = largest_lyapunov(scene, float(run.time[-1]) - RECORD_LENGTH, RECORD_LENGTH)
     entropy = spectral_entropy(run.time[late], centre[:, 0] + 1j * centre[:, 1])
     return Disorder(case.speed / RPM, entropy, exponent, exponent / case.speed)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The numbers that the paper reports, read from `config/paper/published.yaml`."""
+"""Published numbers of the paper, from `config/paper/published.yaml`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Number:
     """One published number of the bench."""
 
     q: str
-    """Its name in the table."""
+    """Label in the table."""
     what: str
     """Quantity."""
     weight_on_bit: float
@@ -30,18 +30,18 @@ class Number:
     speed: float
     """[rev/s]"""
     value: float
-    """In `unit`."""
+    """Value [unit]."""
     unit: str
     where: str
     """Place in the paper."""
     mark: str = ""
-    """The mark it belongs to, if it does to one."""
+    """Mark of the number; empty where it has none."""
     doubt: str = ""
-    """What is not certain about it."""
+    """Uncertainty of the number."""
 
     @property
     def name(self) -> str:
-        """Name that no other number of the bench has, as `critical time, 20 N, 2 rev/s`."""
+        """Unique name, as `critical time, 20 N, 2 rev/s`."""
         mark = f" {self.mark}" if self.mark else ""
         return f"{self.what}{mark}, {self.weight_on_bit:g} N, {self.speed:g} rev/s"
 
@@ -60,11 +60,11 @@ class Range:
 
 @dataclass(frozen=True)
 class Published:
-    """All of it."""
+    """All published numbers."""
 
     bench: tuple[Number, ...]
     surge: Range
-    """Speeds between which the whirl frequency surges [rev/s]."""
+    """Speeds of the steep rise of the whirl frequency [rev/s]."""
     similarity: float
     """Speed in the field per speed of the rod [r/min per rev/s]."""
     full_size: tuple[Range, ...]
@@ -72,10 +72,10 @@ class Published:
 
 @cache
 def published() -> Published:
-    """The paper's numbers.
+    """Read the published numbers.
 
     Raises:
-        SceneError: The file is missing or not what it should be.
+        SceneError: The file is missing or invalid.
     """
     file = config_dir() / "paper" / "published.yaml"
     try:

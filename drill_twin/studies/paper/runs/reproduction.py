@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The whole reproduction in one call: all runs, tables, variants, similarity and the full-size assembly."""
+"""The complete reproduction: all runs, tables, variants, similarity and the full-size assembly."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ MATRIX_RUN, FULL_SIZE_RUN = "bench", "full size"
 
 
 def _ignore(what: str, done: int, of: int) -> None:
-    """Nobody watches."""
+    """Progress callback that does nothing."""
     del what, done, of
 
 
 @dataclass(frozen=True, eq=False)
 class VariantResult:
-    """What one reading of the bench gives."""
+    """Table of one variant of the bench."""
 
     variant: Variant
     rows: list[Row]
-    """Those of the table that its runs hold."""
+    """Rows of the table that its runs cover."""
 
 
 @dataclass(frozen=True, eq=False)
 class Reproduction:
-    """Everything that `drill-twin paper` shows."""
+    """Results of `drill-twin paper`."""
 
     scene: Scene
     """The bench."""
@@ -57,7 +57,7 @@ class Reproduction:
 
     @property
     def scales(self) -> list[Scale]:
-        """Rod and field."""
+        """Similarity of rod and field."""
         return similarity(self.scene)
 
     def to_dict(self) -> dict[str, Any]:
@@ -86,17 +86,17 @@ def reproduce(
     full_size_too: bool = True,
     progress: Callable[[str, int, int], None] = _ignore,
 ) -> Reproduction:
-    """Run everything and put the tables together.
+    """Make all runs and tables.
 
     Args:
         scene: The bench.
-        processes: How many runs at once; as many as there are cores unless given.
-        variants: Whether to run the other readings of the bench.
-        full_size_too: Whether to run the full-size assembly.
-        progress: Told what ended, how many have ended, and of how many.
+        processes: Runs at once; as many as there are cores unless given.
+        variants: Run the variants of the bench.
+        full_size_too: Run the full-size assembly.
+        progress: Called with the run that ended, the number of runs done, and their total.
 
     Raises:
-        RunError: A run could not even begin.
+        RunError: The first frame of a run could not be computed.
     """
     wanted: dict[Key, Scene] = {(MATRIX_RUN, case): scene_of(scene, case) for case in MATRIX}
     if variants:
@@ -114,7 +114,7 @@ def reproduce(
     def done(key: Key, _: Run) -> None:
         nonlocal ended
         ended += 1
-        progress(f"{key[0]}, {_words(key[1])}", ended, total)
+        progress(f"{key[0]}, {_label(key[1])}", ended, total)
 
     processes = processes or cores()
     runs = run_jobs(run, {key: (described,) for key, described in wanted.items()}, processes, done=done)
@@ -148,14 +148,14 @@ def _disorder(scenes: dict[Case, Scene], runs: dict[Case, Run], processes: int) 
     return list(run_jobs(full_size.disorder, jobs, processes).values())
 
 
-def _words(case: Case) -> str:
+def _label(case: Case) -> str:
     if case.weight_on_bit >= 1e4:
         return f"{case.weight_on_bit * 1e-3:g} kN, {case.speed * 60.0:g} r/min"
     return str(case)
 
 
 def bench(name: str = "pa6_calibrated") -> Scene:
-    """The bench: the one that ships, or another with the paper's marks.
+    """The scene of the bench: the installed one, or another with the paper's marks.
 
     Raises:
         SceneError: There is no such scene, or it lacks a mark whose displacement is published.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One run of a scene with its marks kept, and what is measured on it: by our analyzer, and as the paper did."""
+"""Run of a scene with the motion of its marks, and quantities measured by the analyzer and by the paper's method."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer, Summary
 
 FINER = 8
-"""Lines of the spectrum per resolved line, so that a peak is read off between them."""
+"""Zero padding: lines of the spectrum per resolved line."""
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What a run left behind; T frames, m marks. z is positive up from the top clamp."""
+    """Motion of the marks in a run; T frames, m marks. z is positive up from the top clamp."""
 
     time: Array
     """Times [s], shape (T,)."""
     point: Array
-    """Marked points x, y, z [m], shape (T, m, 3); on the wall they turn with the spin."""
+    """Marked points x, y, z [m], shape (T, m, 3); those on the surface of the pipe rotate with the spin."""
     velocity: Array
     """Their velocities [m/s], shape (T, m, 3)."""
     centre: Array
@@ -38,14 +38,14 @@ class Run:
     names: tuple[str, ...]
     """Names of the marks."""
     summary: Summary
-    """What the analyzer found."""
+    """Summary of the analyzer."""
     wall_seconds: float
-    """Time of the physics [s]."""
+    """Wall-clock time of the physics [s]."""
     failure: str = ""
-    """Why it ended early; empty if it did not."""
+    """Reason why the run ended early; empty if it did not."""
 
     def index(self, mark: str) -> int:
-        """Number of a mark."""
+        """Index of a mark."""
         return self.names.index(mark)
 
     @property
@@ -61,15 +61,15 @@ def compile_for(scene: Scene) -> None:
 
 
 def run(scene: Scene, seconds: float | None = None, progress: Callable[[float], None] | None = None) -> Run:
-    """Run a scene to its end, or for `seconds`; a run that cannot be followed further keeps what came before.
+    """Run a scene to its end, or for `seconds`; a run that fails later returns the frames before the failure.
 
     Args:
-        scene: What to run.
-        seconds: Simulated time [s], if not the scene's.
+        scene: The scene.
+        seconds: Simulated time [s], if not that of the scene.
         progress: Called with the simulated time after every simulated second.
 
     Raises:
-        RunError: Not even the first frame could be computed.
+        RunError: The first frame could not be computed.
     """
     schedule, twin, infos = Schedule.from_scene(scene), Twin(scene), mark_infos(scene)
     analyzer = Analyzer(infos)
@@ -102,31 +102,31 @@ def run(scene: Scene, seconds: float | None = None, progress: Callable[[float], 
 
 @dataclass(frozen=True)
 class Measured:
-    """What the table takes from a run."""
+    """Quantities of the table, from a run."""
 
     onset_s: float | None
     """Critical time: onset of whirl [s]."""
     frequency_hz: float | None
     """Dominant whirl after the onset [Hz], positive = forward."""
     ratio: float | None
-    """The same over the rotation."""
+    """Whirl frequency over rotation [-]."""
     line_hz: float | None
     """Highest line in the spectrum of mark-2 along x after the onset [Hz], as the paper reads it."""
     largest_mm: dict[str, float]
     """Largest displacement of each marked point along x or y [mm]."""
     largest_centre_mm: dict[str, float]
-    """The same of the centre line [mm]."""
+    """Largest displacement of the centre line at each mark [mm]."""
     motion: tuple[tuple[float, str], ...]
-    """Since when [s] the string moved how."""
+    """Start [s] and state of each period of motion."""
     failure: str = ""
 
 
 def measure(done: Run, spectrum_of: str = "mark_2") -> Measured:
-    """Read the table's quantities off a run.
+    """Quantities of the table, from a run.
 
     Args:
         done: The run.
-        spectrum_of: Mark whose spectrum is read as in the paper's section 3.2.2, if there is one of that name.
+        spectrum_of: Mark whose spectrum is evaluated as in the paper's section 3.2.2, if the run has it.
     """
     found = done.summary
     line = None
@@ -166,7 +166,7 @@ def _largest(place: Array, names: tuple[str, ...]) -> dict[str, float]:
 
 
 def deviation(ours: float | None, published: float) -> float | None:
-    """Relative deviation of ours, of its size where the sense is not published; None where there is nothing."""
+    """Relative deviation from the published number [-]; None where there is no number."""
     if ours is None or not math.isfinite(ours):
         return None
     return ours / published - 1.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the model rod stands for in the field: the paper's 21.6 r/min per rev/s, and what would go with it."""
+"""Similarity of the model rod and a drillstring: the paper's 21.6 r/min per rev/s, and the scales that belong to it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ GRAVITY = 9.80665
 
 @dataclass(frozen=True)
 class Scale:
-    """One quantity of the rod and what stands for it in the field."""
+    """A quantity of the rod and its equivalent in the field."""
 
     what: str
     rod: str
@@ -25,9 +25,9 @@ class Scale:
 
 
 def similarity(scene: Scene) -> list[Scale]:
-    """Rod against a 5 in pipe: lengths as the diameters, speeds by Froude's number.
+    """Scales between the rod and a 5 in pipe: lengths as the diameters, speeds by the Froude number.
 
-    Froude's number Omega^2 d / g equal: a field speed of 60 / sqrt(lambda) r/min for each rev/s. Loads as bending
+    Equal Froude number Omega^2 d / g: a field speed of 60 / sqrt(lambda) r/min for each rev/s. Loads as bending
     stiffness over length squared (buckling), or as weight per length times length.
     """
     (rod,) = scene.string.sections

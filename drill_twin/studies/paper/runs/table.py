@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table: each published number of the bench with ours beside it, and each published trend with ours."""
+"""Table of the published numbers and trends of the bench beside those of the twin."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from drill_twin.studies.paper.runs.run import Measured, deviation
 NEAR = 0.20
 """Relative deviation within which a number counts as reproduced."""
 SLACK = 0.03
-"""A trend may be interrupted by this relative step: two runs of one chaotic motion differ by as much."""
+"""Relative step against a trend that is permitted: runs of one chaotic motion differ by as much."""
 
 Results = Mapping[Case, Measured]
 
 
 @dataclass(frozen=True)
 class Row:
-    """A published number and ours."""
+    """A published number and that of the twin."""
 
     number: Number
     ours: float | None
-    """None where the run has no such number, or was not made."""
+    """Number of the twin [unit]; None where the run has none or was not made."""
     deviation: float | None
     """Relative deviation [-]."""
 
     @property
     def near(self) -> bool:
-        """Whether ours is within 20 %."""
+        """True if the deviation is within 20 %."""
         return self.deviation is not None and abs(self.deviation) <= NEAR
 
     def to_dict(self) -> dict[str, Any]:
@@ -45,7 +45,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Trend:
-    """A published trend and what ours does."""
+    """A published trend and that of the twin."""
 
     published: str
     ours: str
@@ -57,7 +57,7 @@ class Trend:
 
 
 def rows(results: Results) -> list[Row]:
-    """The published numbers of the bench and ours, for the runs there are."""
+    """Published numbers of the bench and those of the twin, for the runs available."""
     found = []
     for number in published().bench:
         ours = ours_for(number, results.get(Case(number.weight_on_bit, number.speed)))
@@ -66,9 +66,9 @@ def rows(results: Results) -> list[Row]:
 
 
 def ours_for(number: Number, measured: Measured | None) -> float | None:
-    """Our value of a published number; whirl whose sense is not published counts by its size.
+    """Value of the twin for a published number; of a whirl frequency the size, because its sense is not published.
 
-    A ratio counts with its sign: where the paper gives one, it speaks of whirl with the rotation.
+    A ratio has its sign, because the paper gives ratios of forward whirl.
     """
     if measured is None:
         return None
@@ -84,7 +84,7 @@ def ours_for(number: Number, measured: Measured | None) -> float | None:
 
 
 def surge_speed(results: Results) -> float | None:
-    """Speed at which the ratio of whirl to rotation rises most [rev/s]; None if it never rises by a quarter."""
+    """Speed of the steepest rise of the ratio of whirl to rotation [rev/s]; None if no rise reaches a quarter."""
     known = [(c.speed, m.ratio) for c, m in _sweep(results, LOAD, SPEEDS) if m.ratio is not None]
     steps = [(b - a, 0.5 * (u + v)) for (u, a), (v, b) in pairwise(known)]
     rise, speed = max(steps, default=(0.0, 0.0))
@@ -92,7 +92,7 @@ def surge_speed(results: Results) -> float | None:
 
 
 def trends(results: Results) -> list[Trend]:
-    """The published trends and ours."""
+    """Published trends and those of the twin."""
     speed_onset = _values(results, LOAD, SPEEDS, "onset_s")
     load_onset = _values(results, SPEED, LOADS, "onset_s")
     speed_frequency = _values(results, LOAD, SPEEDS, "frequency_hz")
@@ -130,7 +130,7 @@ def _values(results: Results, fixed: float, values: tuple[float, ...], name: str
 
 
 def _falls(pairs: list[tuple[float, float]], sense: float = 1.0) -> bool:
-    """Whether each value is below the last (above it for sense -1), but for the slack; and the ends differ by more."""
+    """True if values decrease (increase for sense -1) within the slack, and from first to last by more than that."""
     values = [sense * y for _, y in pairs]
     if len(values) < 2 or not all(math.isfinite(value) for value in values):
         return False
@@ -152,7 +152,7 @@ def _linear(pairs: list[tuple[float, float]]) -> Trend:
 
 
 def _flattens(statement: str, pairs: list[tuple[float, float]], unit: str) -> Trend:
-    """Steep, then flat: from 150 to 300 N it changes by less than a fifth of what it changes from 20 to 150 N."""
+    """Trend that flattens: the change from 150 to 300 N is less than a fifth of that from 20 to 150 N."""
     at = dict(pairs)
     if not all(math.isfinite(at.get(load, math.nan)) for load in (20.0, 150.0, 300.0)):
         return Trend(statement, "unknown", right=False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the paper leaves open and cannot be a number: the bench read in other ways, everything else as it is."""
+"""Variants of the bench: other interpretations of what the paper does not specify."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from dataclasses import dataclass, field
 from drill_twin.studies.paper.runs.cases import DAMPING, Case
 
 CASES = (Case(20.0, 2.0), Case(40.0, 2.0), Case(150.0, 2.0), Case(300.0, 2.0))
-"""Runs made of each variant."""
+"""Cases of each variant."""
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One other reading."""
+    """A variant of the bench."""
 
     name: str
     changes: dict[str, float | str] = field(default_factory=dict)
-    """Values in SI by their place in the scene."""
+    """Values in SI by their key in the scene."""
 
 
 VARIANTS = (

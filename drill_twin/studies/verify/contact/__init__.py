@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exact checks of contact: wall, bit on rock, stick-slip."""
+"""Cases of contact: wall, bit-rock interaction, stick-slip."""

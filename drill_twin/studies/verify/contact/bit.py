@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bit on rock."""
+"""Bit-rock interaction."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import quiet_scene, rod_scene, steel
-from drill_twin.studies.verify.signals import settle
+from drill_twin.studies.verify.signals import run_for
 from drill_twin.twin.twin import Twin
 
 RPM_100 = 100.0 * np.pi / 30.0
@@ -22,9 +22,9 @@ RITTO = "Ritto, Soize and Sampaio 2009"
 
 @case(at=("bit", "top"))
 def rate_of_penetration(at: str) -> Iterator[Row]:
-    """100 kN at 100 rpm on a short steel pipe, weight at the bit, or at the top with the rock's reaction.
+    """100 kN at 100 r/min on a short steel pipe, with the load given at the bit, or at the top with rock stiffness.
 
-    Steady, so only the last of the start is left.
+    Steady state; the tolerance covers the residual transient.
     """
     law = {"rock_stiffness": 1e8} if at == "top" else {}
     twin = Twin(steel({"bit_cutting": law}, at=at, weight_on_bit=100e3))
@@ -46,7 +46,7 @@ def rate_of_penetration(at: str) -> Iterator[Row]:
 def smooth_torque_law() -> Iterator[Row]:
     """The curve of the regularised law T = 0.0239 W (tanh(1.91 w) + 8.5 w / (1 + 5.47 w^2)), per newton.
 
-    Places are found on a grid of 1 mrad/s; the published digits are three.
+    Extrema are found on a grid of 1 mrad/s; the published numbers have three digits.
     """
     law = bit_torque_tanh.parameters(bit_torque_tanh.BitTorqueTanh(), Twin(quiet_scene({})).model)
     speeds = np.linspace(0.0, 5.0, 5001)
@@ -64,13 +64,13 @@ def smooth_torque_law() -> Iterator[Row]:
 
 @case()
 def friction_torque() -> Iterator[Row]:
-    """Torque of a bit that rubs at a given radius, at steady speed.
+    """Friction torque of the bit at a given radius and a steady speed.
 
-    Steady, so only the last of the start is left.
+    Steady state; the tolerance covers the residual transient.
     """
     losses = {"bending_time": 0.02, "stretch_time": 2e-3, "torsion_time": 2e-3}
     effects = {"bit_friction": {"coefficient": 0.4, "radius": 0.02}, "internal_damping": losses}
-    twin = settle(rod_scene(effects=effects, bit_end="sliding", weight_on_bit=2.0), 3.0, rotation=10.0)
+    twin = run_for(rod_scene(effects=effects, bit_end="sliding", weight_on_bit=2.0), 3.0, rotation=10.0)
     rig = twin.advance(Command(weight_on_bit=2.0, rotation=10.0), 0.05).rig
     yield Row("torque of the drive [N m]", "mu W r", "Coulomb 1785", 0.4 * 2.0 * 0.02, rig.top_drive_torque, 1e-3)
     yield Row("torque on the bit [N m]", "-mu W r", "Coulomb 1785", -0.4 * 2.0 * 0.02, rig.bit_torque, 1e-3)

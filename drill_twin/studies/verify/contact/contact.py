@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The string on the wall."""
+"""Contact of the string with the wall."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ HUNT = "Hunt and Crossley 1975"
 
 
 def bounce(wall: dict[str, Any], form: str) -> tuple[float, float, float]:
-    """Depth [m], duration [s] and restitution of a floppy string thrown flat against the wall.
+    """Depth [m], duration [s] and restitution of a soft string that hits the wall with all its length at once.
 
-    It is so soft and the impact so short that its ends are not felt half-way along it: each slice is a mass on the
-    wall's spring.
+    The string is so soft and the impact so short that the ends do not matter at mid-length: each slice is a mass on the
+    spring of the wall.
     """
     scene = quiet_scene(
         {}, of=WALLED | {"wall": wall}, bit_end="free", length=1.0, elements=16, step=STEP, frame_rate=2000.0,
@@ -52,7 +52,7 @@ def bounce(wall: dict[str, Any], form: str) -> tuple[float, float, float]:
 def bounce_without_loss(form: str) -> Iterator[Row]:
     """Impact on a Hertz spring and on a linear one.
 
-    Steps of 0.02 ms put more than 50 into the shorter one, which leaves 2e-4.
+    A step of 0.02 ms puts more than 50 steps into the shorter impact; the error is 2e-4.
     """
     deepest = (5.0 * LINE_MASS * SPEED**2 / (4.0 * 1e7)) ** 0.4
     exact = {
@@ -70,10 +70,9 @@ def bounce_without_loss(form: str) -> Iterator[Row]:
 
 @case(wall=tuple(WALLS))
 def restitution(wall: str) -> Iterator[Row]:
-    """At the reference speed the restitution is the stated one, from nearly all lost to nearly nothing lost; at half of
-    it more.
+    """Restitution at the reference speed, which is the stated value, and at half of that speed, where it is higher.
 
-    Steps as without loss.
+    Time step as without loss.
     """
     for stated in (0.1, 0.5, 0.9):
         found = bounce(WALLS[wall] | {"restitution": stated}, "lateral")[2]
@@ -86,8 +85,8 @@ def restitution(wall: str) -> Iterator[Row]:
                   float(a - np.log1p(a) + found * a + np.log1p(-found * a)), 2e-4, relative=False)  # fmt: skip
 
 
-def lying(speed: float, elements: int, form: str, friction: float = 0.3) -> Twin:
-    """A string of 20 m that lies in a level hole, after 6 s of turning."""
+def string_in_level_hole(speed: float, elements: int, form: str, friction: float = 0.3) -> Twin:
+    """A string of 20 m that lies in a level hole, after 6 s of rotation."""
     effects = {
         "gravity": {"magnitude": 9.81},
         "drag": {"linear": 1.0},
@@ -106,11 +105,11 @@ def lying(speed: float, elements: int, form: str, friction: float = 0.3) -> Twin
 
 @case(forms=FORMS, elements=(40, 80))
 def weight_on_the_wall(elements: int, form: str) -> Iterator[Row]:
-    """Far from its ends a string that lies in a level hole presses its weight on the wall, whatever the mesh.
+    """Wall force of a string at rest in a level hole, far from its ends, for two meshes: its weight per length.
 
-    At rest; the last of the motion is left.
+    The tolerance covers the residual motion.
     """
-    frame = lying(0.0, elements, form).advance(AT_REST, 0.02)
+    frame = string_in_level_hole(0.0, elements, form).advance(AT_REST, 0.02)
     inside = slice(elements // 4, -elements // 4)
     per_metre = frame.wall_force[inside] * elements / 20.0
     worst = per_metre[np.argmax(np.abs(per_metre - WEIGHT))]
@@ -121,11 +120,12 @@ def weight_on_the_wall(elements: int, form: str) -> Iterator[Row]:
 
 @case(forms=FORMS, speed=(6.0, -6.0))
 def climbing(speed: float, form: str) -> Iterator[Row]:
-    """Turned, it climbs the wall against its rotation to the angle of friction, and the drive pays for it.
+    """A rotating string climbs the wall against its rotation to the angle of friction; torque of the drive.
 
-    The bend at the ends, held at the middle of the hole, turns in the material, whose damping takes 2 % more torque.
+    The string is bent near its ends, which are held at the centre of the hole; internal damping there takes 2 % more
+    torque.
     """
-    frame = lying(speed, 40, form).advance(Command(weight_on_bit=0.0, rotation=speed), 0.02)
+    frame = string_in_level_hole(speed, 40, form).advance(Command(weight_on_bit=0.0, rotation=speed), 0.02)
     angle = np.arctan2(frame.marks.centre[0, 1], frame.marks.centre[0, 0])
     torque = 0.3 * float(frame.wall_force.sum()) * RADIUS
     yield Row("angle from the low side [rad]", "-sign(Omega) arctan(mu)", "Coulomb 1785",
@@ -136,9 +136,9 @@ def climbing(speed: float, form: str) -> Iterator[Row]:
 
 @case(forms=FORMS)
 def pure_rolling(form: str) -> Iterator[Row]:
-    """With friction enough to stick the string rolls on the wall, backward.
+    """Backward rolling on the wall without slip, under sufficient friction.
 
-    The orbit is read off the last 5 s; the contact creeps and the orbit breathes a little.
+    The orbit is taken from the last 5 s; contact creep and small changes of the orbit radius remain.
     """
     scene = quiet_scene(ROLLING, of=WALLED, step=2e-3, radius=0.04, form=form)
     twin = Twin(scene)

@@ -20,7 +20,7 @@ INTERVAL = 0.02
 NAVARRO = "Navarro-Lopez and Suarez 2004"
 SWITCHED = f"{NAVARRO}, integrated with a switch for sticking"
 REGIMES = ("stuck", "stick-slip", "steady")
-OUTCOMES = (
+EXPECTED = (
     (50.75e3, 0.0, "steady"),
     (52e3, 0.0, "stick-slip"),
     (57e3, 0.0, "stick-slip"),
@@ -37,7 +37,7 @@ CYCLES = {
 """Period [s], peak and mean of the bit [rad/s], share of time stuck, slowest and fastest of the top [rad/s]."""
 
 
-def turned(weight: float, *, start: float = 0.0, seconds: float = 120.0) -> Array:
+def bit_and_top_speed(weight: float, *, start: float = 0.0, seconds: float = 120.0) -> Array:
     """Speed of bit and top [rad/s] every 20 ms of a run that begins with everything turning at `start`."""
     twin = Twin(load_scene("two_mass", overrides={"wob": f"{weight} N"}))
     twin.unknowns[1][:, 6] = start
@@ -48,13 +48,13 @@ def turned(weight: float, *, start: float = 0.0, seconds: float = 120.0) -> Arra
 
 @case()
 def thresholds() -> Iterator[Row]:
-    """The two-mass string within 1 % of its thresholds, on both sides: the same weight sticks from rest and turns from
-    speed.
+    """The two-mass string within 1 % of its thresholds, on both sides; the same weight can stick from rest and rotate
+    steadily from an initial speed.
 
-    A regime is one or the other.
+    The regime is a category, hence no tolerance.
     """
-    for weight, start, kind in OUTCOMES:
-        late = turned(weight, start=start)[-1500:, 0]
+    for weight, start, kind in EXPECTED:
+        late = bit_and_top_speed(weight, start=start)[-1500:, 0]
         found = "stuck" if late.max() < 1e-2 else "steady" if np.ptp(late) < 0.05 * late.mean() else "stick-slip"
         yield Row(f"{kind} at {weight / 1e3:g} kN from {start:g} rad/s (stuck 0, stick-slip 1, steady 2)",
                   "two masses on a spring, torque R W (mu_c + (mu_s - mu_c) exp(-gamma w))", SWITCHED,
@@ -63,9 +63,9 @@ def thresholds() -> Iterator[Row]:
 
 @case()
 def steady_turning() -> Iterator[Row]:
-    """At 50 kN the drive's torque balances drag and rock; the speed is the root of that balance.
+    """Steady speed at 50 kN, where the torque of the drive balances drag and bit torque.
 
-    Steady, so only the last of the start is left.
+    Steady state; the tolerance covers the residual transient.
     """
     speed = 4.345
     for _ in range(60):  # Newton's method for the balance
@@ -73,17 +73,17 @@ def steady_turning() -> Iterator[Row]:
         miss = 475.0 * speed + 0.155575 * 50e3 * 0.5 + friction - 6000.0
         speed -= miss / (475.0 - 0.9 * friction)
     yield Row("speed [rad/s]", "u - (c_r + c_b) w = R W (mu_c + (mu_s - mu_c) exp(-gamma w))", NAVARRO, float(speed),
-              float(turned(50e3)[-1, 0]), 1e-4)  # fmt: skip
+              float(bit_and_top_speed(50e3)[-1, 0]), 1e-4)  # fmt: skip
 
 
 @case(weight=tuple(CYCLES))
 def cycle(weight: float) -> Iterator[Row]:
     """The limit cycle from rest.
 
-    The reference is an adaptive Runge-Kutta integration of the two equations to 1e-9 with events; the twin rounds off
-    the kink of the law at rest, and frames are 20 ms apart.
+    The reference is an adaptive Runge-Kutta integration of the two equations to 1e-9 with events; the twin regularises
+    the friction law at zero speed, and frames are 20 ms apart.
     """
-    bit, top = turned(weight)[-3000:].T
+    bit, top = bit_and_top_speed(weight)[-3000:].T
     loose = np.flatnonzero((bit[:-1] < 0.05) & (bit[1:] >= 0.05))
     of_cycle = slice(loose[0], loose[-1])
     period, peak, mean, stuck, slowest, fastest = CYCLES[weight]
@@ -101,10 +101,11 @@ def cycle(weight: float) -> Iterator[Row]:
 
 @case(speed=(1.0, 1.5, 2.0, 4.0), long=True)
 def growth_under_the_smooth_law(speed: float) -> Iterator[Row]:
-    """A heavy bit on a short pipe: small torsional motion about steady turning grows where the law falls steeply.
+    """A heavy bit on a short pipe: small torsional motion about steady rotation grows where the torque falls
+    steeply with speed.
 
-    Below the speed where W T' + c = 0 it grows, above it dies. The pipe's own inertia counts by a third, good to
-    1e-2.
+    It grows below the speed where W T' + c = 0 and decays above it. A third of the inertia of the pipe is added to the
+    bit, an approximation good to 1e-2.
     """
     weight, inertia, damping = 3e5, 400.0, 30.0
     effects = {
@@ -118,7 +119,7 @@ def growth_under_the_smooth_law(speed: float) -> Iterator[Row]:
     stiffness = float(twin.rod.torsion[0])
     u, v = twin.unknowns
     u[:, 6] = twin.rod.arc * (torque + damping * speed) / stiffness
-    u[-1, 6] += 0.5e-3 * speed  # in the first step the top only comes up to its speed
+    u[-1, 6] += 0.5e-3 * speed  # the top reaches its speed during the first step
     v[:, 6] = speed + 1e-3 * (1.0 - twin.rod.arc / twin.rod.arc[-1])
     command = Command(weight, speed)
     seen = np.array([twin.advance(command, 1e-3).rig.bit_speed for _ in range(1000)]) - speed

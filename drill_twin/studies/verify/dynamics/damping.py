@@ -29,15 +29,15 @@ SPEEDS = {"stretch": float(np.sqrt(YOUNG / DENSITY)), "torsion": float(np.sqrt(S
 HOLE, VISCOSITY, OUTER = 0.03, 0.5, DIAMETER / 2
 COUETTE = 4.0 * np.pi * VISCOSITY * OUTER**2 * HOLE**2 / (HOLE**2 - OUTER**2)
 MUD = {"density": 1200.0, "viscosity": VISCOSITY}
-SOFT = ({"youngs_modulus": 1e3},)  # waves need more than two seconds from an end to mid-span
+SOFT = ({"youngs_modulus": 1e3},)  # waves take more than two seconds from an end to mid-span
 RAYLEIGH, COUETTE_FLOW = "Rayleigh 1877, ch. III", "Bird, Stewart and Lightfoot 2002, ex. 3.6-3"
 
 
 @case(forms=FORMS)
 def linear_drag(form: str) -> Iterator[Row]:
-    """The first mode between clamps dies by drag alone.
+    """Decay of the first mode of the clamped-clamped rod by drag alone.
 
-    Rates are read off a fit of two exponentials; the step of 2 ms adds (omega dt)^2 / 12 = 1e-5.
+    Rates are identified from a fit of two exponentials; the step of 2 ms adds (omega dt)^2 / 12 = 1e-5.
     """
     drag = 0.3
     twin = Twin(quiet_scene({"drag": {"linear": drag}}, form=form, step=2e-3))
@@ -54,9 +54,9 @@ def linear_drag(form: str) -> Iterator[Row]:
 
 @case(kind=tuple(SPEEDS), mode=(1, 3), ratio=(0.02, 0.3))
 def kelvin_voigt(kind: str, mode: int, ratio: float) -> Iterator[Row]:
-    """Axial and torsional modes of the rod die by internal damping, at 2 and 30 % of critical damping.
+    """Decay of axial and torsional modes of the rod by internal damping, at 2 and 30 % of critical damping.
 
-    The step is 1/20 of omega: (omega dt)^2 / 12 = 2e-4; the third mode adds as much by the 24 elements.
+    omega dt = 1/20: (omega dt)^2 / 12 = 2e-4; in the third mode the 24 elements add as much.
     """
     wave = (mode - 0.5) * np.pi / LENGTH
     omega = wave * SPEEDS[kind]
@@ -81,9 +81,9 @@ def kelvin_voigt(kind: str, mode: int, ratio: float) -> Iterator[Row]:
 
 @case(forms=FORMS)
 def quadratic_drag(form: str) -> Iterator[Row]:
-    """A rod so soft that each piece of it moves alone is thrown through mud; its middle slows down by quadratic drag.
+    """Deceleration by quadratic drag of a rod so soft that its slices move independently, at mid-length.
 
-    48 elements: here each place slows down at a rate of its own, and the error of the mesh is of second order, 5e-4.
+    48 elements: the rate differs along the rod, and the error of the mesh is of second order, 5e-4.
     """
     density, coefficient, speed = 1000.0, 1.1, 0.1
     effects = {
@@ -102,9 +102,9 @@ def quadratic_drag(form: str) -> Iterator[Row]:
 
 @case(forms=FORMS)
 def sinking_in_mud(form: str) -> Iterator[Row]:
-    """The same soft rod is dropped across a level hole full of mud: weight, buoyancy, added mass and drag at once.
+    """Fall of the same soft rod across a level hole filled with mud: weight, buoyancy, added mass and drag together.
 
-    Every place of the middle moves alike, so only the step is left: 1e-4.
+    The motion is uniform along the middle, so only the error of the step remains: 1e-4.
     """
     density = 900.0
     effects = {
@@ -128,9 +128,9 @@ def sinking_in_mud(form: str) -> Iterator[Row]:
 
 @case(forms=FORMS)
 def torque_of_turning(form: str) -> Iterator[Row]:
-    """What the drive gives at steady speed, to rotary drag and to viscous mud.
+    """Torque of the drive at steady speed, against rotary drag and viscous mud.
 
-    Steady, so without error of its own but for the last of the start.
+    Steady state; the tolerance covers the residual transient.
     """
     effects = {"drag": {"linear": 0.0, "rotary": 1e-3}, "internal_damping": {"bending_time": 0.0, "torsion_time": 2e-3}}
     for speed in (20.0, -20.0):
@@ -148,9 +148,9 @@ def torque_of_turning(form: str) -> Iterator[Row]:
 
 @case()
 def twist_in_mud() -> Iterator[Row]:
-    """The first torsional mode dies in viscous mud.
+    """Decay of the first torsional mode in viscous mud.
 
-    The step is 1/27 of omega: 1e-4.
+    omega dt = 1/27: 1e-4.
     """
     twin = Twin(quiet_scene({"mud": MUD}, radius=HOLE, step=1e-4))
     _, v = twin.unknowns

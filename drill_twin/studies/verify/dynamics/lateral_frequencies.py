@@ -15,12 +15,12 @@ from drill_twin.studies.verify.signals import free_motion, squared_frequencies
 
 UNIT = float(np.sqrt(EI / LINE_MASS)) / LENGTH**2 / math.tau
 MODES = {
-    "guided": (KICK, (4.730040745, 10.995607838, 17.278759657)),  # a symmetric kick leaves the second mode asleep
+    "guided": (KICK, (4.730040745, 10.995607838, 17.278759657)),  # a symmetric kick does not excite the second mode
     "pinned": (WAVE, (3.926602312, 7.068582746, 10.210176123)),
     "free": (WAVE, (1.875104069, 4.694091133, 7.854757438)),
     "sliding": (WAVE, (2.365020372, 5.497803919, 8.639379829)),
 }
-"""What wakes the modes, and beta L of the first three that it wakes; the top is clamped."""
+"""Initial velocity, and beta L of the first three modes that it excites; the top is clamped."""
 
 
 @case(forms=FORMS, bit_end=tuple(MODES))
@@ -48,8 +48,8 @@ def frequencies(bit_end: str, form: str) -> Iterator[Row]:
 def frequency_under_load(load: float, form: str) -> Iterator[Row]:
     """First frequency of the rod between clamps under tension and compression.
 
-    Clamped ends have no closed form, so the frequency comes from the characteristic equation of the loaded beam,
-    solved by bisection; its roots are exact. Space and time as without load.
+    There is no closed form for clamped ends; the reference is the root of the characteristic equation of the loaded
+    beam, to round-off. Mesh and time step as without load.
     """
     scene = quiet_scene(KICK, weight_on_bit=load, step=1e-3, form=form)
     found = np.sqrt(squared_frequencies(free_motion(scene, 4.0, 0.01), 0.01, modes=8)[0])
@@ -65,7 +65,7 @@ def frequency_under_load(load: float, form: str) -> Iterator[Row]:
 
 
 def clamped_frequency(load: float) -> float:
-    """First root of the characteristic equation of a beam between clamps under a compression [N], in Hz."""
+    """First root of the characteristic equation of a clamped-clamped beam under a compression [N], in Hz."""
 
     def determinant(omega: float) -> float:
         half = load / (2.0 * EI)

@@ -13,7 +13,7 @@ from drill_twin.studies.verify.case import FORMS, case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import DENSITY, DIAMETER, KICK, LENGTH, WAVE, YOUNG, quiet_scene
 from drill_twin.studies.verify.signals import AT_REST, free_motion, rates, squared_frequencies
-from drill_twin.studies.verify.statics.buckling import at_the_crossing
+from drill_twin.studies.verify.statics.buckling import buckling_load
 from drill_twin.twin.twin import Twin
 
 BORE, HOLE, MUD = 0.012, 0.03, 1200.0
@@ -25,15 +25,15 @@ ADDED: dict[str, tuple[dict[str, Any], str, float]] = {
     "open": ({"coefficient": 1.7}, "mud", MUD * (1.7 * DISC + INSIDE)),
     "confined": ({"coefficient": 1.0, "confined": True}, "air", MUD * NARROW * DISC),
 }
-"""Block of `added_mass`, what is in the pipe, mass per length that it adds [kg/m]."""
+"""Block of `added_mass`, fluid in the pipe, added mass per length [kg/m]."""
 PINNED = (3.926602312, 7.068582746, 10.210176123)
 
 
 @case(forms=FORMS)
 def buoyant_weight(form: str) -> Iterator[Row]:
-    """The hook carries the pipe less what it displaces: its wall if the mud fills it, its disc if air does.
+    """Hookload of the pipe with buoyancy: it displaces its wall if mud fills it, its full disc if air does.
 
-    The string starts in balance, so only round-off is left.
+    The string starts in equilibrium, so only round-off remains.
     """
     for inside, displaced in (("mud", WALL), ("air", DISC)):
         effects = {"gravity": {"magnitude": 9.81}, "mud": {"density": MUD, "inside": inside}}
@@ -47,9 +47,9 @@ def buoyant_weight(form: str) -> Iterator[Row]:
 
 @case(forms=FORMS)
 def floating_string(form: str) -> Iterator[Row]:
-    """In mud denser than itself the hanging pipe is lifted as a column that stands on its clamp, and buckles.
+    """Buckling of a hanging pipe by buoyancy in mud denser than itself, as of a column that stands on its clamp.
 
-    Read off as Euler's load is.
+    Evaluated as Euler's load.
     """
 
     def scene(lift: float) -> Scene:
@@ -60,14 +60,14 @@ def floating_string(form: str) -> Iterator[Row]:
         return quiet_scene(effects, form=form, sections=PIPE, bit_end="free", step=2e-3)
 
     exact = 7.83734744 * PIPE_EI / LENGTH**3
-    found = at_the_crossing(scene, exact, 0.01 * exact, 4.0)
+    found = buckling_load(scene, exact, 0.01 * exact, 4.0)
     yield Row("critical lift, w L^3 / EI [-]", "w L^3 / EI = 9/4 j^2, J_-1/3(j) = 0", "Greenhill 1881", 7.83734744,
               float(found * LENGTH**3 / PIPE_EI), 1e-3)  # fmt: skip
 
 
 @case(forms=FORMS, hole=tuple(ADDED))
 def frequencies(hole: str, form: str) -> Iterator[Row]:
-    """Lateral frequencies of the pipe with the mass of mud that moves with it, in an open and in a narrow hole.
+    """Lateral frequencies of the pipe with the added mass of the mud, in an open and in a narrow hole.
 
     24 elements and 2 ms: (omega dt)^2 / 12 is 2e-4 of the third.
     """
@@ -84,9 +84,9 @@ def frequencies(hole: str, form: str) -> Iterator[Row]:
 
 @case()
 def axial_frequency() -> Iterator[Row]:
-    """Mud does not ride along the string: the first axial mode keeps its frequency.
+    """Frequency of the first axial mode, which the added mass does not change.
 
-    The step is 1/22 of omega: 2e-4.
+    omega dt = 1/22: 2e-4.
     """
     effects = {"mud": {"density": MUD}, "added_mass": {"coefficient": 2.0}}
     twin = Twin(quiet_scene(effects, sections=PIPE, step=1e-4))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rotor dynamics: internal damping, imbalance, bow and a shaken top."""
+"""Rotor dynamics: internal damping, imbalance, bow, and lateral excitation of the top."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import FORMS, SPATIAL, case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import EI, FIRST, LENGTH, LINE_MASS, quiet_scene
-from drill_twin.studies.verify.signals import first_mode, rates, seen_by_the_string
+from drill_twin.studies.verify.signals import first_mode, rates, rotating_frame_response
 from drill_twin.twin.twin import Twin
 
 OFFSET, ANGLE, DRAG = 1e-3, -0.4, 0.25
@@ -26,10 +26,10 @@ BEAM = "beam equation"
 
 @case(forms=FORMS, turning=(0.0, 0.5, 2.5, 3.0, 4.0))
 def whirl_driven_by_internal_damping(turning: float, form: str) -> Iterator[Row]:
-    """Rate and frequency of forward and backward whirl of the first mode, turning at so many of its frequencies.
+    """Rate and frequency of forward and backward whirl of the first mode, rotating at multiples of its frequency.
 
-    With external damping twice the internal one (c_i = EI eta beta^4 per length) forward whirl sets in at three times
-    the frequency. Rates are shares of (c_e + c_i) / 2 m; what is left is the step of 2 ms.
+    With external damping twice the internal one (c_i = EI eta beta^4 per length) forward whirl is unstable above three
+    times the frequency. Rates are relative to (c_e + c_i) / 2 m; the error is that of the step of 2 ms.
     """
     retardation = 0.02 / FIRST
     inner = LINE_MASS * FIRST**2 * retardation
@@ -54,9 +54,9 @@ def whirl_driven_by_internal_damping(turning: float, form: str) -> Iterator[Row]
 
 @case(forms=FORMS, share=(0.5, 1.0, 2.0))
 def imbalance_through_resonance(share: float, form: str) -> Iterator[Row]:
-    """A mass centre off the line, below, at and above the first critical speed: amplitude, lag, torque of the drive.
+    """Unbalance response below, at and above the first critical speed: amplitude, phase lag, torque of the drive.
 
-    Internal damping is on and drops out, as the material sees no change. 16 elements and a step of 4 ms.
+    Internal damping is on and has no effect, because the strains are constant. 16 elements and a step of 4 ms.
     """
     speed = share * FIRST
     place, torque = imbalance(speed)
@@ -66,7 +66,7 @@ def imbalance_through_resonance(share: float, form: str) -> Iterator[Row]:
         "internal_damping": LOSSES,
     }
     scene = quiet_scene(effects, form=form, step=4e-3, elements=16)
-    seen, scatter, given = seen_by_the_string(scene, speed, seconds=25.0)
+    seen, scatter, given = rotating_frame_response(scene, speed, seconds=25.0)
     formula = "EI z'''' - (m Omega^2 - i c Omega) z = m Omega^2 e between clamps"
     yield from _response(formula, f"{GENTA}; {BEAM}", place, seen, scatter)
     if form == SPATIAL:
@@ -74,16 +74,16 @@ def imbalance_through_resonance(share: float, form: str) -> Iterator[Row]:
 
 
 def _response(formula: str, source: str, exact: complex, seen: complex, scatter: float) -> Iterator[Row]:
-    """Amplitude, phase and steadiness."""
+    """Rows of amplitude, phase and scatter."""
     yield Row("amplitude at mid-span [m]", formula, source, abs(exact), abs(seen), 1e-3)
     yield Row("phase error [rad]", formula, source, 0.0, float(np.angle(seen / exact)), 1e-3, relative=False)
     yield Row("scatter, of the amplitude [-]", "0", "steady motion", 0.0, scatter / abs(exact), 1e-3, relative=False)
 
 
 def imbalance(speed: float) -> tuple[complex, float]:
-    """Place of mid-span in the turning frame [m] and the torque that keeps it there [N m].
+    """Steady position of mid-span in the rotating frame [m] and the torque of the drive [N m].
 
-    cos and cosh of a complex beta s and a constant, which fit the clamps.
+    cos and cosh of a complex beta s and a constant, which satisfy the clamped ends.
     """
     mass, square = LINE_MASS * speed**2, LINE_MASS * speed**2 - 1j * DRAG * speed
     beta = (square / EI) ** 0.25
@@ -96,7 +96,8 @@ def imbalance(speed: float) -> tuple[complex, float]:
 
 @case(forms=FORMS, share=(0.05, 0.8))
 def bow(share: float, form: str) -> Iterator[Row]:
-    """A half-wave bow turns with the string: near rest A (1 - pi / 4) off the axis, magnified near the critical speed.
+    """Response to a half-wave bow that rotates with the string: A (1 - pi / 4) at low speed, amplified near the
+    critical speed.
 
     16 elements and a step of 4 ms.
     """
@@ -113,16 +114,18 @@ def bow(share: float, form: str) -> Iterator[Row]:
         "drag": {"linear": BOW_DRAG},
         "internal_damping": LOSSES | {"bending_time": 0.02},
     }
-    seen, scatter, _ = seen_by_the_string(quiet_scene(effects, form=form, step=4e-3, elements=16), speed, seconds=20.0)
+    seen, scatter, _ = rotating_frame_response(
+        quiet_scene(effects, form=form, step=4e-3, elements=16), speed, seconds=20.0
+    )
     exact = complex((c1 + c2 + own) * np.exp(1j * BOW_ANGLE))
     yield from _response("EI (z - z_0)'''' = (m Omega^2 - i c Omega) z between clamps", BEAM, exact, seen, scatter)
 
 
 @case(forms=FORMS, hertz=(0.5, 0.85, 3.0))
 def shaken_top(hertz: float, form: str) -> Iterator[Row]:
-    """The steady answer of the turning string to a top that is moved to and fro, below, at and above resonance.
+    """Steady response of the rotating string to a harmonic lateral motion of the top, below, at and above resonance.
 
-    24 elements and a step of 2 ms; the answer is fitted over whole seconds.
+    24 elements and a step of 2 ms; the response is fitted over whole periods.
     """
     shake = {"amplitude": SHAKE, "frequency": hertz, "direction": DIRECTION}
     effects = {"drag": {"linear": BOW_DRAG}, "internal_damping": LOSSES | {"bending_time": 0.0}, "top_shake": shake}
@@ -144,7 +147,7 @@ def shaken_top(hertz: float, form: str) -> Iterator[Row]:
 
 
 def _shaken(hertz: float) -> complex:
-    """Mid-span per sin(2 pi f t) [m]: a combination of cos, sin, cosh and sinh of a complex beta s."""
+    """Complex amplitude of mid-span [m]: a combination of cos, sin, cosh and sinh of a complex beta s."""
     omega = math.tau * hertz
     beta = ((LINE_MASS * omega**2 - 1j * BOW_DRAG * omega) / EI) ** 0.25
 

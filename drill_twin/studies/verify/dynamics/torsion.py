@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Torsion between two ends: what bit and top drive send back, a well's first mode, buckling by torque."""
+"""Torsion: reflection at bit and top drive, the first mode of a well, buckling under torque."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ IDLE: dict[str, Any] = {
     "internal_damping": {"bending_time": 0.0},
     "bit_torque_stribeck": {"radius": 0.1, "sliding": 0.5, "sticking": 0.8, "decay": 0.9},
 }
-"""The effects of the scene two_mass, so that no other kernel is compiled; without weight the rock is idle."""
+"""Effects of the scene two_mass, so that no other kernel is compiled; without weight the bit torque is zero."""
 TUNED = {"model": "impedance", "integral_gain": 0.0}
 DRIVES: dict[str, tuple[dict[str, Any], float]] = {
     "held": ({"model": "prescribed"}, -1.0),
@@ -31,7 +31,7 @@ DRIVES: dict[str, tuple[dict[str, Any], float]] = {
     "stiffer": (TUNED | {"reflection": -0.5}, -0.5),
     "softer": (TUNED | {"reflection": 0.5}, 0.5),
 }
-"""Top drives and the share of a wave's speed that they send back."""
+"""Top drives and their reflection coefficients of speed."""
 PIPE, COLLAR = (0.146529, 0.123024), (0.176768, 0.0714)
 WELL_SHEAR, WELL_DENSITY, PIPE_LENGTH, COLLAR_LENGTH = 61e9, 7850.0, 2270.0, 230.0
 WELL_SPEED = float(np.sqrt(WELL_SHEAR / WELL_DENSITY))
@@ -42,9 +42,9 @@ LINES = "line equations; Aarsnes and Shor 2018 for the well"
 
 @case(share=(0.0, 0.5, -0.5))
 def reflection_at_the_bit(share: float) -> Iterator[Row]:
-    """A torsional pulse meets a bit that turns against a damper; nothing comes back where that is matched.
+    """Reflection of a torsional pulse at a bit with a damper; zero where the impedances match.
 
-    100 elements smear the pulse of 0.4 m a little: 3e-3.
+    Dispersion of the pulse of 0.4 m over 100 elements: 3e-3.
     """
     damping = IMPEDANCE * (1.0 - share) / (1.0 + share)
     scene = rod_scene(effects=IDLE | {"bit_mass": {"damping": damping}}, elements=100, step=4e-5)
@@ -53,9 +53,9 @@ def reflection_at_the_bit(share: float) -> Iterator[Row]:
 
 @case(drive=tuple(DRIVES))
 def reflection_at_the_top(drive: str) -> Iterator[Row]:
-    """The same pulse meets the top drive.
+    """Reflection of the same pulse at the top drive.
 
-    100 elements smear the pulse of 0.4 m a little: 3e-3.
+    Dispersion of the pulse of 0.4 m over 100 elements: 3e-3.
     """
     model, share = DRIVES[drive]
     scene = _with_rig(rod_scene(effects=IDLE | {"bit_mass": {}}, elements=100, step=4e-5), top_drive=model)
@@ -63,7 +63,7 @@ def reflection_at_the_top(drive: str) -> Iterator[Row]:
 
 
 def _reflection(scene: Scene, share: float, *, down: bool) -> Row:
-    """Share of a pulse's speed that is back where it was sent from."""
+    """Row of the reflection coefficient of a pulse, by projection of the speed on the pulse that was sent."""
     twin = Twin(scene)
     u, v = twin.unknowns
     place = twin.rod.arc - 0.5 * LENGTH
@@ -78,9 +78,9 @@ def _reflection(scene: Scene, share: float, *, down: bool) -> Row:
 
 @case(ratio=(0.3, 3.0))
 def heavy_bit(ratio: float) -> Iterator[Row]:
-    """A body at the bit slows the first mode of the rod, held at the top.
+    """First torsional frequency of the rod, held at the top, with a body at the bit.
 
-    16 elements and 0.1 ms leave 1e-4.
+    Error of 16 elements and a step of 0.1 ms: 1e-4.
     """
     inertia = GJ / SPEED**2 * LENGTH / ratio
     twin = Twin(rod_scene(effects=IDLE | {"bit_mass": {"inertia": inertia}}, elements=16, step=1e-4))
@@ -96,7 +96,7 @@ def heavy_bit(ratio: float) -> Iterator[Row]:
 def well_off_bottom() -> Iterator[Row]:
     """First mode of a well of 2,270 m of pipe and 230 m of collars, held at the top.
 
-    64 elements and 5 ms leave 1e-4. Published: 0.22 Hz; here all collars are of one size.
+    Error of 64 elements and a step of 5 ms: 1e-4. Published: 0.22 Hz; here all collars have one size.
     """
     exact, found = well_mode(lambda _: 1e12), _ringing({})
     yield Row("first frequency [rad/s]", "tan(k L_p) tan(k L_c) = J_p / J_c", LINES, exact.imag, found.imag, 1e-3)
@@ -107,10 +107,10 @@ def well_off_bottom() -> Iterator[Row]:
 
 @case(drive=tuple(GAINS))
 def well_with_a_top_drive(drive: str) -> Iterator[Row]:
-    """The mode with 2,900 kg m2 and a speed controller at the top, stiff as theirs (38 kN m s/rad, 100 kN m/rad), and
-    soft.
+    """The mode with 2,900 kg m2 and a speed controller at the top: stiff as published (38 kN m s/rad, 100 kN m/rad),
+    and soft.
 
-    The decay is read off a fit of 24 exponentials.
+    The decay is identified from a fit of 24 exponentials.
     """
     proportional, integral = GAINS[drive]
     exact = well_mode(lambda s: s * DRIVE_INERTIA + proportional + integral / s)
@@ -137,7 +137,7 @@ def _with_rig(scene: Scene, **parts: Any) -> Scene:
 
 
 def _ringing(rig: dict[str, Any]) -> complex:
-    """Slowest of the decaying modes of the bit's speed in the well [1/s]."""
+    """Complex rate of the least damped mode of the bit speed in the well [1/s]."""
     sections = [
         {"length": length, "outer_diameter": tube[0], "inner_diameter": tube[1],
          "youngs_modulus": 2.0 * 1.3 * WELL_SHEAR, "poisson_ratio": 0.3, "density": WELL_DENSITY}
@@ -154,7 +154,7 @@ def _ringing(rig: dict[str, Any]) -> complex:
 
 
 def well_mode(drive: Callable[[complex], complex]) -> complex:
-    """Root s of the line equations: collars on a free bit, pipe above, an impedance `drive(s)` at the top."""
+    """Root s of the line equations: free bit, collars, pipe, and an impedance `drive(s)` at the top [1/s]."""
     low, high = (_polar(tube) * float(np.sqrt(WELL_SHEAR * WELL_DENSITY)) for tube in (COLLAR, PIPE))
 
     def miss(s: complex) -> complex:
@@ -170,10 +170,10 @@ def well_mode(drive: Callable[[complex], complex]) -> complex:
 
 @case(share=(0.0, 0.5))
 def torque_buckling(share: float) -> Iterator[Row]:
-    """The rod between clamps under torque, without load and under half of Euler's: omega^2 passes zero at the critical
-    torque (without load 8.987 EI / L; Greenhill's 2 pi EI / L is for hinges).
+    """Critical torque of the clamped-clamped rod, without load and under half of Euler's load, where omega^2 is zero
+    (without load 8.987 EI / L; Greenhill's 2 pi EI / L is for hinges).
 
-    Read off a line between 99 % and 101 %, with 32 elements.
+    Linear interpolation between 99 % and 101 %, with 32 elements.
     """
     load = share * 4.0 * np.pi**2 * EI / LENGTH**2
     exact = critical_torque(load)
@@ -186,7 +186,7 @@ def torque_buckling(share: float) -> Iterator[Row]:
 
 
 def _twisted(torque: float, load: float) -> float:
-    """Lowest omega^2 [1/s2] under a torque [N m] and a compression [N]; a heavy bit keeps the twist."""
+    """Lowest omega^2 [1/s2] under a torque [N m] and a compression [N]; a large bit inertia maintains the twist."""
     effects = IDLE | {"bit_mass": {"inertia": 1e6}, "lateral_kick": {"velocity": 1e-6, "shape": "hump"}}
     twin = Twin(rod_scene(effects=effects, weight_on_bit=load, elements=32, step=2e-3))
     twin.unknowns[0][:, 6] = -torque / GJ * (LENGTH - twin.rod.arc)

@@ -23,9 +23,9 @@ THICK = 1.3
 
 
 def arrival(signal: Array, plateau: float) -> float:
-    """When a front of this height passed [s]: where the signal's integral, extended backwards, meets zero.
+    """Arrival of a front of this height [s]: zero of the integral of the signal, extrapolated backwards.
 
-    A mesh smears a front over a few elements; its integral is not fooled by that.
+    Dispersion smears a front over a few elements but does not change its integral.
     """
     time = INTERVAL * np.arange(1, signal.size + 1)
     return float(np.mean((time - np.cumsum(signal) * INTERVAL / plateau)[300:480]))
@@ -33,10 +33,10 @@ def arrival(signal: Array, plateau: float) -> float:
 
 @case()
 def axial() -> Iterator[Row]:
-    """One newton on the bit at t = 0 travels up and doubles at the clamp.
+    """A step of 1 N on the bit at t = 0 travels up and doubles at the clamp.
 
-    A front is smeared over a few of the 100 elements: its place is good to half of one, its height to the ringing that
-    is left in the mean.
+    Dispersion smears the front over a few of the 100 elements: its position is accurate to half an element, its height
+    to the ringing that remains in the mean.
     """
     twin = Twin(quiet_scene({}, elements=ELEMENTS, step=INTERVAL))
     load = Command(weight_on_bit=1.0, rotation=0.0)
@@ -48,8 +48,8 @@ def axial() -> Iterator[Row]:
 
 @case()
 def torsional() -> Iterator[Row]:
-    """The top starts to turn at 1 rad/s; the front doubles at the free bit, and until its echo is back the drive feels
-    an endless string.
+    """The top starts to turn at 1 rad/s; the front doubles at the free bit, and until its reflection returns the torque
+    of the drive is that of an infinite string.
 
     Resolution as for the axial wave.
     """
@@ -68,9 +68,9 @@ def torsional() -> Iterator[Row]:
 
 @case(thick=("bit", "top"))
 def torsional_at_a_change_of_section(thick: str) -> Iterator[Row]:
-    """The front meets a section 1.3 times as thick (or leaves one) half way down.
+    """Transmission and reflection of the front at a change of section half way down, to or from 1.3 times the diameter.
 
-    Means over a plateau; they hold the ringing of a front smeared over a few of the 100 elements.
+    Means over a plateau, with the ringing of a front smeared over a few of the 100 elements.
     """
     frames = _two_sections(thick, Command(weight_on_bit=0.0, rotation=1.0), LENGTH / 4, intervals=540)
     below, above = (_share(thick, end, 4) for end in ("bit", "top"))
@@ -86,9 +86,9 @@ def torsional_at_a_change_of_section(thick: str) -> Iterator[Row]:
 
 @case(thick=("bit", "top"))
 def axial_at_a_change_of_section(thick: str) -> Iterator[Row]:
-    """A newton on the bit meets a section 1.3 times as thick (or leaves one) half way up.
+    """Transmission of a step of 1 N at a change of section half way up, to or from 1.3 times the diameter.
 
-    r' is continuous at the change, so the jump of the strain is smeared over one of 100 elements; its wave is not.
+    r' is continuous at the change, so the jump of the strain is smeared over one of 100 elements; the wave is not.
     """
     frames = _two_sections(thick, Command(weight_on_bit=1.0, rotation=0.0), 0.75 * LENGTH, intervals=330)
     below, above = (_share(thick, end, 2) for end in ("bit", "top"))
@@ -102,7 +102,7 @@ def axial_at_a_change_of_section(thick: str) -> Iterator[Row]:
 
 
 def _share(thick: str, end: str, power: int) -> float:
-    """Impedance of the section at this end, in impedances of the rod."""
+    """Ratio to the rod at this end: THICK to the power where the section is the thicker one, else 1."""
     return float(THICK**power) if thick == end else 1.0
 
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Exact checks of the numerics: conservation, orders of convergence, symmetry, formulations."""
+"""Cases of the numerics: conservation, orders of convergence, symmetry, formulations."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What physics keeps: energy, momentum, angular momentum."""
+"""Conservation of energy, momentum and angular momentum."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ BALANCE = "balance"
 
 @case(forms=FORMS)
 def energy_of_a_swing(form: str) -> Iterator[Row]:
-    """Thirty seconds of an undamped swing of the hanging rod after a hard pluck, the bit free.
+    """Energy over thirty seconds of undamped free motion of the hanging rod after a large initial velocity; free bit.
 
-    The midpoint rule keeps the quadratic energy of the lateral form to round-off; that of the spatial form it keeps
-    without drift, up to the square of the step.
+    The midpoint rule conserves the quadratic energy of the lateral formulation to round-off, and that of the spatial
+    formulation without drift, to the square of the step.
     """
     tolerance = 1e-12 if form == LATERAL else 1e-4
     yield Row("largest change of energy, of what was put in [-]", "kinetic + bending + stretch + m g z is kept",
@@ -34,7 +34,7 @@ def energy_of_a_swing(form: str) -> Iterator[Row]:
 
 
 def swing(form: str, *, elements: int, tolerance: float) -> float:
-    """Largest change of energy in thirty seconds of an undamped swing, of what was put in [-]."""
+    """Largest change of energy in thirty seconds of undamped free motion, over the initial kinetic energy [-]."""
     effects = {"gravity": {"magnitude": GRAVITY}, "lateral_kick": {"velocity": 0.5, "shape": "half_wave"}}
     twin = Twin(quiet_scene(effects, bit_end="free", elements=elements, step=2e-3, form=form, tolerance=tolerance))
     total = _lateral_energy if form == LATERAL else _spatial_energy
@@ -55,7 +55,7 @@ def _spatial_energy(twin: Twin) -> float:
 
 
 def _lateral_energy(twin: Twin) -> float:
-    """Kinetic, bending and lifting energy (T / 2) r'^2 with T the weight below."""
+    """Kinetic and bending energy, and the work against gravity (T / 2) r'^2 with T the weight below [J]."""
     rod, (u, v) = twin.rod, twin.unknowns
     q, dq = (np.stack([rows[:-1, 0:2], rows[:-1, 3:5], rows[1:, 0:2], rows[1:, 3:5]], 1) for rows in (u, v))
     first, second = (np.einsum("epi,eic->epc", rod.shape[:, :, order], q) for order in (1, 2))
@@ -67,9 +67,9 @@ def _lateral_energy(twin: Twin) -> float:
 
 @case(forms=FORMS)
 def angular_momentum_of_a_conical_swing(form: str) -> Iterator[Row]:
-    """The free bit circles about the hole's axis, on which the clamp has no moment but the drive's torque.
+    """Angular momentum about the axis of the hole of a conical pendulum motion; the only moment is that of the drive.
 
-    Kept to round-off and Newton's tolerance.
+    Conserved to round-off and the tolerance of Newton's method.
     """
     twin = Twin(quiet_scene({}, bit_end="free", step=1e-3, frame_rate=1000.0, form=form))
     u, v = twin.unknowns
@@ -85,9 +85,9 @@ def angular_momentum_of_a_conical_swing(form: str) -> Iterator[Row]:
 
 @case()
 def momentum_along_the_hole() -> Iterator[Row]:
-    """A load that comes and goes on the bit of the hanging rod sends waves up and down; gravity and hook do the rest.
+    """Balance of axial momentum of the hanging rod under a pulsating load on the bit, gravity and hookload.
 
-    The balance of momentum holds in every step, to Newton's tolerance.
+    The balance holds in every step, to the tolerance of Newton's method.
     """
     twin = Twin(quiet_scene({"gravity": {"magnitude": GRAVITY}}, step=1e-4, frame_rate=2000.0))
     weight = LINE_MASS * GRAVITY * float(twin.rod.arc[-1])
@@ -103,7 +103,7 @@ def momentum_along_the_hole() -> Iterator[Row]:
 
 
 def _axial_momentum(twin: Twin) -> float:
-    """Of the whole rod [kg m/s]; the cubic elements hold a uniform velocity exactly."""
+    """Axial momentum of the rod [kg m/s]; cubic elements represent a uniform velocity exactly."""
     _, v = twin.unknowns
     dq = np.stack([v[:-1, 2], v[:-1, 5], v[1:, 2], v[1:, 5]], 1)
     one: Array = np.array([1.0, 0.0, 1.0, 0.0])
@@ -112,9 +112,9 @@ def _axial_momentum(twin: Twin) -> float:
 
 @case()
 def angular_momentum_of_twist() -> Iterator[Row]:
-    """The drive jerks the straight rod to and fro; its impulse is the rod's spin.
+    """Angular momentum of the straight rod under an oscillating rotation of the top: the angular impulse of the drive.
 
-    Linear, so kept to round-off.
+    Linear, so conserved to round-off.
     """
     twin = Twin(quiet_scene({}, step=1e-4, frame_rate=2000.0))
     impulse, largest = 0.0, 0.0

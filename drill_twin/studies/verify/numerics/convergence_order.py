@@ -12,12 +12,12 @@ from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import FORMS, case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import quiet_scene
-from drill_twin.studies.verify.signals import slope
+from drill_twin.studies.verify.signals import convergence_order
 from drill_twin.twin.twin import Twin
 
 
 def middle_path(elements: int, step: float, form: str) -> Array:
-    """Path of mid-span in the first half second after a kick under a growing load [m], every 10 ms, shape (50, 2)."""
+    """Path of mid-span over half a second after an initial velocity, under a growing load [m]; every 10 ms, (50, 2)."""
     effects = {
         "lateral_kick": {"velocity": 0.3, "shape": "hump"},
         "internal_damping": {"bending_time": 0.0, "stretch_time": 5e-3},
@@ -28,7 +28,7 @@ def middle_path(elements: int, step: float, form: str) -> Array:
 
 
 def errors(paths: list[Array], reference: Array) -> list[float]:
-    """Largest distance from the reference path, over its size."""
+    """Largest distance from the reference path, over its largest coordinate [-]."""
     return [float(np.abs(path - reference).max() / np.abs(reference).max()) for path in paths]
 
 
@@ -36,12 +36,12 @@ def errors(paths: list[Array], reference: Array) -> list[float]:
 def in_space(form: str) -> Iterator[Row]:
     """Paths with 8, 12, 16 and 24 elements against 96, at a step of 1 ms.
 
-    The slope still bends a little over so coarse meshes.
+    On such coarse meshes the order is not yet asymptotic.
     """
     counts = [8, 12, 16, 24]
     found = errors([middle_path(count, 1e-3, form) for count in counts], middle_path(96, 1e-3, form))
     yield Row("order in space [-]", "error ~ h^4 of cubic elements", "Strang and Fix 1973, ch. 4", 4.0,
-              slope([1.0 / count for count in counts], found), 0.2, relative=False)  # fmt: skip
+              convergence_order([1.0 / count for count in counts], found), 0.2, relative=False)  # fmt: skip
     yield Row("error at 24 elements, of the path [-]", "small", "this run", 0.0, found[-1], 1e-4, relative=False)
 
 
@@ -49,9 +49,9 @@ def in_space(form: str) -> Iterator[Row]:
 def in_time(form: str) -> Iterator[Row]:
     """Paths with steps of 5, 2.5 and 1.25 ms against 0.2 ms, with 16 elements.
 
-    The slope still bends a little over the longest step.
+    At the longest step the order is not yet asymptotic.
     """
     steps = [5e-3, 2.5e-3, 1.25e-3]
     found = errors([middle_path(16, step, form) for step in steps], middle_path(16, 2e-4, form))
     yield Row("order in time [-]", "error ~ dt^2 of the midpoint rule", "Hairer, Lubich and Wanner 2006, ch. II", 2.0,
-              slope(steps, found), 0.15, relative=False)  # fmt: skip
+              convergence_order(steps, found), 0.15, relative=False)  # fmt: skip

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Both forms of the string give the same answer where both hold."""
+"""Agreement of the two formulations where both are valid."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from drill_twin.scene import load_scene
 from drill_twin.studies.verify.case import case
 from drill_twin.studies.verify.row import Row
 
-SOURCE = "the other form of this twin"
+SOURCE = "the other formulation of this twin"
 
 
 @case(forms=())
 def the_bench() -> Iterator[Row]:
-    """The paper's rod under 40 N at 2 rev/s (scene pa6_bench) with stretch and torsion, as expected, and without them,
-    as computed: onset, frequency and radius of whirl as the analyzer finds them.
+    """The paper's rod under 40 N at 2 rev/s (scene pa6_bench) with stretch and torsion (expected) and without them
+    (computed): onset, frequency and radius of whirl from the analyzer.
 
-    The forms differ by squares of slopes, which reach 0.1 in the hole of 90 mm.
+    The formulations differ by squares of slopes, which reach 0.1 in the hole of 90 mm.
     """
     off = {"effects.stretch": "off", "effects.torsion": "off"}
     spatial, lateral = _bench({}), _bench(off)

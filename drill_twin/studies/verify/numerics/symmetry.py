@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""No direction across the hole is special, and no sense of turning."""
+"""Invariance under rotation about the axis of the hole and under reflection."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from drill_twin.twin.twin import Twin
 SYMMETRY = "symmetry"
 
 
-def lively(form: str = "spatial", **effects: Any) -> Scene:
-    """A scene that whirls into the wall and rubs there within a second."""
+def whirling_scene(form: str = "spatial", **effects: Any) -> Scene:
+    """A rod that whirls into the wall and rubs there within a second."""
     return quiet_scene(ROLLING | effects, of=WALLED, radius=0.04, step=2e-3, elements=16, form=form, tolerance=1e-6)
 
 
-def turned(
+def rotated_run(
     scene: Scene, angle: float, *, mirror: bool = False, load: float = 40.0, speed: float = 12.0, seconds: float = 1.0
 ) -> Array:
-    """Centre line after a kicked, loaded, turning run, started at an angle and seen from that angle.
+    """Centre line after a run whose initial state is rotated by an angle, in axes rotated by that angle.
 
     Args:
-        scene: What to run.
-        angle: Of the start about the hole's axis [rad].
-        mirror: Start from the mirror image and turn the other way.
+        scene: The scene.
+        angle: Rotation of the initial state about the axis of the hole [rad].
+        mirror: Start from the mirror image and rotate the other way.
         load: Weight on bit at the end [N]; it grows from the start.
-        speed: Of rotation at the end [rad/s].
-        seconds: How long.
+        speed: Rotation at the end [rad/s].
+        seconds: Simulated time [s].
 
     Returns:
-        Lateral places [m], shape (n + 1, 2).
+        Lateral positions [m], shape (n + 1, 2).
     """
     twin = Twin(scene)
     u, v = twin.unknowns
@@ -60,17 +60,17 @@ def turned(
 
 @case(forms=FORMS)
 def invariance(form: str) -> Iterator[Row]:
-    """A bowed, damped rod is kicked into the wall and rubs there, from a start that is turned about the hole's axis, or
-    mirrored and turning the other way.
+    """Bowed, damped rod that hits the wall and rubs there, from an initial state that is rotated about the axis of the
+    hole, or mirrored with the opposite rotation.
 
-    Newton's method stops at 1e-6 of the rod's radius, 1e-8 m, in every step; contact makes more of that.
+    Newton's method stops at 1e-6 of the radius of the rod, 1e-8 m, in every step; contact amplifies that.
     """
-    scene = lively(form)
-    straight = turned(scene, 0.0)
+    scene = whirling_scene(form)
+    straight = rotated_run(scene, 0.0)
     for what, other in (
-        ("start turned by 0.7 rad", turned(scene, 0.7)),
-        ("start turned by -2.5 rad", turned(scene, -2.5)),
-        ("mirror image", turned(scene, 0.0, mirror=True)),
+        ("start turned by 0.7 rad", rotated_run(scene, 0.7)),
+        ("start turned by -2.5 rad", rotated_run(scene, -2.5)),
+        ("mirror image", rotated_run(scene, 0.0, mirror=True)),
     ):
         yield Row(f"{what}: largest change of the centre line [m]", "0", SYMMETRY, 0.0,
                   float(np.abs(other - straight).max()), 1e-6, relative=False)  # fmt: skip

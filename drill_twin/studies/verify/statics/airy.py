@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Buckling loads of a string under its own weight, from Airy functions: a closed form, not a mesh."""
+"""Buckling loads of a string under its own weight: closed form in Airy functions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 
-# What the bit holds: its place across the hole, and its slope.
+# Constraints at the bit: lateral position, slope.
 _HOLDS = {"guided": (True, True), "pinned": (True, False), "sliding": (False, True), "free": (False, False)}
 
 
@@ -23,8 +23,8 @@ def critical_bit_load(bending: float, weight: float, length: float, bit_end: str
 
     Args:
         bending: EI [N m2].
-        weight: Per length [N/m].
-        length: [m].
+        weight: Weight per length [N/m].
+        length: Length of the string [m].
         bit_end: "guided", "pinned", "sliding" or "free".
     """
     from scipy.optimize import brentq
@@ -43,7 +43,7 @@ def critical_bit_load(bending: float, weight: float, length: float, bit_end: str
 
 
 def _determinant(load: float, span: float, place: bool, slope: bool) -> float:
-    """Zero where a bent shape is in balance; load in w (EI / w)^(1/3), span in (EI / w)^(1/3)."""
+    """Determinant that is zero where a bent equilibrium exists; load in w (EI / w)^(1/3), span in (EI / w)^(1/3)."""
     from scipy.special import airy
 
     nodes, weights = np.polynomial.legendre.leggauss(60)
@@ -51,7 +51,7 @@ def _determinant(load: float, span: float, place: bool, slope: bool) -> float:
     ends = np.array([-load, span - load])
 
     def solutions(at: Array) -> Array:
-        """Ai, Bi and a solution of theta'' - x theta = 1, and their slopes, shape (2, 3, places)."""
+        """Ai, Bi and a solution of theta'' - x theta = 1, and their slopes, shape (2, 3, points)."""
         ai, dai, bi, dbi = airy(at)
         s, w = 0.5 * (at[:, None] + load) * (nodes + 1.0) - load, 0.5 * (at[:, None] + load) * weights
         a, _, b, _ = airy(s)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A rod bent far."""
+"""Large bending."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from drill_twin.base.arrays import Array
 from drill_twin.studies.verify.case import case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import EI, LENGTH, rod_scene
-from drill_twin.studies.verify.signals import settle
+from drill_twin.studies.verify.signals import run_for
 
 BENT = {
     "drag": {"linear": 0.4},
     "internal_damping": {"bending_time": 2e-3, "stretch_time": 2e-3, "torsion_time": 2e-3},
     "bit_stabiliser": {"gauge": 0.01, "stiffness": 1.0},
 }
-"""What brings it to rest; the stabiliser touches nothing."""
+"""Damping that brings the rod to rest; the stabiliser has no contact."""
 
 
 @case(degrees=(30.0, 70.0), direction=(0.0, 2.0))
 def elastica(degrees: float, direction: float) -> Iterator[Row]:
-    """A dead force across the axis at the free bit turns it by an angle, in any direction across the hole.
+    """Cantilever under a transverse dead load at the free bit, in two directions across the hole.
 
-    Errors are shares of the length, or radians; 24 elements leave 1e-4.
+    Errors are relative to the length, or in radians; error of 24 elements: 1e-4.
     """
     tip = float(np.radians(degrees))
     force, aside, reach = cantilever(tip)
@@ -43,10 +43,10 @@ def elastica(degrees: float, direction: float) -> Iterator[Row]:
 
 @case(half_turns=(0.25, 0.5, 0.9))
 def roll_up(half_turns: float) -> Iterator[Row]:
-    """A moment at the free bit rolls the rod up to an arc; at twice a half turn it would be a circle.
+    """Cantilever under a moment at the free bit, which bends it to a circular arc.
 
-    Errors are shares of the length, or radians; cubic elements are no arcs, and 32 leave 2e-4. The reference of twist
-    ends at a half turn.
+    Errors are relative to the length, or in radians; error of 32 cubic elements: 2e-4. The reference frame of the twist
+    is singular at a half turn.
     """
     angle = half_turns * np.pi
     place, tangent = _at_rest(32, moment=angle * EI / LENGTH, angle=0.7)
@@ -61,19 +61,19 @@ def roll_up(half_turns: float) -> Iterator[Row]:
 
 
 def _at_rest(elements: int, **side_force: float) -> tuple[Array, Array]:
-    """Place of the bit [m] and its tangent at rest, hanging from the clamp at the origin."""
+    """Position of the bit [m] and its tangent at rest, below the clamp at the origin."""
     effects = BENT | {"bit_side_force": side_force | {"ramp": 3.0}}
     scene = rod_scene(effects=effects, bit_end="stabilised", elements=elements, step=0.02, frame_rate=10.0)
-    u, v = settle(scene, 30.0, interval=0.1).unknowns
+    u, v = run_for(scene, 30.0, interval=0.1).unknowns
     if np.abs(v[:, :3]).max() > 1e-4:
         raise ValueError(f"expected the rod to be at rest after 30 s, found it at {np.abs(v[:, :3]).max():.3g} m/s")
     return u[0, 0:3], u[0, 3:6] / np.linalg.norm(u[0, 3:6])
 
 
 def cantilever(tip: float) -> tuple[float, float, float]:
-    """F L^2 / EI, deflection / L and reach / L of a cantilever whose tip a dead force across it turns by an angle.
+    """F L^2 / EI, deflection / L and reach / L of a cantilever whose tip a transverse dead load rotates by an angle.
 
-    Quadrature with theta = theta_0 (1 - w^2), which takes away the singularity of the root.
+    Quadrature with theta = theta_0 (1 - w^2), which removes the singularity of the root.
     """
     node, weight = np.polynomial.legendre.leggauss(60)
     w, weight = 0.5 * (node + 1.0), 0.5 * weight

@@ -20,11 +20,11 @@ EULER = {"guided": 0.5, "pinned": np.pi / 4.493409458, "sliding": 1.0, "free": 2
 WEIGHT = LINE_MASS * 9.81
 
 
-def at_the_crossing(scene_at: Callable[[float], Scene], exact: float, half: float, seconds: float) -> float:
-    """Where the lowest omega^2 passes zero: a line through its values at `exact` less and plus `half`.
+def buckling_load(scene_at: Callable[[float], Scene], exact: float, half: float, seconds: float) -> float:
+    """Load at which the lowest omega^2 is zero: linear interpolation between `exact - half` and `exact + half`.
 
     Raises:
-        ValueError: It does not change its sign there.
+        ValueError: omega^2 does not change its sign between the two.
     """
 
     def lowest(load: float) -> float:
@@ -41,9 +41,9 @@ def at_the_crossing(scene_at: Callable[[float], Scene], exact: float, half: floa
 
 @case(forms=FORMS, bit_end=tuple(EULER))
 def euler(bit_end: str, form: str) -> Iterator[Row]:
-    """A weightless column: the lowest omega^2 passes zero at Euler's load, oscillation below it and growth above.
+    """Weightless column: the lowest omega^2 passes zero at Euler's load, with oscillation below it and growth above.
 
-    Read off a line between 99 % and 101 % of the load; the line, the elements and the step of 2 ms err by 1e-5 each.
+    Linear interpolation between 99 % and 101 % of the load; errors of interpolation, mesh and step of 2 ms: 1e-5 each.
     """
 
     def scene(load: float) -> Scene:
@@ -55,16 +55,16 @@ def euler(bit_end: str, form: str) -> Iterator[Row]:
         reference="F = pi^2 EI / (K L)^2, K = 0.5, 0.6992, 1, 2",
         source="Euler 1757; Timoshenko and Gere 1961, ch. 2",
         expected=exact,
-        computed=at_the_crossing(scene, exact, 0.01 * exact, 6.0),
+        computed=buckling_load(scene, exact, 0.01 * exact, 6.0),
         tolerance=1e-4,
     )
 
 
 @case(forms=FORMS)
 def self_weight(form: str) -> Iterator[Row]:
-    """A column that stands on its clamp buckles under its own weight; the hole points up (inclination 180 deg).
+    """Buckling under its own weight of a column that stands on its clamp; the hole points up (inclination 180 deg).
 
-    Read off as Euler's load is.
+    Evaluated as Euler's load.
     """
 
     def scene(weight: float) -> Scene:
@@ -72,7 +72,7 @@ def self_weight(form: str) -> Iterator[Row]:
         return quiet_scene(effects, bit_end="free", inclination=np.pi, step=2e-3, form=form)
 
     exact = 7.83734744 * EI / LENGTH**3
-    found = at_the_crossing(scene, exact, 0.01 * exact, 4.0)
+    found = buckling_load(scene, exact, 0.01 * exact, 4.0)
     yield Row(
         what="critical w L^3 / EI [-]",
         reference="w L^3 / EI = 9/4 j^2, J_-1/3(j) = 0",
@@ -85,10 +85,11 @@ def self_weight(form: str) -> Iterator[Row]:
 
 @case(forms=FORMS, bit_end=tuple(EULER), at=("bit", "top"))
 def heavy_string(bit_end: str, at: str, form: str) -> Iterator[Row]:
-    """The hanging rod with its weight, load counted at the bit, or at the top and so less by the weight.
+    """Buckling load of the hanging rod with its weight; the load is given at the bit, or at the top and so less by the
+    weight.
 
-    Roots of the Airy-function determinant of EI y''' + (F - w s) y' = c, for each bit end. Read off a line between
-    0.1 N below and above; the slowest modes, of the free bit, show little more than a growth in the 6 s.
+    Roots of the Airy-function determinant of EI y''' + (F - w s) y' = c, for each bit end. Linear interpolation between
+    0.1 N below and above; the slowest modes, those of the free bit, show little more than a growth in the 6 s.
     """
 
     def scene(load: float) -> Scene:
@@ -101,7 +102,7 @@ def heavy_string(bit_end: str, at: str, form: str) -> Iterator[Row]:
         reference="EI y''' + (F - w s) y' = c; as many combinations of Ai, Bi and an integral of them as ends hold",
         source="Lubinski 1950",
         expected=exact,
-        computed=at_the_crossing(scene, exact, 0.1, 6.0),
+        computed=buckling_load(scene, exact, 0.1, 6.0),
         tolerance=5e-3,
         relative=False,
     )

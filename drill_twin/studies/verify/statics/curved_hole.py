@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A curved hole: the soft string, and the capstan."""
+"""Curved hole: soft string and capstan."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import DIAMETER, LINE_MASS, WALLED, quiet_scene
-from drill_twin.studies.verify.signals import settle
+from drill_twin.studies.verify.signals import run_for
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
 
@@ -37,9 +37,9 @@ def bend(radius: float, length: float, inclination: float = 0.0, azimuth: float 
 
 @case()
 def pulled_through_a_bend() -> Iterator[Row]:
-    """A weightless string of 20 m is pulled with 20 N through a bend of 40 m, without friction.
+    """Weightless string of 20 m under a tension of 20 N in a bend of 40 m radius, without friction.
 
-    At rest; the ends, held in the middle of the hole, are left out of the force.
+    At rest; the wall force leaves out the ends, which are held at the centre of the hole.
     """
     scene = quiet_scene(SETTLING, of=WALLED, length=20.0, elements=80, step=2e-3, weight_on_bit=-20.0, marks=(10.0,),
                         hole=bend(40.0, 20.0))  # fmt: skip
@@ -61,7 +61,7 @@ def weight_in_a_bend(pull: float) -> Iterator[Row]:
     """A heavy string in a bend that builds from 40 deg: at 20 N it lies on the low side, at 200 N it is pulled up to
     the high side.
 
-    The soft string has no stiffness; 120 elements on a bend of 60 m leave 2e-3.
+    The soft string has no bending stiffness; error of 120 elements in a bend of 60 m: 2e-3.
     """
     length, radius = 30.0, 60.0
     scene = quiet_scene(
@@ -84,9 +84,9 @@ def weight_in_a_bend(pull: float) -> Iterator[Row]:
 
 @case()
 def capstan() -> Iterator[Row]:
-    """A soft string is pulled through a bend of one radian with friction.
+    """Soft string pulled through a bend of one radian with friction.
 
-    Near its held ends it is off the wall, the less the softer it is and the narrower the hole: 1 %.
+    Near its held ends it is off the wall, over a shorter length the softer it is and the narrower the hole: 1 %.
     """
     steps = 400
     scene = quiet_scene(
@@ -98,13 +98,13 @@ def capstan() -> Iterator[Row]:
     for k in range(steps):
         pull = 1.0 + 99.0 * (k + 1) / steps
         frame = twin.advance(Command(weight_on_bit=-pull, rotation=0.0), 0.02)
-    mean = pull - 0.5 * 99.0 / steps  # reactions are averaged over the frame
+    mean = pull - 0.5 * 99.0 / steps  # reactions are means over the frame
     yield Row("force at the hook over that at the bit [-]", "exp(mu theta)", "Euler 1769; Eytelwein 1808",
               float(np.exp(0.3)), mean / -frame.rig.bit_force, 1e-2)  # fmt: skip
 
 
 def _at_rest(scene: Scene, pull: float, seconds: float) -> tuple[Twin, Frame]:
-    twin = settle(scene, seconds, interval=0.02)
+    twin = run_for(scene, seconds, interval=0.02)
     frame = twin.advance(Command(weight_on_bit=-pull, rotation=0.0), 0.02)
     speed = float(np.abs(frame.velocities).max())
     if speed > 1e-4:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A string that buckles in the hole: snaking on the low side, and the helix."""
+"""Buckling in the hole: snaking on the low side, and the helix."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def stiffness_of_a_wave(load: float, wave: float, inclination: float, form: str)
 
     Args:
         load: Axial compression in the middle [N].
-        wave: Number of the wave, 2 pi over its length.
-        inclination: Of the hole [rad].
-        form: Of the string.
+        wave: Wave number [rad/m].
+        inclination: Inclination of the hole [rad].
+        form: Formulation.
     """
     effects = {
         "gravity": {"magnitude": 9.81},
@@ -42,7 +42,7 @@ def stiffness_of_a_wave(load: float, wave: float, inclination: float, form: str)
     )  # fmt: skip
     twin = Twin(scene)
     u, v = twin.unknowns
-    for end in (twin.rod.arc, twin.rod.arc - LONG):  # laid down rather than dropped
+    for end in (twin.rod.arc, twin.rod.arc - LONG):  # the string starts on the low side
         u[:, 0] += 0.5 * CLEARANCE * (1.0 - 2.0 * np.exp(-((0.6 * end) ** 2)))
         u[:, 3] += CLEARANCE * 0.72 * end * np.exp(-((0.6 * end) ** 2))
     command = Command(weight_on_bit=at_bit, rotation=0.0)
@@ -62,11 +62,11 @@ def stiffness_of_a_wave(load: float, wave: float, inclination: float, form: str)
 
 @case(forms=FORMS, long=True, degrees=(90.0, 75.0))
 def snaking(degrees: float, form: str) -> Iterator[Row]:
-    """Small sideways waves of a string on the low side, without friction: their stiffness falls with the load in the
-    middle, and where it is nothing the string snakes. Extrapolated along a line from two smaller loads, at which the
-    string is still at rest at its ends, where it rises to the middle of the hole.
+    """Stiffness of small sideways waves of a string on the low side, without friction: it falls with the load in the
+    middle and is zero at the snaking load. Linear extrapolation from two smaller loads, at which the string is at rest
+    near its ends, where it rises to the centre of the hole.
 
-    The wave is a packet of some 10 m, whose spread of wave numbers adds 3 EI / (10 m)^2, 0.4 % of the load; at 75 deg
+    The wave is a packet of about 10 m, whose spread of wave numbers adds 3 EI / (10 m)^2, 0.4 % of the load; at 75 deg
     the load changes along it by a tenth.
     """
     inclination = float(np.radians(degrees))
@@ -84,7 +84,7 @@ def snaking(degrees: float, form: str) -> Iterator[Row]:
 
 
 class Trough:
-    """A rod of 20 m on the low side of a level hole, frictionless, about 15 half-waves long."""
+    """Rod of 20 m on the low side of a level hole, without friction, about 15 half-waves long."""
 
     length, elements, clearance, interval = 20.0, 100, 0.01, 0.05
 
@@ -104,7 +104,7 @@ class Trough:
         self.share = 0.0
 
     def load(self, share: float, seconds: float) -> tuple[Array, Array]:
-        """Go to a share of the snaking load; angle from the low side [rad] and wall force [N/m] half-way along."""
+        """Ramp to a share of the snaking load; angle from the low side [rad], wall force [N/m] in the middle half."""
         steps, start = round(seconds / self.interval), self.share
         for k in range(steps):
             self.share = start + (share - start) * (k + 1) / steps
@@ -114,18 +114,19 @@ class Trough:
         return np.unwrap(np.arctan2(y, x)), frame.wall_force[middle] / (self.length / self.elements)
 
     def push(self) -> None:
-        """Start a small sideways wave of the worst length."""
+        """Add a small sideways velocity with the critical wave number."""
         rates, arc = self.twin.unknowns[1], self.twin.rod.arc
         rates[:, 1] += 5e-3 * np.sin(np.pi * arc / self.length) ** 2 * np.sin(self.wave * arc + 0.4)
 
 
 @case()
 def snake() -> Iterator[Row]:
-    """The rod in the trough stays straight below the snaking load, and above it snakes as high as energy wants.
+    """The rod on the low side stays straight below the snaking load, and above it snakes with the amplitude of least
+    energy.
 
     With theta = A sin(k s), U = EI r^2 (theta''^2 + theta'^4) / 2 - F r^2 theta'^2 / 2 + w r (1 - cos theta), to fourth
-    order, is least where the load is as given: the amplitude tells the load. The rod holds a whole number of waves and
-    its ends are off the wall: 2 %.
+    order, has its minimum at the load as given: the amplitude determines the load. The rod contains a whole number of
+    waves and its ends are off the wall: 2 %.
     """
     trough = Trough()
     trough.load(0.99, 3.0)
@@ -143,10 +144,10 @@ def snake() -> Iterator[Row]:
 
 @case()
 def helix_in_a_level_hole() -> Iterator[Row]:
-    """A helix wound into the trough presses as a weightless one does on average over a turn, lives on above the load of
-    helical buckling and falls into the trough some way below it.
+    """Helix in a level hole: its mean wall force over a turn is that of a weightless string; it persists above the load
+    of helical buckling and unwinds at a load well below it.
 
-    Means over the middle half, which holds no whole number of turns: 2 %.
+    Means over the middle half, which is not a whole number of turns: 2 %.
     """
     trough = Trough()
     trough.load(2.5, 0.05)
@@ -172,10 +173,10 @@ def helix_in_a_level_hole() -> Iterator[Row]:
 
 @case(forms=FORMS)
 def helix(form: str) -> Iterator[Row]:
-    """A weightless rod of ten pitches under 300 N, at rest on the wall: the interior of both of its windings.
+    """Weightless rod of ten pitches under 300 N, at rest on the wall: the interior of both helices.
 
-    The formulas are for small slopes; the helix climbs at 0.085, whose square is 0.7 %. Held at both ends it winds both
-    ways and turns round in the middle; the places of turning are no part of the interior.
+    The formulas are for small slopes; the slope of the helix is 0.085, its square 0.7 %. A rod held at both ends forms
+    two helices of opposite hand; the reversals are not part of the interior.
     """
     load, length = 300.0, 15.0
     effects = {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stretch and deflection at rest."""
+"""Static elongation and deflection."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import FORMS, case
 from drill_twin.studies.verify.row import Row
 from drill_twin.studies.verify.scenes import EA, EI, LENGTH, LINE_MASS, quiet_scene
-from drill_twin.studies.verify.signals import AT_REST, settle
+from drill_twin.studies.verify.signals import AT_REST, run_for
 from drill_twin.twin.twin import Twin
 
 SETTLING = {"bending_time": 0.02, "stretch_time": 2e-3, "torsion_time": 2e-3}
 HEAVY = {"gravity": {"magnitude": 9.81}}
 WEIGHT = LINE_MASS * 9.81 * LENGTH
 EULER_LOAD = 4.0 * np.pi**2 * EI / LENGTH**2
-SAGGING = 0.1  # [m/s2], so that slopes stay small
+SAGGING = 0.1  # [m/s2], small for small slopes
 INCLINATION = np.pi / 3
 
 
 @case()
 def stretch_under_its_own_weight() -> Iterator[Row]:
-    """The rod starts under 10 N on its bit, is let go, and settles by its internal damping.
+    """The rod starts under 10 N on its bit, is released, and comes to rest by its internal damping.
 
-    Cubic elements hold the quadratic displacement exactly; what is left is round-off and the last of the motion.
+    Cubic elements represent the quadratic displacement exactly; round-off and the residual motion remain.
     """
     effects = {"gravity": {"magnitude": 9.81}, "internal_damping": {"bending_time": 0.0, "stretch_time": 5e-3}}
     twin = Twin(quiet_scene(effects, weight_on_bit=10.0, step=1e-3))
@@ -39,22 +39,21 @@ def stretch_under_its_own_weight() -> Iterator[Row]:
     weight = LINE_MASS * 9.81
     yield Row("elongation [m]", "w L^2 / (2 EA)", "Hooke 1678", weight * LENGTH**2 / (2.0 * EA),
               -float(u[0, 2]) - LENGTH, 1e-6)  # fmt: skip
-    yield Row("sinking as 10 N are let go [m]", "F L / EA", "Hooke 1678", 10.0 * LENGTH / EA,
+    yield Row("displacement of the bit as 10 N are released [m]", "F L / EA", "Hooke 1678", 10.0 * LENGTH / EA,
               start - float(u[0, 2]), 1e-6)  # fmt: skip
     yield Row("hookload [N]", "w L", "balance", weight * LENGTH, frame.rig.hookload, 1e-6)
 
 
 @case(forms=FORMS, load=(-40.0, 0.0, 8.0))
 def beam_column_in_an_inclined_hole(load: float, form: str) -> Iterator[Row]:
-    """The rod sags between its guided ends in a hole at 60 deg under a small gravity, pulled or pushed, and settles by
-    drag.
+    """Sag of the rod between its guided ends in a hole at 60 deg under a small gravity, in tension or compression.
 
     The closed form takes the axial force at mid-span, where its slow change along the string cancels to first order;
-    the slopes of 3e-3 leave 1e-5.
+    the slopes of 3e-3 cause an error of 1e-5.
     """
     effects = {"gravity": {"magnitude": SAGGING}, "drag": {"linear": 2.5}}
     scene = quiet_scene(effects, inclination=INCLINATION, weight_on_bit=load, step=0.02, frame_rate=50.0, form=form)
-    twin = settle(scene, 12.0)
+    twin = run_for(scene, 12.0)
     weight = LINE_MASS * SAGGING
     exact = sag(weight * np.sin(INCLINATION), 0.5 * weight * np.cos(INCLINATION) * LENGTH - load)
     yield Row(
@@ -68,7 +67,7 @@ def beam_column_in_an_inclined_hole(load: float, form: str) -> Iterator[Row]:
 
 
 def sag(load: float, tension: float) -> float:
-    """Deflection [m] at mid-span of a beam between clamps under a load per length [N/m] and a tension [N]."""
+    """Deflection [m] at mid-span of a clamped-clamped beam under a load per length [N/m] and a tension [N]."""
     k = np.sqrt(abs(tension) / EI)
     lever = np.tanh(k * LENGTH / 4.0) if tension > 0.0 else np.tan(k * LENGTH / 4.0)
     return float(load * LENGTH**2 / (8.0 * tension) - load * LENGTH / (2.0 * tension * k) * lever)
@@ -76,13 +75,13 @@ def sag(load: float, tension: float) -> float:
 
 @case(forms=FORMS)
 def sag_of_a_cantilever(form: str) -> Iterator[Row]:
-    """The rod lies free from its clamp in a level hole, under so little gravity that it is almost straight.
+    """Cantilever in a level hole without contact, under a small gravity.
 
-    Slopes of 1e-2 leave 1e-3 to the spatial form.
+    Slopes of 1e-2 cause an error of 1e-3 in the spatial formulation.
     """
     effects = {"gravity": {"magnitude": 0.02}, "drag": {"linear": 0.3}, "internal_damping": SETTLING}
     scene = quiet_scene(effects, form=form, bit_end="free", inclination=np.pi / 2, step=0.02, frame_rate=20.0)
-    u, _ = settle(scene, 30.0).unknowns
+    u, _ = run_for(scene, 30.0).unknowns
     exact = LINE_MASS * 0.02 * LENGTH**4 / (8.0 * EI)
     yield Row("sag of the bit to the low side [m]", "w L^4 / (8 EI)", "Timoshenko 1955, part I", exact, float(u[0, 0]),
               2e-3)  # fmt: skip
@@ -90,14 +89,14 @@ def sag_of_a_cantilever(form: str) -> Iterator[Row]:
 
 @case()
 def arc_of_a_bowed_rod() -> Iterator[Row]:
-    """A uniform stress-free curvature makes an arc of the rod, in the direction of the bow.
+    """Rod with a uniform stress-free curvature: a circular arc in the direction of the bow.
 
-    Exact for cubic elements; what is left is the last of the motion.
+    Exact for cubic elements; the residual motion remains.
     """
     bow = {"amplitude": 4e-3, "shape": "uniform", "angle": 0.6}
     effects = {"bow": bow, "drag": {"linear": 0.3}, "internal_damping": SETTLING}
     scene = quiet_scene(effects, form="lateral", bit_end="free", step=0.02, frame_rate=20.0)
-    u, _ = settle(scene, 25.0).unknowns
+    u, _ = run_for(scene, 25.0).unknowns
     place = complex(u[0, 0], u[0, 1]) * np.exp(-0.6j)
     yield Row("bit off the clamp's tangent, along the bow [m]", "4 A, curvature 8 A / L^2", "geometry", -16e-3,
               float(place.real), 1e-4)  # fmt: skip
@@ -107,9 +106,9 @@ def arc_of_a_bowed_rod() -> Iterator[Row]:
 
 @case(forms=FORMS, at=("bit", "top"))
 def hanging_from_the_first_instant(at: str, form: str) -> Iterator[Row]:
-    """A rod that starts in equilibrium hangs as it must under its weight and 10 N on the bit, and does not stir.
+    """Rod that starts in static equilibrium under its weight and 8 N at the bit: elongation, and no motion after it.
 
-    Cubic elements hold the quadratic displacement exactly.
+    Cubic elements represent the quadratic displacement exactly.
     """
     scene = in_equilibrium(quiet_scene(HEAVY, weight_on_bit=8.0 if at == "bit" else 8.0 - WEIGHT, at=at, form=form))
     twin = Twin(scene)
@@ -129,10 +128,10 @@ def hanging_from_the_first_instant(at: str, form: str) -> Iterator[Row]:
 
 @case(share=(1.05, 1.2))
 def elastica(share: float) -> Iterator[Row]:
-    """A weightless column between guided ends starts in equilibrium above its buckling load.
+    """Weightless column between guided ends that starts in static equilibrium above its buckling load.
 
-    Four quarters of the elastica. The axial strain of 4e-5 moves the buckling load, and the deflection just above it
-    the more.
+    Four quarters of the elastica. The axial strain of 4e-5 shifts the buckling load, and the deflection just above it
+    by more.
     """
     load = share * EULER_LOAD
     scene = in_equilibrium(quiet_scene({}, weight_on_bit=load, elements=32))
@@ -149,7 +148,7 @@ def elastica(share: float) -> Iterator[Row]:
 
 
 def in_equilibrium(scene: Scene) -> Scene:
-    """The scene with its string in static balance at the first instant."""
+    """The scene with its string in static equilibrium at time zero."""
     return scene.model_copy(update={"rig": scene.rig.model_copy(update={"start": "equilibrium"})})
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One hard case, run to its end and judged."""
+"""Runs of hard cases, and their assessment."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ import numpy as np
 from drill_twin.errors import RunError
 from drill_twin.schedule import Schedule
 from drill_twin.studies.pool import run_jobs
-from drill_twin.studies.stress.bound import deepest_allowed
-from drill_twin.studies.stress.case import STOPS, HardCase
+from drill_twin.studies.stress.bound import allowed_depth
+from drill_twin.studies.stress.case import EXPECTED_STOPS, HardCase
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
 
 ROUNDING = 1e-9
-"""Of the energy on the move: dissipation is not called negative within it."""
-UNACCOUNTED = 0.1
-"""Of the energy on the move, beyond which a run is not right any more."""
+"""Negative dissipation up to this share of the energy in motion counts as round-off."""
+MAX_ENERGY_ERROR = 0.1
+"""Largest energy error of a valid run, over the energy in motion."""
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a hard case showed."""
+    """Results of a hard case."""
 
     name: str
     why: str
@@ -40,25 +40,25 @@ class Result:
     cut_steps: int
     iterations: int
     interventions: int
-    """Frames that the guard took back and had done again."""
+    """Frames that the step guard rejected and repeated."""
     depth: float
-    """Deepest penetration of the wall [m]; negative: never on it."""
+    """Largest penetration of the wall [m]; negative: no contact."""
     allowed: float
-    """Depth that the law of the wall allows at the speeds that occurred [m]."""
+    """Penetration that the contact law allows at the speeds of the run [m]."""
     travel: float
-    """How far a node goes in half a step at the largest speed [m]: a long step meets the wall only at its ends."""
+    """Displacement in half a step at the largest speed [m]: contact is evaluated once a step."""
     speed: float
-    """Largest speed of a node across the hole [m/s]."""
+    """Largest lateral speed of a node [m/s]."""
     real_time_factor: float
-    """Simulated over wall-clock seconds, frames included."""
+    """Simulated time over wall-clock time, output of frames included."""
     energy: float | None
-    """Largest energy that nothing accounts for, over the largest on the move; None without the audit."""
+    """Largest energy error, over the largest energy in motion; None without the audit."""
     verdict: str
-    """`ok`, or what is wrong."""
+    """`ok`, or the reason why the run is not valid."""
 
     @property
     def ok(self) -> bool:
-        """Whether the case is in order: followed to the end, or stopped for the reason it must stop for."""
+        """True if the case is in order: run to its end, or stopped for the expected reason."""
         return self.verdict.startswith("ok")
 
     def to_dict(self) -> dict[str, Any]:
@@ -66,17 +66,17 @@ class Result:
         return asdict(self) | {"ok": self.ok}
 
 
-class Watch:
-    """What is kept of the frames."""
+class RunStatistics:
+    """Statistics over the frames of a run."""
 
     def __init__(self) -> None:
         self.steps = self.cut_steps = self.iterations = self.interventions = 0
         self.depth, self.speed, self.finite = -np.inf, 0.0, True
         self.energy: float | None = None
-        self.gained = ""  # from the dissipation of an effect that should have none
+        self.gained = ""  # name of a dissipative effect that added energy
 
-    def see(self, frame: Frame) -> None:
-        """Count a frame."""
+    def add(self, frame: Frame) -> None:
+        """Add a frame."""
         self.steps += frame.stats.steps
         self.cut_steps += frame.stats.cut_steps
         self.iterations += frame.stats.iterations
@@ -118,42 +118,42 @@ def run_hard(
 
 
 def run_case(case: HardCase, energy: bool = False) -> Result:
-    """Run a case, with the energy audit if asked for; a run that stops is a finding, not an error."""
+    """Run a case, with the energy audit if `energy`; a run that stops is a result and raises no error."""
     scene = case.scene(energy=energy)
     schedule = Schedule.from_scene(scene)
     period = 1.0 / scene.numerics.frame_rate
-    Twin(scene).advance(schedule.at(period), period)  # compiles outside the clock
-    twin, watch, stopped = Twin(scene), Watch(), ""
+    Twin(scene).advance(schedule.at(period), period)  # compiles before the timing starts
+    twin, found, stopped = Twin(scene), RunStatistics(), ""
     began = time.perf_counter()
     try:
         for k in range(1, max(1, round(schedule.duration / period)) + 1):
-            watch.see(twin.advance(schedule.at(k * period), period))
+            found.add(twin.advance(schedule.at(k * period), period))
     except RunError as error:
         stopped = str(error)
     seconds = time.perf_counter() - began
-    allowed, travel = deepest_allowed(twin, watch.speed), 0.5 * twin.step_size * watch.speed
+    allowed, travel = allowed_depth(twin, found.speed), 0.5 * twin.step_size * found.speed
     return Result(
-        case.name, case.why, case.form, twin.elements, twin.step_size, twin.time, watch.steps, watch.cut_steps,
-        watch.iterations, watch.interventions, watch.depth, allowed, travel, watch.speed, twin.time / seconds,
-        watch.energy, judge(case, watch, stopped, allowed + travel),
+        case.name, case.why, case.form, twin.elements, twin.step_size, twin.time, found.steps, found.cut_steps,
+        found.iterations, found.interventions, found.depth, allowed, travel, found.speed, twin.time / seconds,
+        found.energy, verdict_on(case, found, stopped, allowed + travel),
     )  # fmt: skip
 
 
-def judge(case: HardCase, watch: Watch, stopped: str, allowed: float) -> str:
-    """`ok`, or what is wrong with a run."""
-    must_say = STOPS.get(case.scene_name)
+def verdict_on(case: HardCase, found: RunStatistics, stopped: str, allowed: float) -> str:
+    """`ok`, or the reason why a run is not valid."""
+    must_say = EXPECTED_STOPS.get(case.scene_name)
     if stopped and must_say and must_say in stopped:
         return f"ok, stopped: {stopped}"
     if stopped:
         return f"stopped: {stopped}"
     if must_say:
-        return f'expected it to stop and say "{must_say}", found it followed to the end'
-    if not watch.finite:
-        return "a state that is no number"
-    if watch.gained:
-        return f"{watch.gained} gave the string energy, where it can only take it"
-    if watch.energy is not None and watch.energy > UNACCOUNTED:
-        return f"{watch.energy:.0%} of the energy is not accounted for"
-    if watch.depth > allowed:
-        return f"{watch.depth * 1e3:.3g} mm into the wall, where {allowed * 1e3:.3g} mm can be explained"
+        return f'expected it to stop and say "{must_say}", found a run to its end'
+    if not found.finite:
+        return "the state is not finite"
+    if found.gained:
+        return f"{found.gained} added energy to the string, expected only dissipation"
+    if found.energy is not None and found.energy > MAX_ENERGY_ERROR:
+        return f"{found.energy:.0%} of the energy in motion is an error of the energy balance"
+    if found.depth > allowed:
+        return f"{found.depth * 1e3:.3g} mm into the wall, expected at most {allowed * 1e3:.3g} mm"
     return "ok"

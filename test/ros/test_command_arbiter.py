@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The desk where commands arrive: what it refuses, whom it follows, and what it does when nobody speaks."""
+"""Command arbiter: refusals, priority of sources, behaviour without commands."""
 
 import math
 
@@ -28,7 +28,7 @@ def clock():
 
 
 @pytest.fixture
-def desk(clock):
+def arbiter(clock):
     return CommandArbiter(LIMITS, Silence(1.0), Command(0.0, 0.0), clock=clock)
 
 
@@ -44,104 +44,104 @@ def desk(clock):
         (Command(40.0, 1e9), "out_of_range"),
     ],
 )
-def test_a_command_that_cannot_be_meant_is_refused_whole(desk, command, kind):
+def test_a_command_that_cannot_be_meant_is_refused_whole(arbiter, command, kind):
     good = Command(40.0, 12.0)
-    desk.both(1, good)
-    desk.both(2, command)
-    assert desk.good == good
-    assert desk.set_point(0.01) == good
-    assert desk.refused == {kind: 1}
-    assert "expected" in desk.last_refusal
-    assert desk.last_stamp == 2  # it came, though refused: lockstep goes on
+    arbiter.both(1, good)
+    arbiter.both(2, command)
+    assert arbiter.good == good
+    assert arbiter.set_point(0.01) == good
+    assert arbiter.refused == {kind: 1}
+    assert "expected" in arbiter.last_refusal
+    assert arbiter.last_stamp == 2  # it came, though refused: lockstep goes on
 
 
-def test_limits_include_their_ends(desk):
+def test_limits_include_their_ends(arbiter):
     for command in (Command(0.0, 0.0), Command(400.0, 20.0 * TURN)):
-        desk.both(1, command)
-        assert desk.good == command
+        arbiter.both(1, command)
+        assert arbiter.good == command
 
 
-def test_single_values_change_one_set_point_each(desk):
-    desk.weight_on_bit(30.0, driver_present=False)
-    desk.speed(2.0, driver_present=False)
-    assert desk.good == Command(30.0, 2.0 * TURN)
-    desk.speed(math.nan, driver_present=False)
-    assert desk.good == Command(30.0, 2.0 * TURN)
+def test_single_values_change_one_set_point_each(arbiter):
+    arbiter.weight_on_bit(30.0, driver_present=False)
+    arbiter.speed(2.0, driver_present=False)
+    assert arbiter.good == Command(30.0, 2.0 * TURN)
+    arbiter.speed(math.nan, driver_present=False)
+    assert arbiter.good == Command(30.0, 2.0 * TURN)
 
 
-def test_the_echo_of_a_driver_is_no_second_source(desk, clock):
+def test_the_echo_of_a_driver_is_no_second_source(arbiter, clock):
     for k in range(50):
         command = Command(0.8 * k, 0.1 * k)
-        desk.weight_on_bit(command.weight_on_bit, driver_present=True)  # the echo may come first
-        desk.both(k, command)
-        desk.speed(command.rotation / TURN, driver_present=True)
+        arbiter.weight_on_bit(command.weight_on_bit, driver_present=True)  # the echo may come first
+        arbiter.both(k, command)
+        arbiter.speed(command.rotation / TURN, driver_present=True)
         clock.now += 0.01
     clock.now += 0.4
-    desk.both(50, Command(40.0, 4.9))
+    arbiter.both(50, Command(40.0, 4.9))
     clock.now += 0.4
-    desk.settle_doubts()
-    assert desk.from_others == 0
+    arbiter.settle_doubts()
+    assert arbiter.from_others == 0
 
 
-def test_an_echo_is_known_however_many_commands_follow_it(desk, clock):
+def test_an_echo_is_known_however_many_commands_follow_it(arbiter, clock):
     """In lockstep a fast machine sends thousands of commands a second."""
     for k in range(5000):
         command = Command(0.05 * k, 12.0)
-        desk.both(k, command)
-        desk.weight_on_bit(command.weight_on_bit, driver_present=True)
+        arbiter.both(k, command)
+        arbiter.weight_on_bit(command.weight_on_bit, driver_present=True)
         clock.now += 1e-4
     clock.now += 0.6
-    desk.settle_doubts()
-    assert desk.from_others == 0
+    arbiter.settle_doubts()
+    assert arbiter.from_others == 0
 
 
-def test_another_voice_beside_a_driver_is_counted_and_not_followed(desk, clock):
-    desk.both(1, Command(40.0, 12.0))
-    desk.weight_on_bit(55.0, driver_present=True)
-    assert desk.good.weight_on_bit == 40.0
+def test_another_voice_beside_a_driver_is_counted_and_not_followed(arbiter, clock):
+    arbiter.both(1, Command(40.0, 12.0))
+    arbiter.weight_on_bit(55.0, driver_present=True)
+    assert arbiter.good.weight_on_bit == 40.0
     clock.now += 0.6
-    desk.settle_doubts()
-    assert desk.from_others == 1
-    assert desk.others_speak
+    arbiter.settle_doubts()
+    assert arbiter.from_others == 1
+    assert arbiter.others_speak
     clock.now += 10.0
-    assert not desk.others_speak  # once is no state of affairs
+    assert not arbiter.others_speak  # once is no state of affairs
 
 
-def test_a_driver_that_fell_silent_loses_its_say(desk, clock):
-    desk.both(1, Command(40.0, 12.0))
+def test_a_driver_that_fell_silent_loses_its_say(arbiter, clock):
+    arbiter.both(1, Command(40.0, 12.0))
     clock.now += 1.1
-    desk.weight_on_bit(55.0, driver_present=True)
-    assert desk.good == Command(55.0, 12.0)
+    arbiter.weight_on_bit(55.0, driver_present=True)
+    assert arbiter.good == Command(55.0, 12.0)
 
 
-def test_silence_holds_the_last_set_point_unless_a_ramp_is_wanted(desk, clock):
-    desk.both(1, Command(40.0, 12.0))
-    assert not desk.silent
+def test_silence_holds_the_last_set_point_unless_a_ramp_is_wanted(arbiter, clock):
+    arbiter.both(1, Command(40.0, 12.0))
+    assert not arbiter.silent
     clock.now += 1.1
-    assert desk.silent
-    assert desk.age == pytest.approx(1.1)
-    assert desk.set_point(0.01) == Command(40.0, 12.0)
+    assert arbiter.silent
+    assert arbiter.age == pytest.approx(1.1)
+    assert arbiter.set_point(0.01) == Command(40.0, 12.0)
 
 
 def test_the_ramp_to_the_safe_set_point_takes_its_time_and_ends_there(clock):
-    desk = CommandArbiter(
+    arbiter = CommandArbiter(
         LIMITS, Silence(1.0, ramp=True, safe=Command(10.0, 0.0), ramp_time=2.0), Command(0.0, 0.0), clock=clock
     )
-    desk.both(1, Command(40.0, 12.0))
-    assert desk.set_point(0.01) == Command(40.0, 12.0)
+    arbiter.both(1, Command(40.0, 12.0))
+    assert arbiter.set_point(0.01) == Command(40.0, 12.0)
     clock.now += 5.0
-    path = [desk.set_point(0.01) for _ in range(300)]
+    path = [arbiter.set_point(0.01) for _ in range(300)]
     assert path[99] == Command(pytest.approx(25.0), pytest.approx(6.0))
     assert path[199] == Command(pytest.approx(10.0), pytest.approx(0.0))
     assert path[-1] == path[200]
-    desk.both(2, Command(40.0, 12.0))
-    assert desk.set_point(0.01) == Command(40.0, 12.0)
+    arbiter.both(2, Command(40.0, 12.0))
+    assert arbiter.set_point(0.01) == Command(40.0, 12.0)
 
 
-def test_a_desk_that_heard_nothing_is_not_silent(desk, clock):
+def test_a_desk_that_heard_nothing_is_not_silent(arbiter, clock):
     clock.now += 1000.0
-    assert not desk.heard
-    assert not desk.silent
+    assert not arbiter.heard
+    assert not arbiter.silent
 
 
 def test_limits_follow_the_scene():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One MCAP file of a bag while it is written."""
+"""Writer of one MCAP file of a bag."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from mcap.writer import CompressionType, Writer
 from drill_twin import __version__
 from drill_twin.errors import BagError
 from drill_twin.io.bag.chunk_indices import pack_indices
-from drill_twin.io.bag.metadata import Recorded, to_yaml
+from drill_twin.io.bag.metadata import RecordedTopic, to_yaml
 
 _CHUNK_SIZE = 256 * 1024
 
 
-class Part:
-    """A file that takes messages until it is finished; what goes wrong with the disk closes it.
+class FileWriter:
+    """Open MCAP file; an error of the disk closes it.
 
     Attributes:
         path: The file.
-        start: Earliest time of recording [ns]; none before the first message.
+        start: Earliest time of recording [ns]; None before the first message.
         end: Latest time of recording [ns].
         count: Messages so far.
 
     Raises:
-        OSError: from the constructor, where the file cannot be made.
-        BagError: from all else, where it cannot be written.
+        OSError: Raised by the constructor if the file cannot be created.
+        BagError: Raised by the methods if it cannot be written.
     """
 
-    def __init__(self, path: Path, topics: Iterable[Recorded]) -> None:
+    def __init__(self, path: Path, topics: Iterable[RecordedTopic]) -> None:
         self.path = path
         self.start: int | None = None
         self.end = 0
@@ -48,11 +48,11 @@ class Part:
 
     @property
     def size(self) -> int:
-        """Bytes in the file, but for the chunk that is still open."""
+        """Size of the file [bytes], without the chunk that is still open."""
         return self._stream.tell()
 
-    def add_topic(self, topic: Recorded) -> None:
-        """Announce a topic before its first message."""
+    def add_topic(self, topic: RecordedTopic) -> None:
+        """Register a topic before its first message."""
         if topic.type_name not in self._schemas:
             self._schemas[topic.type_name] = self._writer.register_schema(
                 topic.type_name, "ros2msg", topic.definition.encode()
@@ -65,7 +65,7 @@ class Part:
         )
 
     def write(self, topic: str, stamp: int, raw: bytes, number: int) -> None:
-        """Add a message with its time of recording [ns] and its number on the topic."""
+        """Append a message with its time of recording [ns] and its number on the topic."""
         self.start = stamp if self.start is None else min(self.start, stamp)
         self.end = max(self.end, stamp)
         self.count += 1
@@ -75,14 +75,14 @@ class Part:
             raise self.broken(error) from error
 
     def flush(self) -> None:
-        """Close the open chunk and hand it to the operating system."""
+        """Close the open chunk and pass it to the operating system."""
         try:
             self._writer.flush()  # type: ignore[no-untyped-call]
         except OSError as error:
             raise self.broken(error) from error
 
     def finish(self, information: Mapping[str, Any]) -> None:
-        """Close the file; the information is rosbag2's metadata of the bag."""
+        """Close the file; `information` is rosbag2's metadata of the bag."""
         try:
             self._writer.flush()  # type: ignore[no-untyped-call]
             self._writer.add_metadata("rosbag2", {"serialized_metadata": to_yaml(information).strip()})
@@ -92,8 +92,8 @@ class Part:
             raise self.broken(error) from error
 
     def broken(self, error: OSError) -> BagError:
-        """What to say of an error of the disk; closes the file."""
-        with suppress(OSError):  # the same failure once more
+        """Close the file after an error of the disk, and return the error to raise."""
+        with suppress(OSError):  # fails for the same reason
             self._stream.close()
         return BagError(
             f"{self.path}: expected to go on writing the bag, found {error.strerror or error}; "

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Samples for the whirl analysis, from the messages on `/marks/state` and `/rig/state`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.base.arrays import Array
+from drill_twin.errors import MessageError
+from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.encode import MARK_AXES
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
+
+WAITING = 256
+"""Largest number of samples of one topic that wait for their partner of the other, or for the scene."""
+
+Speeds = tuple[float, float]
+"""Speeds of the top drive and of the bit [rad/s]; nan where not known."""
+UNKNOWN: Speeds = (math.nan, math.nan)
+
+
+class Sample(NamedTuple):
+    """State of the marks with the speeds of top drive and bit at the same stamp [ns]."""
+
+    stamp: int
+    marks: JointState
+    speeds: Speeds
+
+
+class SamplePairing:
+    """Pairs the states of marks and rig by stamp, in any order of arrival.
+
+    Attributes:
+        unpaired: Number of states that were discarded without a partner.
+    """
+
+    def __init__(self) -> None:
+        self.unpaired = 0
+        self.clear()
+
+    def clear(self) -> None:
+        """Discard the states that wait for a partner."""
+        self._marks: dict[int, JointState] = {}
+        self._speeds: dict[int, Speeds] = {}
+
+    def add_marks(self, state: JointState) -> Sample | None:
+        """Add a state of the marks; return the sample if its partner is there."""
+        self._marks[state.stamp] = state
+        return self._pair(state.stamp, self._marks)
+
+    def add_speeds(self, stamp: int, speeds: Speeds) -> Sample | None:
+        """Add the speeds of the rig at a stamp [ns]; return the sample if its partner is there."""
+        self._speeds[stamp] = speeds
+        return self._pair(stamp, self._speeds)
+
+    def _pair(self, stamp: int, waiting: dict[int, JointState] | dict[int, Speeds]) -> Sample | None:
+        if stamp in self._marks and stamp in self._speeds:
+            return Sample(stamp, self._marks.pop(stamp), self._speeds.pop(stamp))
+        while len(waiting) > WAITING:
+            waiting.pop(next(iter(waiting)))
+            self.unpaired += 1
+        return None
+
+
+class MarkReader:
+    """Reads positions, spin and wall force of given marks; the columns are kept while the layout is the same."""
+
+    def __init__(self, marks: Sequence[str]) -> None:
+        self._marks = marks
+        self._layout: tuple[str, ...] = ()
+        self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
+
+    def read(self, state: JointState) -> tuple[Array, Array, Array | None]:
+        """Positions [m], shape (m, 3), spin [rad], shape (m,), and wall force [N], shape (m,), or None without forces.
+
+        Raises:
+            MessageError: The message has no positions, or not those of the marks.
+        """
+        if state.names != self._layout:
+            self._columns = columns(state.names, self._marks)
+            self._layout = state.names
+        if not state.position.size:
+            raise MessageError(f"expected positions on {MARKS_STATE}, found none")
+        values = np.append(state.position, np.nan)[self._columns]
+        force = None
+        if state.effort.size:
+            components = np.append(state.effort, np.nan)[self._columns]
+            force = np.hypot(components[:, 0], components[:, 1])
+        return values[:, :3], values[:, 3], force
+
+
+def speeds(state: JointState) -> Speeds:
+    """Speeds of the top drive and, if it is there, of the bit [rad/s] in a `/rig/state`.
+
+    Raises:
+        MessageError: There is no top drive, or it has no speed.
+    """
+    drive = state.index("top_drive")
+    if drive >= state.velocity.size:
+        raise MessageError(f"expected the speed of top_drive on {RIG_STATE}, found no velocities")
+    bit = state.names.index("bit") if "bit" in state.names else state.velocity.size
+    return float(state.velocity[drive]), float(state.velocity[bit]) if bit < state.velocity.size else math.nan
+
+
+def columns(names: Sequence[str], marks: Sequence[str]) -> NDArray[np.intp]:
+    """Indices of x, y, z and spin of the marks among the joints of a `/marks/state`, shape (m, 4).
+
+    A missing z or spin has the index after the last. Joints of other marks are ignored.
+
+    Raises:
+        MessageError: A mark has no x or no y.
+    """
+    places = {name: k for k, name in enumerate(names)}
+    missing = [f"{mark}/{axis}" for mark in marks for axis in MARK_AXES[:2] if f"{mark}/{axis}" not in places]
+    if missing:
+        raise MessageError(
+            f"expected the marks of the scene on {MARKS_STATE}, with {', '.join(missing)}, "
+            f"found {', '.join(names) or 'none'}"
+        )
+    found = [[places.get(f"{mark}/{axis}", len(names)) for axis in MARK_AXES] for mark in marks]
+    return np.array(found, np.intp)

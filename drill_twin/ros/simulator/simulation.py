@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A configured run of the simulator: commands in, a frame of the twin, messages out, and checkpoints of its state."""
+
+from __future__ import annotations
+
+import os
+from datetime import UTC, datetime
+from pathlib import Path
+
+from rclpy.logging import get_logging_directory
+
+from drill_twin.errors import CheckpointError, RunError, StoppedError
+from drill_twin.io.messages.stamps import stamp_ns
+from drill_twin.io.messages.topics import CLOCK_TOPIC
+from drill_twin.monitor.failure_dump import save_failure
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.pacing import Pacer, Tick
+from drill_twin.ros.simulator.checkpoint_writer import CheckpointWriter
+from drill_twin.ros.simulator.command_subscriptions import CommandSubscriptions
+from drill_twin.ros.simulator.tf_publisher import TfPublisher, tf_message
+from drill_twin.runner.loop import TOPICS, RunLoop, compile_kernel
+from drill_twin.scene import Scene
+from drill_twin.schedule.command import Command
+from drill_twin.twin.checkpoint import Checkpoint
+
+_BURST = 200  # frames; as fast as possible must not be faster than the readers
+
+
+class Simulation:
+    """The run loop of a node, its command topics, its pace and its checkpoints.
+
+    Attributes:
+        loop: The run loop with the twin; its sink is DDS.
+        commands: The command topics.
+        pacer: Holds frames to wall time.
+        checkpoints: Writes checkpoints in the background.
+        started: True once the first frame was computed.
+    """
+
+    def __init__(self, node: TwinNode, scene: Scene, frame_rate: float) -> None:
+        """Create the topics, compile the kernel and build the twin.
+
+        Args:
+            node: The simulator node.
+            scene: The scene.
+            frame_rate: Frames per simulated second [Hz].
+        """
+        self._node = node
+        for topic in TOPICS:
+            # The clock is latched, so that a driver which returns during a run learns the time at once.
+            node.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
+        period = 1.0 / frame_rate
+        compile_kernel(scene, period)
+        self.loop = RunLoop(scene, period, node.topics.publish, pace=node.settings.pace, time_effects=True)
+        self.commands = CommandSubscriptions(node, scene, self.loop.first, lambda: self.loop.twin.time)
+        self.pacer = Pacer(period)
+        self.checkpoints = CheckpointWriter()
+        self.started = False
+        kind = tf_message()
+        geometry, inclination = self.loop.geometry, scene.hole.top_inclination
+        self._tf = None if kind is None else TfPublisher(node, kind, geometry, inclination)
+        self._markers: Tick | None = None
+        self._checkpoint_due: Tick | None = None
+
+    def apply_settings(self) -> None:
+        """Apply the node's settings, of which one may have changed."""
+        settings = self._node.settings
+        self.commands.apply_settings()
+        self._markers = Tick(1.0 / settings.marker_rate) if settings.marker_rate else None
+        periodic = settings.checkpoint and settings.checkpoint_period
+        self._checkpoint_due = Tick(settings.checkpoint_period) if periodic else None
+
+    @property
+    def time_text(self) -> str:
+        """Simulated time in words."""
+        return f"t = {self.loop.twin.time:.6g} s"
+
+    @property
+    def complete(self) -> bool:
+        """True once the duration that was asked for has been simulated."""
+        wanted = self._node.settings.duration
+        return bool(wanted) and self.loop.twin.time >= wanted - 0.5 * self.loop.period
+
+    @property
+    def waits_for_command(self) -> bool:
+        """True while time stands still for a command: for the first one, or in lockstep for the next."""
+        settings, arbiter = self._node.settings, self.commands.arbiter
+        if not self.started and settings.wait_for_command and not arbiter.heard:
+            return True
+        return settings.pace == "lockstep" and arbiter.last_stamp <= stamp_ns(self.loop.twin.time)
+
+    def advance(self) -> None:
+        """Compute and publish a frame.
+
+        Raises:
+            RunError: The motion could not be followed; the last good state is saved.
+        """
+        self.started = True
+        command = self.commands.arbiter.set_point(self.loop.period)
+        exaggeration = self._node.settings.exaggeration or None
+        markers = self._markers_due()
+        tf = self._tf.publish if markers and self._tf is not None else None
+        try:
+            self.loop.advance(command, markers=markers, exaggeration=exaggeration, also=tf)
+        except StoppedError as error:
+            raise RunError(f"{error}; {self._save_failure(command, error)}") from error
+        if self._checkpoint_due is not None and self._checkpoint_due.due():
+            self.checkpoints.start(self.checkpoint(), self._node.settings.checkpoint)
+
+    def keep_pace(self) -> None:
+        """Wait until the next frame is due."""
+        pace = self._node.settings.pace
+        if pace == "realtime":
+            self.pacer.wait()
+        elif pace == "fast" and self.loop.frames % _BURST == 0:
+            self._node.topics.flush(1.0)
+
+    def reset(self) -> None:
+        """Start a new run at time zero."""
+        self.commands.reset()
+        self.started = False
+        self.pacer.restart()
+        self.loop.reset()
+
+    def checkpoint(self) -> Checkpoint:
+        """State of the run, with the set-points in force."""
+        return Checkpoint.of(self.loop.twin, self.commands.arbiter.good)
+
+    def resume(self, path: str) -> None:
+        """Go on from a checkpoint file.
+
+        Raises:
+            CheckpointError: It cannot be read, is of another scene, or of a time at which the run was over.
+        """
+        self.checkpoints.finish()
+        checkpoint = Checkpoint.load(path)
+        duration = self._node.settings.duration
+        if duration and checkpoint.time >= duration - 0.5 * self.loop.period:
+            raise CheckpointError(
+                f"{path}: expected a checkpoint before the duration of {duration:g} s, found one at "
+                f"{checkpoint.time:g} s, where the run was over; move it away, or simulate for longer"
+            )
+        self.loop.resume(checkpoint)
+        self.commands.reset(checkpoint.command)
+        self.pacer.restart()
+        self._node.get_logger().info(f"going on from {path} at {checkpoint.time:.6g} s")
+
+    def close(self) -> None:
+        """Write the last checkpoint, and report how the run went."""
+        self.checkpoints.finish()
+        if self.loop.frame is None and not self.loop.rejected_steps.stopped:
+            return
+        node = self._node
+        if self._checkpoint_due is not None:
+            self.checkpoints.start(self.checkpoint(), node.settings.checkpoint)
+            self.checkpoints.finish()
+        if self.checkpoints.trouble:
+            node.get_logger().error(f"no checkpoint: {self.checkpoints.trouble}")
+        node.publish_diagnostics()
+        node.topics.flush()
+        node.get_logger().info(f"{self.loop.twin.time:.2f} s simulated, {self.loop.timing.text()}")
+
+    def destroy(self) -> None:
+        """Destroy the topics that are not of the contract."""
+        self.checkpoints.finish()
+        if self._tf is not None:
+            self._tf.destroy()
+
+    def _markers_due(self) -> bool:
+        """In lockstep by simulated time, so that runs are alike; else by wall time, as markers are for viewers."""
+        settings = self._node.settings
+        if settings.pace != "lockstep" or self._markers is None:
+            return self._markers is not None and self._markers.due()
+        return self.loop.frames % max(round(1.0 / (self.loop.period * settings.marker_rate)), 1) == 0
+
+    def _save_failure(self, command: Command, error: StoppedError) -> str:
+        """Save the last good state beside the checkpoint, else in the folder of the logs; returns where, in words."""
+        self.checkpoints.finish()
+        beside = self._node.settings.checkpoint
+        folder = Path(beside).parent if beside else Path(get_logging_directory())
+        name = f"{self._node.get_name()}_stop_{datetime.now(UTC):%Y%m%dT%H%M%S}_{os.getpid()}"
+        return save_failure(folder / name, self.loop.twin, command, error)
