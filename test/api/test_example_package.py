@@ -29,9 +29,10 @@ scene = dt.build_scene(
 )
 """
 NAME = """
+from drill_twin.effects import effect_module
 from drill_twin.solver.kernel_cache import fingerprint
 from drill_twin.solver.kernel_codegen import packages_of, source
-effects = tuple(scene.effect_names)
+effects = tuple(key for key in scene.effect_names if hasattr(effect_module(key), "parameters"))
 name = "drill_twin_kernel_" + fingerprint(source(effects, "spatial"), "straight", packages=packages_of(effects))
 """
 RUN = """
