@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page plays a recording in simulated time, however fast or slowly it was recorded."""
+"""A recording is played in simulated time, at whatever speed it was recorded."""
 
 import numpy as np
 

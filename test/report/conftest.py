@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bag whose motion is known: steady rotation about a bent shape, then a whirl of given radius and frequency."""
+"""A bag with a known motion: steady rotation about a bent shape, then a whirl of given radius and frequency."""
 
 import math
 from collections.abc import Callable, Iterator

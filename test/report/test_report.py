@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report: a page that needs nothing but itself, and figures that show what is in the bag."""
+"""The page is self-contained, and the figures show the motion in the bag."""
 
 import base64
 import gzip

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parts of a bag, other people's bags, and bags without marks: each is analysed or says clearly why not."""
+"""Parts of a bag, bags of other recorders, and bags without marks are analysed, or refused with a reason."""
 
 import math
 import os
@@ -72,12 +72,12 @@ def test_empty_part_is_an_error(known_bag):
         chosen(known_bag, begin=100.0)
 
 
-# --- other people's bags
+# --- bags of other recorders
 
 
 @pytest.fixture
 def foreign(messages):
-    """The known motion as a camera and a drive of somebody else would record it: no scene, x and y alone."""
+    """The known motion as recorded by a camera and a drive of another rig: no scene, x and y alone."""
     camera = JointStateTemplate(["lower/x", "lower/y"], velocity=False, effort=False)
     drive = JointStateTemplate(["top_drive"], effort=False)
     rows = []

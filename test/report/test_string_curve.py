@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Curves between nodes: exact for what a cubic can be, through the nodes for all else."""
+"""Curves between nodes are exact for cubics, and pass through the nodes of any other shape."""
 
 import numpy as np
 import pytest

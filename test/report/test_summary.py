@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The summary says what is known of a bag, in JSON that any reader takes, and says what is missing."""
+"""The summary is valid JSON and states what is known of a bag and what is missing."""
 
 import json
 import math

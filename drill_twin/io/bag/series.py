@@ -5,17 +5,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import astuple, fields, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
+from drill_twin.io.bag.time_series import Column, Series
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array
 from drill_twin.io.messages.encode import MARK_AXES, RIG_JOINTS, read_command, read_rig_state
 from drill_twin.io.messages.pose import spin_of, tangent_of
-from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.whirl_encode import read_whirl_state
 from drill_twin.io.samples import columns, speeds
 from drill_twin.twin.frame import RigState
@@ -24,74 +22,18 @@ _ALL, _XYZ, _SPIN = slice(None), slice(3), 3
 _UNKNOWN_RIG = RigState(*[math.nan] * len(fields(RigState)))
 
 
-class Series:
-    """Rows of one shape at rising stamps; a row whose stamp does not rise is left out."""
-
-    def __init__(self) -> None:
-        self._stamps: list[int] = []
-        self._rows: list[Array] = []
-        self._stacked = np.zeros(0)
-
-    def __len__(self) -> int:
-        return len(self._stamps)
-
-    def append(self, stamp: int, row: Any) -> None:
-        """Append a row at a stamp [ns].
-
-        Raises:
-            MessageError: The row has another shape than those before.
-        """
-        values = np.asarray(row, np.float64)
-        if self._rows and values.shape != self._rows[0].shape:
-            raise MessageError(
-                f"expected {self._rows[0].shape} values as in the messages before, found {values.shape}; "
-                "the bag holds more than one scene"
-            )
-        if not self._stamps or stamp > self._stamps[-1]:
-            self._stamps.append(stamp)
-            self._rows.append(values)
-
-    @property
-    def stamp(self) -> NDArray[np.int64]:
-        """Header stamps [ns], shape (T,)."""
-        return np.array(self._stamps, np.int64)
-
-    @property
-    def time(self) -> Array:
-        """Header stamps as time [s], shape (T,)."""
-        return self.stamp / NANOSECONDS
-
-    @property
-    def values(self) -> Array:
-        """The rows, shape (T, ...); read-only."""
-        if len(self._stacked) != len(self._rows):
-            self._stacked = np.array(self._rows, np.float64)
-            self._stacked.flags.writeable = False
-        return self._stacked
-
-
-class _Column:
-    """Property of a series: one part of each row, shape (T, ...); of shape (0,) where there is no row."""
-
-    def __init__(self, *place: int | slice) -> None:
-        self._place = (_ALL, *place)
-
-    def __get__(self, series: Series, owner: type[Series]) -> Array:
-        return series.values[self._place] if len(series) else series.values
-
-
 class MarkSeries(Series):
     """`/marks/state`; m marks. NaN where the messages have no z, spin, velocity or force."""
 
-    position = _Column(0, _ALL, _XYZ)
+    position = Column(0, _ALL, _XYZ)
     """Positions [m], shape (T, m, 3)."""
-    spin = _Column(0, _ALL, _SPIN)
+    spin = Column(0, _ALL, _SPIN)
     """Spins [rad], not wrapped, shape (T, m)."""
-    velocity = _Column(1, _ALL, _XYZ)
+    velocity = Column(1, _ALL, _XYZ)
     """Velocities [m/s], shape (T, m, 3)."""
-    spin_rate = _Column(1, _ALL, _SPIN)
+    spin_rate = Column(1, _ALL, _SPIN)
     """Spin rates [rad/s], shape (T, m)."""
-    wall_force = _Column(2, _ALL, _XYZ)
+    wall_force = Column(2, _ALL, _XYZ)
     """Forces of the wall on the string [N], shape (T, m, 3)."""
 
     def __init__(self) -> None:
@@ -130,25 +72,25 @@ class RigSeries(Series):
     joint.
     """
 
-    top_drive_angle = _Column(0)
+    top_drive_angle = Column(0)
     """[rad]"""
-    top_drive_speed = _Column(1)
+    top_drive_speed = Column(1)
     """[rad/s]"""
-    top_drive_torque = _Column(2)
+    top_drive_torque = Column(2)
     """[N m]"""
-    bit_angle = _Column(3)
+    bit_angle = Column(3)
     """[rad]"""
-    bit_speed = _Column(4)
+    bit_speed = Column(4)
     """[rad/s]"""
-    bit_torque = _Column(5)
+    bit_torque = Column(5)
     """[N m]"""
-    bit_force = _Column(6)
+    bit_force = Column(6)
     """Weight on bit [N]."""
-    block_position = _Column(7)
+    block_position = Column(7)
     """[m]"""
-    block_velocity = _Column(8)
+    block_velocity = Column(8)
     """[m/s]"""
-    hookload = _Column(9)
+    hookload = Column(9)
     """[N]"""
 
     def __init__(self) -> None:
@@ -173,9 +115,9 @@ class RigSeries(Series):
 class CommandSeries(Series):
     """`/rig/command`."""
 
-    weight_on_bit = _Column(0)
+    weight_on_bit = Column(0)
     """Weight on bit [N], shape (T,)."""
-    rotation = _Column(1)
+    rotation = Column(1)
     """Top-drive speed [rad/s], shape (T,)."""
 
     def __init__(self) -> None:
@@ -196,9 +138,9 @@ class CommandSeries(Series):
 class PoseSeries(Series):
     """`/string/poses`; n + 1 nodes, 0 = bit."""
 
-    position = _Column(_ALL, _XYZ)
+    position = Column(_ALL, _XYZ)
     """Positions [m], shape (T, n + 1, 3)."""
-    orientation = _Column(_ALL, slice(3, 7))
+    orientation = Column(_ALL, slice(3, 7))
     """Unit quaternions x y z w, shape (T, n + 1, 4)."""
 
     def __init__(self, every: int = 1) -> None:
@@ -230,13 +172,13 @@ class PoseSeries(Series):
 class WhirlSeries(Series):
     """`/whirl/state`; m marks."""
 
-    orbit_radius = _Column(0)
+    orbit_radius = Column(0)
     """Radius of the centre line's orbit [m], shape (T, m)."""
-    precession = _Column(1)
+    precession = Column(1)
     """Precession [rev/s], positive = forward, shape (T, m)."""
-    ratio = _Column(2)
+    ratio = Column(2)
     """Precession over rotation, shape (T, m)."""
-    confidence = _Column(3)
+    confidence = Column(3)
     """Confidence, 0 to 1, shape (T, m)."""
 
     def __init__(self) -> None:

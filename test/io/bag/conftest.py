@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bags of made-up frames, and the messages that were put into them."""
+"""Bags of made-up frames, and the messages in them."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A writer that dies leaves a bag: kill -9 of a real process, any cut, any damage."""
+"""Bags of killed writers (kill -9 of a real process), truncated and damaged bags can be read."""
 
 import signal
 import subprocess

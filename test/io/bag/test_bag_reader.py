@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bags of all kinds are read; everything else is one clear error that says what was found."""
+"""Bags of all storages are read; anything else raises an error that says what was found."""
 
 import shutil
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Topics of a bag as arrays are the numbers that went in."""
+"""Arrays of a topic hold the recorded numbers."""
 
 import dataclasses
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bag of ours is a bag for the tools of ROS: files, schemas, metadata and QoS are as they expect."""
+"""Files, schemas, metadata and QoS of a bag are those that the tools of ROS expect."""
 
 import errno
 import os
@@ -274,3 +274,12 @@ def test_a_full_disk_is_one_clear_error_and_loses_nothing_before_it(tmp_path):
     stamps = [stamp for _, stamp, _ in bag.messages()]
     assert stamps == list(range(len(stamps)))
     assert len(stamps) > 100
+
+
+def test_topics_of_another_bag_can_be_given(write_bag, messages, tmp_path):
+    """Their counts are those of the new bag, and the other bag keeps its own."""
+    bag = Bag(write_bag())
+    with BagWriter(tmp_path / "copy_0", topics=bag.topics.values()) as writer:
+        writer.write(*messages[0])
+    assert Bag(writer.folder).message_count == sum(writer.counts.values()) == 1
+    assert bag.message_count == len(messages)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a long recording keeps in memory of its chunks: little, and all of it comes back."""
+"""Chunk indices of a long recording take little memory and are complete in the file."""
 
 from dataclasses import asdict
 

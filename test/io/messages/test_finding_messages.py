@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Findings of the analyzer come back from their bytes bit for bit, so that live and offline can be compared."""
+"""Findings of the analyzer are decoded bit for bit, so that live and offline analysis can be compared."""
 
 import numpy as np
 import pytest

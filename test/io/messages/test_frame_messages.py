@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames and set-points come back from their bytes as they went in, under the names of the contract."""
+"""Frames and set-points are decoded as they were encoded, under the names of the contract."""
 
 from dataclasses import fields, replace
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The readers agree with the slow, general decoder on everything, and never trust bytes they have not checked."""
+"""The fast decoders agree with the general one on all messages, and check the bytes they use."""
 
 from contextlib import suppress
 
@@ -81,7 +81,7 @@ def test_other_names_of_the_same_length_are_seen():
 
 @pytest.mark.parametrize("filled", [(1, 1, 1), (1, 0, 1), (1, 0, 0), (0, 1, 1), (0, 0, 1), (0, 0, 0)])
 def test_the_messages_of_rclpy_are_read(filled):
-    """rclpy leaves rubbish in the padding and bytes at the end; names of odd length make plenty of it."""
+    """rclpy leaves arbitrary bytes in the padding and at the end; names of odd length need much padding."""
     serialization = pytest.importorskip("rclpy.serialization", reason="needs the ROS 2 wheels")
     import array
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The bytes we publish are the messages that real rclpy would have made, field by field."""
+"""Encoded messages equal those of rclpy, field by field."""
 
 import array
 import os

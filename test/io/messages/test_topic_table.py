@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table of topics is the contract of the design, and prints as a table."""
+"""The table of topics is the contract of the design, and the README shows it."""
 
 import subprocess
 import sys

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames for tf: where bit and marks are and how they are turned, and the bytes of the message."""
+"""Transforms for tf2: positions and orientations of bit and marks, and the bytes of the message."""
 
 import numpy as np
 import pytest

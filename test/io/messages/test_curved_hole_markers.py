@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A curved hole is drawn curved: what lies on its axis stays there, what lies off it is widened about it."""
+"""Markers of a curved hole: points on its axis stay there, distances from the axis are exaggerated."""
 
 from types import SimpleNamespace
 
