@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the two ends of a string are held and driven."""
+"""Boundary conditions of the string at bit and top."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ import numpy as np
 from drill_twin.base.arrays import Mask
 from drill_twin.scene import Scene
 
-# Which of (r, r', psi) an end holds: x, y, z, x', y', z', psi.
+# Constrained unknowns of an end, by its key in the scene: x, y, z, x', y', z', psi.
 BIT_ENDS = {
     "guided": (True, True, False, True, True, False, False),
     "pinned": (True, True, False, False, False, False, False),
@@ -19,27 +19,27 @@ BIT_ENDS = {
 CLAMPED_TOP = (True, True, True, True, True, False, True)
 
 
-class Ends(NamedTuple):
-    """What holds, loads and turns the bit and the top."""
+class BoundaryConditions(NamedTuple):
+    """Boundary conditions of bit and top that depend on rig and effects."""
 
-    from_top: bool
-    """Whether the weight on bit is set at the top, which then moves up and down."""
-    on_rock: bool
-    """Whether an effect carries the bit of such a string; without one it is held."""
-    driven: bool
-    """Whether a torque turns the top; otherwise its turn is prescribed."""
+    weight_at_top: bool
+    """True if the weight on bit is set at the top, which is then free axially."""
+    bit_on_rock: bool
+    """True if an effect supports the bit of such a string; otherwise it is constrained axially."""
+    torque_driven: bool
+    """True if a torque drives the top; otherwise its rotation is prescribed."""
 
     @classmethod
-    def of(cls, scene: Scene) -> "Ends":
-        """The ends of a scene's string."""
-        from_top = scene.rig.weight_on_bit.at == "top"
-        on_rock = from_top and bool(scene.effects.providing("weight"))
-        return cls(from_top, on_rock, scene.rig.top_drive.model != "prescribed")
+    def of(cls, scene: Scene) -> "BoundaryConditions":
+        """Boundary conditions of a scene."""
+        weight_at_top = scene.rig.weight_on_bit.at == "top"
+        bit_on_rock = weight_at_top and bool(scene.effects.providing("weight"))
+        return cls(weight_at_top, bit_on_rock, scene.rig.top_drive.model != "prescribed")
 
-    def held(self, bit_end: str) -> Mask:
-        """Which of (r, r', psi) are held at the bit, its end as in the scene, and at the top; shape (2, 7)."""
-        held = np.array([BIT_ENDS[bit_end], CLAMPED_TOP])
-        if self.from_top:
-            held[0, 2], held[1, 2] = not self.on_rock, False
-        held[1, 6] = not self.driven
-        return held
+    def constrained(self, bit_end: str) -> Mask:
+        """Mask of the constrained unknowns (r, r', psi) at bit and top, for `string.bit_end`; shape (2, 7)."""
+        constrained = np.array([BIT_ENDS[bit_end], CLAMPED_TOP])
+        if self.weight_at_top:
+            constrained[0, 2], constrained[1, 2] = not self.bit_on_rock, False
+        constrained[1, 6] = not self.torque_driven
+        return constrained

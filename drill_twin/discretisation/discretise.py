@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a scene to what the solver works on: the pieces of the string as tubes, and the hole as the string meets it."""
+"""Discrete model of a scene: string pieces as tubes, and the hole at points of the string."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from drill_twin.scene.section import Piece
 
 
 def tubes_of(scene: Scene) -> list[Tube]:
-    """The string's uniform pieces from the bit up; tool joints are pieces of their own."""
+    """Uniform pieces of the string from the bit up; tool joints are pieces of their own."""
     return [_tube(piece) for piece in scene.string.pieces]
 
 
 def sections_of(scene: Scene) -> list[Tube]:
-    """The string's sections without their tool joints: what decides how finely to cut."""
+    """Sections of the string without their tool joints, for the choice of the resolution."""
     return [_tube(Piece(s.length, s.outer_diameter, s.contact_diameter, s)) for s in scene.string.sections]
 
 
@@ -31,7 +31,7 @@ def _tube(piece: Piece) -> Tube:
 
 
 def discretise(scene: Scene, rod: Rod) -> DiscreteModel:
-    """The meshed string in its hole."""
+    """Make the discrete model of a meshed string in its hole."""
     at = places(rod)
     mud = getattr(scene.effects, "mud", None)
     fluid = (mud.density, mud.viscosity, mud.inside == "mud") if mud is not None else ()
@@ -54,14 +54,14 @@ def _section_numbers(scene: Scene, rod: Rod) -> NDArray[np.int64]:
 
 
 def bore_at(scene: Scene, distance_from_bit: Array) -> Wellbore:
-    """The hole as places of the string [m], shape (p,), meet it at the start."""
+    """Hole at points of the string [m], shape (p,), in its initial position."""
     depth = scene.length - np.asarray(distance_from_bit)
     radius = np.array([scene.hole.radius_at(float(d)) for d in depth])
     return Wellbore(radius - contact_radius(scene, distance_from_bit), axis_at(scene, depth))
 
 
 def contact_radius(scene: Scene, distance_from_bit: Array) -> Array:
-    """Radius of the surface that meets the wall, blades and tool joints included [m], shape (p,)."""
+    """Radius in contact with the wall, blades and tool joints included [m], shape (p,)."""
     pieces = scene.string.pieces
     tops = np.cumsum([piece.length for piece in pieces])
     number = np.minimum(np.searchsorted(tops, distance_from_bit, side="right"), len(pieces) - 1)
@@ -69,7 +69,7 @@ def contact_radius(scene: Scene, distance_from_bit: Array) -> Array:
 
 
 def survey_of(scene: Scene) -> Survey | None:
-    """The surveyed centre line; None where the hole is straight."""
+    """Surveyed centre line; None for a straight hole."""
     if not scene.hole.survey:
         return None
     line = survey(*scene.hole.stations)
@@ -77,6 +77,6 @@ def survey_of(scene: Scene) -> Survey | None:
 
 
 def axis_at(scene: Scene, depth: Array) -> Axis | None:
-    """The hole's centre line at measured depths [m], shape (p,); None where the hole is straight."""
+    """Centre line of the hole at measured depths [m], shape (p,); None for a straight hole."""
     line = survey_of(scene)
     return None if line is None else line.at(depth)

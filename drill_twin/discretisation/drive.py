@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rig's drive from its part of the scene: weight on bit, controller and inertia of the top drive."""
+"""Parameters of the rig from a scene: weight on bit, controller and inertia of the top drive."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from drill_twin.solver.boundary.rig import Drive
 
 
 def make_drive(scene: Scene, hanging: float) -> Drive:
-    """The drive of a scene.
+    """Make the drive of a scene.
 
     Args:
         scene: The scene.

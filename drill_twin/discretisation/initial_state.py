@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The start: the string on the axis of the hole, at rest, untwisted and in axial balance."""
+"""Initial state: the string on the axis of the hole, at rest, untwisted and in axial equilibrium."""
 
 import numpy as np
 
@@ -25,7 +25,7 @@ def axial_weight(scene: Scene, model: DiscreteModel) -> Array:
 
 
 def set_initial_state(state: State, model: DiscreteModel, scene: Scene, weight_on_bit: float) -> None:
-    """Put the string on the hole's axis, stretched by its own weight, so that this is not dropped on it at t = 0."""
+    """Set the string on the hole's axis, stretched by weight and load, so that no axial waves start at t = 0."""
     rod = model.rod
     below = np.concatenate([[0.0], np.cumsum(axial_weight(scene, model))])
     tension = below - weight_on_bit
@@ -44,9 +44,9 @@ def set_initial_state(state: State, model: DiscreteModel, scene: Scene, weight_o
 
 
 def untwisted(rod: Rod, u: Array) -> Array:
-    """Spin at the nodes for which no element is twisted on average, 0 at the top [rad], shape (n + 1,).
+    """Spin at the nodes with zero mean twist in each element, 0 at the top [rad], shape (n + 1,).
 
-    Twist is psi' + A, with A the twist of the reference that z is turned onto the tangent (`drill_twin.model.section`).
+    Twist is psi' + A, with A the twist of the reference frame (`drill_twin.model.strain`).
     """
     nodal = element_unknowns(u)
     a, b = (np.einsum("epi,eic->epc", rod.shape[:, :, order], nodal) for order in (1, 2))

@@ -1,23 +1,50 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How finely to cut string and time when the scene says `auto`."""
+"""Number of elements, time step and Newton tolerance of a scene, chosen where it says `auto`."""
 
 import math
 
 import numpy as np
 
+from drill_twin.discretisation.discretise import sections_of
 from drill_twin.effects.wall import Parameters as Wall
+from drill_twin.errors import SceneError
 from drill_twin.model.mesh import Rod, Tube, tube_constants
+from drill_twin.scene import Scene
+from drill_twin.schedule import extremes
 
 ELEMENTS_PER_PITCH = 8
 FEWEST, MOST = 16, 400
 IMPACT, OF_DEPTH = 0.1, 2e-3
-"""Speed of a gentle impact [m/s], and the share of its depth in the wall that Newton's method may leave undone."""
+"""Speed of a slow impact [m/s], and the Newton tolerance as a share of its depth in the wall."""
+
+
+def resolution_of(scene: Scene) -> tuple[int, float]:
+    """Number of elements and time step [s] of a scene, as given or chosen for `auto`.
+
+    Raises:
+        SceneError: The scene asks for an accuracy instead.
+        TableError: One is to be chosen for a record that cannot be used.
+    """
+    numerics = scene.numerics
+    if numerics.accuracy is not None:
+        raise SceneError(
+            f"{scene.name}: expected numerics.elements and numerics.step, found numerics.accuracy, which only "
+            "drill-twin run and the simulator node turn into them (drill_twin.accuracy.resolve)"
+        )
+    if "auto" not in (numerics.elements, numerics.step):
+        return int(numerics.elements), float(numerics.step)
+    tubes, most = sections_of(scene), extremes(scene)
+    compression = max(most.weight_on_bit, 1.0)
+    elements = auto_elements(tubes, compression) if numerics.elements == "auto" else int(numerics.elements)
+    if numerics.step == "auto":
+        return elements, auto_step(tubes, compression, most.rotation, 1.0 / numerics.frame_rate)
+    return elements, float(numerics.step)
 
 
 def auto_elements(tubes: list[Tube], compression: float) -> int:
-    """Eight elements to the pitch of the helix that the load would buckle each section into.
+    """Eight elements per pitch of the buckling helix of each section.
 
-    The pitch 2 pi sqrt(2 EI / F) (Lubinski, Althouse and Logan 1962) is the shortest wave the load itself makes.
+    The pitch 2 pi sqrt(2 EI / F) (Lubinski, Althouse and Logan 1962) is the shortest wave caused by the load.
 
     Args:
         tubes: Sections.
@@ -32,10 +59,10 @@ def auto_elements(tubes: list[Tube], compression: float) -> int:
 
 
 def auto_step(tubes: list[Tube], compression: float, speed: float, frame: float) -> float:
-    """Step that resolves what moves the string: its growth when buckled and its rotation.
+    """Time step that resolves the growth of buckling and the rotation.
 
     A tenth of the time 2 sqrt(EI m) / F in which the fastest buckling wave grows e-fold without damping, a hundredth
-    of a turn, and the time between two published frames; the smallest of them. The scheme is stable far beyond.
+    of a revolution, and the frame interval; the smallest of them. The scheme is stable far beyond.
 
     Args:
         tubes: Sections.
@@ -54,15 +81,15 @@ def growth_time(tubes: list[Tube], compression: float) -> float:
 
 
 def newton_place(tolerance: float, rod: Rod, wall: Wall | None) -> float:
-    """Last change of a place with which Newton's method is content [m].
+    """Newton tolerance for positions [m].
 
-    A share of the string's radius; on a hard wall no more than a share of the depth at which a slice that meets it
-    gently comes to rest: what is lost there is energy.
+    A share of the string's radius, and with a stiff wall at most a share of the depth of a slow impact: a larger error
+    there changes the energy.
 
     Args:
-        tolerance: The share of the radius, `numerics.tolerance`.
-        rod: The string.
-        wall: Its wall; None where the scene lists none.
+        tolerance: Share of the radius, `numerics.tolerance`.
+        rod: Meshed string.
+        wall: Law of the wall; None if the scene lists none.
     """
     place = tolerance * float(rod.outer_radius.min())
     if wall is None:
@@ -71,7 +98,7 @@ def newton_place(tolerance: float, rod: Rod, wall: Wall | None) -> float:
 
 
 def impact_depth(wall: Wall, line_mass: float, speed: float) -> float:
-    """Depth at which a slice that meets the wall comes to rest, K d^(p+1) / (p+1) = m v^2 / 2 [m].
+    """Depth of an impact of a free slice of the string in the wall, K d^(p+1) / (p+1) = m v^2 / 2 [m].
 
     Args:
         wall: Law of the wall.

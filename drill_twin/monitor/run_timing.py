@@ -82,7 +82,7 @@ class EffectTiming:
 
     def __init__(self, twin: Twin) -> None:
         """Compile the timing functions and time every effect once."""
-        self._measure = twin.meter()
+        self._measure = twin.effect_timer()
         self._seconds = {name: self._measure(name) for name in twin.effects}
         self._next = 0
 

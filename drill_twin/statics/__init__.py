@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Static equilibrium, and runs that start in it."""
+"""Static equilibrium and the initial state from it."""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run that begins in balance: the loaded shape at rest, then wound up and turning as one (`rig.start: equilibrium`).
+"""Initial state of `rig.start: equilibrium`: static equilibrium, twisted and in rigid rotation.
 
-Friction, torque of the rock and whatever shakes the string have no part in the shape; what it takes to turn the string
-as it lies winds it up. A buckled string that turns in a straight vertical hole has no balance at all: its way from here
-into whirl is the run's business.
+Friction, torque of the rock and excitation are left out of the search for the shape; the torques on the string rotating
+in this shape then twist it. A rotating buckled string in a straight vertical hole has no equilibrium: its transition to
+whirl is part of the run.
 """
 
 from __future__ import annotations
@@ -22,28 +22,28 @@ from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import SPIN
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.statics.static_equilibrium import StringAtRest, settle, torques, wind_up
+from drill_twin.statics.static_equilibrium import StringAtRest, find_equilibrium, inertia_torques, twist_under
 
-SMALLEST_LOAD = 1e-3  # by which the balance of a string without weight or load is judged [N]
-TOLERANCE = 1e-6  # of Newton's method while the balance is sought, as the scene's own
-INSTANT = 1e-3  # of the time that a torsional wave takes through an element
+SMALLEST_LOAD = 1e-3  # reference of the residual force for a string without weight or load [N]
+TOLERANCE = 1e-6  # of Newton's method in the search, as `numerics.tolerance`
+INSTANT = 1e-3  # over the travel time of a torsional wave through an element
 
 
-class Turning(StringAtRest, Protocol):
-    """Dynamics at their first instant (`drill_twin.twin.dynamics.Dynamics`)."""
+class StartingDynamics(StringAtRest, Protocol):
+    """Dynamics at the first instant (`drill_twin.twin.dynamics.Dynamics`)."""
 
     scene: Scene
     model: DiscreteModel
 
     def begin(self, u: Array, v: Array, command: Command) -> None:
-        """Take up a state."""
+        """Set state and set-points."""
 
     def advance(self, target: Array, seconds: float) -> bool:
-        """Move on; False where that fails."""
+        """Advance by a time [s] to the target set-points; False if that fails."""
 
 
-def at_rest(scene: Scene) -> Scene:
-    """The scene with its load on and nothing that turns, shakes or rubs, starting from the axis."""
+def static_scene(scene: Scene) -> Scene:
+    """Scene with its load, without rotation, excitation and friction, starting from the axis."""
     rig, effects = scene.rig, scene.effects
     stilled = {
         key: block.model_copy(update=dict.fromkeys(block.disabled_for_static, 0.0))
@@ -59,52 +59,52 @@ def at_rest(scene: Scene) -> Scene:
     )
 
 
-def turning(scene: Scene) -> Scene:
-    """The scene at its final set-points from the first instant, as its string is wound up, starting from the axis."""
+def rotating_scene(scene: Scene) -> Scene:
+    """Scene with its final set-points from the first instant, starting from the axis."""
     rig = scene.rig
     points = {key: getattr(rig, key) for key in ("weight_on_bit", "rotation")}
     begun = {key: point.model_copy(update={"initial": point.value}) for key, point in points.items()}
     return scene.model_copy(update={"rig": rig.model_copy(update={**begun, "start": "axis"})})
 
 
-def start_in_equilibrium(dynamics: Turning, make: Callable[[Scene], Turning]) -> None:
-    """Put the dynamics into static balance under its first command, turning as one.
+def start_in_equilibrium(dynamics: StartingDynamics, make: Callable[[Scene], StartingDynamics]) -> None:
+    """Set the dynamics to static equilibrium under the first command, in rigid rotation.
 
     Args:
-        dynamics: The dynamics at its first instant.
-        make: Makes a dynamics of a scene.
+        dynamics: Dynamics at the first instant.
+        make: Constructor of the dynamics of a scene.
 
     Raises:
-        RunError: There is no balance, or none was found.
+        RunError: No equilibrium was found.
     """
     scene = dynamics.scene
     weight, rotation = scene.rig.first
     hanging = float(np.abs(axial_weight(scene, dynamics.model)).sum())
     growth = growth_time(sections_of(scene), max(abs(weight), 1.0))
-    still = make(at_rest(scene))
-    settle(still, growth, max(abs(weight), hanging, SMALLEST_LOAD), scene.numerics.seed)
+    still = make(static_scene(scene))
+    find_equilibrium(still, growth, max(abs(weight), hanging, SMALLEST_LOAD), scene.numerics.seed)
     u, v = still.unknowns
     v[:, SPIN] = rotation
     command = Command(weight, rotation)
     if scene.effects.torsion is not None:
-        u[:, SPIN] += _wound_up(make(turning(scene)), u, v, command)
+        u[:, SPIN] += _static_twist(make(rotating_scene(scene)), u, v, command)
     dynamics.begin(u, v, command)
 
 
-def _wound_up(dynamics: Turning, u: Array, v: Array, command: Command) -> Array:
-    """Spin by which the torques on the turning string twist it [rad]: in an instant they show as acceleration."""
+def _static_twist(dynamics: StartingDynamics, u: Array, v: Array, command: Command) -> Array:
+    """Static twist by the torques on the rotating string [rad], from its acceleration in a short step."""
     rod = dynamics.rod
     waves = np.sqrt(rod.torsion * rod.length / rod.spin_mass)
     instant = INSTANT * float((rod.length / waves).min())
     dynamics.begin(u, v, command)
     if not dynamics.advance(np.array([command.weight_on_bit, command.rotation]), instant):
         raise RunError(
-            "rig.start: expected a turning string that can be followed for an instant, found no solution of "
-            "its equations. Start from the axis instead (rig.start: axis)"
+            "rig.start: expected a step of the rotating string to converge, found no solution of its equations. "
+            "Start from the axis instead (rig.start: axis)"
         )
     acceleration = (dynamics.unknowns[1][:, SPIN] - v[:, SPIN]) / instant
-    torque = torques(rod, acceleration)
+    torque = inertia_torques(rod, acceleration)
     body = dynamics.scene.effects.bit_mass
     if body is not None:
         torque[0] += body.inertia * acceleration[0]
-    return wind_up(rod, torque)
+    return twist_under(rod, torque)

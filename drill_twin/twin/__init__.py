@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The twin of a scene: dynamics advance it, the step guard checks each frame, the observer reads it out."""
+"""Twin of a scene: dynamics in time, step guard, frames, energy audit, checkpoints."""

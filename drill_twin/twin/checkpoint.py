@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run in a file: all that decides how it goes on, so that it goes on bit for bit as if it had never stopped.
+"""Checkpoint file of a run, from which it is resumed bit for bit.
 
-The file is an `.npz` of plain arrays, never pickled: the resolved scene, the version, and every array that the twin
-remembers. It replaces the one before in one move, so that a writer that is killed leaves a whole one.
+The file is an `.npz` of plain arrays without pickles: the resolved scene, the version, and all arrays of the twin's
+state. It replaces the previous one atomically.
 """
 
 from __future__ import annotations
@@ -28,37 +28,37 @@ from drill_twin.twin.dynamics import AXIAL
 from drill_twin.twin.twin import Twin
 
 _FORMAT = 1
-_HEAD = "head"
-_LARGEST = 256 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
-_BAD = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, NotImplementedError, RuntimeError)
-"""What zipfile and numpy raise on bytes that are not what they should be."""
+_HEADER = "head"
+_LARGEST_SIZE = 256 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
+_DAMAGED = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, NotImplementedError, RuntimeError)
+"""Raised by zipfile and numpy on damaged files."""
 
 Arrays = Mapping[str, Array]
 
 
 @dataclass(frozen=True, eq=False)
 class Checkpoint:
-    """What a checkpoint file holds."""
+    """Content of a checkpoint file."""
 
     scene: str
-    """The resolved scene (YAML)."""
+    """Resolved scene (YAML)."""
     time: float
     """Simulated time [s]."""
     command: Command
-    """The set-points that were in force."""
+    """Set-points in force."""
     arrays: Arrays
-    """The twin's memory, by name."""
+    """Arrays of the twin's state, by name."""
 
     @classmethod
     def of(cls, twin: Twin, command: Command) -> Self:
-        """The state of a running twin, and the set-points in force."""
+        """Make the checkpoint of a twin and the set-points in force."""
         return cls(twin.scene.to_yaml(), twin.time, command, twin.checkpoint())
 
     def save(self, path: str | Path) -> None:
-        """Write it, in place of an older one.
+        """Write the file atomically.
 
         Raises:
-            CheckpointError: It cannot be written; the older one is still there.
+            CheckpointError: It cannot be written; a previous file is unchanged.
         """
         target = Path(path)
         head = {
@@ -69,7 +69,7 @@ class Checkpoint:
             "rotation": self.command.rotation,
             "scene": self.scene,
         }
-        content: dict[str, Any] = {_HEAD: np.frombuffer(json.dumps(head).encode(), np.uint8), **self.arrays}
+        content: dict[str, Any] = {_HEADER: np.frombuffer(json.dumps(head).encode(), np.uint8), **self.arrays}
         unfinished = target.with_name(f"{target.name}.tmp")
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -86,15 +86,15 @@ class Checkpoint:
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
-        """Read one.
+        """Read a file.
 
         Raises:
-            CheckpointError: There is none, it is damaged, or it is of another version.
+            CheckpointError: No such file, a damaged one, or one of another version.
         """
         try:
             with zipfile.ZipFile(path) as archive:
                 members = _members(archive)
-            head = json.loads(members.pop(_HEAD).tobytes())
+            head = json.loads(members.pop(_HEADER).tobytes())
             if head["format"] != _FORMAT or head["version"] != __version__:
                 raise CheckpointError(
                     f"{path}: expected a checkpoint of drill_twin {__version__}, found one of {head['version']}; "
@@ -104,19 +104,19 @@ class Checkpoint:
             scene = head["scene"]
         except FileNotFoundError:
             raise CheckpointError(f"{path}: expected a checkpoint, found nothing there; check the path") from None
-        except _BAD as error:
+        except _DAMAGED as error:
             raise CheckpointError(
-                f"{path}: expected a whole checkpoint of drill_twin, found {_words(error)}; start the run afresh"
+                f"{path}: expected a whole checkpoint of drill_twin, found {_error_text(error)}; start the run afresh"
             ) from error
         if not all(map(math.isfinite, numbers)) or not isinstance(scene, str):
             raise CheckpointError(f"{path}: expected finite numbers and a scene, found {numbers}; start the run afresh")
         return cls(scene, numbers[0], Command(numbers[1], numbers[2]), members)
 
     def twin(self) -> Twin:
-        """A twin of the checkpoint's own scene that goes on from here.
+        """Make a twin of the checkpoint's scene in its state.
 
         Raises:
-            CheckpointError: Its scene or its arrays are damaged.
+            CheckpointError: Scene or arrays are damaged.
         """
         try:
             scene = parse_scene(self.scene, name="the checkpoint's scene")
@@ -127,10 +127,10 @@ class Checkpoint:
         return twin
 
     def restore(self, twin: Twin) -> None:
-        """Make a twin of the same scene go on from here; it is untouched if that is refused.
+        """Restore the state of a twin of the same scene; on an error it is unchanged.
 
         Raises:
-            CheckpointError: The twin is of another scene, or the arrays do not fit it.
+            CheckpointError: The twin is of another scene, or has other arrays.
         """
         self._refuse_other(twin.scene)
         expected = {name: array.shape for name, array in twin.checkpoint().items()}
@@ -156,10 +156,10 @@ class Checkpoint:
 
 
 def _members(archive: zipfile.ZipFile) -> dict[str, Array]:
-    """All arrays of an archive, none larger than its bytes, so that a forged size takes no memory."""
+    """Read all arrays of an archive, after a check of their size in bytes."""
     size = sum(member.file_size for member in archive.infolist())
-    if size > _LARGEST:
-        raise ValueError(f"{size} bytes where at most {_LARGEST} can be meant")
+    if size > _LARGEST_SIZE:
+        raise ValueError(f"{size} bytes where at most {_LARGEST_SIZE} can be meant")
     return {member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in archive.infolist()}
 
 
@@ -177,9 +177,9 @@ def _array(data: bytes) -> Array:
     return np.frombuffer(content, kind).reshape(shape)
 
 
-_LONGEST = 200
+_LONGEST_TEXT = 200
 
 
-def _words(error: BaseException) -> str:
-    text = " ".join(str(error).split())[:_LONGEST]  # zipfile quotes headers whole
+def _error_text(error: BaseException) -> str:
+    text = " ".join(str(error).split())[:_LONGEST_TEXT]  # zipfile quotes headers whole
     return text if text and not isinstance(error, KeyError) else f"{type(error).__name__} {text}".strip()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What moves the string: the compiled kernel of a scene with every array that it works on, and nothing that judges."""
+"""Dynamics of a scene: its compiled kernel with the arrays of state, parameters and workspace."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
@@ -9,61 +9,61 @@ import numpy as np
 from drill_twin.audit.effect_timing import EffectTimer
 from drill_twin.audit.energy_ledger import make_energy_ledger
 from drill_twin.base.arrays import Array
-from drill_twin.discretisation.boundary_conditions import Ends
-from drill_twin.discretisation.discretise import axis_at, discretise, sections_of, tubes_of
+from drill_twin.discretisation.boundary_conditions import BoundaryConditions
+from drill_twin.discretisation.discretise import axis_at, discretise, tubes_of
 from drill_twin.discretisation.drive import make_drive
 from drill_twin.discretisation.initial_state import axial_weight, set_initial_state
-from drill_twin.discretisation.resolution import auto_elements, auto_step, newton_place
+from drill_twin.discretisation.resolution import newton_place, resolution_of
 from drill_twin.effects import effect_module
-from drill_twin.errors import SceneError
 from drill_twin.model.mesh import Rod, build_rod
 from drill_twin.scene import Scene
-from drill_twin.schedule import Command, extremes
+from drill_twin.schedule import Command
 from drill_twin.solver import state
 from drill_twin.solver.boundary.bit_frame import bit_frame
 from drill_twin.solver.kernel_codegen import build_kernel, entry_point
 from drill_twin.solver.lateral.assembly import make_workspace as make_lateral_workspace
 from drill_twin.solver.spatial.workspace import make_workspace
 from drill_twin.statics.static_start import start_in_equilibrium
-from drill_twin.twin.memory import named_arrays, pack_arrays
+from drill_twin.twin.packed_arrays import named_arrays, pack_arrays
 
 SPATIAL, LATERAL = "spatial", "lateral"
 AXIAL = "work.axial"
-"""Array of a lateral string's memory that checkpoints of drill_twin 0.1.0 lack."""
+"""Array of the lateral formulation that is missing in checkpoints of drill_twin 0.1.0."""
 HALVINGS = 1000
-"""How often the step may be cut where nobody says."""
+"""Default of the largest number of step halvings in an advance."""
 
 
 class Dynamics:
-    """The kernel of a scene and its memory; it begins as `rig.start` says.
+    """Kernel of a scene and its state, initialised as in `rig.start`.
 
     Attributes:
         scene: The scene.
-        model: The string in its hole.
-        ends: How its ends are held and driven.
-        form: "spatial", or "lateral" for a scene that calls for neither stretch nor torsion.
+        model: Discrete model.
+        boundary_conditions: Boundary conditions at bit and top.
+        form: Formulation: "spatial", or "lateral" for a scene with neither stretch nor torsion.
         hole: "straight" or "curved".
         effects: Keys of the effects in the kernel, in the order of their parameters.
-        parameters: What the kernel takes besides the string: drive, effects, ledger of an audit.
+        parameters: Parameters of drive and effects, and the ledger of an audit.
         step: Nominal time step [s].
         command: Set-points last reached: weight on bit [N], rotation [rad/s].
         counters: See `drill_twin.solver.state`.
-        too_many_halvings: Whether the last advance ended because the step was cut too often.
-        block: The bytes of all that decides how the motion goes on, shape (size,).
+        too_many_halvings: True if the last advance ended at the largest number of step halvings.
+        memory_block: Bytes of all arrays of the state, shape (size,).
     """
 
     def __init__(self, scene: Scene) -> None:
-        """Compile what the scene calls for, or take it from where compiled code is kept.
+        """Build the model, load or compile the kernel, and set the initial state.
 
         Raises:
             SceneError: The scene asks for an accuracy instead of elements and a step.
-            TableError: Elements or step are to be chosen for a record that cannot be played.
-            RunError: It is to begin in balance, and none was found.
+            TableError: Elements or step are to be chosen for a record that cannot be used.
+            RunError: No equilibrium was found to start from.
         """
         self.scene = scene
-        elements, self.step = _resolution(scene)
+        elements, self.step = resolution_of(scene)
         rod = build_rod(tubes_of(scene), elements)
-        self.model, self.ends, self.form = discretise(scene, rod), Ends.of(scene), form_of(scene)
+        self.model, self.form = discretise(scene, rod), form_of(scene)
+        self.boundary_conditions = BoundaryConditions.of(scene)
         self.hole = "straight" if self.model.wellbore.axis is None else "curved"
         self.effects = tuple(name for name in scene.effect_names if hasattr(effect_module(name), "parameters"))
         audit = scene.numerics.audit == "energy"
@@ -71,20 +71,20 @@ class Dynamics:
         parameters = self.kernel.Parameters(
             make_drive(scene, float(axial_weight(scene, self.model).sum())),
             *(effect_module(name).parameters(getattr(scene.effects, name), self.model) for name in self.effects),
-            *([make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_held)] if audit else []),
+            *([make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_constrained)] if audit else []),
         )
-        self._held = self.ends.held(scene.string.bit_end)
+        self._constrained = self.boundary_conditions.constrained(scene.string.bit_end)
         self._work: Any = (make_workspace if self.form == SPATIAL else make_lateral_workspace)(rod.length.size)
         self._advance: Callable[..., int] | None = None  # once compiled
         command, counters = np.array([scene.rig.first[0], 0.0]), np.zeros(state.COUNTERS)
-        memory, self.block = pack_arrays((parameters, state.make_state(rod.length.size), command, counters))
+        memory, self.memory_block = pack_arrays((parameters, state.make_state(rod.length.size), command, counters))
         self.parameters, self._state, self.command, self.counters = memory
         self.too_many_halvings = False
         self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
         self._limits = state.Limits(self.step, newton_place(scene.tolerance, rod, self.wall), scene.tolerance, HALVINGS)
-        self._set_off()
+        self._set_initial_state()
 
-    def _set_off(self) -> None:
+    def _set_initial_state(self) -> None:
         set_initial_state(self._state, self.model, self.scene, float(self.command[0]))
         if self.scene.rig.start == "equilibrium":
             start_in_equilibrium(self, Dynamics)
@@ -94,12 +94,12 @@ class Dynamics:
                 module.initial_state(getattr(self.scene.effects, name), self.model, *self.unknowns)
 
     @property
-    def _bit_is_held(self) -> bool:
-        return self.ends.from_top and not self.ends.on_rock
+    def _bit_is_constrained(self) -> bool:
+        return self.boundary_conditions.weight_at_top and not self.boundary_conditions.bit_on_rock
 
     @property
     def wall(self) -> Any:
-        """Parameters of the wall; None without one."""
+        """Parameters of the wall; None if the scene lists none."""
         return getattr(self.parameters, "wall", None)
 
     @property
@@ -117,32 +117,32 @@ class Dynamics:
         """Node rows (r, r', psi) and their velocities, each shape (n + 1, 7); views, not copies."""
         return self._state.u, self._state.v
 
-    def memory(self) -> Iterator[tuple[str, Array]]:
-        """All that decides how the motion goes on: the arrays themselves, each with its name."""
+    def arrays(self) -> Iterator[tuple[str, Array]]:
+        """Yield the arrays of the state, not copies, each with its name in checkpoints."""
         yield from named_arrays("state", self._state)
-        yield from named_arrays("effects", self.parameters)  # some of them remember
+        yield from named_arrays("effects", self.parameters)  # some have a state
         yield from (("command", self.command), ("counters", self.counters))
         if self.form == LATERAL:
-            yield AXIAL, self._work.axial  # the weight last summed begins the next step
+            yield AXIAL, self._work.axial  # the last sum of weights is used in the next step
 
     def advance(self, target: Array, seconds: float, step: float | None = None, max_halvings: int = HALVINGS) -> bool:
-        """Move on; the set-points go linearly from `command`, which is left as it is, to `target`.
+        """Advance in time; the set-points change linearly from `command`, which is not updated, to `target`.
 
         Args:
-            target: Weight on bit [N] and rotation [rad/s] to be reached at the end.
-            seconds: How far to go [s].
+            target: Weight on bit [N] and rotation [rad/s] at the end.
+            seconds: Time to advance [s].
             step: Time step [s]; the nominal one if not given.
-            max_halvings: How often it may be cut.
+            max_halvings: Largest number of step halvings.
 
         Returns:
-            False where no step, however small, satisfies the equations, or it was halved too often; then
-            `too_many_halvings` is true.
+            False if Newton's method fails at the smallest step, or after `max_halvings`, where `too_many_halvings` is
+            set.
         """
         limits = self._limits._replace(step=self.step if step is None else step, max_halvings=max_halvings)
         advance = self._advance or self.kernel.advance
         start = self.time
         status = advance(
-            self.parameters, self.rod, self._work, self._held, self._state, limits,
+            self.parameters, self.rod, self._work, self._constrained, self._state, limits,
             self.command, target, start, start + seconds, self.counters,
         )  # fmt: skip
         self._advance = self._advance or entry_point(self.kernel)
@@ -150,16 +150,16 @@ class Dynamics:
         return status == state.CONVERGED
 
     def begin(self, u: Array, v: Array, command: Command) -> None:
-        """Take up a state: node rows, their velocities, shapes (n + 1, 7), and the set-points that are in force."""
+        """Set the state, node rows and their velocities, shape (n + 1, 7) each, and the set-points in force."""
         self._state.u[:], self._state.v[:] = u, v
         self._state.clock[state.KNOWN] = 0.0
         self.command[:] = command.weight_on_bit, command.rotation
 
     def pseudo_transient_step(self, seconds: float) -> bool:
-        """One step from rest to rest under the last command: the middle of a midpoint step is backward Euler's end.
+        """Take a backward Euler step from rest to rest under the last command: the first half of a midpoint step.
 
         Returns:
-            False, and nothing moved, where Newton's method fails.
+            False, with the state unchanged, if Newton's method fails.
         """
         u, v = self.unknowns
         before, halvings = u.copy(), self.counters[state.HALVINGS]
@@ -170,42 +170,24 @@ class Dynamics:
         v[:] = 0.0
         return bool(whole)
 
-    def meter(self) -> Callable[[str], float]:
-        """Times an effect: by its name, what it takes of one Newton iteration now [s]; 0 for those that take none."""
-        meter = EffectTimer(self.parameters._fields[1:], self.parameters, self.rod)
+    def effect_timer(self) -> Callable[[str], float]:
+        """Make a function that measures an effect's time per Newton iteration in the current state [s], by its key."""
+        timer = EffectTimer(self.parameters._fields[1:], self.parameters, self.rod)
 
-        def price(effect: str) -> float:
+        def seconds_of(effect: str) -> float:
             return (
-                meter.price(effect, *self.unknowns, self.command, 0.5 * self.step) if effect in meter.effects else 0.0
+                timer.price(effect, *self.unknowns, self.command, 0.5 * self.step) if effect in timer.effects else 0.0
             )
 
-        return price
+        return seconds_of
 
 
-def take(memory: Iterator[tuple[str, Array]], arrays: Mapping[str, Array]) -> None:
-    """Fill the arrays of a memory from those of the same names; `AXIAL` may be missing."""
+def restore_arrays(memory: Iterator[tuple[str, Array]], arrays: Mapping[str, Array]) -> None:
+    """Copy `arrays` into the arrays of `memory` with the same names; `AXIAL` may be missing."""
     for name, array in memory:
         array[...] = arrays.get(name, array) if name == AXIAL else arrays[name]
 
 
 def form_of(scene: Scene) -> str:
-    """Which unknowns a scene calls for: the string in space, or only its lateral motion."""
+    """Formulation of a scene: `LATERAL` with neither stretch nor torsion, else `SPATIAL`."""
     return LATERAL if scene.effects.stretch is None and scene.effects.torsion is None else SPATIAL
-
-
-def _resolution(scene: Scene) -> tuple[int, float]:
-    """Number of elements and time step [s], as written or sought."""
-    numerics = scene.numerics
-    if numerics.accuracy is not None:
-        raise SceneError(
-            f"{scene.name}: expected numerics.elements and numerics.step, found numerics.accuracy, which only "
-            "drill-twin run and the simulator node turn into them (drill_twin.accuracy.resolve)"
-        )
-    if "auto" not in (numerics.elements, numerics.step):
-        return int(numerics.elements), float(numerics.step)
-    tubes, most = sections_of(scene), extremes(scene)  # of a record too, which is read for it
-    compression = max(most.weight_on_bit, 1.0)
-    elements = auto_elements(tubes, compression) if numerics.elements == "auto" else int(numerics.elements)
-    if numerics.step == "auto":
-        return elements, auto_step(tubes, compression, most.rotation, 1.0 / numerics.frame_rate)
-    return elements, float(numerics.step)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The energy balance of a run, from the books that the kernel keeps (`numerics: {audit: energy}`).
+"""Energy balance of a run, from the ledger of the kernel (`numerics: {audit: energy}`).
 
-Work done on the string = change of what it stores + heat + residual. The midpoint rule closes this to round-off for
-quadratic energies; for others (large deflection, the wall) the residual is second order in the step, and it holds
-whatever Newton's method left undone. A force that acts without being booked shows in it at once.
+Work done on the string = change of the stored energy + dissipation + residual. The midpoint rule closes the balance to
+round-off for quadratic energies; for others (large deflection, the wall) the residual is second order in the step, plus
+the error of Newton's method. Any force missing in the ledger appears in the residual.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ from drill_twin.twin.frame import EnergyBalance
 
 HEAT = frozenset(key for key, block in EFFECTS.items() if block.energy_class == "heat")
 SLOWEST = 1e-3
-"""Speed below which no motion is worth an audit [m/s]: the energy of the whole string at it is the least scale."""
+"""Speed of the string whose kinetic energy is the least scale of the balance [m/s]."""
 
 
 class EnergyAudit:
-    """Reads the ledger of one twin."""
+    """Energy balance of one twin."""
 
     def __init__(
         self, ledger: EnergyLedger, effects: Sequence[str], model: DiscreteModel, wall: Wall | None, *, lateral: bool
@@ -50,7 +50,7 @@ class EnergyAudit:
         self._least = 0.5 * float(np.sum(rod.line_mass * rod.length)) * SLOWEST**2
 
     def begin(self, u: Array, v: Array) -> None:
-        """Remember what is stored at the start of the run; once."""
+        """Store the energies at the start of the run; no-op after the first call."""
         if self._books[NOW, BEGUN] == 0.0:
             self._books[NOW, BEGUN] = 1.0
             self._books[START, :STORED] = self._stored(u, v)
@@ -61,7 +61,7 @@ class EnergyAudit:
         return np.array([*(lateral_energy if self._lateral else energy)(rod, u, v), held])
 
     def balance(self, u: Array, v: Array) -> tuple[EnergyBalance, float]:
-        """The balance now, and by how much the residual has grown since it was last asked for [J].
+        """Energy balance, and the change of its residual since the last call [J].
 
         Args:
             u: Node rows (r, r', psi), shape (n + 1, 7).

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Why a run was stopped: what was found, which effect is behind it, and what to do."""
+"""Error message of a stopped run: violation, effect that caused it, remedy."""
 
 import numpy as np
 
@@ -13,15 +13,15 @@ from drill_twin.twin.violation import REMEDIES, Violation
 def failure_report(
     dynamics: Dynamics, found: Violation, suspect: Array, target: Array, seconds: float, step: float
 ) -> StoppedError:
-    """The error about a frame that could not be done.
+    """Make the error about a frame that failed in all retries.
 
     Args:
-        dynamics: Back at the last good frame.
-        found: What was found at last.
-        suspect: Node rows u and v in which it was found, shape (2, n + 1, 7).
-        target: Weight on bit [N] and rotation [rad/s] that the frame was to reach.
-        seconds: Its length [s].
-        step: The last time step that was tried [s].
+        dynamics: Dynamics at the last good frame.
+        found: Last violation.
+        suspect: Node rows u and v with this violation, shape (2, n + 1, 7).
+        target: Weight on bit [N] and rotation [rad/s] at the end of the frame.
+        seconds: Length of the frame [s].
+        step: Last time step [s].
     """
     states = [dynamics.unknowns, (suspect[0], suspect[1])] if np.isfinite(suspect).all() else [dynamics.unknowns]
     moments = [
@@ -29,9 +29,9 @@ def failure_report(
         for u, v in states
         for time, command in ((dynamics.time + 0.5 * step, dynamics.command), (dynamics.time + seconds, target))
     ]
-    kept = dynamics.block.copy()  # to ask an effect may change what it remembers
+    kept = dynamics.memory_block.copy()  # evaluation may change the state of an effect
     effect, doing = diagnose(dynamics.parameters, dynamics.rod, dynamics.effects, moments)
-    dynamics.block[:] = kept
+    dynamics.memory_block[:] = kept
     kind = "finite" if "no number" in doing else found.kind
     remedy = REMEDIES["fold in a hole" if kind == "fold" and dynamics.wall is not None else kind]
     return StoppedError(

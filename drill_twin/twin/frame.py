@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What one published step of the twin looks like: arrays of the whole string, its marks and the rig.
+"""Frame: published state of string, marks and rig at one instant.
 
-Nodes count from the bit (0) to the top clamp (n). Vectors are in the frame `hole`: origin at the top clamp, z up along
-the hole's axis there, x to the low side. Where the hole is curved, marks are told in the frame of the hole at their
-depth instead: x and y from its axis, z along it (minus the measured depth); in a straight hole that is the same. All
-values are SI, float64, and fresh copies that the receiver may keep.
+Nodes are numbered from the bit (0) to the top clamp (n). Vectors are in the frame `hole`: origin at the top clamp, z up
+along the hole's axis there, x to the low side. In a curved hole, marks are in the frame of the hole at their depth: x
+and y from its axis, z along it (minus the measured depth); in a straight hole both are the same. All values are SI,
+float64, and copies.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class MarkStates:
     """State of the marks, in the order of the scene; m marks."""
 
     position: Array
-    """Positions of the marked points [m], shape (m, 3); on the wall they turn with the spin."""
+    """Positions of the marked points [m], shape (m, 3); those on the wall rotate with the spin."""
     velocity: Array
     """Velocities of the marked points [m/s], shape (m, 3)."""
     spin: Array
@@ -52,70 +52,70 @@ class RigState:
     bit_force: float
     """Weight on bit as applied [N], positive = compression."""
     block_position: float
-    """Height of the travelling block over its start [m]."""
+    """Height of the travelling block above its start [m]."""
     block_velocity: float
     """Velocity of the travelling block [m/s], positive up."""
     hookload: float
-    """Force that holds the string at the top [N]."""
+    """Upward force on the string at the top [N]."""
 
 
 @dataclass(frozen=True)
 class StepStats:
-    """What one published step cost."""
+    """Numerical effort of a frame."""
 
     steps: int
     """Time steps taken."""
     iterations: int
-    """Newton iterations of all of them."""
+    """Newton iterations in all steps."""
     cut_steps: int
-    """Steps that had to be halved."""
+    """Steps that were halved."""
     loose_steps: int
-    """Steps taken within ten tolerances instead of one, as places on the wall only flickered between stick and slip."""
+    """Steps accepted at ten times the tolerance, as points on the wall alternated between stick and slip."""
     wall_seconds: float
     """Wall-clock time of the computation [s]."""
 
 
 COUNTS = ("steps", "cut_steps", "loose_steps")
-"""Those of `StepStats` that diagnostics and summary give for a run."""
+"""Fields of `StepStats` in diagnostics and summary."""
 
 
 @dataclass(frozen=True)
 class Intervention:
-    """A frame that the guard took back and had done again with a smaller step."""
+    """Frame that the step guard rejected and repeated with a smaller step."""
 
     time: float
     """Simulated time of the last good frame before it [s]."""
     kind: str
-    """What was violated: finite, newton, speed, strain, fold, slope, penetration or energy."""
+    """Kind of the violation: finite, newton, speed, strain, fold, slope, penetration or energy."""
     node: int
-    """Node where it was worst."""
+    """Node at which it was largest."""
     distance_from_bit: float
     """Its distance from the bit [m]."""
     text: str
-    """What happened, in words."""
+    """Description for messages."""
     tries: int
-    """How often the frame was done again."""
+    """Number of retries."""
     step: float
-    """Time step that at last was small enough [s]."""
+    """Time step of the last retry, which succeeded [s]."""
 
 
 @dataclass(frozen=True)
 class EnergyBalance:
-    """Where the energy of the string has come from and gone to since the start of the run [J]."""
+    """Energy balance of the string since the start of the run [J]."""
 
     stored: Mapping[str, float]
-    """What the string holds now: kinetic, bending, stretch, torsion, gravity (since the start) and wall."""
+    """Stored energy: kinetic, bending, stretch, torsion, gravity (since the start) and wall."""
     work: Mapping[str, float]
-    """What each effect and the rig have done on the string: weight_on_bit, top_drive, top_clamp, and by effect. What
-    the wall gives back is in it, and so is what turns into heat, as negative work."""
+    """Work on the string: weight_on_bit, top_drive, top_clamp, and by effect, including the elastic energy of the wall;
+    dissipation is negative work."""
     dissipated: Mapping[str, float]
-    """What has turned into heat, by effect."""
+    """Dissipated energy, by effect."""
     residual: float
-    """Energy that nothing accounts for: gained if positive."""
+    """Error of the balance: gained if positive."""
     scale: float
-    """Largest energy on the move so far, to judge the residual by: kinetic, change of the other stores, and heat."""
+    """Largest converted energy so far, the reference of the residual: kinetic, change of the others, dissipation."""
     newton: float
-    """The part of the residual that the iteration's tolerance makes up."""
+    """Part of the residual due to the tolerance of Newton's method."""
 
     @property
     def share(self) -> float:
@@ -142,17 +142,17 @@ class Frame:
     wall_force: Array
     """Normal wall force at the nodes [N], shape (n + 1,), not negative."""
     wall_depth: float
-    """How far the string's surface is beyond the wall where it is most so [m], whether the scene lists a wall or not;
-    negative while all of it is clear of the wall. Sampled at the Gauss points, at this instant."""
+    """Largest penetration of the string's surface into the wall at the Gauss points [m], also without the effect
+    `wall`; negative without contact."""
     wall_depth_at: float
-    """Distance of that place from the bit [m]."""
+    """Distance of that point from the bit [m]."""
     marks: MarkStates
-    """The marks."""
+    """Marks."""
     rig: RigState
-    """The rig."""
+    """Rig."""
     stats: StepStats
-    """The cost."""
+    """Numerical effort."""
     intervention: Intervention | None = None
-    """What the guard did; None where nothing had to be done."""
+    """Record of the step guard if the frame was repeated."""
     energy: EnergyBalance | None = None
-    """The energy balance; None where the scene asks for no audit."""
+    """Energy balance if the scene asks for an audit."""

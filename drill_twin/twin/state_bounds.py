@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the state of a string can be; wide on purpose, to tell a motion that has broken down, not an inaccurate one."""
+"""Bounds of a plausible state; wide, to detect a failed computation, not an inaccurate one."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from drill_twin.effects.wall import Parameters as Wall
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
 
-FOLDED, ACROSS = 1.99, 0.8
-"""Most that 1 - t_z may be: in space 172 degrees, as a string folded back has no twist; and in the
-lateral form, which is for small slopes."""
+LARGEST_TILT, LARGEST_LATERAL_TILT = 1.99, 0.8
+"""Largest 1 - t_z: in the spatial formulation at 172 degrees, as twist is undefined in a string folded back; and in the
+lateral one, which is for small slopes."""
 LEAST_SPEED = 1000.0
-"""Speed that no string is refused [m/s]."""
-DEEPER = 10.0
-"""Times the depth that the contact law gives for the impact and the load at hand."""
+"""Smallest bound of the speed [m/s]."""
+DEPTH_MARGIN = 10.0
+"""Largest penetration over that of the contact law for the current speed and load."""
 
 
 @dataclass(frozen=True)
-class Bounds:
-    """What a state can be."""
+class StateBounds:
+    """Bounds of a plausible state."""
 
     speed: float
-    """Sound in the string, or `LEAST_SPEED` where it is softer than what strings are made of [m/s]."""
-    lean: float
-    """Most that 1 - t_z may be."""
+    """Largest speed: that of sound in the string, at least `LEAST_SPEED` [m/s]."""
+    tilt: float
+    """Largest 1 - t_z."""
     lateral: bool
-    """Whether the string only moves across the hole."""
+    """True in the lateral formulation."""
     line_mass: float
     """Largest mass per length, mud included [kg/m]."""
     flexibility: float
-    """Largest clearance over 4 EI [1/(N m)]: with the load squared, how a helix presses on the wall [N/m]."""
+    """Largest clearance over 4 EI [1/(N m)]: times the load squared, the wall force of a helix [N/m]."""
     weight: float
     """Weight of the string [N]."""
     line_load: float
@@ -44,39 +44,39 @@ class Bounds:
     curvature: float
     """Largest curvature of the hole [1/m]."""
 
-    def depth(self, wall: Wall, speed: float, load: float, step: float) -> float:
-        """Deepest that the string can be in the wall [m].
+    def largest_depth(self, wall: Wall, speed: float, load: float, step: float) -> float:
+        """Largest plausible penetration into the wall [m].
 
-        What the law gives for the hardest impact, K d^(p+1) / (p+1) = m v^2 / 2 per length, and for the load, the
-        helix's F^2 r / (4 EI) (Lubinski, Althouse and Logan 1962) with weight, random force and curvature, `DEEPER`
-        times both; and as far as the string goes in a step, since a long step meets the wall only at its ends.
+        `DEPTH_MARGIN` times the sum of that of an impact, K d^(p+1) / (p+1) = m v^2 / 2 per length, and that under the
+        load, a helix's F^2 r / (4 EI) (Lubinski, Althouse and Logan 1962) with weight, random force and curvature; plus
+        the distance moved in a step, as contact is evaluated at its ends only.
 
         Args:
             wall: Law of the wall.
-            speed: Fastest place of the string [m/s].
+            speed: Largest speed of the string [m/s].
             load: Weight on bit [N].
             step: Time step [s].
         """
         power = 1.0 if wall.linear else 1.5
         impact = impact_depth(wall, self.line_mass, speed)
         axial = abs(load) + self.weight
-        pressed = ((axial**2 * self.flexibility + axial * self.curvature + self.line_load) / wall.stiffness) ** (
+        load_depth = ((axial**2 * self.flexibility + axial * self.curvature + self.line_load) / wall.stiffness) ** (
             1.0 / power
         )
-        return float(DEEPER * (impact + pressed) + speed * step)
+        return float(DEPTH_MARGIN * (impact + load_depth) + speed * step)
 
 
-def bounds_of(scene: Scene, model: DiscreteModel, *, lateral: bool) -> Bounds:
-    """The bounds of a scene."""
+def bounds_of(scene: Scene, model: DiscreteModel, *, lateral: bool) -> StateBounds:
+    """Compute the bounds of a scene."""
     rod, bore = model.rod, model.wellbore
     weight = np.abs(axial_weight(scene, model))
     gravity = 0.0 if scene.effects.gravity is None else scene.effects.gravity.magnitude
     random = 0.0 if scene.effects.random_force is None else scene.effects.random_force.rms
     mud = model.fluid_density * 4.0 * np.pi * model.contact_radius.max() ** 2
     clearance = bore.clearance.reshape(-1, 2).max(axis=1)
-    return Bounds(
+    return StateBounds(
         speed=max(LEAST_SPEED, *(float(np.sqrt(tube.youngs_modulus / tube.density)) for tube in sections_of(scene))),
-        lean=ACROSS if lateral else FOLDED,
+        tilt=LARGEST_LATERAL_TILT if lateral else LARGEST_TILT,
         lateral=lateral,
         line_mass=float(rod.line_mass.max() + mud),
         flexibility=float(np.max(clearance / (4.0 * rod.bending))),

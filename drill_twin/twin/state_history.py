@@ -1,35 +1,35 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The last second of states, for whoever must find out why a run was stopped."""
+"""Ring buffer of the last states, saved on failure."""
 
 import numpy as np
 
 from drill_twin.base.arrays import Array
 
 SPAN = 1.0
-"""How far back it reaches [s]."""
+"""Length of the history [s]."""
 MOST_BYTES = 32 * 1024 * 1024
-"""Of all states kept; fewer are kept where strings are long and frames many."""
+"""Largest size; it limits the number of states of long strings at high frame rates."""
 
 
 class StateHistory:
-    """States at the ends of the last frames; nothing is allocated per frame."""
+    """States at the ends of the last frames, without allocation per frame."""
 
     def __init__(self, nodes: int, frame_rate: float) -> None:
-        """Room for a second of frames, or for as many as fit."""
+        """Allocate `SPAN` of frames, within `MOST_BYTES`."""
         count = int(np.clip(np.ceil(SPAN * frame_rate), 1, max(MOST_BYTES // (nodes * 14 * 8), 1)))
         self._time = np.full(count, np.nan)
         self._rows = np.zeros((count, 2, nodes, 7))
         self._next = 0
 
     def add(self, time: float, u: Array, v: Array) -> None:
-        """Take in a state: node rows (r, r', psi) and their velocities, shape (n + 1, 7) each, at a time [s]."""
+        """Add a state: node rows (r, r', psi) and their velocities, shape (n + 1, 7) each, at a time [s]."""
         k = self._next % self._time.size
         self._time[k] = time
         self._rows[k, 0], self._rows[k, 1] = u, v
         self._next += 1
 
-    def forget(self) -> None:
-        """Begin anew."""
+    def clear(self) -> None:
+        """Remove all states."""
         self._next = 0
 
     def read(self) -> tuple[Array, Array, Array]:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The guard: what no state of a string can be, and a way back to the last good frame.
+"""Step guard: plausibility check of each frame, rollback to the last good one, and step size control.
 
-Before each frame the guard keeps a copy of the twin's memory; after it, a compiled pass looks at the state.
-What cannot be meant is taken back and done again with half the step, up to `MAX_RETRIES` times; the step grows back by
-doubling, each time after `GOOD_FRAMES_BEFORE_GROWTH` good frames.
+Before a frame the guard copies the state; after it, a compiled check evaluates the new one. A frame with a violation is
+rejected and repeated with half the step, up to `MAX_RETRIES` times; the step is doubled again after every
+`GOOD_FRAMES_BEFORE_GROWTH` good frames.
 """
 
 from __future__ import annotations
@@ -18,91 +18,92 @@ from drill_twin.effects.wall import Parameters as Wall
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.solver.midpoint import SMALLEST_SHARE
 from drill_twin.twin.frame import EnergyBalance, Intervention
-from drill_twin.twin.state_bounds import Bounds
-from drill_twin.twin.violation import NO_MATTER_OF_STEP, Violation
+from drill_twin.twin.state_bounds import StateBounds
+from drill_twin.twin.violation import NOT_RETRIED, Violation
 
 MAX_RETRIES = 6
-"""How often a frame is done again, each time with half the step."""
-SMALLEST = 2.0**-10
-"""Of the nominal step, below which no frame is tried."""
+"""Largest number of retries of a frame, each with half the step."""
+SMALLEST_STEP = 2.0**-10
+"""Smallest step of a frame over the nominal one [-]."""
 HALVINGS_PER_STEP, HALVINGS_PER_FRAME = 200, 2000
-"""How often the step may be cut within a frame: by nominal steps, and besides. Beyond it nobody would wait."""
+"""Limit of step halvings in a frame: per nominal step, plus per frame. Beyond it the frame is rejected as too slow."""
 GOOD_FRAMES_BEFORE_GROWTH = 10
-"""Good frames after which a halved step doubles."""
+"""Good frames after which a halved step is doubled."""
 LARGEST_STRAIN = 0.5
-"""Largest strain in size; the elastic law is not meant for a tenth of it."""
+"""Largest strain in size [-]; ten times that of the elastic law's validity."""
 ENERGY_SHARE = 0.2
-"""Share of the energy on the move that a frame may lose track of, where the scene asks for the audit."""
+"""Largest change of the energy residual in a frame over the scale of the balance, with an audit [-]."""
 
-SHARE, GOOD = 0, 1  # places in StepGuard.memory: share of the nominal step, good frames since it was halved
+SHARE, GOOD = 0, 1  # indices into StepGuard.memory: share of the nominal step, good frames since it was halved
 
 
 def max_halvings(seconds: float, step: float) -> int:
-    """How often the step may be cut within a frame of a length [s]; a smaller one than the nominal [s] needs fewer."""
+    """Limit of step halvings in a frame of a length [s], with a nominal step [s]."""
     return HALVINGS_PER_FRAME + HALVINGS_PER_STEP * math.ceil(seconds / step)
 
 
 class StepGuard:
-    """Looks after one twin.
+    """Step guard of one twin.
 
     Attributes:
-        memory: Share of the nominal step and good frames since; part of a checkpoint.
-        suspect: Node rows u and v of the last state that was taken back, shape (2, n + 1, 7).
+        bounds: Bounds of a plausible state.
+        memory: Share of the nominal step and good frames since it was halved; part of a checkpoint.
+        suspect: Node rows u and v of the last rejected state, shape (2, n + 1, 7).
     """
 
-    def __init__(self, bounds: Bounds, model: DiscreteModel, wall: Wall | None) -> None:
+    def __init__(self, bounds: StateBounds, model: DiscreteModel, wall: Wall | None) -> None:
         self.bounds = bounds
         self.memory = np.array([1.0, 0.0])
         nodes = model.rod.arc.size
         self.suspect = np.zeros((2, nodes, 7))
         self._model, self._wall = model, wall
-        self._block = self._kept = np.zeros(0, dtype=np.uint8)
+        self._block = self._saved = np.zeros(0, dtype=np.uint8)
         self._extremes = np.zeros(state_check.EXTREMES)
         self._speed = 0.0
 
     @property
     def share(self) -> float:
-        """Share of the nominal step that is taken at present."""
+        """Current step over the nominal one [-]."""
         return float(self.memory[SHARE])
 
-    def watch(self, block: Bytes) -> None:
-        """Say once where the twin's memory is, bytes of shape (size,)."""
-        self._block, self._kept = block, block.copy()
+    def attach(self, block: Bytes) -> None:
+        """Attach the memory block of the twin, bytes of shape (size,)."""
+        self._block, self._saved = block, block.copy()
 
-    def keep(self, u: Array, v: Array) -> None:
-        """Keep the twin's memory as it is now, the last good one; node rows u and v are part of it."""
-        np.copyto(self._kept, self._block)
+    def save(self, u: Array, v: Array) -> None:
+        """Save the current state, with node rows u and v, as the last good one."""
+        np.copyto(self._saved, self._block)
         state_check.check_state(self._model.rod, u, v, self._extremes)
         self._speed = float(self._extremes[state_check.SPEED])
 
-    def gives_up(self, found: Violation, tries: int) -> bool:
-        """Whether a frame is not to be tried again after so many tries."""
-        return tries >= (1 if found.kind in NO_MATTER_OF_STEP else MAX_RETRIES) or self.share <= SMALLEST
+    def exhausted(self, found: Violation, tries: int) -> bool:
+        """True if a frame with this violation is not to be retried after so many tries."""
+        return tries >= (1 if found.kind in NOT_RETRIED else MAX_RETRIES) or self.share <= SMALLEST_STEP
 
     def rollback(self, u: Array, v: Array) -> None:
-        """Go back to what was kept, and remember the state that was not good."""
+        """Restore the saved state, and store the rejected one as `suspect`."""
         self.suspect[0], self.suspect[1] = u, v
-        np.copyto(self._block, self._kept)
+        np.copyto(self._block, self._saved)
 
-    def halve(self) -> None:
-        """Take half the step from now on."""
+    def halve_step(self) -> None:
+        """Halve the step."""
         self.memory[SHARE] *= 0.5
         self.memory[GOOD] = 0.0
 
-    def grow(self) -> None:
-        """A good frame has passed: let the step grow back."""
+    def count_good_frame(self) -> None:
+        """Count a good frame, and double a halved step after `GOOD_FRAMES_BEFORE_GROWTH` of them."""
         if self.memory[SHARE] < 1.0:
             self.memory[GOOD] += 1.0
             if self.memory[GOOD] >= GOOD_FRAMES_BEFORE_GROWTH:
                 self.memory[SHARE], self.memory[GOOD] = min(2.0 * self.memory[SHARE], 1.0), 0.0
 
-    def find(self, u: Array, v: Array, depth: float, place: int, load: float, step: float) -> Violation | None:
-        """What the state cannot be, None if all is well.
+    def check(self, u: Array, v: Array, depth: float, place: int, load: float, step: float) -> Violation | None:
+        """Check a state; returns its violation, None if it is plausible.
 
         Args:
             u: Node rows (r, r', psi), shape (n + 1, 7).
             v: Their velocities.
-            depth: Deepest place beyond the wall [m].
+            depth: Largest penetration into the wall [m].
             place: Its Gauss point.
             load: Weight on bit, the larger of those at start and end of the frame [N].
             step: Time step [s].
@@ -111,49 +112,49 @@ class StepGuard:
         state_check.check_state(self._model.rod, u, v, seen)
         if seen[state_check.BROKEN] >= 0.0:
             node = int(seen[state_check.BROKEN])
-            return Violation("finite", node, f"the state of {self.at(node)} is no longer a number")
+            return Violation("finite", node, f"the state of {self._at(node)} is no longer a number")
         if seen[state_check.SPEED] > bounds.speed:
             node = int(seen[state_check.SPEED_AT])
             return Violation(
                 "speed", node,
-                f"{self.at(node)} moved at {seen[state_check.SPEED]:.3g} m/s, faster than any string can "
+                f"{self._at(node)} moved at {seen[state_check.SPEED]:.3g} m/s, faster than any string can "
                 f"({bounds.speed:.4g} m/s)",
             )  # fmt: skip
-        if seen[state_check.LEAN] > bounds.lean:
+        if seen[state_check.LEAN] > bounds.tilt:
             node = int(seen[state_check.LEAN_AT])
             angle = np.degrees(np.arccos(1.0 - seen[state_check.LEAN]))
             kind = "slope" if bounds.lateral else "fold"
             return Violation(
                 kind, node,
-                f"the string at {self.at(node)} leaned {angle:.0f} degrees from the upright"
+                f"the string at {self._at(node)} leaned {angle:.0f} degrees from the upright"
                 + ("" if bounds.lateral else ", folded back on itself"),
             )  # fmt: skip
         if not bounds.lateral and seen[state_check.STRAIN] > LARGEST_STRAIN:
             node = int(seen[state_check.STRAIN_AT])
             return Violation(
                 "strain", node,
-                f"the string at {self.at(node)} was stretched or squeezed by {100.0 * seen[state_check.STRAIN]:.3g} %, "
-                f"where at most {100.0 * LARGEST_STRAIN:g} % can be meant",
+                f"the string at {self._at(node)} was stretched or squeezed by {100.0 * seen[state_check.STRAIN]:.3g} % "
+                f"(expected at most {100.0 * LARGEST_STRAIN:g} %)",
             )  # fmt: skip
         if self._wall is not None and depth > 0.0:
-            allowed = bounds.depth(self._wall, max(self._speed, float(seen[state_check.SPEED])), load, step)
+            allowed = bounds.largest_depth(self._wall, max(self._speed, float(seen[state_check.SPEED])), load, step)
             if depth > allowed:
                 node = (place + 1) // 2
                 return Violation(
                     "penetration", node,
-                    f"the string at {self.at(node)} was {depth:.3g} m deep in the wall, where the contact law allows "
+                    f"the string at {self._at(node)} was {depth:.3g} m deep in the wall, where the contact law allows "
                     f"{allowed:.3g} m",
                 )  # fmt: skip
         return None
 
     def diverged(self, u: Array, v: Array, step: float, halvings: int | None = None) -> Violation:
-        """What it means that the equations had no solution, or one only with steps that nobody waits for.
+        """Violation of a frame in which Newton's method failed, or the step was halved too often.
 
         Args:
             u: Node rows (r, r', psi), shape (n + 1, 7).
             v: Their velocities.
-            step: Time step that was tried [s].
-            halvings: How often it was cut, if that was too often.
+            step: Time step [s].
+            halvings: Limit of halvings, if that was exceeded.
         """
         node = int(np.argmax(np.nan_to_num(np.linalg.norm(v[:, :3], axis=1), nan=np.inf)))
         why = (
@@ -163,16 +164,16 @@ class StepGuard:
         )
         return Violation(
             "newton", node,
-            f"{why}; fastest was {self.at(node)}, {np.hypot(u[node, 0], u[node, 1]):.3g} m off the axis at "
+            f"{why}; fastest was {self._at(node)}, {np.hypot(u[node, 0], u[node, 1]):.3g} m off the axis at "
             f"{np.linalg.norm(v[node, :3]):.3g} m/s",
         )  # fmt: skip
 
     def energy_drift(self, energy: EnergyBalance, grown: float) -> Violation | None:
-        """Whether a frame has lost track of too much energy.
+        """Check the energy balance of a frame; returns its violation, if any.
 
         Args:
-            energy: The balance after it.
-            grown: By how much its residual has grown in the frame [J].
+            energy: Energy balance at its end.
+            grown: Change of the residual in the frame [J].
         """
         if abs(grown) <= ENERGY_SHARE * energy.scale:
             return None
@@ -180,15 +181,15 @@ class StepGuard:
         return Violation(
             "energy", node,
             f"{abs(grown):.3g} J were {'gained' if grown > 0.0 else 'lost'} that nothing accounts for, of "
-            f"{energy.scale:.3g} J on the move; fastest was {self.at(node)}",
+            f"{energy.scale:.3g} J on the move; fastest was {self._at(node)}",
         )  # fmt: skip
 
-    def at(self, node: int) -> str:
-        """A node in words."""
+    def _at(self, node: int) -> str:
+        """Describe a node for messages."""
         return f"node {node}, {self._model.rod.arc[node]:.4g} m from the bit"
 
     def intervention(self, time: float, found: Violation, tries: int, step: float) -> Intervention:
-        """The record of a frame that was done again."""
+        """Make the record of a repeated frame."""
         return Intervention(
             time, found.kind, found.node, float(self._model.rod.arc[found.node]),
             f"at {time:.6g} s {found.text}; taken back and done again with a step of {step:.3g} s",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The twin: advances the dynamics a frame at a time, checked by the step guard."""
+"""Twin of a drillstring: advances frame by frame, checked by the step guard."""
 
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -12,7 +12,7 @@ from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.twin.dynamics import LATERAL, Dynamics, take
+from drill_twin.twin.dynamics import LATERAL, Dynamics, restore_arrays
 from drill_twin.twin.energy_balance import EnergyAudit
 from drill_twin.twin.failure_report import failure_report
 from drill_twin.twin.frame import EnergyBalance, Frame, Intervention
@@ -24,35 +24,35 @@ from drill_twin.twin.violation import Violation
 
 
 class Twin:
-    """A drillstring that is turned and loaded; holds all state of a run.
+    """Simulated drillstring of a scene, with all state of a run.
 
     Attributes:
         scene: The scene.
-        dynamics: What moves it.
-        books: Its energy balance, where the scene asks for an audit.
+        dynamics: Kernel and state.
+        energy_audit: Energy balance, if the scene asks for an audit.
     """
 
     def __init__(self, scene: Scene) -> None:
-        """Put the string in its hole, as `rig.start` says.
+        """Set the initial state of `rig.start`.
 
         Raises:
             SceneError: The scene asks for an accuracy instead of elements and a step.
-            TableError: Elements or step are to be chosen for a record that cannot be played.
-            RunError: It is to begin in balance, and none was found.
+            TableError: Elements or step are to be chosen for a record that cannot be used.
+            RunError: No equilibrium was found to start from.
         """
         self.scene = scene
         self.dynamics = dynamics = Dynamics(scene)
         lateral = dynamics.form == LATERAL
-        self.books: EnergyAudit | None = None
+        self.energy_audit: EnergyAudit | None = None
         if scene.numerics.audit == "energy":
-            self.books = EnergyAudit(
+            self.energy_audit = EnergyAudit(
                 dynamics.parameters.ledger, dynamics.effects, self.model, dynamics.wall, lateral=lateral
             )
         self._guard = StepGuard(bounds_of(scene, self.model, lateral=lateral), self.model, dynamics.wall)
-        self._guard.watch(dynamics.block)
+        self._guard.attach(dynamics.memory_block)
         self._observer = Observer(dynamics)
         self._energy: EnergyBalance | None = None
-        self._recent = StateHistory(self.rod.arc.size, scene.numerics.frame_rate)
+        self._history = StateHistory(self.rod.arc.size, scene.numerics.frame_rate)
 
     @property
     def time(self) -> float:
@@ -71,22 +71,22 @@ class Twin:
 
     @property
     def effects(self) -> list[str]:
-        """Keys of the effects that the scene lists."""
+        """Keys of the scene's effects."""
         return self.scene.effect_names
 
     @property
     def form(self) -> str:
-        """Either "spatial", or "lateral" for a scene that calls for neither stretch nor torsion."""
+        """Formulation: "spatial", or "lateral" for a scene with neither stretch nor torsion."""
         return self.dynamics.form
 
     @property
     def drilled(self) -> float:
-        """Depth that the bit has drilled since the start [m]; 0 without `bit_cutting`."""
+        """Depth drilled since the start [m]; 0 without `bit_cutting`."""
         return float(self.dynamics.parameters.drive.bit.impulse[DRILLED])
 
     @property
     def model(self) -> DiscreteModel:
-        """The string in its hole."""
+        """Discrete model of string and hole."""
         return self.dynamics.model
 
     @property
@@ -99,83 +99,82 @@ class Twin:
         """Node rows (r, r', psi) and their velocities, each shape (n + 1, 7); views, not copies."""
         return self.dynamics.unknowns
 
-    def meter(self) -> Callable[[str], float]:
-        """Times an effect: by its name, what it takes of one Newton iteration now [s]; 0 for those that take none."""
-        return self.dynamics.meter()
+    def effect_timer(self) -> Callable[[str], float]:
+        """Make a function that measures an effect's time per Newton iteration in the current state [s], by its key."""
+        return self.dynamics.effect_timer()
 
     def checkpoint(self) -> dict[str, Array]:
-        """Copies of all that decides how the motion goes on, by name; `restore` takes them back."""
-        return {name: array.copy() for name, array in self._memory()}
+        """Copy the arrays of the state, by name, for `restore`."""
+        return {name: array.copy() for name, array in self._arrays()}
 
     def restore(self, arrays: Mapping[str, Array]) -> None:
-        """Go on from the `checkpoint` of a twin of the same scene."""
-        take(self._memory(), arrays)
-        self._recent.forget()
+        """Restore the `checkpoint` of a twin of the same scene."""
+        restore_arrays(self._arrays(), arrays)
+        self._history.clear()
 
     def last_second(self) -> tuple[Array, Array, Array]:
-        """Times of the last frames [s], shape (k,), and their node rows u and v, shape (k, n + 1, 7); copies."""
-        return self._recent.read()
+        """Times of the last frames [s], shape (k,), and their node rows u and v, shape (k, n + 1, 7) each; copies."""
+        return self._history.read()
 
-    def _memory(self) -> Iterator[tuple[str, Array]]:
-        yield from self.dynamics.memory()
+    def _arrays(self) -> Iterator[tuple[str, Array]]:
+        yield from self.dynamics.arrays()
         yield "guard", self._guard.memory
 
     def advance(self, command: Command, seconds: float) -> Frame:
-        """Move on by `seconds`; the set-points go linearly from the last command to this one.
+        """Advance by one frame; the set-points change linearly from the last command to this one.
 
         Args:
-            command: Weight on bit [N] and rotation [rad/s] to be reached at the end.
-            seconds: How far to go [s].
+            command: Weight on bit [N] and rotation [rad/s] at the end.
+            seconds: Length of the frame [s].
 
         Raises:
-            StoppedError: no step, however small, satisfies the equations or gives a state that can be meant; the twin
-                is then back at the last good frame.
+            StoppedError: Violation in all retries with smaller steps; the twin is back at the last good frame.
         """
         began = time.perf_counter()
         target = np.array([command.weight_on_bit, command.rotation])
-        if self.books is not None:
-            self.books.begin(*self.unknowns)
-        self._guard.keep(*self.unknowns)
-        self._observer.begin()
+        if self.energy_audit is not None:
+            self.energy_audit.begin(*self.unknowns)
+        self._guard.save(*self.unknowns)
+        self._observer.begin_frame()
         found, intervention = self._attempt(target, seconds), None
         if found is None:
-            self._guard.grow()
+            self._guard.count_good_frame()
         else:
             intervention = self.retry_with_smaller_step(found, target, seconds)
         self.dynamics.command[:] = target
-        self._recent.add(self.time, *self.unknowns)
+        self._history.add(self.time, *self.unknowns)
         return self._observer.frame(seconds, time.perf_counter() - began, intervention, self._energy)
 
     def _attempt(self, target: Array, seconds: float) -> Violation | None:
-        """Move on by `seconds`, and look at what has become of the string."""
+        """Advance by a frame and check the new state; returns its violation, if any."""
         dynamics, guard, step = self.dynamics, self._guard, self._step_now(seconds)
         halvings = max_halvings(seconds, self.step_size)
         if not dynamics.advance(target, seconds, step, halvings):
             return guard.diverged(*self.unknowns, step, halvings if dynamics.too_many_halvings else None)
-        depth, place = self._observer.look()
+        depth, place = self._observer.observe()
         load = max(abs(float(dynamics.command[0])), abs(float(target[0])))
-        found = guard.find(*self.unknowns, depth, place, load, step)
-        if found is None and self.books is not None:
-            self._energy, grown = self.books.balance(*self.unknowns)
+        found = guard.check(*self.unknowns, depth, place, load, step)
+        if found is None and self.energy_audit is not None:
+            self._energy, grown = self.energy_audit.balance(*self.unknowns)
             found = guard.energy_drift(self._energy, grown)
         return found
 
     def retry_with_smaller_step(self, first: Violation, target: Array, seconds: float) -> Intervention:
-        """Take back what was found and do it again with half the step, until nothing is found."""
+        """Roll back and repeat the frame with half the step until no violation is found."""
         found: Violation | None = first
         tries = 0
         while found is not None:
             self._guard.rollback(*self.unknowns)
             start = self.time
-            if self._guard.gives_up(found, tries):
+            if self._guard.exhausted(found, tries):
                 raise failure_report(
                     self.dynamics, found, self._guard.suspect, target, seconds, self._step_now(seconds)
                 )
             tries += 1
-            self._guard.halve()
+            self._guard.halve_step()
             found = self._attempt(target, seconds)
         return self._guard.intervention(start, first, tries, self._step_now(seconds))
 
     def _step_now(self, seconds: float) -> float:
-        """The time step for a frame of `seconds`, as the guard has it at present [s]."""
+        """Current time step for a frame of `seconds` [s]."""
         return min(self.step_size, seconds) * self._guard.share

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What no state of a string can be, and what to do about it."""
+"""Violations of the bounds of a plausible state, and their remedies."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-NO_MATTER_OF_STEP = {"fold", "slope"}
-"""What no smaller step mends: one try has to do."""
+NOT_RETRIED = {"fold", "slope"}
+"""Kinds that do not depend on the time step: retried once only."""
 REMEDIES = {
     "finite": "look at the parameters of the effect that is named",
     "newton": "try a lower load (the string may have folded), a smaller numerics.step, more elements, or a softer wall",
@@ -22,11 +22,11 @@ REMEDIES = {
 
 @dataclass(frozen=True)
 class Violation:
-    """What a state cannot be."""
+    """Violation of a bound by a state."""
 
     kind: str
     """finite, newton, speed, strain, fold, slope, penetration or energy."""
     node: int
-    """Where it is worst."""
+    """Node at which it is largest."""
     text: str
-    """What was found there and what was expected, in words."""
+    """Description for messages: found and expected."""

@@ -109,7 +109,7 @@ def test_a_force_that_is_not_accounted_for_is_caught():
     for _ in range(100):
         frame = twin.advance(Command(0.0, 0.0), 0.02)
     braked = frame.energy.work["drag"]
-    books = twin.books
+    books = twin.energy_audit
     books._books[WORK, FIRST_EFFECT + books._effects.index("drag")] = 0.0
     forged, grown = books.balance(*twin.unknowns)
     assert braked < -0.02 * forged.scale

@@ -195,14 +195,14 @@ def test_a_stop_leaves_a_readable_bag_a_checkpoint_and_the_last_second(session, 
 def test_what_no_smaller_step_mends_is_tried_once(monkeypatch, kind, tries):
     asked = []
 
-    def find(self, *given):
+    def check(self, *given):
         asked.append(self.share)
         return Violation(kind, 3, "it was so")
 
     with poisoned(*HARMLESS):
         twin = Twin(scene())
         twin.advance(TURNING, FRAME)
-        monkeypatch.setattr(StepGuard, "find", find)
+        monkeypatch.setattr(StepGuard, "check", check)
         with pytest.raises(StoppedError, match="it was so"):
             twin.advance(TURNING, FRAME)
     assert asked == [0.5**k for k in range(tries + 1)]
@@ -219,7 +219,7 @@ def test_what_the_string_cannot_be_is_told():
             if name in changed:
                 node, column, value = changed[name]
                 rows[node, column] = value
-        violation = guard.find(a, b, depth, place, 40.0, STEP)
+        violation = guard.check(a, b, depth, place, 40.0, STEP)
         return (violation.kind, violation.node) if violation else None
 
     assert found() is None
@@ -237,7 +237,7 @@ def test_what_the_string_cannot_be_is_told():
     a, b = u.copy(), v.copy()
     for turn, kind in ((170.0, None), (173.0, "fold")):
         a[4, 3:6] = np.sin(np.radians(turn)), 0.0, np.cos(np.radians(turn))
-        violation = guard.find(a, b, -1.0, 5, 40.0, STEP)
+        violation = guard.check(a, b, -1.0, 5, 40.0, STEP)
         assert (violation.kind if violation else None) == kind
     # 40 N press a helix with F^2 r / (4 EI) = 1.5 N/m on the wall, 28 um deep: ten times that, and a little
     assert found(depth=2.7e-4) is None
@@ -250,4 +250,4 @@ def test_a_random_force_may_press_the_string_into_the_wall():
     force = {"rms": 100.0, "correlation_time": 1.0, "correlation_length": 1.0}
     effects = {"wall": {"linear_stiffness": 1e4}, "random_force": force}
     guard = Twin(rod_scene(effects=effects, elements=8, radius=0.04))._guard
-    assert guard.bounds.depth(guard._wall, 0.0, 0.0, STEP) == pytest.approx(10.0 * 0.06)
+    assert guard.bounds.largest_depth(guard._wall, 0.0, 0.0, STEP) == pytest.approx(10.0 * 0.06)

@@ -29,8 +29,8 @@ def test_sampling_the_cost_of_effects_leaves_the_run_as_it_is():
 def test_shares_are_of_what_an_iteration_costs(monkeypatch):
     twin = Twin(load_scene("two_mass"))
     twin.advance(Command(0.0, 1.0), 0.02)
-    assert twin.meter()("bit_torque_stribeck") > 0.0
-    monkeypatch.setattr(twin, "meter", lambda: lambda _name: 2e-6)  # no reading of a busy clock
+    assert twin.effect_timer()("bit_torque_stribeck") > 0.0
+    monkeypatch.setattr(twin, "effect_timer", lambda: lambda _name: 2e-6)  # no reading of a busy clock
     cost, number = EffectTiming(twin), len(twin.effects)
     assert cost.values(0.0) == {}  # nothing to put it in relation to
     values = cost.values(8e-6 * number)

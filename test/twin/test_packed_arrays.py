@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.scene import load_scene
-from drill_twin.twin.memory import LINE, named_arrays, pack_arrays
+from drill_twin.twin.packed_arrays import CACHE_LINE, named_arrays, pack_arrays
 from drill_twin.twin.twin import Twin
 
 
@@ -30,7 +30,7 @@ def test_arrays_move_with_their_content_and_everything_else_stays():
         assert here.dtype == there.dtype
         assert there.flags.c_contiguous
         np.testing.assert_array_equal(here, there)
-    assert moved.inner.numbers.ctypes.data % LINE == 0
+    assert moved.inner.numbers.ctypes.data % CACHE_LINE == 0
     before = block.copy()
     moved.inner.numbers[0, 0], moved.places[1] = -1.0, 9
     assert (block != before).any()
@@ -41,6 +41,6 @@ def test_arrays_move_with_their_content_and_everything_else_stays():
 
 def test_every_array_of_a_checkpoint_is_a_part_of_it():
     twin = Twin(load_scene("pa6_bench"))
-    twin.dynamics.block[:] = 255
+    twin.dynamics.memory_block[:] = 255
     for name, array in twin.checkpoint().items():
         assert name == "guard" or (array.view(np.uint8) == 255).all(), name
