@@ -165,7 +165,7 @@ REFUSED = [
     ({"bit_cutting": {"seed": -1}}, "bit", "expected a whole number from 0"),
     ({"bit_cutting": {}}, "top", "expected a stiffness such as"),
     ({"bit_cutting": ROCK}, "bit", "such a weight needs no rock"),
-    ({"rock_floor": {"stiffness": 1e8}}, "bit", "needs no rock to carry it"),
+    ({"rock_floor": {"stiffness": 1e8}}, "bit", "needs no rock to support it"),
     ({"rock_floor": {"stiffness": 0.0}}, "top", "above 0 N/m"),
     ({"bit_cutting": {}, "bit_torque_tanh": {}}, "bit", "one law of the rock's torque on the bit, found"),
     ({"bit_cutting": ROCK, "rock_floor": {"stiffness": 1e8}}, "top", "one law of the rock's weight"),
