@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -49,9 +50,10 @@ def hard(
     Ends with exit code 1 if one is not in order. `drill-twin run hard/NAME` runs one of them as any other scene.
     """
     from drill_twin.cli.show import err, grid, out, print_json
+    from drill_twin.cli.studies.output import write_page
     from drill_twin.errors import SceneError
     from drill_twin.studies.stress import choose_hard
-    from drill_twin.studies.stress.page import ALLOWED, COLUMNS, cells, summary, to_data
+    from drill_twin.studies.stress.page import ALLOWED, COLUMNS, cells, summary, to_data, to_page
 
     if region is not None:
         _draw_map(region)
@@ -75,21 +77,18 @@ def hard(
                 out().print(f"{result.name}: {result.verdict}", markup=False, soft_wrap=True)
     err().print(summary(results), markup=False, soft_wrap=True)
     if page is not None:
-        given = {"--quick": quick, "--exact": exact, "--energy": energy}
-        _write(page, results, checks, only=only, flags=[flag for flag, on in given.items() if on])
+        data, flags = to_data(results, checks), {"--quick": quick, "--exact": exact, "--energy": energy}
+        write_page(page, partial(to_page, results, checks), data, command="hard", only=only, flags=flags)
     if not (all(result.ok for result in results) and all(check.ok for check in checks)):
         raise typer.Exit(NOT_IN_ORDER)
 
 
 def _run(cases: Sequence[HardCase], workers: int, *, energy: bool) -> list[Result]:
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from drill_twin.cli.show import err
+    from drill_twin.cli.studies.output import counting_bar
     from drill_twin.studies.stress import run_hard
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=err(), transient=True) as progress:
-        task = progress.add_task("hard scenes", total=len(cases))
+    progress, task = counting_bar("hard scenes", len(cases))
+    with progress:
 
         def done(result: Result) -> None:
             progress.update(task, advance=1, description=result.name)
@@ -115,18 +114,3 @@ def _check(workers: int) -> list[CaseResult]:
 
     chosen = [case for case in all_cases() if case.name.partition("[")[0] in EXACT]
     return run_cases(chosen, workers=workers)
-
-
-def _write(
-    page: Path, results: Sequence[Result], checks: Sequence[CaseResult], *, only: str, flags: Sequence[str]
-) -> None:
-    from drill_twin.cli.folder import write_file
-    from drill_twin.cli.show import err
-    from drill_twin.studies.json_io import json_text
-    from drill_twin.studies.stress.page import to_data, to_page
-
-    options = [*(["--only", only] if only else []), *flags, "--page", page.as_posix()]
-    write_file(page, to_page(results, checks, " ".join(["drill-twin hard", *options])))
-    data = page.with_suffix(".json")
-    write_file(data, json_text(to_data(results, checks)))
-    err().print(f"{page}, {data}", markup=False, soft_wrap=True)

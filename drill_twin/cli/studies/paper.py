@@ -143,11 +143,8 @@ def _print(done: Reproduction) -> None:
 @contextmanager
 def _bar(name: str) -> Iterator[Callable[[str, int, int], None]]:
     """Progress bar on stderr; called with a description, the number of runs done, and their total."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from drill_twin.cli.studies.output import counting_bar
 
-    from drill_twin.cli.show import err
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=err(), transient=True) as progress:
-        task = progress.add_task(name, total=None)
+    progress, task = counting_bar(name)
+    with progress:
         yield lambda what, count, of: progress.update(task, description=what, completed=count, total=of)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -44,8 +45,10 @@ def verify(
 
     Ends with exit code 1 if a number misses its tolerance. The first run compiles a few kernels (about 20 s each).
     """
+    from drill_twin.cli.studies.output import write_page
     from drill_twin.errors import SceneError
     from drill_twin.studies.verify import choose
+    from drill_twin.studies.verify.page import to_data, to_page
 
     cases = choose(only, quick=quick)
     if not cases:
@@ -56,7 +59,8 @@ def verify(
     checks = _run(cases, workers)
     _show(checks, json=json)
     if page is not None:
-        _write(page, checks, only=only, quick=quick)
+        data, flags = to_data(checks), {"--quick": quick}
+        write_page(page, partial(to_page, checks), data, command="verify", only=only, flags=flags)
     if not all(check.ok for check in checks):
         raise typer.Exit(MISSED)
 
@@ -74,14 +78,11 @@ def _print_names(cases: Sequence[Case]) -> None:
 
 
 def _run(cases: Sequence[Case], workers: int) -> list[CaseResult]:
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from drill_twin.cli.show import err
+    from drill_twin.cli.studies.output import counting_bar
     from drill_twin.studies.verify.run import run_cases
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=err(), transient=True) as progress:
-        task = progress.add_task("verifying", total=len(cases))
+    progress, task = counting_bar("verifying", len(cases))
+    with progress:
 
         def done(check: CaseResult) -> None:
             progress.update(task, advance=1, description=check.case.name)
@@ -128,16 +129,3 @@ def _table(checks: Sequence[CaseResult]) -> Table:
             verdict = Text("ok") if row.ok else Text("MISS", style="red")
             table.add_row(told, *map(Text, cells), verdict)
     return table
-
-
-def _write(page: Path, checks: Sequence[CaseResult], *, only: str, quick: bool) -> None:
-    from drill_twin.cli.folder import write_file
-    from drill_twin.cli.show import err
-    from drill_twin.studies.json_io import json_text
-    from drill_twin.studies.verify.page import to_data, to_page
-
-    options = [*(["--only", only] if only else []), *(["--quick"] if quick else []), "--page", page.as_posix()]
-    write_file(page, to_page(checks, " ".join(["drill-twin verify", *options])))
-    data = page.with_suffix(".json")
-    write_file(data, json_text(to_data(checks)))
-    err().print(f"{page}, {data}", markup=False, soft_wrap=True)
