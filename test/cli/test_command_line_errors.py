@@ -55,7 +55,7 @@ def field(inside, bench_run):
         (["run", "pa6_bench", "--out", "text.mcap"], "found one with a file in it"),
         (["run", "pa6_bench", "--out", "text.mcap/x"], "expected a place to write the result"),
         (["run", "ufrj_rig"], "rig.table.file"),
-        (["cost", "pa6_bench", "--out", "text.mcap"], "text.mcap/runs: expected a place to write to"),
+        (["cost", "pa6_bench", "--out", "text.mcap"], "text.mcap/runs: expected a place to write the result"),
         (["run", "pa6_bench", "--accuracy", "1 %", "--set", "numerics.tolerance=1e-6"], "which chooses it"),
         (["run"], "Missing argument 'SCENE'; see `drill-twin run --help`"),
         (["run", "pa6_bench", "--bogus"], "No such option: --bogus"),
