@@ -9,8 +9,10 @@ import pytest
 
 import drill_twin as dt
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, TWIN_SCENE
 from drill_twin.report import summarise
+from drill_twin.report.run_log import RunLog
 
 TEXTS = {TWIN_SCENE, DIAGNOSTICS}
 """Topics that hold wall-clock times."""
@@ -136,3 +138,25 @@ def test_without_xarray_the_remedy_is_named(result, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "xarray", None)
     with pytest.raises(dt.ArgumentError, match=re.escape("pip install 'drill_twin[xarray]'")):
         result.to_xarray()
+
+
+def test_a_run_that_cannot_go_on_keeps_what_came_before(bench_scene):
+    simulation = dt.Simulation(bench_scene)
+    simulation.advance(wob=40, rpm=120, seconds=0.1)
+    with pytest.raises(dt.RunError) as stopped:
+        simulation.advance(wob=1e6, seconds=1.0)
+    result = simulation.result()
+    assert 10 <= result.time.size < 20
+    assert result.time[-1] == pytest.approx(simulation.time)
+    assert result.summary["guard"]["stopped"] == str(stopped.value)
+
+
+def test_the_energy_balance_is_read_report_by_report():
+    log = RunLog()
+    for stamp, kinetic in ((1, 0.5), (2, 0.75), (2, 0.75)):
+        values = {"realtime_factor": "10", "energy_stored_kinetic_J": repr(kinetic), "energy_residual": "1e-9"}
+        status = Status("simulator", Level.OK, "", values)
+        log.on_diagnostics(encode_diagnostics(stamp * 1_000_000_000, [status]))
+    assert {key: values.tolist() for key, values in log.energy.items()} == {
+        "time": [1.0, 2.0], "stored_kinetic_J": [0.5, 0.75], "residual": [1e-9, 1e-9]
+    }  # fmt: skip
