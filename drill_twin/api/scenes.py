@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from drill_twin.errors import SceneError
+from drill_twin.errors import DrillTwinError, SceneError
 from drill_twin.scene import Scene, load, presets
 
 Block = Mapping[str, Any]
@@ -89,7 +89,6 @@ def check_scene(scene: Scene | str | Path, overrides: Overrides | None = None) -
 
     Looks at what loading does not: the record that the scene plays.
     """
-    from drill_twin.errors import DrillTwinError
     from drill_twin.schedule import Schedule
 
     try:
