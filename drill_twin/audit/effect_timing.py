@@ -24,9 +24,7 @@ _TIMED = ("distributed_load", "section_stress", "end_load")
 _POINTS, _TRIES = 2000, 3  # so many points are visited in a row
 
 _HEAD = '''"""Each effect in a loop of its own. Written by drill_twin; do not edit."""
-from numba import njit
-
-from drill_twin.base.jit import FLAGS
+from drill_twin.base.jit import entry_kernel
 from drill_twin.model.point import Point
 from drill_twin.model.strain import Strain
 '''
@@ -34,7 +32,7 @@ _POINT = """
 {import_line}
 
 
-@njit(cache=True, **FLAGS)
+@entry_kernel
 def {name}_distributed_load(rounds, parameters, rod, p, h2, load, stiff):
     for k in range(rounds):
         for g in range(p.shape[0]):
@@ -48,7 +46,7 @@ _SECTION = """
 {import_line}
 
 
-@njit(cache=True, **FLAGS)
+@entry_kernel
 def {name}_section_stress(rounds, parameters, rod, p, h2, resultants):
     for k in range(rounds):
         for g in range(p.shape[0]):
@@ -62,7 +60,7 @@ _END = """
 {import_line}
 
 
-@njit(cache=True, **FLAGS)
+@entry_kernel
 def {name}_end_load(rounds, parameters, rod, command, h2, u, v, ends):
     for k in range(rounds):
         of_{name}.end_load(parameters, rod, command, 0.0, h2, u, v, v, ends)

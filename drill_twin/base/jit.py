@@ -17,6 +17,8 @@ from typing import Any, TypeVar, cast
 
 from numba import config, njit
 
+from drill_twin.base.inlined_compiler import InlinedCompiler
+
 config.SLP_VECTORIZE = 1  # type: ignore[attr-defined]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -30,5 +32,10 @@ FLAGS: dict[str, Any] = {
 
 
 def kernel(function: Function) -> Function:
-    """Compile a function for the time loop (lazily, at its first call)."""
-    return cast("Function", njit(**FLAGS)(function))
+    """Compile a function that other kernels call, lazily; from Python call its ``py_func``."""
+    return cast("Function", njit(**FLAGS, pipeline_class=InlinedCompiler)(function))
+
+
+def entry_kernel(function: Function) -> Function:
+    """Compile a function that Python calls, lazily, and keep its machine code beside its source file."""
+    return cast("Function", njit(**FLAGS, cache=True)(function))

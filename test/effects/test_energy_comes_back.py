@@ -7,8 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from drill_twin.effects import wall
+from drill_twin.model import stretch, wellbore
 from drill_twin.model.point import Point
-from drill_twin.model.stretch import stretch_forces, stretching
 from drill_twin.model.wellbore import Wellbore
 
 CLEARANCE, HERTZ, LINEAR, AXIAL = 0.08, 1e7, 1e6, 5e5
@@ -38,12 +38,8 @@ def stored(linear: bool, place: np.ndarray) -> float:
 
 
 @pytest.fixture(autouse=True)
-def interpreted(monkeypatch):
-    """The kernels as Python: a compiled one takes longer to make than all of this to run."""
-    monkeypatch.setattr(wall, "contact_force", wall.contact_force.py_func)
-    monkeypatch.setattr(wall, "mean_force", wall.mean_force.py_func)
-    monkeypatch.setattr(wall, "add_row", wall.add_row.py_func)
-    monkeypatch.setattr(wall, "distributed_load", wall.distributed_load.py_func)
+def interpreted(interpret):
+    interpret(wall, wellbore, stretch)
 
 
 @given(linear=st.booleans(), angle=angles, way=angles, depth=depths, h2=halves, speed=speeds)
@@ -87,7 +83,7 @@ def test_stretch_gives_back_what_it_took(start, rate, h2):
     a, force, saa = start + h2 * rate, np.zeros(8), np.zeros((3, 3))
     end = start + 2.0 * h2 * rate
     assume(np.linalg.norm(end) > 0.3)
-    s = stretching(tuple(a), tuple(rate), h2)
-    stretch_forces(AXIAL, 0.0, 0.0, tuple(a), s, h2, force, saa)
+    s = stretch.stretching(tuple(a), tuple(rate), h2)
+    stretch.stretch_forces(AXIAL, 0.0, 0.0, tuple(a), s, h2, force, saa)
     before, after = (0.5 * AXIAL * (np.linalg.norm(x) - 1.0) ** 2 for x in (start, end))
     assert 2.0 * h2 * (force[:3] @ rate) == pytest.approx(after - before, rel=1e-8, abs=1e-8 * max(before, after, 1e-6))

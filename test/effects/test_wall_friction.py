@@ -9,7 +9,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from hole_scenes import ON_THE_WALL, bend, with_parts
+from numba import njit
 
+from drill_twin.base.jit import FLAGS
 from drill_twin.effects import wall, wall_friction
 from drill_twin.model.point import Point
 from drill_twin.scene import Scene
@@ -23,6 +25,9 @@ PLACE, H2, CLEARANCE = 17, 1e-3, 0.01
 class Both(NamedTuple):
     wall: wall.Parameters
     wall_friction: wall_friction.Parameters
+
+
+friction_load = njit(**FLAGS)(wall_friction.distributed_load.py_func)  # to be called from here
 
 
 def scene_of(hole: str, friction: dict[str, float]) -> Scene:
@@ -48,7 +53,7 @@ def evaluate(both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, h2: fl
         seen |= dict(zip(("vx", "vy", "vz", "spin_rate"), rate, strict=True))
         seen |= {"element": PLACE // 2, "place": PLACE, "tz": 1.0, "fresh": count == 0, "iteration": float(count)}
         here = Point(**seen)
-        wall_friction.distributed_load(both, twin.rod, here, h2, load, stiff)
+        friction_load(both, twin.rod, here, h2, load, stiff)
     return load, stiff
 
 
