@@ -12,7 +12,7 @@ from drill_twin.model.mesh import Rod, Tube
 from drill_twin.model.survey import Survey, survey
 from drill_twin.model.wellbore import Axis, Wellbore
 from drill_twin.scene import Scene
-from drill_twin.scene.section import Piece
+from drill_twin.scene.blocks.section import Piece
 
 
 def tubes_of(scene: Scene) -> list[Tube]:

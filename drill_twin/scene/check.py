@@ -10,12 +10,12 @@ from collections.abc import Iterator
 from typing import Protocol, get_args
 
 from drill_twin.effects.config import BitReaction
-from drill_twin.scene.effects import Effects
-from drill_twin.scene.hole import Hole
-from drill_twin.scene.part import refuse_at
-from drill_twin.scene.rig import Rig
-from drill_twin.scene.section import Section
-from drill_twin.scene.string import String
+from drill_twin.scene.blocks.effects import Effects
+from drill_twin.scene.blocks.hole import Hole
+from drill_twin.scene.blocks.part import refuse_at
+from drill_twin.scene.blocks.rig import Rig
+from drill_twin.scene.blocks.section import Section
+from drill_twin.scene.blocks.string import String
 
 TOGETHER = ("stretch", "torsion")
 """Effects that are listed both or not at all: the spatial formulation, or the lateral one."""

@@ -10,8 +10,8 @@ from typing import Any, get_args
 
 from pydantic import BaseModel
 
+from drill_twin.scene.blocks.rig import SetPoint
 from drill_twin.scene.describe import descriptions
-from drill_twin.scene.rig import SetPoint
 from drill_twin.scene.schema import Scene
 
 

@@ -5,13 +5,13 @@ from typing import Annotated, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
+from drill_twin.scene.blocks.effects import Effects
+from drill_twin.scene.blocks.hole import Hole
+from drill_twin.scene.blocks.numerics import Numerics
+from drill_twin.scene.blocks.part import Part
+from drill_twin.scene.blocks.rig import Rig
+from drill_twin.scene.blocks.string import String
 from drill_twin.scene.check import check
-from drill_twin.scene.effects import Effects
-from drill_twin.scene.hole import Hole
-from drill_twin.scene.numerics import Numerics
-from drill_twin.scene.part import Part
-from drill_twin.scene.rig import Rig
-from drill_twin.scene.string import String
 from drill_twin.scene.write import yaml_text
 
 TOLERANCE, LOSSLESS_TOLERANCE = 1e-5, 1e-6

@@ -8,7 +8,7 @@ from typing import Self
 
 from drill_twin.errors import TableError
 from drill_twin.scene import Scene
-from drill_twin.scene.rig import RecordedTable
+from drill_twin.scene.blocks.rig import RecordedTable
 from drill_twin.schedule.command import Command
 from drill_twin.schedule.shapes import SetPointAt, shape, table
 from drill_twin.schedule.tables import Table, read_table

@@ -8,7 +8,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import SceneError
-from drill_twin.scene.rig import SetPoint
+from drill_twin.scene.blocks.rig import SetPoint
 from drill_twin.scene.set_point_shapes import ADDED
 
 SetPointAt = Callable[[float], float]

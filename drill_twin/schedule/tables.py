@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import TableError
-from drill_twin.scene.rig import Column
+from drill_twin.scene.blocks.rig import Column
 from drill_twin.schedule.clean import Cleaning, clean
 from drill_twin.schedule.reading import Columns, read_columns
 from drill_twin.units import Dimension, UnitError, factor_of

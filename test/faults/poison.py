@@ -57,7 +57,7 @@ def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Ar
 def install(dose: Poison) -> None:
     """Have every scene of this process list it."""
     import drill_twin.effects
-    from drill_twin.scene.effects import Effects, EffectsBase
+    from drill_twin.scene.blocks.effects import Effects, EffectsBase
 
     name = "drill_twin.effects.poison"
     if name not in sys.modules:
@@ -75,7 +75,7 @@ def install(dose: Poison) -> None:
 
 def remove() -> None:
     """Have no scene list it any more."""
-    from drill_twin.scene.effects import EffectsBase
+    from drill_twin.scene.blocks.effects import EffectsBase
 
     if hasattr(EffectsBase, "unpoisoned"):
         EffectsBase.names = EffectsBase.unpoisoned

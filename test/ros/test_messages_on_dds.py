@@ -10,7 +10,7 @@ from std_msgs.msg import Float64
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.definitions import type_hash
 from drill_twin.io.messages.topics import MARKS_STATE, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
-from drill_twin.ros.core.topic_qos import message_class
+from drill_twin.ros.core.topics.topic_qos import message_class
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Schedule
 

@@ -4,7 +4,7 @@
 import pytest
 from pydantic import ValidationError
 
-from drill_twin.scene.string import String
+from drill_twin.scene.blocks.string import String
 
 CASES = [
     # old, new, line, what the message must say

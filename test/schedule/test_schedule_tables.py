@@ -13,7 +13,7 @@ from scipy.io import savemat
 
 from drill_twin.errors import TableError
 from drill_twin.scene import load_scene
-from drill_twin.scene.rig import Column
+from drill_twin.scene.blocks.rig import Column
 from drill_twin.schedule import Schedule, extremes, read_table
 from drill_twin.schedule.clean import find_spikes
 from drill_twin.twin.twin import Twin

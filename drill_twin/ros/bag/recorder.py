@@ -17,7 +17,7 @@ from drill_twin.io.messages.topics import TOPICS
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
-from drill_twin.ros.core.raw_subscriptions import Received
+from drill_twin.ros.core.topics.raw_subscriptions import Received
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
 _QUIET = 0.3  # s

@@ -18,12 +18,12 @@ from rclpy.service import Service
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher
-from drill_twin.ros.core.node_topics import NodeTopics
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, Value, declare, follow_changes
-from drill_twin.ros.core.raw_subscriptions import RawSubscriptions
 from drill_twin.ros.core.startup_barrier import StartupBarrier
 from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.core.topics.node_topics import NodeTopics
+from drill_twin.ros.core.topics.raw_subscriptions import RawSubscriptions
 
 _DIAGNOSTICS_PERIOD = 1.0  # s
 

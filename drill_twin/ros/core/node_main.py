@@ -15,8 +15,8 @@ from drill_twin.errors import DrillTwinError
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameter_text import file_text, help_text
 from drill_twin.ros.core.parameters import Parameter
-from drill_twin.ros.core.qos_overrides import refuse_unused
 from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.core.topics.qos_overrides import refuse_unused
 from drill_twin.ros.deployment import discovery
 from drill_twin.ros.deployment.security import readable_refusal
 

@@ -19,8 +19,8 @@ from rclpy.service import Service
 from std_srvs.srv import Trigger
 
 from drill_twin.errors import RunError
-from drill_twin.ros.core.node_topics import NodeTopics
 from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.core.topics.node_topics import NodeTopics
 
 _POLL = 0.05  # s
 _ANSWER_TIME = 1.0  # s

@@ -7,6 +7,7 @@ import math
 
 from drill_twin.ros.simulator.command_arbiter import Limits
 from drill_twin.scene import Scene
+from drill_twin.scene.blocks.rig import SetPoint
 
 _GENEROUS = 10.0  # times what the scene itself commands
 _LEAST_WEIGHT = 100.0  # N
@@ -36,7 +37,7 @@ def limits_for(scene: Scene, *, max_weight_on_bit: float, max_speed: float, nega
     )
 
 
-def _largest(planned: object, least: float, recorded: float) -> float:
+def _largest(planned: SetPoint, least: float, recorded: float) -> float:
     if planned.shape == "table":
         return recorded
     return max(_GENEROUS * abs(planned.value), _GENEROUS * abs(planned.initial), least)
@@ -49,7 +50,7 @@ def _strained(scene: Scene) -> float:
     )
 
 
-def _range(planned: object, largest: float, *, negative: bool) -> tuple[float, float]:
+def _range(planned: SetPoint, largest: float, *, negative: bool) -> tuple[float, float]:
     low, high = min(0.0, planned.value, planned.initial), max(largest, planned.value, planned.initial)
     negative = negative or low < 0.0 or planned.shape == "table"  # a measured standstill wavers around zero
     return (min(low, -largest) if negative else low), high

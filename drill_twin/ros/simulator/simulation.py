@@ -171,7 +171,8 @@ class Simulation:
         settings = self._node.settings
         if settings.pace != "lockstep" or self._markers is None:
             return self._markers is not None and self._markers.due()
-        return self.loop.frames % max(round(1.0 / (self.loop.period * settings.marker_rate)), 1) == 0
+        every = max(round(1.0 / (self.loop.period * float(settings.marker_rate))), 1)
+        return self.loop.frames % every == 0
 
     def _save_failure(self, command: Command, error: StoppedError) -> str:
         """Save the last good state beside the checkpoint, else in the folder of the logs; returns where, in words."""

@@ -4,7 +4,7 @@
 import math
 from collections.abc import Callable
 
-from drill_twin.scene.rig import SetPoint
+from drill_twin.scene.blocks.rig import SetPoint
 
 
 def half_cosine(set_point: SetPoint) -> Callable[[float], float]:

@@ -8,8 +8,8 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import core_schema
 
-from drill_twin.scene.auto import OrAuto
-from drill_twin.scene.part import Part, refuse_at
+from drill_twin.scene.blocks.auto import OrAuto
+from drill_twin.scene.blocks.part import Part, refuse_at
 from drill_twin.units import Dimensionless, Frequency, Quantity, Within, refuse, show
 from drill_twin.units.dimension import DIMENSIONLESS, TIME
 

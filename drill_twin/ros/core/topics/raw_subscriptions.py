@@ -20,7 +20,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
-from drill_twin.ros.core.drop_counter import DropCounter
+from drill_twin.ros.core.topics.drop_counter import DropCounter
 
 _AT_ONCE = 200  # messages of one topic taken in one turn
 _SERVICE_PERIOD = 0.03  # s; longest wait of a service call

@@ -6,8 +6,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import model_validator
 
-from drill_twin.scene.auto import OrAuto
-from drill_twin.scene.part import Part, refuse_at
+from drill_twin.scene.blocks.auto import OrAuto
+from drill_twin.scene.blocks.part import Part, refuse_at
 from drill_twin.units import Dimensionless, Inertia, Quantity, RotationalDamping, Torque, Within
 from drill_twin.units.dimension import ROTATIONAL_DAMPING, ROTATIONAL_STIFFNESS
 

@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple, Self
 
 from pydantic import model_validator
 
-from drill_twin.scene.part import Part, refuse_at
+from drill_twin.scene.blocks.part import Part, refuse_at
 from drill_twin.units import Density, Dimensionless, Length, Pressure, Within
 
 MOST_JOINTS = 2000

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drill_twin.scene.part import Part, refuse_at
+from drill_twin.scene.blocks.part import Part, refuse_at
+from drill_twin.scene.blocks.top_drive import TopDrive
 from drill_twin.scene.set_point_shapes import SHAPES
-from drill_twin.scene.top_drive import TopDrive
 from drill_twin.units import AngularSpeed, Force, Time, Within
 
 if TYPE_CHECKING:
