@@ -9,7 +9,13 @@ class DrillTwinError(Exception):
 
 
 class SceneError(DrillTwinError):
-    """A scene file that cannot be simulated as written."""
+    """A scene file that cannot be simulated as written; the message has its first problem.
+
+    Attributes:
+        problems: All problems of a scene, one line each, in the order of the file; empty for other errors.
+    """
+
+    problems: tuple[str, ...] = ()
 
 
 class TableError(DrillTwinError):

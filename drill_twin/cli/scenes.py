@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
+from drill_twin.errors import SceneError
 
 if TYPE_CHECKING:
     from drill_twin.scene import Scene
@@ -46,12 +48,19 @@ def check(
     yaml: Annotated[bool, typer.Option("--yaml", help="Print the whole scene, with units and defaults.")] = False,
     json: JsonOption = False,
 ) -> None:
-    """Check a scene file: prints each error with its place and the expected value."""
+    """Check a scene file: prints every problem, one a line, with its place, what was expected and what was found."""
     from drill_twin.cli.show import out, pairs, print_json
     from drill_twin.scene import load_scene, scene_path
     from drill_twin.schedule import Schedule
 
-    described = load_scene(scene, overrides=overrides(change))
+    try:
+        described = load_scene(scene, overrides=overrides(change))
+    except SceneError as error:
+        if not error.problems:
+            raise
+        for problem in error.problems:
+            print(f"drill-twin: error: {problem}", file=sys.stderr)
+        raise typer.Exit(2) from None
     schedule = Schedule.from_scene(described)
     if json:
         print_json({"file": str(scene_path(scene)), **_facts(described)})

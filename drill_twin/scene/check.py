@@ -6,13 +6,14 @@ The requirements of an effect stand in its own file (`drill_twin.effects.EffectC
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Protocol, get_args
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import partial
+from typing import Any, Protocol, get_args
 
-from drill_twin.effects.config import BitReaction
+from drill_twin.effects.config import BitReaction, EffectConfig, Incompatibility
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
-from drill_twin.scene.blocks.part import refuse_at
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.section import Section
 from drill_twin.scene.blocks.string import String
@@ -43,25 +44,54 @@ class SceneParts(Protocol):
         """Effects to simulate."""
 
 
-def check(scene: SceneParts) -> None:
-    """Reject a scene whose parts contradict each other.
+class UnknownPartError(Exception):
+    """A check asks for a part of the scene that is itself invalid."""
 
-    Raises:
-        ValidationError: Place and both sides of the contradiction.
+
+class UnknownPart:
+    """Stand-in for an invalid part: whatever a check asks of it raises UnknownPartError."""
+
+    def __getattr__(self, name: str) -> Any:
+        """Raise UnknownPartError."""
+        raise UnknownPartError(name)
+
+
+def contradictions(scene: SceneParts) -> Iterator[Incompatibility]:
+    """Yield all contradictions between the parts of a scene; checks that meet an UnknownPart end early.
+
+    Args:
+        scene: Scene with valid parts, or with an UnknownPart in the place of each invalid one.
     """
-    string, hole, rig, effects = scene.string, scene.hole, scene.rig, scene.effects
-    _string_fits_the_hole(string, hole)
-    _hole_holds_the_string(string, hole, effects)
-    _effects_go_together(effects)
-    _string_carries_the_load(string, rig, effects)
-    _top_can_turn(rig, effects)
-    _bit_is_held(string, effects)
-    for key, block in effects.blocks.items():
-        for place, text in block.check_against(scene):
-            raise refuse_at(("effects", key, *place), text)
+    effects = scene.effects
+    checks: list[Callable[[], Iterator[Incompatibility]]] = [
+        lambda: _string_fits_the_hole(scene.string, scene.hole),
+        lambda: _hole_holds_the_string(scene.string, scene.hole, effects),
+        lambda: _formulation_is_whole(effects),
+        lambda: _one_law_at_the_bit(effects),
+        lambda: _string_carries_the_load(scene.string, scene.rig, effects),
+        lambda: _top_can_turn(scene.rig, effects),
+        lambda: _bit_is_held(scene.string, effects),
+        *(partial(_required_are_listed, key, block, effects) for key, block in _blocks(effects)),
+        *(partial(_effect_fits, key, block, scene) for key, block in _blocks(effects)),
+    ]
+    for each in checks:
+        with suppress(UnknownPartError):
+            yield from each()
 
 
-def _string_fits_the_hole(string: String, hole: Hole) -> None:
+def _blocks(effects: Effects) -> list[tuple[str, EffectConfig]]:
+    try:
+        return list(effects.blocks.items())
+    except UnknownPartError:
+        return []
+
+
+def _effect_fits(key: str, block: EffectConfig, scene: SceneParts) -> Iterator[Incompatibility]:
+    for place, text in block.check_against(scene):
+        yield Incompatibility(("effects", key, *place), text)
+
+
+def _string_fits_the_hole(string: String, hole: Hole) -> Iterator[Incompatibility]:
     top = string.length
     for index, section in enumerate(string.sections):
         top, bottom = max(top - section.length, 0.0), top
@@ -70,7 +100,7 @@ def _string_fits_the_hole(string: String, hole: Hole) -> None:
         )  # with the nominal radius, even where intervals cover the section: gaps between them have it
         for key, diameter in _diameters(section):
             if diameter >= 2.0 * narrow:
-                raise refuse_at(
+                yield Incompatibility(
                     ("string", "sections", index, *key),
                     f"expected less than the diameter of the hole ({2.0 * narrow:.6g} m), found {diameter:.6g} m",
                 )
@@ -84,57 +114,62 @@ def _diameters(section: Section) -> Iterator[tuple[tuple[str, ...], float]]:
         yield ("joints", "diameter"), section.joints.diameter
 
 
-def _hole_holds_the_string(string: String, hole: Hole, effects: Effects) -> None:
+def _hole_holds_the_string(string: String, hole: Hole, effects: Effects) -> Iterator[Incompatibility]:
     if not hole.survey:
         return
     if hole.survey[-1].depth < string.length * (1.0 - 1e-12):
-        raise refuse_at(
+        yield Incompatibility(
             ("hole", "survey", len(hole.survey) - 1, "depth"),
             f"expected the last station at or below the bit ({string.length:.6g} m), "
             f"found {hole.survey[-1].depth:.6g} m",
         )
     if effects.stretch is None and effects.torsion is None:
-        raise refuse_at(
+        yield Incompatibility(
             ("hole", "survey"),
             "expected `stretch` and `torsion` to be listed with a survey, found neither: "
             "the motion across the hole alone is computed in a straight hole only (`hole.inclination`)",
         )
 
 
-def _effects_go_together(effects: Effects) -> None:
+def _formulation_is_whole(effects: Effects) -> Iterator[Incompatibility]:
     missing = [key for key in TOGETHER if getattr(effects, key) is None]
     if len(missing) == 1:
         listed = next(key for key in TOGETHER if key not in missing)
-        raise refuse_at(
+        yield Incompatibility(
             ("effects", listed),
             f"expected both or neither of `{TOGETHER[0]}` and `{TOGETHER[1]}`, found no `{missing[0]}`: list it too, "
             "or take both out for lateral motion only, with the axial force in balance and the spin of the top drive",
         )
-    for key, block in effects.blocks.items():
-        for needed in block.requires:
-            if getattr(effects, needed) is None:
-                raise refuse_at(
-                    ("effects", key), f"expected `{needed}` to be listed too, found it missing: {key} needs {needed}"
-                )
+
+
+def _required_are_listed(key: str, block: EffectConfig, effects: Effects) -> Iterator[Incompatibility]:
+    for needed in block.requires:
+        if getattr(effects, needed) is None:
+            yield Incompatibility(
+                ("effects", key), f"expected `{needed}` to be listed too, found it missing: {key} needs {needed}"
+            )
+
+
+def _one_law_at_the_bit(effects: Effects) -> Iterator[Incompatibility]:
     for what in get_args(BitReaction):
         laws = effects.providing(what)
         if len(laws) > 1:
-            raise refuse_at(
+            yield Incompatibility(
                 ("effects", laws[1]),
                 f"expected one law of the rock's {what} on the bit, found {' and '.join(laws)}",
             )
 
 
-def _bit_is_held(string: String, effects: Effects) -> None:
+def _bit_is_held(string: String, effects: Effects) -> Iterator[Incompatibility]:
     if string.bit_end == "stabilised" and effects.bit_stabiliser is None:
-        raise refuse_at(
+        yield Incompatibility(
             ("string", "bit_end"),
             "expected `string.bit_end: stabilised` and `effects.bit_stabiliser` together, "
             "found bit_end stabilised without a bit_stabiliser",
         )
 
 
-def _string_carries_the_load(string: String, rig: Rig, effects: Effects) -> None:
+def _string_carries_the_load(string: String, rig: Rig, effects: Effects) -> Iterator[Incompatibility]:
     gravity = effects.gravity.magnitude if effects.gravity is not None else 0.0
     weight = gravity * sum(section.mass_per_length * section.length for section in string.sections)
     number, weakest = min(enumerate(string.sections), key=lambda item: item[1].youngs_modulus * item[1].area)
@@ -142,7 +177,7 @@ def _string_carries_the_load(string: String, rig: Rig, effects: Effects) -> None
     for key in ("value", "initial"):
         load = abs(getattr(rig.weight_on_bit, key))
         if load + weight > LARGEST_STRAIN * stiffness and load > 0.0:
-            raise refuse_at(
+            yield Incompatibility(
                 ("rig", "weight_on_bit", key),
                 f"expected at most {max(LARGEST_STRAIN * stiffness - weight, 0.0):.4g} N, found {load:.4g} N: with the "
                 f"string's own {weight:.4g} N it strains section {number + 1} (E A = {stiffness:.4g} N) by "
@@ -150,9 +185,9 @@ def _string_carries_the_load(string: String, rig: Rig, effects: Effects) -> None
             )
 
 
-def _top_can_turn(rig: Rig, effects: Effects) -> None:
+def _top_can_turn(rig: Rig, effects: Effects) -> Iterator[Incompatibility]:
     if rig.top_drive.model != "prescribed" and effects.torsion is None:
-        raise refuse_at(
+        yield Incompatibility(
             ("rig", "top_drive", "model"),
             f'expected "prescribed" in a scene without torsion, found "{rig.top_drive.model}": list `torsion` too',
         )

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from drill_twin.errors import SceneError
 from drill_twin.scene.lines import LARGEST_TEXT, Lines, copy_plain, read_lines
 from drill_twin.scene.overrides import apply_overrides
+from drill_twin.scene.partial import contradictions_of_valid_parts
 from drill_twin.scene.paths import scene_path
 from drill_twin.scene.problems import scene_error
 from drill_twin.scene.schema import Scene
@@ -80,7 +81,8 @@ def _build(lines: Lines, overrides: Mapping[str, float | str] | None, *, folder:
     try:
         return Scene.model_validate(lines.data, context={"text": text})
     except ValidationError as error:
-        raise scene_error(error, lines, Scene) from None
+        found = [*error.errors(include_url=False), *contradictions_of_valid_parts(lines.data, text=text)]
+        raise scene_error(found, lines, Scene) from None
 
 
 def _inherit(lines: Lines, folder: Path, depth: int = 0) -> None:

@@ -5,7 +5,7 @@ import difflib
 import inspect
 from typing import Any, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
@@ -14,16 +14,17 @@ from drill_twin.scene.lines import Lines, Path
 from drill_twin.units import Quantity, show
 
 
-def scene_error(error: ValidationError, lines: Lines, model: type[BaseModel]) -> SceneError:
-    """Error with one line on the first problem in the file and the number of others."""
-    found = error.errors(include_url=False)
+def scene_error(found: list[ErrorDetails], lines: Lines, model: type[BaseModel]) -> SceneError:
+    """Error with all problems; its message has the first one in the file and the number of others."""
     places = [tuple(detail["loc"]) for detail in found]
     causes = [detail for detail, place in zip(found, places, strict=True) if not _has_cause_inside(place, places)]
     details = sorted(causes, key=lambda detail: (detail["type"] == "missing", lines.order(tuple(detail["loc"]))))
-    messages = [_message(detail, lines, model) for detail in details]
+    messages = tuple(dict.fromkeys(_message(detail, lines, model) for detail in details))
     more = len(messages) - 1
-    rest = f" (and {more} more {'problem' if more == 1 else 'problems'})" if more else ""
-    return SceneError(messages[0] + rest)
+    rest = f" (and {more} more {'problem' if more == 1 else 'problems'}: see `drill-twin check`)" if more else ""
+    result = SceneError(messages[0] + rest)
+    result.problems = messages
+    return result
 
 
 def path_text(path: Path) -> str:

@@ -8,10 +8,10 @@ from pydantic import Field, model_validator
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.numerics import Numerics
-from drill_twin.scene.blocks.part import Part
+from drill_twin.scene.blocks.part import Part, refuse_all
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.string import String
-from drill_twin.scene.check import check
+from drill_twin.scene.check import contradictions
 from drill_twin.scene.write import yaml_text
 
 TOLERANCE, LOSSLESS_TOLERANCE = 1e-5, 1e-6
@@ -56,7 +56,8 @@ class Scene(Part):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        check(self)
+        if found := list(contradictions(self)):
+            raise refuse_all(found)
         return self
 
     @property

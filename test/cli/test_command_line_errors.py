@@ -42,7 +42,7 @@ def field(inside, bench_run):
         (["run", "pa6_bnech"], 'did you mean "pa6_bench"?'),
         (["run", "malformed.yaml"], "malformed.yaml:"),
         (["run", "wrong.yaml"], "wrong.yaml:"),
-        (["check", "wrong.yaml"], "wrong.yaml:"),
+        (["check", "malformed.yaml"], "malformed.yaml:"),
         (["run", "nothing"], "expected a scene file, found a folder"),
         (["run", "pa6_bench", "--wob", "40 kg"], 'expected a force such as "40 N", found "40 kg" (mass)'),
         (["run", "pa6_bench", "--duration", "nan s"], "duration"),
@@ -87,6 +87,17 @@ def test_one_line_and_exit_code_2(call, field, arguments, words):
     assert said.err.startswith("drill-twin: error: ")
     assert words in said.err
     assert sorted((path, path.is_file() and path.read_bytes()) for path in field.rglob("*")) == before
+
+
+def test_check_prints_every_problem_on_a_line_of_its_own(call, inside):
+    (inside / "three.yaml").write_text("base: pa6_bench\nhole: {radius: 1 kg}\neffects: {wall: off, gravity: 3}\n")
+    said = call("check", "three.yaml")
+    lines = said.err.splitlines()
+    assert (said.code, said.out, len(lines)) == (2, "", 3)
+    assert all(line.startswith("drill-twin: error: ") for line in lines)
+    for place in ("hole.radius", "effects.gravity", "effects.wall_friction"):
+        assert f": {place}: expected " in said.err
+    assert "(and 2 more problems: see `drill-twin check`)" in call("run", "three.yaml").err
 
 
 def test_a_run_that_the_guard_stops_ends_with_another_code(call, inside):

@@ -4,6 +4,7 @@
 import pytest
 from pydantic import ValidationError
 
+from drill_twin.errors import SceneError
 from drill_twin.scene.blocks.string import String
 
 CASES = [
@@ -96,7 +97,24 @@ def test_a_string_is_not_longer_than_the_longest_well():
 def test_the_first_of_several_mistakes_is_told_and_the_others_counted(refusal):
     message = refusal("16.5 mm\n      youngs_modulus: 2.3 GPa", "16.5 kg\n      youngs_modulus: 2.3 kg")
     assert message.startswith("x.yaml:5: ")
-    assert message.endswith("(and 1 more problem)")
+    assert message.endswith("(and 1 more problem: see `drill-twin check`)")
+
+
+def test_problems_between_parts_show_beside_those_of_fields(changed):
+    bad = "bow: {amplitude: 95 mm}\n  bit_friction: {coefficient: 9, radius: 8 mm}"
+    with pytest.raises(SceneError) as caught:
+        changed("bow: {amplitude: 2 mm}", bad, {"numerics.seed": "-1", "effects.wall": "off"})
+    places = ["numerics.seed", "effects.bow.amplitude", "effects.bit_friction.coefficient", "effects.wall_friction"]
+    assert len(caught.value.problems) == len(places)
+    for place in places:
+        assert any(f": {place}: " in problem for problem in caught.value.problems), place
+    assert all("\n" not in problem for problem in caught.value.problems)
+
+
+def test_an_invalid_part_hides_only_the_checks_that_need_it(changed):
+    with pytest.raises(SceneError) as caught:
+        changed("radius: 90 mm", "radius: 90 kg", {"effects.torsion": "off", "effects.bow.amplitude": "1 m"})
+    assert [problem.split(": ")[1] for problem in caught.value.problems] == ["hole.radius", "effects.stretch"]
 
 
 def test_a_sound_scene_is_not_refused(changed):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Base class of a scene's parts, and validation errors with a place."""
 
-from typing import Any
+from collections.abc import Iterable
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import InitErrorDetails
@@ -15,8 +15,13 @@ class Part(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-def refuse_at(place: tuple[str | int, ...], message: str, found: Any = None) -> ValidationError:
-    """Make a validation error at a place inside the part being checked."""
+def refuse_all(problems: Iterable[tuple[tuple[str | int, ...], str]]) -> ValidationError:
+    """Make a validation error of several problems, each with its place inside the part being checked."""
     return ValidationError.from_exception_data(
-        "scene", [InitErrorDetails(type=refuse(message), loc=place, input=found)]
+        "scene", [InitErrorDetails(type=refuse(text), loc=place, input=None) for place, text in problems]
     )
+
+
+def refuse_at(place: tuple[str | int, ...], message: str) -> ValidationError:
+    """Make a validation error at a place inside the part being checked."""
+    return refuse_all([(place, message)])
