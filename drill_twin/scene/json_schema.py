@@ -57,7 +57,7 @@ def _models(annotation: Any) -> set[type[BaseModel]]:
 _BASE = {
     "type": "string",
     "description": "Scene (a name, or a path from this file's folder) on which this one is based: only differences are "
-    "written, lists in full.",
+    "written, lists in full; `value: ~` removes a key of the base.",
 }
 _VALUE_UNLESS_TABLE = {
     "if": {"properties": {"shape": {"const": "table"}}, "required": ["shape"]},

@@ -51,8 +51,19 @@ class Lines:
             return self.inherited[place]
         return f"{self.name}:{self.lines[place]}" if place in self.lines else self.name
 
+    def heir(self, path: Path) -> str:
+        """`file:line` that takes over a place of the base: the innermost block of this text around it, or `base`."""
+        place = self._known(path)
+        if place not in self.inherited or place in self.overridden:
+            return ""
+        around = next(place[:length] for length in range(len(place), -1, -1) if place[:length] in self.lines)
+        return f"{self.name}:{self.lines[around or ('base',)]}"
+
     def inherit(self, base: "Lines") -> None:
-        """Fill in what is missing from another text: blocks key by key, anything else (lists too) as a whole."""
+        """Fill in what is missing from another text: blocks key by key, anything else (lists too) as a whole.
+
+        A key without a value (`value: ~`) removes that of the base, except for an effect, where it means `on`.
+        """
         self._inherit(self.data, base.data, base, ())
 
     def _inherit(self, own: dict[str, Any], below: dict[str, Any], base: "Lines", path: Path) -> None:
@@ -62,6 +73,8 @@ class Lines:
                 own[key] = value
                 inside = [other for other in (*base.lines, *base.inherited) if other[: len(place)] == place]
                 self.inherited |= {other: base.where(other) for other in inside}
+            elif own[key] is None and not is_effect(place):
+                del own[key]
             elif isinstance(own[key], dict) and isinstance(value, dict):
                 self._inherit(own[key], value, base, place)
 
@@ -69,6 +82,11 @@ class Lines:
         known = (path[:length] for length in range(len(path), -1, -1))
         places = (self.overridden, self.lines, self.inherited)
         return next((place for place in known if any(place in some for some in places)), ())
+
+
+def is_effect(place: Path) -> bool:
+    """True for the key of an effect, whose empty value means `on`."""
+    return len(place) == 2 and place[0] == "effects"
 
 
 def read_lines(text: str, name: str) -> Lines:

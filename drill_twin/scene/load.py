@@ -26,7 +26,7 @@ def load_scene(scene: str | Path, *, overrides: Mapping[str, str] | None = None)
     are short for the keys most often set, and `{"effects.bow": "off"}` removes an effect.
 
     A file with `base: pa6_bench` (a name, or a path from the file's folder) contains only the differences from that
-    scene, lists in full.
+    scene, lists in full; `value: ~` removes a key of the base.
 
     Raises:
         SceneError: No such file, not YAML, or not a scene; with file, line, key, expected and found.

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from drill_twin.errors import SceneError
-from drill_twin.scene.lines import Lines
+from drill_twin.scene.lines import Lines, is_effect
 
 SHORTHANDS = {
     "wob": ("rig.weight_on_bit.value", "N"),
@@ -25,7 +25,8 @@ _INDEX = re.compile(r"\[(\w+)\]")
 def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:
     """Set each override in the data; a list item is addressed by its index or `name`: `string.marks.mark_1.on`.
 
-    `accuracy` replaces the elements, step and tolerance of the data.
+    An empty value (`~`) removes a key, except for an effect, where it means `on`; `accuracy`
+    replaces the elements, step and tolerance of the data.
 
     Raises:
         SceneError: An unknown key, or a value that is not YAML.
@@ -66,7 +67,10 @@ def _set(lines: Lines, key: str, place: str, value: Any) -> None:
             raise SceneError(f"{lines.name}: override: {key}: expected a key of the scene, found no `{part}`")
         path = (*path, step)
         if last:
-            inside[step] = value
+            if value is None and isinstance(inside, dict) and step in inside and not is_effect(path):
+                del inside[step]
+            else:
+                inside[step] = value
             lines.overridden.add(path)
         else:
             if isinstance(inside, dict) and inside.get(step) in (None, True):

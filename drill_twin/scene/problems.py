@@ -47,7 +47,8 @@ def _has_cause_inside(place: Path, places: "list[Path]") -> bool:
 
 def _message(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> str:
     place = tuple(detail["loc"])
-    return f"{lines.where(place)}: {path_text(place)}: {_explanation(detail, place, model)}"
+    heir = f" (inherited by {lines.heir(place)})" if lines.heir(place) else ""
+    return f"{lines.where(place)}: {path_text(place)}: {_explanation(detail, place, model)}{heir}"
 
 
 def _explanation(detail: ErrorDetails, place: Path, model: type[BaseModel]) -> str:

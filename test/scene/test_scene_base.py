@@ -39,6 +39,46 @@ def test_a_mistake_is_told_in_the_file_that_has_it(tmp_path):
         load_scene(written(tmp_path, "base: middle.yaml\n"))
 
 
+def test_a_record_takes_the_place_of_a_set_point_of_the_base(tmp_path):
+    (tmp_path / "record.csv").write_text("time,wob\n0,0\n1,10\n2,20\n")
+    table = "table: {file: record.csv, time: {column: time, unit: s}, weight_on_bit: {column: wob, unit: N}}"
+    head = "base: pa6_bench\nname: child\nrig:\n  weight_on_bit:\n"
+    with pytest.raises(SceneError) as caught:
+        load_scene(written(tmp_path, f"{head}    shape: table\n  {table}\n"))
+    assert [problem.split(": ")[1] for problem in caught.value.problems] == [
+        f"rig.weight_on_bit.{key}" for key in ("value", "duration")
+    ]
+    for problem in caught.value.problems:  # where the base wrote it, and where it was changed
+        assert "pa6_bench.yaml:" in problem
+        assert "child.yaml:4)" in problem
+        assert ": ~` takes away that of a base" in problem
+    child = load_scene(written(tmp_path, f"{head}    {{shape: table, value: ~, duration: null}}\n  {table}\n"))
+    assert child.rig.weight_on_bit.shape == "table"
+    assert child.rig.table.file == str(tmp_path / "record.csv")
+
+
+def test_a_key_without_a_value_removes_that_of_the_base(tmp_path):
+    text = (
+        "base: middle.yaml\nrig: {table: ~, weight_on_bit: {shape: constant, value: 3 N, duration: ~}}\nnumerics: ~\n"
+    )
+    text += "effects: {bow: {angle: ~}, gravity: }\n"
+    middle = "base: pa6_bench\neffects: {bow: {angle: 30 deg}, gravity: off}\nnumerics: {frame_rate: 50 Hz}\n"
+    middle += "rig: {table: {file: record.csv}}\n"
+    written(tmp_path, middle, "middle.yaml")
+    child = load_scene(written(tmp_path, text))
+    assert child.rig.table is None
+    assert child.numerics.frame_rate == 100.0
+    assert child.effects.bow.angle == 0.0
+    assert child.effects.gravity is not None  # an effect without a block is on
+    with pytest.raises(SceneError, match=r"child\.yaml:2: hole\.radius: expected a length .*found nothing"):
+        load_scene(written(tmp_path, "base: pa6_bench\nhole: {radius: ~}\n"))
+
+
+def test_an_empty_override_removes_a_key():
+    scene = load_scene("pa6_bench", overrides={"rig.weight_on_bit.duration": "~", "rig.weight_on_bit.shape": "null"})
+    assert (scene.rig.weight_on_bit.shape, scene.rig.weight_on_bit.duration) == ("constant", 0.0)
+
+
 def test_a_base_that_leads_nowhere_is_refused(tmp_path):
     with pytest.raises(SceneError, match=r"child\.yaml:1: base: .*no such scene"):
         load_scene(written(tmp_path, "base: nothing\n"))

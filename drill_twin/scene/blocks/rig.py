@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from drill_twin.scene.blocks.part import Part, refuse_at
+from drill_twin.scene.blocks.part import Part, refuse_all, refuse_at
 from drill_twin.scene.blocks.top_drive import TopDrive
 from drill_twin.scene.set_point_shapes import SHAPES
 from drill_twin.units import AngularSpeed, Force, Time, Within
@@ -46,12 +46,12 @@ class SetPoint(Part):
             "constant": ("initial", "start", "duration"),
             "table": ("value", "initial", "start", "duration"),
         }.get(self.shape, ())
-        for key in unused:
-            if getattr(self, key) != 0.0:
-                raise refuse_at(
-                    (key,),
-                    f'expected no `{key}` with shape "{self.shape}", found one; shapes "step" and "ramp" take it',
-                )
+        if found := [key for key in unused if getattr(self, key) != 0.0]:
+            others = 'shapes "step" and "ramp" take it; `{}: ~` takes away that of a base'
+            raise refuse_all(
+                ((key,), f'expected no `{key}` with shape "{self.shape}", found one; {others.format(key)}')
+                for key in found
+            )
         return self
 
 
