@@ -19,8 +19,9 @@ OVER_TIME = ("set_points", "displacement", "motion", "spectrum_over_time")
 """Figures that share the time axis, in their order on the page."""
 
 _CAPTIONS = {
-    "orbits": "Thick: the wall. Dotted: as far as the centre line can go. The dot is the last position. Anticlockwise "
-    "is positive; with positive rotation that is forward whirl.",
+    "orbits": "Thick: the wall. Dotted: as far as the centre line can go. Blue: the pipe at its size and the dot its "
+    "centre, both at the end. Anticlockwise is positive; with positive rotation that is forward whirl. A small "
+    "orbit is enlarged, each panel by itself, with the whole hole in the corner.",
     "spectrum": "A pure circular orbit is one line as high as its radius: right of zero when it turns with the string, "
     "left when it turns against it.",
     "string_shapes": "z = 0 is the top clamp; the bit is at the lower end. Lateral axes are stretched against z.",

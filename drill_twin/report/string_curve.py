@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Curve of the string between its nodes, for drawing: cubic like the elements, not a polygon."""
+"""Curve of the string between its nodes, for drawing: cubic like the elements, not a polygon; the hole beside it."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.discretisation.discretise import survey_of
-from drill_twin.model.wellbore_coordinates import to_hole_coordinates
+from drill_twin.model.wellbore_coordinates import to_hole_coordinates, transverse_axes
 from drill_twin.scene import Scene
 
 FINEST = 100
 """Points of a drawn curve; a mesh with more nodes is drawn without further points."""
+VERTICAL = 1e-3
+"""Sine of the inclination below which a hole has no low side."""
 
 
 def along_hole(scene: Scene, curves: Array) -> Array:
@@ -27,6 +29,18 @@ def along_hole(scene: Scene, curves: Array) -> Array:
     steps = np.linalg.norm(np.diff(curves[0], axis=0), axis=1)
     up = np.concatenate(([0.0], np.cumsum(steps)))
     return to_hole_coordinates(line.at(scene.length * (1.0 - up / up[-1])), curves)
+
+
+def low_side(scene: Scene, depth: Array) -> ComplexArray:
+    """Direction of gravity across the hole at measured depths [m], x + i y, of the length sin(inclination)."""
+    top = scene.hole.top_inclination
+    down = np.array([np.sin(top), 0.0, -np.cos(top)])
+    line = survey_of(scene)
+    if line is None:
+        return np.full(depth.shape, down[0], complex)
+    across = transverse_axes(line.at(np.clip(depth, 0.0, None)).tangent)
+    low: ComplexArray = across[0] @ down + 1j * (across[1] @ down)
+    return low
 
 
 def smooth(position: Array, tangent: Array) -> Array:

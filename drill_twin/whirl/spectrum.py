@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.whirl.marks import AnalysisError
@@ -118,7 +119,8 @@ def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = 
 def spectrum_over_time(time: Array, z: ComplexArray, window: float, columns: int = 400) -> tuple[Array, Array, Array]:
     """Two-sided spectra of a record in a sliding Hann window: times [s], frequencies [Hz] and radii [m].
 
-    Shapes (c,), (k,) and (k, c). A circular orbit has its own radius; a constant offset is at zero.
+    Shapes (c,), (k,) and (k, c). A circular orbit has its own radius; a constant offset is at zero. Near an end of the
+    record the window is shorter on that side, down to an eighth, so that the spectra reach over the whole record.
 
     Args:
         time: Times of the samples [s], rising, shape (n,); interpolated linearly on their mean grid.
@@ -139,11 +141,20 @@ def spectrum_over_time(time: Array, z: ComplexArray, window: float, columns: int
         )
     grid = np.linspace(time[0], time[-1], time.size)
     even = np.interp(grid, time, z.real) + 1j * np.interp(grid, time, z.imag)
-    starts = np.unique(np.linspace(0, time.size - length, min(columns, time.size - length + 1)).astype(np.intp))
-    taper = np.hanning(length + 2)[1:-1]
-    pieces = np.lib.stride_tricks.sliding_window_view(even, length)[starts]
-    pieces = pieces * taper
+    centres = np.unique(np.linspace(0, time.size - 1, min(columns, time.size)).astype(np.intp))
+    place, taper = _tapers(centres, length, time.size)
     padded = 2 ** math.ceil(math.log2(2 * length))
-    radius = np.abs(np.fft.fftshift(np.fft.fft(pieces, padded, axis=1), axes=1)) / taper.sum()
+    spectra = np.fft.fftshift(np.fft.fft(even[place] * taper, padded, axis=1), axes=1)
+    radius = np.abs(spectra) / taper.sum(axis=1, keepdims=True)
     frequency = np.fft.fftshift(np.fft.fftfreq(padded, 1.0 / rate))
-    return grid[starts] + 0.5 * (length - 1) / rate, frequency, radius.T
+    return grid[centres], frequency, radius.T
+
+
+def _tapers(centres: NDArray[np.intp], length: int, samples: int) -> tuple[NDArray[np.intp], Array]:
+    """Samples of the windows around centres and their Hann weights, shape (c, length); shorter towards an end."""
+    half, least = length // 2, length // 8
+    middle = np.clip(centres, least, samples - 1 - least)[:, None]
+    step = np.arange(length) - half
+    side = np.where(step < 0, np.minimum(middle, half), np.minimum(samples - 1 - middle, half)) + 1.0
+    taper = np.where(np.abs(step) < side, 0.5 + 0.5 * np.cos(math.pi * step / side), 0.0)
+    return np.clip(middle + step, 0, samples - 1), taper

@@ -11,6 +11,7 @@ from html.parser import HTMLParser
 import matplotlib.image
 import numpy as np
 import pytest
+from matplotlib.patches import Circle
 from PIL import Image
 
 from drill_twin.errors import BagError
@@ -183,12 +184,49 @@ def test_spectrum_marks_rotation_and_whirl_and_has_its_peak_there(recording):
     assert max(curve.get_ydata()) == pytest.approx(30.0, rel=0.1)
 
 
-def test_orbits_draw_the_wall_and_the_reach(recording):
-    panels = drawn("orbits", recording).axes[:4]
+def circles(panel):
+    return sorted({round(patch.get_radius(), 6) for patch in panel.patches if isinstance(patch, Circle)})
+
+
+def test_orbits_draw_wall_reach_and_pipe_at_their_size_one_panel_a_depth(recording):
+    """Marks 3 and 4 are at one depth."""
+    panels = [panel for panel in drawn("orbits", recording).axes if panel.get_title()]
+    assert [panel.get_title().partition(" m from")[0] for panel in panels] == [
+        "mark_1, 4.4", "mark_2, 2.5", "mark_3, mark_4, 0.5",
+    ]  # fmt: skip
+    last = recording.centre_lines()[-1, 0] * 1e3
     for panel in panels:
-        radii = sorted(patch.get_radius() for patch in panel.patches)
-        assert radii == pytest.approx([81.75, 90.0])
+        assert circles(panel) == pytest.approx([8.25, 81.75, 90.0])
+        pipe = next(patch for patch in panel.patches if patch.get_radius() == pytest.approx(8.25))
+        assert complex(*pipe.center) == pytest.approx(last)
         assert panel.get_aspect() == 1.0
+        assert panel.get_xlim() == pytest.approx((-96.3, 96.3))
+
+
+def test_small_orbits_are_enlarged_with_the_whole_hole_beside_them(messages, write):
+    small = read_recording(write([row for row in messages if row[1] <= 2_500_000_000]))
+    for panel in (panel for panel in drawn("orbits", small).axes if panel.get_title()):
+        assert panel.get_xlim() == pytest.approx((-1.6, 1.6), rel=0.01)  # the bow is 1 mm
+        assert "enlarged 60 times" in panel.get_title()
+        (beside,) = panel.child_axes
+        assert circles(beside) == pytest.approx([8.25, 81.75, 90.0])
+        assert beside.get_xlim() == pytest.approx((-96.3, 96.3))
+
+
+def test_orbits_of_an_inclined_hole_name_the_low_side(recording, known_bag):
+    inclined = read_recording(known_bag, load_scene("pa6_bench", overrides={"hole.inclination": "60 deg"}))
+    for recorded, arrows in ((recording, 0), (inclined, 3)):
+        texts = [text for panel in drawn("orbits", recorded).axes for text in panel.texts]
+        found = [text for text in texts if text.get_text() == "low side"]
+        assert len(found) == arrows
+        assert all(text.xy == pytest.approx((0.99, 0.5)) for text in found)
+
+
+def test_spectrum_over_time_reaches_the_end_of_the_run(recording):
+    (mesh,) = drawn("spectrum_over_time", recording).axes[0].collections
+    edges = mesh.get_coordinates()[..., 0]
+    assert edges.min() <= recording.marks.time[0]
+    assert edges.max() >= 12.0
 
 
 def test_every_motion_state_has_a_colour_of_its_own():

@@ -4,8 +4,10 @@
 import numpy as np
 import pytest
 
+from drill_twin.discretisation.discretise import survey_of
 from drill_twin.io.messages.pose import orientation, tangent_of
-from drill_twin.report.string_curve import FINEST, smooth
+from drill_twin.report.string_curve import FINEST, low_side, smooth
+from drill_twin.scene import load_scene
 
 
 def test_tangents_come_back_from_orientations(make_frame):
@@ -35,3 +37,16 @@ def test_arc_of_a_circle_is_met_to_a_thousandth():
 def test_fine_mesh_is_drawn_as_it_is(make_frame):
     frame = make_frame(nodes=150)
     assert smooth(frame.positions[None], frame.tangents[None]) == pytest.approx(frame.positions[None])
+
+
+def test_low_side_is_where_gravity_points():
+    built = {"hole.survey": "[{depth: 0 m, inclination: 0 deg}, {depth: 5 m, inclination: 20 deg, azimuth: 40 deg}]"}
+    straight = {"hole.inclination": "60 deg"}
+    depth = np.array([0.0, 2.5, 5.0])
+    assert np.abs(low_side(load_scene("pa6_bench"), depth)).max() == 0.0
+    assert low_side(load_scene("pa6_bench", overrides=straight), depth) == pytest.approx(np.sin(np.radians(60.0)))
+    scene = load_scene("pa6_bench", overrides=built)
+    found = low_side(scene, depth)
+    assert np.abs(found) == pytest.approx(np.sin(np.radians([0.0, 10.0, 20.0])), abs=1e-9)
+    down = survey_of(scene).down[-1]  # the hole builds towards where it leads, so the low side is opposite
+    assert found[-1] * abs(complex(*down[:2])) == pytest.approx(-abs(found[-1]) * complex(*down[:2]))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Orbits of the centre line in the cross-section of the hole, seen from above, one panel a mark."""
+"""Orbits of the centre line in the cross-section of the hole, seen from above, one panel a depth.
+
+A panel shows the whole hole, or, where the motion is small, the orbit enlarged with the whole hole beside it.
+"""
 
 from __future__ import annotations
 
@@ -14,41 +17,45 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.report.figures.style import GREY, INK, LIGHT, WIDTH, blank, head, mark_label, note
+from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, WIDTH, blank, head, note
 from drill_twin.report.recording import Recording
+from drill_twin.report.string_curve import VERTICAL, low_side
 
 COLUMNS = 4
 MAP = "cividis_r"
 _SEGMENTS = 6000
 """Most line segments of an orbit."""
+SMALL = 0.25
+"""Share of the hole's radius below which a motion is enlarged."""
+_MARGIN = 1.07
+_SMALLEST = 1e-3
+"""Least half-width of a panel [mm]."""
 
 
 def orbits(recording: Recording) -> Figure:
-    """Wall (thick), limit of the centre line (dotted), and orbit, coloured by time."""
-    places = recording.scene.mark_table
-    columns = min(COLUMNS, len(places))
-    rows = math.ceil(len(places) / columns)
+    """Wall (thick), limit of the centre line (dotted), the pipe at its size, and the orbit, coloured by time."""
+    depths = by_depth(recording)
+    columns = min(COLUMNS, len(depths))
+    rows = math.ceil(len(depths) / columns)
     side = min(WIDTH * 0.95 / columns, 4.2)
-    top, bottom = 0.45, 1.05
-    height = rows * (side + 0.1) + top + bottom
+    top, bottom, gap = 0.7, 0.85, 0.3
+    height = rows * (side + gap) + top + bottom
     figure = blank(height)
     head(figure, "Orbits of the centre line across the hole, seen from above")
     norm = Normalize(0.0, recording.duration)
-    time, centre = recording.marks.time, recording.centre_lines() * 1e3
     left = 0.5 * (1.0 - columns * side / WIDTH) + 0.015
-    for number in range(len(places)):
+    for number, marks in enumerate(depths):
         row, column = divmod(number, columns)
         rectangle = (
-            left + (column * side + 0.14 * side) / WIDTH,
-            1.0 - (top + (row + 1) * side + row * 0.1 - 0.03 * side) / height,
-            0.84 * side / WIDTH,
-            0.84 * side / height,
+            left + (column * side + 0.16 * side) / WIDTH,
+            1.0 - (top + row * (side + gap) + 0.85 * side) / height,
+            0.82 * side / WIDTH,
+            0.82 * side / height,
         )
         panel = figure.add_axes(rectangle)
-        _orbit(panel, recording, number, time, centre[:, number], norm)
-        panel.tick_params(labelleft=column == 0, labelbottom=number + columns >= len(places))
+        _orbits_at(panel, recording, marks, norm)
         panel.set_ylabel("y [mm]" if column == 0 else "", labelpad=1)
-        panel.set_xlabel("x [mm]" if number + columns >= len(places) else "", labelpad=1)
+        panel.set_xlabel("x [mm]" if number + columns >= len(depths) else "", labelpad=1)
     bar = figure.add_axes((0.3, 0.52 / height, 0.4, 0.11 / height))
     figure.colorbar(ScalarMappable(norm, MAP), cax=bar, orientation="horizontal", label="time [s]")
     onset = recording.summary.onset
@@ -59,29 +66,73 @@ def orbits(recording: Recording) -> Figure:
     return figure
 
 
-def _orbit(
-    panel: Axes,
-    recording: Recording,
-    number: int,
-    time: Array,
-    centre: ComplexArray,
-    norm: Normalize,
-) -> None:
-    place, wall = recording.scene.mark_table[number], recording.scene.hole.radius * 1e3
+def by_depth(recording: Recording) -> list[list[int]]:
+    """Numbers of the marks at each distance from the bit, in the scene's order."""
+    found: dict[float, list[int]] = {}
+    for number, place in enumerate(recording.scene.mark_table):
+        found.setdefault(place.distance_from_bit, []).append(number)
+    return list(found.values())
+
+
+def _orbits_at(panel: Axes, recording: Recording, marks: list[int], norm: Normalize) -> None:
+    """Orbits of the marks at one depth."""
+    places, scene = [recording.scene.mark_table[mark] for mark in marks], recording.scene
+    distance = places[0].distance_from_bit
+    wall = 1e3 * scene.hole.radius_at(max(scene.length - distance, 0.0))
+    centre = recording.centre_lines()[:, marks] * 1e3
+    largest = max(float(np.nanmax(np.abs(centre), initial=0.0)), _SMALLEST)
+    edge = _MARGIN * wall
+    panel.set_facecolor(LIGHT)
+    _hole(panel, wall, wall - 1e3 * places[0].clearance, centre[-1, 0])
+    title = f"{', '.join(place.name for place in places)}, {distance:g} m from bit"
+    if largest < SMALL * wall:
+        beside = panel.inset_axes((0.69, 0.69, 0.3, 0.3))
+        _hole(beside, wall, wall - 1e3 * places[0].clearance, centre[-1, 0])
+        _limits(beside, edge)
+        beside.set_axis_off()
+        edge = 1.6 * largest
+        title += f"\nenlarged {_MARGIN * wall / edge:.2g} times"
+    for column in range(len(marks)):
+        _path(panel, recording.marks.time, centre[:, column], norm)
+    _limits(panel, edge)
+    _mark_low_side(panel, complex(low_side(scene, np.array([scene.length - distance]))[0]))
+    panel.grid(visible=False)
+    panel.tick_params(labelsize=8.5)
+    panel.set_title(title, fontsize=9.5, loc="center", pad=4)
+
+
+def _mark_low_side(panel: Axes, low: complex) -> None:
+    """Arrow to the low side; none in a vertical hole."""
+    if abs(low) < VERTICAL:
+        return
+    way = low / abs(low)
+    panel.annotate(
+        "low side", (0.5 + 0.49 * way.real, 0.5 + 0.49 * way.imag), (0.5 + 0.36 * way.real, 0.5 + 0.36 * way.imag),
+        xycoords="axes fraction", ha="center", va="center", fontsize=8, color=VERMILION,
+        arrowprops={"arrowstyle": "-|>", "color": VERMILION},
+    )  # fmt: skip
+
+
+def _limits(panel: Axes, edge: float) -> None:
+    panel.set(xlim=(-edge, edge), ylim=(-edge, edge), aspect="equal")
+
+
+def _hole(panel: Axes, wall: float, pipe: float, centre: complex) -> None:
+    """Cross-section of the hole [mm] with the pipe at its last position."""
     panel.add_patch(Circle((0.0, 0.0), wall, facecolor="white", edgecolor=INK, linewidth=1.8, zorder=1))
-    reach = place.clearance * 1e3
-    panel.add_patch(Circle((0.0, 0.0), reach, fill=False, edgecolor=GREY, linewidth=0.9, linestyle=":", zorder=3))
+    reach = Circle((0.0, 0.0), wall - pipe, fill=False, edgecolor=GREY, linewidth=0.9, linestyle=":", zorder=3)
+    panel.add_patch(reach)
+    if np.isfinite(centre):
+        at = (centre.real, centre.imag)
+        panel.add_patch(Circle(at, pipe, facecolor=BLUE, alpha=0.18, linewidth=0, zorder=2, label="pipe"))
+        panel.add_patch(Circle(at, pipe, fill=False, edgecolor=BLUE, linewidth=1.2, zorder=4))
+
+
+def _path(panel: Axes, time: Array, centre: ComplexArray, norm: Normalize) -> None:
     every = max(1, time.size // _SEGMENTS)
     points = np.column_stack((centre.real, centre.imag))[::every]
     lines = LineCollection(list(np.stack((points[:-1], points[1:]), axis=1)), cmap=MAP, norm=norm, linewidth=0.9)
     lines.set_array(time[::every][:-1])
-    lines.set_zorder(2)
+    lines.set_zorder(3)
     panel.add_collection(lines)
-    panel.plot([points[-1, 0]], [points[-1, 1]], "o", color=INK, markersize=4, zorder=4)
-    panel.set_facecolor(LIGHT)
-    panel.grid(visible=False)
-    edge = 1.07 * wall
-    panel.set_xlim(-edge, edge)
-    panel.set_ylim(-edge, edge)
-    panel.set_aspect("equal")
-    panel.set_title(mark_label(recording, number).replace(" from the bit", " from bit"), fontsize=10.5, loc="center")
+    panel.plot([points[-1, 0]], [points[-1, 1]], "o", color=INK, markersize=3.5, zorder=5)
