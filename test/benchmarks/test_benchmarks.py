@@ -14,6 +14,7 @@ from benchmarks.peers.parts import PARTS
 from benchmarks.peers.rod import rod_of, wall_force
 from benchmarks.peers.rows import contact_time, path_error, result
 from benchmarks.peers.run import TOOLS, Tool, missing, run_apart, run_rounds
+from benchmarks.peers.summary import summary
 from benchmarks.peers.tables import markdown
 from benchmarks.peers.task import Motion, Task
 from drill_twin.twin.dynamics import LATERAL, form_of
@@ -114,3 +115,31 @@ def test_an_unknown_part_is_refused():
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert "nonsense" in done.stderr
+
+
+def peer_row(tool, cost, error, **more):
+    return {"tool": tool, "scene": "peers", "plain": False, "failure": "", "cost": cost, "error": error} | more
+
+
+def test_the_summary_has_errors_in_rows_of_their_own():
+    rows = [
+        peer_row("drill_twin", 0.02, 1e-5),
+        peer_row("drill_twin", 0.01, 9e-5),
+        peer_row("drill_twin", 0.005, 2e-4),
+        peer_row("MuJoCo flex", 1.0, 3e-3),
+        peer_row("MuJoCo flex", 4.0, 6e-4),
+        peer_row("MuJoCo flex", 5.0, 1e-6, failure="not a number at 2 s"),
+    ]
+    lines = summary([{"part": "smooth", "rows": rows}]).splitlines()
+    assert lines[0] == "| case | measure | drill_twin | MuJoCo (flex) |"
+    assert lines[2:4] == [
+        "| smooth motion | CPU s per simulated s | 0.01 | 4 |",
+        "|  | error | 9.0e-05 | 6.0e-04 |",
+    ]
+
+
+def test_the_summary_of_a_tool_that_never_ended_has_no_number():
+    rows = [peer_row("drill_twin", 0.1, 1e-4), peer_row("MuJoCo flex", 5.0, 1e-6, failure="not a number at 2 s")]
+    assert "| buckled by 40 N | CPU s per simulated s | 0.1 | none ended |" in summary(
+        [{"part": "buckled", "rows": rows}]
+    )
