@@ -16,6 +16,8 @@ class Dimension:
     """Examples for messages and editors, the best first."""
     also: tuple[str, ...] = ()
     """Other units accepted for it, such as `N m` for `N m/rad`."""
+    converted: tuple[tuple[str, float], ...] = ()
+    """SI units of another kind accepted for it, each with the factor that makes it this one."""
 
     @property
     def article(self) -> str:
@@ -28,6 +30,9 @@ class Dimension:
         return f'{self.article} such as "{self.examples[0]}"' if self.examples else self.article
 
 
+GRAVITY = 9.80665
+"""Standard gravity [m/s^2]: a pressure gradient over it is the density of a fluid."""
+
 LENGTH = Dimension("length", "m", ("16.5 mm", "5 m", "12 1/4 in"))
 MASS = Dimension("mass", "kg", ("2 kg", "5 lb"))
 TIME = Dimension("time", "s", ("0.5 s", "4 ms", "2 min"))
@@ -37,7 +42,7 @@ ANGULAR_SPEED = Dimension("speed of rotation", "rad/s", ("2 rev/s", "50 rpm", "5
 FREQUENCY = Dimension("frequency", "Hz", ("100 Hz",))
 SPEED = Dimension("speed", "m/s", ("0.1 m/s",))
 ACCELERATION = Dimension("acceleration", "m/s^2", ("9.81 m/s^2",))
-DENSITY = Dimension("density", "kg/m^3", ("1.10 g/cm^3", "7850 kg/m^3"))
+DENSITY = Dimension("density", "kg/m^3", ("1.10 g/cm^3", "7850 kg/m^3"), converted=(("Pa/m", 1.0 / GRAVITY),))
 PRESSURE = Dimension("pressure", "Pa", ("2.3 GPa", "210 GPa"))
 TORQUE = Dimension("torque", "N m", ("12 N m",))
 LINEAR_DRAG = Dimension("drag per length and speed", "N s/m^2", ("0.2 N s/m^2",))
@@ -56,6 +61,8 @@ SPEED_PER_FORCE = Dimension("speed per force", "m/(N s)", ("5.672e-8 m/(N s)",))
 LENGTH_PER_ANGLE = Dimension("length per angle", "m/rad", ("1.374e-4 m/rad",))
 FORCE_TIMES_ANGLE = Dimension("force times angle", "N rad", ("9.537e6 N rad",))
 FORCE_PER_LENGTH = Dimension("force per length", "N/m", ("2 N/m",))
+CURVATURE = Dimension("curvature", "rad/m", ("3 deg/30 m", "3 deg/100 ft"))
+VOLUME = Dimension("volume", "m^3", ("20 L", "10 bbl"))
 VISCOSITY = Dimension("viscosity", "Pa s", ("0.02 Pa s", "20 cP"))
 DIMENSIONLESS = Dimension("number without unit", "", ("0.3", "30 %"))
 
@@ -63,5 +70,5 @@ DIMENSIONS = (
     LENGTH, MASS, TIME, FORCE, ANGLE, ANGULAR_SPEED, FREQUENCY, SPEED, ACCELERATION, DENSITY, PRESSURE, TORQUE,
     LINEAR_DRAG, ROTARY_DRAG, HERTZ_STIFFNESS, LINEAR_STIFFNESS, INVERSE_SPEED, ROTATIONAL_STIFFNESS,
     ROTATIONAL_DAMPING, INERTIA, STIFFNESS, DAMPING, TIME_PER_ANGLE, SQUARED_TIME_PER_ANGLE, SPEED_PER_FORCE,
-    LENGTH_PER_ANGLE, FORCE_TIMES_ANGLE, FORCE_PER_LENGTH, VISCOSITY, DIMENSIONLESS,
+    LENGTH_PER_ANGLE, FORCE_TIMES_ANGLE, FORCE_PER_LENGTH, CURVATURE, VOLUME, VISCOSITY, DIMENSIONLESS,
 )  # fmt: skip

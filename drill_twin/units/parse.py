@@ -26,9 +26,10 @@ def parse(text: str, dimension: Dimension) -> float:
     """Parse a text such as `"40 N"` to its SI value; raises UnitError with expected and found."""
     value, unit = split(text, dimension)
     factor, found = _factor_or_raise(unit, text, dimension)
-    if found not in _accepted(dimension):
+    if found not in (accepted := _accepted(dimension)):
         what = dimension_name(found)
         raise UnitError(f'expected {dimension.expected}, found "{short(text)}" ({what if unit else "no unit"})')
+    factor *= accepted[found]
     result = value if factor == 1.0 else tidy(value * factor)
     if not math.isfinite(result):
         raise UnitError(f'expected a finite {dimension.name}, found "{short(text)}"')
@@ -54,9 +55,9 @@ def split(text: str, dimension: Dimension) -> tuple[float, str]:
 def factor_of(unit: str, dimension: Dimension) -> float:
     """SI factor of a unit, for columns of numbers; raises UnitError if it has another dimension."""
     factor, found = _factor_or_raise(unit, unit, dimension)
-    if found not in _accepted(dimension):
+    if found not in (accepted := _accepted(dimension)):
         raise UnitError(f'expected a unit of {dimension.name} such as "{dimension.unit}", found "{short(unit)}"')
-    return factor
+    return factor * accepted[found]
 
 
 def write(value: float, dimension: Dimension) -> str:
@@ -86,8 +87,10 @@ def _named(dimensionality: Dimensionality) -> Dimension | None:
 
 
 @cache
-def _accepted(dimension: Dimension) -> tuple[Dimensionality, ...]:
-    return tuple(si_factor(unit)[1] for unit in (dimension.unit, *dimension.also))
+def _accepted(dimension: Dimension) -> dict[Dimensionality, float]:
+    """Dimensionalities accepted for a dimension, each with the factor from its SI value to that of the dimension."""
+    same = {si_factor(unit)[1]: 1.0 for unit in (dimension.unit, *dimension.also)}
+    return same | {si_factor(unit)[1]: factor for unit, factor in dimension.converted}
 
 
 def _factor_or_raise(unit: str, text: str, dimension: Dimension) -> tuple[float, Dimensionality]:

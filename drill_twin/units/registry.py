@@ -37,26 +37,32 @@ rpm = revolution / minute
 hertz = 1 / second = Hz
 tonne = 1000 * kilogram = t
 pound = 0.45359237 * kilogram = lb
-liter = decimeter ** 3 = L = litre
+liter = decimeter ** 3 = L = litre = l
 gallon = 231 * inch ** 3 = gal
+barrel = 42 * gallon = bbl
 ppg = pound / gallon
+specific_gravity = gram / centimeter ** 3 = sg = SG
 newton = kilogram * meter / second ** 2 = N
 pound_force = 4.4482216152605 * newton = lbf
-kip = 1000 * pound_force = klbf
+kip = 1000 * pound_force = klbf = kips = klb
+kilogram_force = 9.80665 * newton = kgf
+tonne_force = 1000 * kilogram_force = tf
+decanewton = 10 * newton = daN
 pascal = newton / meter ** 2 = Pa
 bar = 1e5 * pascal
 centipoise = 0.001 * pascal * second = cP
 psi = pound_force / inch ** 2
+ksi = 1000 * psi
 joule = newton * meter = J
 watt = joule / second = W
 percent = 0.01 = %
 """
 
-PREFIXED = ("m", "s", "g", "N", "Pa", "bar", "Hz", "rad", "J", "W", "L")
+PREFIXED = ("m", "s", "g", "N", "Pa", "bar", "Hz", "rad", "J", "W", "L", "l")
 PREFIXES = ("", "k", "M", "G", "m", "c", "d", "u", "µ", "μ", "n")
 PLAIN = (
-    "in", "ft", "min", "h", "deg", "°", "rev", "rpm", "t", "lb", "lbf", "klbf", "kip", "psi", "gal", "ppg",
-    "cP", "percent", "%",
+    "in", "ft", "min", "h", "deg", "°", "rev", "rpm", "t", "lb", "lbf", "klbf", "klb", "kip", "kips", "kgf", "tf",
+    "daN", "psi", "ksi", "gal", "bbl", "ppg", "sg", "SG", "cP", "percent", "%",
 )  # fmt: skip
 UNIT_NAMES = (
     "meter", "meters", "metre", "metres", "inch", "inches", "foot", "feet", "second", "seconds", "sec",
@@ -72,6 +78,10 @@ Dimensionality = tuple[tuple[str, float], ...]
 
 _LONGEST_UNIT = 40
 _UNIT = re.compile(r"(?:\s*1?\s*/)?(?:[A-Za-zµμ%°()·*/\s]|(?<=[A-Za-zµμ%)])\^\(?-?\d(?:\.\d{1,2})?(?![\d.]))*")
+_POWER = re.compile(r"(?<=[A-Za-z])(?=[23](?![\d.]))")
+"""Place of the sign of a power in `cm3`."""
+_COURSE = re.compile(r"(deg|°|rad)\s*/\s*(30|10|100)\s*(m|ft)")
+"""Curvature over a course length: `deg/30 m`, `deg/100 ft`."""
 _WORD = re.compile(r"[A-Za-zµμ]+|[%°]")
 
 _PINT_ERRORS = (
@@ -107,7 +117,10 @@ def registry() -> "pint.UnitRegistry[float]":
 @cache
 def si_factor(unit: str) -> tuple[float, Dimensionality]:
     """SI factor and dimensionality of a unit text; raises UnitError if there is no such unit."""
-    text = unit.replace("**", "^").replace("²", "^2").replace("³", "^3")
+    if course := _COURSE.fullmatch(unit.strip()):
+        factor, dimensionality = si_factor(f"{course[1]}/{course[3]}")
+        return tidy(factor / float(course[2])), dimensionality
+    text = _POWER.sub("^", unit.replace("**", "^").replace("²", "^2").replace("³", "^3"))
     if len(text) > _LONGEST_UNIT or not _UNIT.fullmatch(text):
         raise UnitError(f'"{" ".join(unit.split())[:_LONGEST_UNIT]}" is not a unit')
     for name in _WORD.findall(text):

@@ -55,12 +55,55 @@ def test_a_text_with_a_unit_becomes_its_si_value(text, dimension, value):
     assert re.search(editor_pattern(dimension), text), "the editor refuses what the twin accepts"
 
 
+_LBF = 4.4482216152605
+_GALLON = 231 * 0.0254**3
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "value"),
+    [
+        ("1.2 sg", dim.DENSITY, 1200.0),
+        ("1.2 SG", dim.DENSITY, 1200.0),
+        ("1.2 g/cm3", dim.DENSITY, 1200.0),
+        ("1.2 kg/l", dim.DENSITY, 1200.0),
+        ("1200 kg/m3", dim.DENSITY, 1200.0),
+        ("10 ppg", dim.DENSITY, 4.5359237 / _GALLON),
+        ("10 lb/gal", dim.DENSITY, 4.5359237 / _GALLON),
+        ("75 lb/ft3", dim.DENSITY, 75 * 0.45359237 / 0.3048**3),
+        ("0.52 psi/ft", dim.DENSITY, 0.52 * _LBF / 0.0254**2 / 0.3048 / 9.80665),
+        ("11.8 kPa/m", dim.DENSITY, 11.8e3 / 9.80665),
+        ("12 tf", dim.FORCE, 12 * 9806.65),
+        ("36 klb", dim.FORCE, 36e3 * _LBF),
+        ("36 klbf", dim.FORCE, 36e3 * _LBF),
+        ("36 kips", dim.FORCE, 36e3 * _LBF),
+        ("5 daN", dim.FORCE, 50.0),
+        ("30 klbf ft", dim.TORQUE, 30e3 * _LBF * 0.3048),
+        ("30 ksi", dim.PRESSURE, 30e3 * _LBF / 0.0254**2),
+        ("3 deg/30 m", dim.CURVATURE, math.radians(3.0) / 30.0),
+        ("3 deg/30m", dim.CURVATURE, math.radians(3.0) / 30.0),
+        ("3 °/30 m", dim.CURVATURE, math.radians(3.0) / 30.0),
+        ("3 deg/100 ft", dim.CURVATURE, math.radians(3.0) / 30.48),
+        ("9000 ft", dim.LENGTH, 2743.2),
+        ("10 bbl", dim.VOLUME, 420 * _GALLON),
+    ],
+)
+def test_units_of_the_oilfield(text, dimension, value):
+    assert parse(text, dimension) == pytest.approx(value, rel=1e-14)
+    number, unit = text.split(" ", 1)
+    assert factor_of(unit, dimension) * float(number) == pytest.approx(value, rel=1e-14)
+    assert re.search(editor_pattern(dimension), text), "the editor refuses what the twin accepts"
+
+
 @pytest.mark.parametrize(
     ("text", "dimension", "words"),
     [
         ("16.5 kg", dim.LENGTH, '"16.5 kg" (mass)'),
         ("16.5", dim.LENGTH, '"16.5" (no unit)'),
         ("2 Hz", dim.ANGULAR_SPEED, '"2 Hz" (frequency)'),
+        ("3 deg/30 m", dim.ANGLE, "(curvature)"),
+        ("3 deg/17 m", dim.CURVATURE, "is not a unit"),
+        ("40 kgf", dim.MASS, "(force)"),
+        ("2 m2.5", dim.LENGTH, "is not a unit"),
         ("2 /s", dim.ANGULAR_SPEED, "(frequency)"),
         ("5 N/m", dim.FORCE, "(stiffness)"),
         ("5 m^5", dim.FORCE, "(length^5)"),
