@@ -23,7 +23,7 @@ from drill_twin.cli.watch import watch
 
 app = typer.Typer(
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]demo[/], "
-    "[bold]replay[/], [bold]load[/], and [bold]watch[/] without a bag, need rclpy.",
+    "[bold]replay[/], [bold]load[/], and [bold]watch[/] without a bag, need ROS 2 (rclpy).",
     epilog='For example: [bold]drill-twin run pa6_bench --wob "40 N" --rps 2 --duration 30 --out out/first --report[/]',
     rich_markup_mode="rich",
     add_completion=False,

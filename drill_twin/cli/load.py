@@ -20,7 +20,7 @@ def load(
     ] = 20.0,
     json: JsonOption = False,
 ) -> None:
-    """Measure the share of a processor core that each node takes in real time. Needs rclpy.
+    """Measure the share of a processor core that each node takes in real time. Needs ROS 2 (rclpy).
 
     Simulator, rig driver, analyzer and recorder run as processes over DDS; their processor time is that of the kernel,
     with all threads of DDS. The simulator itself measures its time for the motion and for publishing.

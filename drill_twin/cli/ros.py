@@ -13,7 +13,7 @@ from drill_twin.cli.options import BagArgument, JsonOption
 
 
 def demo(context: typer.Context) -> None:
-    """Run the paper's bench as ROS 2 nodes; see `drill-twin demo --help`. Needs rclpy."""
+    """Run the paper's bench as ROS 2 nodes; see `drill-twin demo --help`. Needs ROS 2 (rclpy)."""
     from drill_twin.ros.entry_points import start
 
     raise typer.Exit(start("demo", context.args))
@@ -41,7 +41,7 @@ def replay(
     ] = [],  # noqa: B006
     loop: Annotated[bool, typer.Option("--loop", help="Start again at the end.")] = False,
 ) -> None:
-    """Publish a bag again over DDS, with /clock, at any rate: the replayer node. Needs rclpy."""
+    """Publish a bag again over DDS, with /clock, at any rate: the replayer node. Needs ROS 2 (rclpy)."""
     from drill_twin.ros.entry_points import start
 
     given = {

@@ -15,7 +15,7 @@ import typer
 def watch(
     bag: Annotated[
         Path | None,
-        typer.Argument(metavar="[BAG]", help="Bag to play; without one, the running twin (needs rclpy)."),
+        typer.Argument(metavar="[BAG]", help="Bag to play; without one, the running twin (needs ROS 2: rclpy)."),
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: a free one.")] = 8000,
     host: Annotated[str, typer.Option(help="Address to listen on; any other lets other hosts command.")] = (

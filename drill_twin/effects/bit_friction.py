@@ -31,8 +31,8 @@ class BitFriction(EffectConfig):
     """Effective radius of friction [m]; at most that of the hole."""
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """Yield a bit that cannot slide, or a radius above that of the hole."""
-        if scene.string.bit_end not in SLIDING:
+        """Yield friction of a bit that cannot slide, or a radius above that of the hole."""
+        if self.coefficient > 0.0 and scene.string.bit_end not in SLIDING:
             yield Incompatibility(
                 (),
                 f"expected `string.bit_end` to be {' or '.join(SLIDING)}, found {scene.string.bit_end}: "

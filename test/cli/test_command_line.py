@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a scene to bag, findings and page, the way a user types it."""
 
+import inspect
 import json
 import os
 import signal
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from drill_twin import __version__
+from drill_twin.cli.app import app
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import MARKS_STATE, TOPICS
 from drill_twin.scene import parse_scene, presets
@@ -172,3 +174,20 @@ def test_reader_that_leaves_early_is_no_error(start):
     child.stdout.close()
     assert child.wait(timeout=60) in {0, 1}
     assert child.stderr.read() == ""
+
+
+def test_the_old_name_of_an_option_is_understood_and_the_new_one_named(call):
+    said = call("verify", "--list", "--processes", "3")
+    assert said.code == 0
+    assert "--processes is now --workers" in said.err
+    assert "now --workers" not in call("verify", "--list", "--workers=0").err
+
+
+@pytest.mark.parametrize("name", [command.name or command.callback.__name__ for command in app.registered_commands])
+def test_help_says_which_commands_need_ros(call, name):
+    command = next(each.callback for each in app.registered_commands if each.callback.__name__ == name)
+    needs = "drill_twin.ros" in inspect.getsource(command)
+    help_text = "" if name == "demo" else call(name.replace("_", "-"), "--help").out
+    assert ("ROS 2" in help_text + (command.__doc__ or "")) == needs
+    if needs:
+        assert f"[bold]{name}[/]" in app.info.help

@@ -82,10 +82,12 @@ def test_a_load_that_no_string_carries_is_refused_with_the_numbers(refusal):
     assert "E A = 4.918e+05 N) by 6.1 %" in message
 
 
-def test_a_bit_held_on_the_axis_cannot_rub_sideways(refusal):
+def test_a_bit_held_on_the_axis_cannot_rub_sideways(refusal, changed):
     added = "coefficient: 0.1}\n  bit_friction: {coefficient: 0.2, radius: 8 mm}"
     message = refusal("coefficient: 0.1}", added, {"string.bit_end": "guided"})
     assert "effects.bit_friction: expected `string.bit_end` to be sliding or free, found guided" in message
+    without = added.replace("0.2", "0")
+    assert changed("coefficient: 0.1}", without, {"string.bit_end": "guided"}).effects.bit_friction.coefficient == 0.0
 
 
 def test_a_string_is_not_longer_than_the_longest_well():

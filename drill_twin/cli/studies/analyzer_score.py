@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, ReplaceOption
+from drill_twin.cli.options import JsonOption, ReplaceOption, WorkersOption
 
 
 def analyzer_score(
@@ -17,7 +17,7 @@ def analyzer_score(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Write the tables, the numbers and the confusion matrix here too."),
     ] = None,
-    workers: Annotated[int, typer.Option("--workers", metavar="N", min=1, help="Processes.")] = 2,
+    workers: WorkersOption = 2,
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrides
+from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, WorkersOption, overrides
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -28,7 +28,7 @@ def cost(
         int, typer.Option("--replicas", min=0, max=50, help="Replicas of the converged run, for its spread.")
     ] = 3,
     coarse: Annotated[bool, typer.Option("--coarse", help="A third of the resolutions.")] = False,
-    workers: Annotated[int, typer.Option("--workers", min=1, max=64, help="Processes at a time.")] = 2,
+    workers: WorkersOption = 2,
     out: Annotated[
         Path | None,
         typer.Option(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
+from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, WorkersOption, overrides
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -37,7 +37,7 @@ def effects(
         str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
     ] = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    workers: Annotated[int, typer.Option("--workers", min=1, max=64, help="Processes at a time.")] = 2,
+    workers: WorkersOption = 2,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="New folder of the result.", show_default="out/effects_SCENE"),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption
+from drill_twin.cli.options import JsonOption, WorkersOption
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,7 +42,7 @@ def hard(
         Path | None,
         typer.Option("--map", metavar="FILE", help="Only draw the stability map over stiffness and damping (.png)."),
     ] = None,
-    workers: Annotated[int, typer.Option("--workers", min=1, max=64, help="Processes at a time.")] = 2,
+    workers: WorkersOption = 2,
     json: JsonOption = False,
 ) -> None:
     """Run the hard scenes: loads far beyond buckling, jumps, hard walls, sticking, tiny and huge strings.

@@ -10,14 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, ReplaceOption
+from drill_twin.cli.options import JsonOption, ReplaceOption, WorkersOption
 
 if TYPE_CHECKING:
     from drill_twin.studies.paper.runs.reproduction import Reproduction
 
-Processes = Annotated[
-    int, typer.Option("--processes", min=0, metavar="N", help="Runs at once; 0: as many as there are cores.")
-]
 BENCH = "pa6_calibrated"
 RESULT = ("paper.json", "paper.html", "paper.md")
 CALIBRATION, TRADE_OFF = "calibration.json", "paper_trade_off.png"
@@ -26,7 +23,7 @@ CALIBRATION, TRADE_OFF = "calibration.json", "paper_trade_off.png"
 def paper(
     scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="The bench, by name or file.")] = BENCH,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the result.")] = Path("out/paper"),
-    processes: Processes = 0,
+    workers: WorkersOption = 0,
     only_bench: Annotated[
         bool,
         typer.Option("--only-bench", help="Only the matrix of the bench: no variants, no full-size assembly."),
@@ -48,7 +45,7 @@ def paper(
     began = time.monotonic()
     with _bar("the paper's runs") as show:
         done = reproduce(
-            described, processes=processes or None, variants=not only_bench, full_size_too=not only_bench, progress=show
+            described, processes=workers, variants=not only_bench, full_size_too=not only_bench, progress=show
         )
     spent = time.monotonic() - began
     with err().status("drawing"):
@@ -75,7 +72,7 @@ def calibrate(
     generations: Annotated[
         int, typer.Option("--generations", min=0, help="Generations after the first; 0: only examine the scene.")
     ] = 30,
-    processes: Processes = 1,
+    workers: WorkersOption = 1,
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:
@@ -92,14 +89,13 @@ def calibrate(
     from drill_twin.studies.paper.calibration import text
     from drill_twin.studies.paper.calibration.calibrate import calibrate as search
     from drill_twin.studies.paper.runs.reproduction import bench
-    from drill_twin.studies.pool import cores
 
     described = bench(scene)
     for name in (CALIBRATION, TRADE_OFF):
         check_new(out / name, replace=replace)
     with _bar("calibration") as show:
         done = search(
-            described, seed=seed, population=population, generations=generations, processes=processes or cores(),
+            described, seed=seed, population=population, generations=generations, processes=workers,
             progress=lambda what, count, of, best: show(f"{what}, least loss {best:.3f}", count, of),
         )  # fmt: skip
     write_file(out / CALIBRATION, json_text(text.to_dict(done)))

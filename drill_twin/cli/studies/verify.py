@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption
+from drill_twin.cli.options import JsonOption, WorkersOption
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,7 +38,7 @@ def verify(
         Path | None,
         typer.Option("--page", metavar="FILE", help="Write the table as a page (.md), and as JSON beside it."),
     ] = None,
-    workers: Annotated[int, typer.Option("--workers", min=1, max=64, help="Processes at a time.")] = 2,
+    workers: WorkersOption = 2,
     json: JsonOption = False,
 ) -> None:
     """Run the exact checks: buckling, frequencies, waves, contact, whirl and the like against closed forms.

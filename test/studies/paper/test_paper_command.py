@@ -17,7 +17,7 @@ def command(*words):
 
 def test_paper_writes_table_page_and_figures(quick_file, tmp_path):
     out = tmp_path / "paper"
-    done = command("paper", "--scene", quick_file, "--only-bench", "--processes", "1", "--out", out)
+    done = command("paper", "--scene", quick_file, "--only-bench", "--workers", "1", "--out", out)
     assert done.exit_code == 0, done.output
     for words in (
         "published numbers of the bench within 20 %",
