@@ -51,10 +51,10 @@ def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mappin
         _table(provenance(summary)),
         "</section></div>",
         _view(curved=bool(scene.hole.survey)) if len(recording.poses) else "",
-        "<h2>Over time</h2>",
-        '<section class="stack">',
+        "<h2>Over time</h2><p>A click on a figure shows it at its full size.</p>",
+        '<section class="stack"><div class="picture">',
         *(_image(figures[name], name) for name in OVER_TIME),
-        "</section>",
+        "</div></section>",
         _timeline(summary),
         "<h2>Orbits, spectrum and shapes</h2>",
         *(_figure(name, figures) for name in _CAPTIONS),
@@ -67,7 +67,7 @@ def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mappin
         "</section>",
         f"<footer>drawn by drill_twin {escape(__version__)} from {escape(recording.path.name)}</footer>",
     ]  # fmt: skip
-    scripts = _scripts(recording) if len(recording.poses) else ""
+    scripts = f"<script>{_asset('zoom.js')}</script>\n" + (_scripts(recording) if len(recording.poses) else "")
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -112,14 +112,14 @@ def _timeline(summary: Mapping[str, Any]) -> str:
         for period in summary["motion"]
     )
     return (
-        "<h2>Motion of the string</h2><section><table><thead><tr><th>from</th><th>to</th><th>state</th>"
-        f"<th>what decided it</th></tr></thead><tbody>{rows}</tbody></table></section>"
+        '<h2>Motion of the string</h2><section><table class="timeline"><thead><tr><th>from</th><th>to</th>'
+        f"<th>state</th><th>what decided it</th></tr></thead><tbody>{rows}</tbody></table></section>"
     )
 
 
 def _figure(name: str, figures: Mapping[str, Path]) -> str:
     caption = f"<figcaption>{escape(_CAPTIONS[name])}</figcaption>"
-    return f"<section><figure>{_image(figures[name], name)}{caption}</figure></section>"
+    return f'<section><figure><div class="picture">{_image(figures[name], name)}</div>{caption}</figure></section>'
 
 
 def _image(path: Path, name: str) -> str:
