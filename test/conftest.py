@@ -3,7 +3,6 @@
 
 import os
 from collections.abc import Callable
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -84,16 +83,3 @@ def bench_scene() -> Scene:
 def bench_run(bench_scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Outcome:
     """A real run of it without ROS; its bag is for reading only."""
     return Session(bench_scene).run(tmp_path_factory.mktemp("bench") / "bag_0")
-
-
-@pytest.fixture
-def interpret(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
-    """Replace the kernels of modules by their Python functions, which can be called from a test."""
-
-    def replace(*modules: ModuleType) -> None:
-        for module in modules:
-            for name, value in list(vars(module).items()):
-                if hasattr(value, "py_func"):
-                    monkeypatch.setattr(module, name, value.py_func)
-
-    return replace

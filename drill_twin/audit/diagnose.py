@@ -4,16 +4,14 @@
 It runs once, when a run is stopped, so nothing is compiled for it: the effects' functions run as Python.
 """
 
-from collections.abc import Callable, Sequence
-from functools import cache
-from types import FunctionType
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.core.dispatcher import Dispatcher
 
 from drill_twin.audit.energy import element_unknowns
 from drill_twin.base.arrays import Array
+from drill_twin.base.jit import as_python
 from drill_twin.effects import effect_module
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
@@ -29,15 +27,6 @@ class EvaluationPoint(NamedTuple):
     time: float  # [s]
     step: float  # [s]
     command: Array  # weight on bit [N], rotation [rad/s]
-
-
-@cache
-def as_python(function: Any) -> Callable[..., Any]:
-    """A kernel as Python, with all kernels that it calls: compiling them would take longer than one evaluation."""
-    source = function.py_func
-    known = {name: source.__globals__.get(name) for name in source.__code__.co_names}
-    called = {name: as_python(value) for name, value in known.items() if isinstance(value, Dispatcher)}
-    return FunctionType(source.__code__, {**source.__globals__, **called}, source.__name__, source.__defaults__)
 
 
 def diagnose(parameters: Any, rod: Rod, effects: Sequence[str], moments: Sequence[EvaluationPoint]) -> tuple[str, str]:

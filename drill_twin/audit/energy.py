@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.base.jit import as_python
 from drill_twin.effects.wall import Parameters as Wall
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
@@ -84,7 +85,8 @@ def wall_energy(model: DiscreteModel, wall: Wall, u: Array) -> float:
     if bore.axis is None:
         off = np.hypot(places[:, 0], places[:, 1])
     else:
-        off = np.array([np.linalg.norm(axis_offset(bore.axis, k, *place)[:3]) for k, place in enumerate(places)])
+        offset = as_python(axis_offset)
+        off = np.array([np.linalg.norm(offset(bore.axis, k, *place)[:3]) for k, place in enumerate(places)])
     depth = np.maximum(off - bore.clearance, 0.0)
     power = 1.0 if wall.linear else 1.5
     return float(np.sum(0.5 * model.at_places(rod.length) * wall.stiffness * depth ** (power + 1.0) / (power + 1.0)))

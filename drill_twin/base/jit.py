@@ -13,9 +13,12 @@
 """
 
 from collections.abc import Callable
+from functools import cache
+from types import FunctionType
 from typing import Any, TypeVar, cast
 
 from numba import config, njit
+from numba.core.dispatcher import Dispatcher
 
 from drill_twin.base.inlined_compiler import InlinedCompiler
 
@@ -32,10 +35,19 @@ FLAGS: dict[str, Any] = {
 
 
 def kernel(function: Function) -> Function:
-    """Compile a function that other kernels call, lazily; from Python call its ``py_func``."""
+    """Compile a function that other kernels call, lazily; Python calls it through `as_python`."""
     return cast("Function", njit(**FLAGS, pipeline_class=InlinedCompiler)(function))
 
 
 def entry_kernel(function: Function) -> Function:
     """Compile a function that Python calls, lazily, and keep its machine code beside its source file."""
     return cast("Function", njit(**FLAGS, cache=True)(function))
+
+
+@cache
+def as_python(function: Any) -> Callable[..., Any]:
+    """A kernel as Python, with all kernels that it calls: to call it outside of compiled code."""
+    source = function.py_func
+    known = {name: source.__globals__.get(name) for name in source.__code__.co_names}
+    called = {name: as_python(value) for name, value in known.items() if isinstance(value, Dispatcher)}
+    return FunctionType(source.__code__, {**source.__globals__, **called}, source.__name__, source.__defaults__)

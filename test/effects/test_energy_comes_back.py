@@ -6,8 +6,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from drill_twin.base.jit import as_python
 from drill_twin.effects import wall
-from drill_twin.model import stretch, wellbore
+from drill_twin.model import stretch
 from drill_twin.model.point import Point
 from drill_twin.model.wellbore import Wellbore
 
@@ -28,18 +29,13 @@ def push(parameters: wall.Parameters, start: np.ndarray, v: np.ndarray, h2: floa
     x, y = start + h2 * v
     seen = dict.fromkeys(Point._fields, 0.0) | {"x": x, "y": y, "vx": v[0], "vy": v[1], "tz": 1.0, "place": 0}
     load, stiff = np.zeros(4), np.zeros((4, 4))
-    wall.distributed_load(type("All", (), {"wall": parameters}), None, Point(**seen), h2, load, stiff)
+    as_python(wall.distributed_load)(type("All", (), {"wall": parameters}), None, Point(**seen), h2, load, stiff)
     return load[:2], stiff[:2, :2]
 
 
 def stored(linear: bool, place: np.ndarray) -> float:
     depth = max(float(np.hypot(*place)) - CLEARANCE, 0.0)
     return 0.5 * LINEAR * depth**2 if linear else 0.4 * HERTZ * depth**2.5
-
-
-@pytest.fixture(autouse=True)
-def interpreted(interpret):
-    interpret(wall, wellbore, stretch)
 
 
 @given(linear=st.booleans(), angle=angles, way=angles, depth=depths, h2=halves, speed=speeds)
@@ -83,7 +79,7 @@ def test_stretch_gives_back_what_it_took(start, rate, h2):
     a, force, saa = start + h2 * rate, np.zeros(8), np.zeros((3, 3))
     end = start + 2.0 * h2 * rate
     assume(np.linalg.norm(end) > 0.3)
-    s = stretch.stretching(tuple(a), tuple(rate), h2)
-    stretch.stretch_forces(AXIAL, 0.0, 0.0, tuple(a), s, h2, force, saa)
+    s = as_python(stretch.stretching)(tuple(a), tuple(rate), h2)
+    as_python(stretch.stretch_forces)(AXIAL, 0.0, 0.0, tuple(a), s, h2, force, saa)
     before, after = (0.5 * AXIAL * (np.linalg.norm(x) - 1.0) ** 2 for x in (start, end))
     assert 2.0 * h2 * (force[:3] @ rate) == pytest.approx(after - before, rel=1e-8, abs=1e-8 * max(before, after, 1e-6))

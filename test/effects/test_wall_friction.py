@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from hole_scenes import ON_THE_WALL, bend, with_parts
-from numba import njit
 
-from drill_twin.base.jit import FLAGS
+from drill_twin.base.jit import as_python
 from drill_twin.effects import wall, wall_friction
 from drill_twin.model.point import Point
 from drill_twin.scene import Scene
@@ -27,7 +26,7 @@ class Both(NamedTuple):
     wall_friction: wall_friction.Parameters
 
 
-friction_load = njit(**FLAGS)(wall_friction.distributed_load.py_func)  # to be called from here
+friction_load = as_python(wall_friction.distributed_load)
 
 
 def scene_of(hole: str, friction: dict[str, float]) -> Scene:

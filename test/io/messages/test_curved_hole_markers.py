@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from drill_twin.base.jit import as_python
 from drill_twin.io.messages.cdr import PoseArrayTemplate
 from drill_twin.io.messages.definitions import deserialize
 from drill_twin.io.messages.encode import encode_string
@@ -14,8 +15,8 @@ from drill_twin.io.messages.markers import MarkerArrayTemplate
 from drill_twin.io.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
 from drill_twin.live.page_state import PageState
 from drill_twin.model.survey import survey
-from drill_twin.model.wellbore import along, aside
-from drill_twin.model.wellbore_coordinates import across, rolled, seen, unrolled
+from drill_twin.model.wellbore import axis_offset, distance_along
+from drill_twin.model.wellbore_coordinates import from_hole_coordinates, offsets, to_hole_coordinates, transverse_axes
 from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import load_scene, parse_scene
 
@@ -38,20 +39,23 @@ def off(line):
 
 def test_places_are_seen_as_the_contact_sees_them(line, off):
     axis = line.at(DEPTHS)
-    here = seen(axis, off)
+    here = offsets(axis, off)
     for k, place in enumerate(off):
-        foot = aside(axis, k, *place)
+        foot = as_python(axis_offset)(axis, k, *place)
         np.testing.assert_allclose(here.off[k], [foot.x, foot.y, foot.z], atol=1e-9)
         np.testing.assert_allclose(here.tangent[k], [foot.tx, foot.ty, foot.tz], atol=1e-12)
-        assert here.along[k] == pytest.approx(along(axis, k, *place), abs=1e-9)
+        assert here.along[k] == pytest.approx(as_python(distance_along)(axis, k, *place), abs=1e-9)
 
 
 def test_what_is_unrolled_can_be_rolled_again(line, off):
     axis = line.at(DEPTHS)
-    flat = unrolled(axis, off)
-    np.testing.assert_allclose(rolled(axis, flat), off, atol=1e-9)
-    np.testing.assert_allclose(np.hypot(flat[:, 0], flat[:, 1]), np.linalg.norm(seen(axis, off).off, axis=1), atol=1e-9)
-    ex, ey = across(axis.tangent)
+    flat = to_hole_coordinates(axis, off)
+    np.testing.assert_allclose(from_hole_coordinates(axis, flat), off, atol=1e-9)
+    sideways = np.linalg.norm(offsets(axis, off).off, axis=1)
+    np.testing.assert_allclose(np.hypot(flat[:, 0], flat[:, 1]), sideways, atol=1e-9)
+        np.hypot(flat[:, 0], flat[:, 1]), np.linalg.norm(offsets(axis, off).off, axis=1), atol=1e-9
+    )
+    ex, ey = transverse_axes(axis.tangent)
     np.testing.assert_allclose(np.cross(ex, ey), axis.tangent, atol=1e-12)
 
 
@@ -65,7 +69,7 @@ def test_lateral_motion_is_widened_about_the_axis(line, off, geometry):
     widened = ExaggeratedGeometry(geometry, FACTOR)
     axis = line.at(DEPTHS)
     np.testing.assert_allclose(widened.nodes(axis.centre), axis.centre, atol=1e-9)
-    wide, narrow = seen(axis, widened.nodes(off)), seen(axis, off)
+    wide, narrow = offsets(axis, widened.nodes(off)), offsets(axis, off)
     np.testing.assert_allclose(wide.off, FACTOR * narrow.off, atol=1e-6)
     np.testing.assert_allclose(wide.along, narrow.along, atol=1e-6)
     at_marks = line.at(np.array([130.0, 60.0]))

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.base.jit import as_python
 from drill_twin.effects import bit_torque_tanh
 from drill_twin.scene import load_scene
 from drill_twin.schedule.command import Command
@@ -115,7 +116,7 @@ def growth_under_the_smooth_law(speed: float) -> Iterator[Row]:
     }
     twin = Twin(steel(effects, at="top", weight_on_bit=weight))
     law = bit_torque_tanh.parameters(bit_torque_tanh.BitTorqueTanh(), twin.model)
-    torque, slope = bit_torque_tanh.torque(law, weight, speed)
+    torque, slope = as_python(bit_torque_tanh.torque)(law, weight, speed)
     stiffness = float(twin.rod.torsion[0])
     u, v = twin.unknowns
     u[:, 6] = twin.rod.arc * (torque + damping * speed) / stiffness
