@@ -53,8 +53,6 @@ def test_what_is_unrolled_can_be_rolled_again(line, off):
     np.testing.assert_allclose(from_hole_coordinates(axis, flat), off, atol=1e-9)
     sideways = np.linalg.norm(offsets(axis, off).off, axis=1)
     np.testing.assert_allclose(np.hypot(flat[:, 0], flat[:, 1]), sideways, atol=1e-9)
-        np.hypot(flat[:, 0], flat[:, 1]), np.linalg.norm(offsets(axis, off).off, axis=1), atol=1e-9
-    )
     ex, ey = transverse_axes(axis.tangent)
     np.testing.assert_allclose(np.cross(ex, ey), axis.tangent, atol=1e-12)
 
