@@ -50,6 +50,7 @@ def check(
 ) -> None:
     """Check a scene file: prints every problem, one a line, with its place, what was expected and what was found."""
     from drill_twin.cli.show import out, pairs, print_json
+    from drill_twin.discretisation.notes import notes_on
     from drill_twin.scene import load_scene, scene_path
     from drill_twin.schedule import Schedule
 
@@ -63,11 +64,12 @@ def check(
         raise typer.Exit(2) from None
     schedule = Schedule.from_scene(described)
     if json:
-        print_json({"file": str(scene_path(scene)), **_facts(described)})
+        print_json({"file": str(scene_path(scene)), **_facts(described), "notes": notes_on(described)})
     elif yaml:
         print(described.to_yaml(), end="")
     else:
-        out().print(pairs([("scene", f"{scene_path(scene)} is right"), *_lines(described)]))
+        notes = [("note", note) for note in notes_on(described)]
+        out().print(pairs([("scene", f"{scene_path(scene)} is right"), *_lines(described), *notes]))
         if schedule.record is not None:
             print(schedule.record.report)
 

@@ -42,7 +42,17 @@ def resolution_of(scene: Scene) -> tuple[int, float]:
 
 
 def auto_elements(tubes: list[Tube], compression: float) -> int:
-    """Eight elements per pitch of the buckling helix of each section.
+    """Eight elements per pitch of the buckling helix of each section, 400 at most (`notes.notes_on` tells where).
+
+    Args:
+        tubes: Sections.
+        compression: Largest axial compression expected [N].
+    """
+    return min(wanted_elements(tubes, compression), MOST)
+
+
+def wanted_elements(tubes: list[Tube], compression: float) -> int:
+    """Elements for eight per pitch of the buckling helix of each section, without an upper limit.
 
     The pitch 2 pi sqrt(2 EI / F) (Lubinski, Althouse and Logan 1962) is the shortest wave caused by the load.
 
@@ -55,7 +65,7 @@ def auto_elements(tubes: list[Tube], compression: float) -> int:
         bending = tube_constants(tube)[1]
         pitch = math.tau * np.sqrt(2.0 * bending / max(compression, 1e-9))
         count += tube.length / min(pitch, tube.length * 4.0) * ELEMENTS_PER_PITCH
-    return int(np.clip(np.ceil(count), FEWEST, MOST))
+    return int(max(np.ceil(count), FEWEST))
 
 
 def auto_step(tubes: list[Tube], compression: float, speed: float, frame: float) -> float:

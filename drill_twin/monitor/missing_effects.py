@@ -10,12 +10,14 @@ from drill_twin.twin.frame import Frame
 
 KEY = "left_out"
 """Key in the simulator's diagnostics; several sentences are joined by `SEPARATOR`."""
+NOTES = "notes"
+"""Key in the simulator's diagnostics for notes on the scene (`drill_twin.discretisation.notes`), joined likewise."""
 SEPARATOR = " | "
 
 
-def recorded_missing_effects(values: Mapping[str, str]) -> list[str]:
-    """The sentences that `MissingEffects.values` put into the simulator's diagnostics."""
-    return values[KEY].split(SEPARATOR) if values.get(KEY) else []
+def recorded_sentences(values: Mapping[str, str]) -> list[str]:
+    """The sentences in the simulator's diagnostics: missing effects, and notes on the scene."""
+    return [sentence for key in (KEY, NOTES) if values.get(key) for sentence in values[key].split(SEPARATOR)]
 
 
 class MissingEffects:

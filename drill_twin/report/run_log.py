@@ -13,7 +13,7 @@ from drill_twin.base.arrays import Array
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.stamps import seconds
-from drill_twin.monitor.missing_effects import recorded_missing_effects
+from drill_twin.monitor.missing_effects import recorded_sentences
 from drill_twin.monitor.rejected_steps import RecordedRejections
 from drill_twin.twin.frame import COUNTS
 
@@ -31,7 +31,7 @@ class RunLog:
         self.steps: dict[str, int] = {}
         """Counts of time steps, by the names in `COUNTS`."""
         self.left_out: list[str] = []
-        """Effects that the scene leaves out and that matter, a sentence each."""
+        """Missing effects and notes on the scene, a sentence each."""
         self.guard = RecordedRejections()
         """Rejected frames, and the energy balance."""
         self._energies: dict[int, dict[str, float]] = {}
@@ -57,7 +57,7 @@ class RunLog:
                 factor = _finite(values["realtime_factor"])
                 self.realtime_factor = self.realtime_factor if factor is None else factor
                 self.steps |= {key: int(values[key]) for key in COUNTS if values.get(key, "").isdecimal()}
-                self.left_out = recorded_missing_effects(values)
+                self.left_out = recorded_sentences(values)
                 self.guard.update(values)
                 if self.guard.energy:
                     self._energies[stamp] = {"time": seconds(stamp), **self.guard.energy}

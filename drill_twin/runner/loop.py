@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+from drill_twin.discretisation.notes import notes_on
 from drill_twin.errors import RunError
 from drill_twin.io.adapters import describe_run, string_geometry
 from drill_twin.io.messages.diagnostics import Level
@@ -24,7 +25,7 @@ from drill_twin.io.messages.topics import (
     TWIN_SCENE,
 )
 from drill_twin.monitor.drilling_progress import DrillingProgress
-from drill_twin.monitor.missing_effects import MissingEffects
+from drill_twin.monitor.missing_effects import NOTES, SEPARATOR, MissingEffects
 from drill_twin.monitor.rejected_steps import RejectedSteps
 from drill_twin.monitor.run_timing import EffectTiming, RunTiming
 from drill_twin.scene import Scene
@@ -84,6 +85,8 @@ class RunLoop:
         self.first = Command(*scene.rig.first)
         """Set-points at the start."""
         self.timing = RunTiming()
+        self.notes = notes_on(scene)
+        """Sentences on the scene's resolution and drag."""
         self._begin(Twin(scene))
         self._encoder = TwinEncoder(self.geometry)
 
@@ -184,6 +187,7 @@ class RunLoop:
             "elements": str(self.twin.elements),
             "step_s": repr(float(self.twin.step_size)),
             **self.missing_effects.values(),
+            **({NOTES: SEPARATOR.join(self.notes)} if self.notes else {}),
             **self.rejected_steps.values(),
         }
         self.timing.start_window()

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Notes on a scene that can be simulated but not as its author may expect: a coarse mesh, a large rotary drag."""
+
+import math
+from collections.abc import Iterator
+
+from drill_twin.discretisation.discretise import sections_of
+from drill_twin.discretisation.resolution import ELEMENTS_PER_PITCH, MOST, wanted_elements
+from drill_twin.model.mesh import tube_constants
+from drill_twin.scene import Scene
+from drill_twin.scene.blocks.numerics import MOST_ELEMENTS
+from drill_twin.schedule import extremes
+
+LARGEST_SHEAR = 4e-4
+"""Shear strain at the top from rotary drag beyond which a note is given [-]: a tenth of that at which steel yields."""
+
+
+def notes_on(scene: Scene) -> list[str]:
+    """Sentences on the resolution and the rotary drag of a scene.
+
+    Raises:
+        TableError: A record that cannot be used.
+    """
+    return [*_coarse_mesh(scene), *_rotary_drag(scene)]
+
+
+def frequency_error(elements: float) -> float:
+    """Relative error of the frequency of a bending wave with this many cubic elements a wave length, (k h)^4 / 1440."""
+    return (math.tau / elements) ** 4 / 1440.0
+
+
+def _coarse_mesh(scene: Scene) -> Iterator[str]:
+    if scene.numerics.elements != "auto" or scene.numerics.accuracy is not None:
+        return
+    wanted = wanted_elements(sections_of(scene), max(extremes(scene).weight_on_bit, 1.0))
+    if wanted > MOST:
+        each = ELEMENTS_PER_PITCH * MOST / wanted
+        yield (
+            f"`numerics.elements: auto` takes {MOST} elements, its most, where its rule ({ELEMENTS_PER_PITCH} a pitch "
+            f"of the buckling helix) asks for {wanted}: with {each:.1f} a pitch, frequencies of such waves are about "
+            f"{100.0 * frequency_error(each):.2g} % too high in place of "
+            f"{100.0 * frequency_error(ELEMENTS_PER_PITCH):.2g} %; for more write "
+            f"`numerics.elements: {min(wanted, MOST_ELEMENTS)}`"
+        )
+
+
+def _rotary_drag(scene: Scene) -> Iterator[str]:
+    drag = getattr(scene.effects, "drag", None)
+    if drag is None or drag.rotary == 0.0:
+        return
+    speed, tubes = extremes(scene).rotation, sections_of(scene)
+    torque = drag.rotary * scene.length * speed
+    stiffness = tube_constants(tubes[-1])[2]
+    shear = torque / stiffness * 0.5 * tubes[-1].outer_diameter
+    if shear > LARGEST_SHEAR:
+        yield (
+            f"`effects.drag.rotary` takes {torque:.3g} N m from the top drive at {speed * 30.0 / math.pi:.3g} rpm over "
+            f"{scene.length:.6g} m: a shear strain of {100.0 * shear:.2g} % at the top, more than a tenth of what "
+            "steel pipe carries; the couple of mud is far smaller (`mud` with `rotation_drag`)"
+        )
