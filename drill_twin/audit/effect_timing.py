@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What each effect costs in a Newton iteration, measured: its functions alone, over the Gauss points of a string.
+"""Time of each effect in a Newton iteration: its functions alone, measured over the Gauss points of a string.
 
-In the composed loop the effects are one piece of machine code, and a clock inside would cost more than they do. So each
-effect's functions are compiled once more, each in a loop of its own, and timed at the present places and velocities
-(a string on the wall is dearer than one clear of it). Alone they run a little slower than between the others, where
-the compiler shares what they have in common; the shares are good for saying which effect is dear.
+In the time loop the effects are one piece of machine code, and a clock inside would cost more than they do. So each
+effect's functions are compiled once more, each in a loop of its own, and timed at the current state (contact with the
+wall takes longer than none). Alone they run a little slower than in the time loop, where the compiler merges common
+expressions; the figures tell which effect is expensive.
 """
 
 import time
@@ -21,7 +21,7 @@ from drill_twin.solver.kernel_cache import load_generated
 from drill_twin.solver.kernel_codegen import packages_of
 
 _TIMED = ("distributed_load", "section_stress", "end_load")
-_POINTS, _TRIES = 2000, 3  # so many points are visited in a row
+_POINTS, _TRIES = 2000, 3  # Gauss points of one measurement, measurements of which the shortest counts
 
 _HEAD = '''"""Each effect in a loop of its own. Written by drill_twin; do not edit."""
 from drill_twin.base.jit import entry_kernel
@@ -68,18 +68,18 @@ def {name}_end_load(rounds, parameters, rod, command, h2, u, v, ends):
 
 
 class EffectTimer:
-    """Times the effects of one composed kernel.
+    """Times the effects of one kernel.
 
     Attributes:
-        effects: Those that are timed: they act at every iteration.
+        effects: Those that act at every iteration, and so are timed.
     """
 
     def __init__(self, effects: tuple[str, ...], parameters: Any, rod: Rod) -> None:
-        """Compile the loops, or take them from where compiled code is kept.
+        """Compile the loops, or load them from the kernel cache.
 
         Args:
             effects: As for `build_kernel`.
-            parameters: Of the kernel; copied, since some effects remember something there.
+            parameters: Of the kernel; copied, since some effects have memory there.
             rod: The string, n elements.
         """
         templates = list(zip(_TIMED, (_POINT, _SECTION, _END), strict=True))
@@ -130,7 +130,7 @@ def _has(effect: str, hook: str) -> bool:
 
 
 def _price(loop: Any, rounds: int, arguments: tuple[Any, ...]) -> float:
-    """Time of one round [s]: the quickest of a few calls, as what a busy machine adds is not the effect's."""
+    """Time of one round [s]: the shortest of a few measurements, as other load on the machine only adds to it."""
 
     def quickest(count: int) -> float:
         times = []
@@ -144,7 +144,7 @@ def _price(loop: Any, rounds: int, arguments: tuple[Any, ...]) -> float:
 
 
 def _at_gauss_points(rod: Rod, u: Array, v: Array) -> Array:
-    """Place, velocity, tangent, spin, spin rate, cosine and sine of the spin; shape (2 n, 13)."""
+    """Position, velocity, tangent, spin, spin rate, cosine and sine of the spin, shape (2 n, 13)."""
     shape = rod.shape[:, :, :2, :]  # (n, 2, 2, 4): value and slope, on (r, r') of both ends
     ends = [np.stack((w[:-1, 0:3], w[:-1, 3:6], w[1:, 0:3], w[1:, 3:6]), axis=1) for w in (u, v)]
     (place, slope), (speed, _) = (np.moveaxis(np.einsum("egdi,eic->egdc", shape, end), 2, 0) for end in ends)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Energy, momentum and wall forces of a state, in plain numpy: for tests, guards and published frames."""
+"""Energy and angular momentum of a state, in numpy."""
 
 from typing import NamedTuple
 
@@ -64,7 +64,7 @@ def energy(rod: Rod, u: Array, v: Array) -> Energy:
 
 
 def lateral_energy(rod: Rod, u: Array, v: Array) -> Energy:
-    """Energy of a string that only moves across the hole and turns as one, sampled as its kernel samples it.
+    """Energy of a string in the lateral form, sampled as its kernel samples it.
 
     Args:
         rod: The string.

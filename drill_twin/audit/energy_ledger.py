@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The energy audit: what each effect did to the string in a step, for a scene that asks for it.
+"""The energy audit: each effect's work on the string in a step, for a scene that asks for it.
 
-The midpoint rule makes the work of a force over a step exactly F v dt with the force and the velocity of mid-step, so
-the work of all forces adds up to the change of kinetic energy to round-off. Once a step is found, the system is built
-once more with effects that keep books: what each adds to load, resultants and ends, times the velocity it works on.
-What is left over is the residual of the equations: at constrained unknowns the reaction that drives
-them, at the others what Newton's method left undone.
+The midpoint rule makes the work of a force over a step exactly F v dt with the force and the velocity at mid-step, so
+the work of all forces adds up to the change of kinetic energy to round-off. Once a step has converged, the system is
+built once more with effects that record their work in the ledger: the difference that each call makes to load, section
+resultants or end loads, times the velocity that it does work on. The remaining residual of the equations is, at
+constrained unknowns, the reaction that drives them, and at the others the part that Newton's method left unsolved.
 
-In the lateral form no node moves along the hole as an unknown; how fast a place sinks or rises follows from the slopes,
-so that weight and weight on bit do their work there too.
+In the lateral form no node moves along the hole as an unknown; the axial velocity follows from the slopes, so that
+gravity and weight on bit do work there too.
 """
 
 from collections.abc import Callable
@@ -29,30 +29,30 @@ from drill_twin.solver.state import State
 # Accounts; those of the effects follow.
 WEIGHT, DRIVE, CLAMP, NEWTON, FIRST_EFFECT = 0, 1, 2, 3, 4
 ACCOUNTS = ("weight_on_bit", "top_drive", "top_clamp", "newton")
-# Rows of a ledger: by account the work done on the string since the start and what of it an effect says has turned into
-# heat [J], and both in the step at hand [W]; what the effects before had added to load (4), resultants (7) and ends
-# (2 times 7); the velocity that the top should have after the step (7), the stored energy at the start (5, see STORED),
-# and the places below. One array: passed from call to call, each more would cost seconds of compiling.
+# Rows of EnergyLedger.books: by account the work done on the string since the start and the part of it that an effect
+# reports as heat [J], and both in the current step [W]; load (4), resultants (7) and end loads (2 times 7) before the
+# next effect; velocity of the top after the step by the midpoint rule alone (7), stored energy at the start (5, see
+# STORED), and the row NOW. One array: each more, passed from call to call, would cost seconds of compiling.
 WORK, LOST, POWER, HEAT, LOAD, SECTION, ENDS, TOP_ROW, START, NOW = range(10)
 ROWS, NARROWEST = 10, 14
-# Places in the row NOW: the material's angular velocity about the tangent [rad/s], samples of stretch taken so far; 1
-# once the start is known, largest energy on the move so far [J], residual so far [J].
+# Indices into the row NOW: the material's angular velocity about the tangent [rad/s], samples of stretch taken so far,
+# 1 once the start is known, largest energy in motion so far [J], residual so far [J].
 OMEGA, SAMPLE, BEGUN, LARGEST, RESIDUE = 0, 1, 2, 3, 4
 STORED = 5  # kinetic, bending, stretch, torsion, wall
 FALL, LENGTH = 0, 1  # rows of EnergyLedger.course
-ASIDE = -5.0  # number of an iteration that is none: no memory of Newton's method fits it
+ASIDE = -5.0  # number of an iteration, matched by no effect that remembers Newton's last one
 
 
 class EnergyLedger(NamedTuple):
-    """The books of one twin."""
+    """The energy ledger of one twin."""
 
-    books: Array  # (10, accounts or 14) see WORK and its neighbours
-    course: Array  # (2, 2 n) velocity of the Gauss points along the hole, lateral form only [m/s], and element's length
-    loose: Array  # (2, 7) what is held while the books are kept: nothing, or the bit along the hole
+    books: Array  # (10, accounts or 14) see WORK
+    course: Array  # (2, 2 n) by Gauss point: velocity along the hole, lateral form only [m/s], and element's length [m]
+    loose: Array  # (2, 7) unknowns that keep their constraint in the audit: none, or the bit along the hole
 
 
 def make_energy_ledger(effects: int, rod: Rod, *, bit_held: bool) -> EnergyLedger:
-    """Empty books for so many effects; `bit_held`: the bit is held along the hole."""
+    """An empty ledger for so many effects; `bit_held`: the bit is constrained along the hole."""
     loose = np.zeros((2, 7))
     loose[0, 2] = 1.0 if bit_held else 0.0
     course = np.stack([np.zeros(2 * rod.length.size), np.repeat(rod.length, 2)])
@@ -61,14 +61,14 @@ def make_energy_ledger(effects: int, rod: Rod, *, bit_held: bool) -> EnergyLedge
 
 @kernel
 def open_load(books: Array, load: Array) -> None:
-    """Begin with a Gauss point."""
+    """Set the load at a Gauss point that the next effect adds to."""
     for c in range(4):
         books[LOAD, c] = load[c]
 
 
 @kernel
 def book_load(books: Array, course: Array, account: int, here: Point, load: Array) -> None:
-    """What an effect has just added to the load at a Gauss point; a couple turns the material about the tangent."""
+    """Record what an effect has added to the load at a Gauss point; a couple turns the material about the tangent."""
     along = here.vz + course[FALL, here.place]
     power = (load[0] - books[LOAD, 0]) * here.vx + (load[1] - books[LOAD, 1]) * here.vy
     power += (load[2] - books[LOAD, 2]) * along + (load[3] - books[LOAD, 3]) * books[NOW, OMEGA]
@@ -78,13 +78,13 @@ def book_load(books: Array, course: Array, account: int, here: Point, load: Arra
 
 @kernel
 def book_heat(books: Array, course: Array, account: int, here: Point, power: float) -> None:
-    """What an effect says it has lost at a Gauss point [W/m]."""
+    """Record the power that an effect turns into heat at a Gauss point [W/m]."""
     books[HEAT, account] += 0.5 * course[LENGTH, here.place] * power
 
 
 @kernel
 def open_section(books: Array, strain: Strain, out: Array) -> None:
-    """Begin with a section: its angular velocity, and the resultants of the rod itself."""
+    """Set the angular velocity of a section and the resultants that the next effect adds to."""
     books[NOW, OMEGA] = strain.omega
     for k in range(RESULTANTS):
         books[SECTION, k] = out[k]
@@ -92,7 +92,7 @@ def open_section(books: Array, strain: Strain, out: Array) -> None:
 
 @kernel
 def book_section(books: Array, course: Array, account: int, s: Strain, out: Array) -> None:
-    """What an effect has just added to the resultants: moments work on P q_dot = ring + omega p, and so on."""
+    """Record what an effect has added to the resultants: moments work on P q_dot = ring + omega p, and so on."""
     power = (out[MX] - books[SECTION, MX]) * (s.ring_x + s.omega * s.px)
     power += (out[MY] - books[SECTION, MY]) * (s.ring_y + s.omega * s.py)
     power += (out[MZ] - books[SECTION, MZ]) * (s.ring_z + s.omega * s.pz)
@@ -103,20 +103,20 @@ def book_section(books: Array, course: Array, account: int, s: Strain, out: Arra
 
 @kernel
 def book_stretch(books: Array, course: Array, account: int, element: int, force: float, rate: float) -> None:
-    """A viscous axial force at one of Simpson's three places of an element: both ends, then the middle."""
+    """Record a viscous axial force at one of the three Simpson points of an element: both ends, then the middle."""
     share = 4.0 if books[NOW, SAMPLE] % 3.0 == 2.0 else 1.0
     books[POWER, account] -= share / 6.0 * course[LENGTH, 2 * element] * force * rate
 
 
 @kernel
 def next_sample(books: Array) -> None:
-    """On to the next place where stretch is sampled."""
+    """Advance to the next Simpson point."""
     books[NOW, SAMPLE] += 1.0
 
 
 @kernel
 def book_ends(books: Array, account: int, turning: int, v: Array, ends: Array) -> None:
-    """What an effect has just added to the forces at bit and top; torques go to an account of their own."""
+    """Record what an effect has added to the forces at bit and top; torques go to the account `turning`."""
     last = v.shape[0] - 1
     for end in range(2):
         row = 0 if end == 0 else last
@@ -128,7 +128,7 @@ def book_ends(books: Array, account: int, turning: int, v: Array, ends: Array) -
 
 @kernel
 def open_books(books: Array) -> None:
-    """Begin with a step."""
+    """Clear the powers of the step."""
     for k in range(books.shape[1]):
         books[POWER, k] = 0.0
         books[HEAT, k] = 0.0
@@ -138,7 +138,7 @@ def open_books(books: Array) -> None:
 
 @kernel
 def close_books(books: Array, state: State, step: float) -> None:
-    """Carry the step's powers over, and remember how the top should move on."""
+    """Add the step's work to the totals; note the velocity of the top after it by the midpoint rule alone."""
     last = state.u.shape[0] - 1
     for k in range(books.shape[1]):
         books[WORK, k] += step * books[POWER, k]
@@ -149,7 +149,7 @@ def close_books(books: Array, state: State, step: float) -> None:
 
 @kernel
 def close_step(parameters: Any, rod: Rod, state: State) -> None:
-    """Book what it takes to have the top move as it is guided, where the midpoint rule alone would let it ring."""
+    """Record the work of setting the top to its prescribed velocity, which the midpoint rule alone would overshoot."""
     books, v = parameters.ledger.books, state.v
     e, last = rod.length.shape[0] - 1, state.v.shape[0] - 1
     mass = rod.mass[e]
@@ -161,7 +161,7 @@ def close_step(parameters: Any, rod: Rod, state: State) -> None:
 
 
 def bind_spatial(build: Any) -> Callable[..., None]:
-    """The audit of a step in space; `build` fills the system with effects that keep books."""
+    """The audit of a step of the spatial form; `build` fills the system with effects that record their work."""
 
     @kernel
     def audit(
@@ -183,7 +183,7 @@ def bind_spatial(build: Any) -> Callable[..., None]:
 
 
 def bind_lateral(build: Any) -> Callable[..., None]:
-    """The audit of a step of the lateral form."""
+    """The audit of a step of the lateral form; `build` as for `bind_spatial`."""
 
     @kernel
     def audit(
@@ -192,7 +192,7 @@ def bind_lateral(build: Any) -> Callable[..., None]:
         books, loose, last = parameters.ledger.books, parameters.ledger.loose, state.u.shape[0] - 1
         open_books(books)
         shortening = sink(rod, state, h2, parameters.drive.from_top > 0.0, parameters.ledger.course[FALL])
-        # the factors stay as they are, and the system is built exactly once
+        # the factors are left as they are, and the system is built exactly once
         half, renew, eager, firm = work.lazy[0], work.lazy[1], work.lazy[2], work.lazy[4]
         work.lazy[0], work.lazy[1], work.lazy[2], work.lazy[4] = h2, 0.0, 0.0, np.inf
         build(parameters, rod, work, loose, state, command, time, h2, False, ASIDE)
@@ -212,10 +212,10 @@ def bind_lateral(build: Any) -> Callable[..., None]:
 
 @kernel
 def sink(rod: Rod, state: State, h2: float, from_top: bool, fall: Array) -> float:
-    """How fast the Gauss points move along the hole, since r' leans: v_z(s) = int_s^top r'.r'_dot, and that of the bit.
+    """Fill in the velocity of the Gauss points along the hole, v_z(s) = int_s^top r'.r'_dot; returns that of the bit.
 
-    Summed as the axial force is (`solver.lateral.assembly`), so that both see the same work. Where the weight
-    is set at the top the bit is held, and the top sinks instead.
+    Summed as the axial force is (`drill_twin.solver.lateral.assembly`), so that the work of both agrees. Where the
+    weight is set at the top the bit is constrained, and the top moves instead.
     """
     above = 0.0
     for e in range(rod.length.shape[0] - 1, -1, -1):

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One compiled time loop for exactly the effects of a scene.
+"""Generation of one compiled time loop for exactly the effects of a scene.
 
 The loop is written once (`drill_twin.solver.midpoint`) and takes the effects as functions. For a set of effects a small
-module is generated that calls their functions in turn, and nothing else; numba compiles it and keeps the machine code
-beside it. The module's name is a hash of every source that it reaches, of the versions and of the processor, so stale
-code is never run: an edit gives another name. Numbers, tables and sections are arguments, so they never compile.
+module is generated that calls their functions in turn, and nothing else; numba compiles it and saves the machine code
+beside it, under a name that changes with every source reached (`drill_twin.solver.kernel_cache`). Numbers, tables and
+sections are arguments, so a change of them compiles nothing.
 
-An effect's file holds its block of the scene (`drill_twin.effects.EffectConfig`), and may define any of the following.
-Before the run:
+An effect's module holds its block of the scene (`drill_twin.effects.EffectConfig`), and may define any of the
+following. Before the run:
 
 * ``Parameters`` and ``parameters(block, model)``: what its functions take as ``parameters.<key>``, arrays included;
 * ``initial_state(block, model, u, v)``: changes the state that the run begins with.
 
-In the loop, which calls those that exist:
+In the loop:
 
 * ``distributed_load(parameters, rod, here, h2, load, stiff)``: force per length on the string, at the Gauss points;
 * ``section_stress(parameters, rod, strain, h2, resultants)``: bending and twist of the section;
@@ -21,9 +21,9 @@ In the loop, which calls those that exist:
   residual, shape (2, 7, 8);
 * ``prescribed_motion(parameters, rod, time, trial)``: velocities of constrained unknowns at mid-step, where they are
   not zero;
-* ``after_step(parameters, rod, command, time, step, u, v)``: for effects that remember something of a step taken;
-* ``dissipated_power(parameters, here, h2)``: for the energy audit, power per length turned into heat, where it is not
-  all of the work.
+* ``after_step(parameters, rod, command, time, step, u, v)``: update of an effect's own memory after a step;
+* ``dissipated_power(parameters, here, h2)``: for the energy audit, power per length turned into heat, where that is
+  not all of the work of ``distributed_load``.
 """
 
 from collections.abc import Callable
@@ -203,10 +203,9 @@ loop = midpoint.bind(form, effects, audit_step, energy_ledger.close_step)
 
 
 def entry_point(module: ModuleType) -> Callable[..., int]:
-    """``advance`` of a generated module; call it once with real arguments before.
+    """``advance`` of a generated module without numba's dispatcher; call ``advance`` once with real arguments before.
 
-    Past numba's dispatcher: with a second kernel in the process that takes 0.4 ms a call to find out again what the
-    types are, more than a frame's motion.
+    With a second kernel in the process the dispatcher takes 0.4 ms a call to resolve the types, longer than a frame.
     """
     compiled = list(module.advance.overloads.values())
     return cast("Callable[..., int]", compiled[0].entry_point if len(compiled) == 1 else module.advance)
@@ -220,8 +219,8 @@ def build_kernel(
     Args:
         effects: Scene keys in the order of the registry.
         form: "spatial", or "lateral" for a string that neither stretches nor twists.
-        hole: "straight" or "curved": the types of the arguments decide what is compiled, and a module holds one kernel.
-        audit: Whether it keeps the energy ledger; without, nothing of that is compiled.
+        hole: "straight" or "curved": it decides the types of the arguments, and a module holds the kernel for one.
+        audit: Include the energy audit.
     """
     text = source(effects, form, audit=audit)
     return kernel_cache.load_generated("kernel", text, hole, packages=packages_of(effects))

@@ -3,12 +3,11 @@
 
 ``M (v - v_n) / (dt/2) + forces(u_n + dt/2 v, v) = 0`` for the mid-step velocity v, then ``u += dt v`` and
 ``v_n+1 = 2 v - v_n``. Second order, no step limit for linear problems, keeps linear and angular momentum to round-off
-and an undamped rod's energy without drift (Hairer, Lubich and Wanner 2006, ch. IV and VI). Its state is place and
-velocity alone, so a step may be cut or lengthened at will: where Newton fails the step is halved and counted, and it
-grows back by itself.
+and an undamped rod's energy without drift (Hairer, Lubich and Wanner 2006, ch. IV and VI). Its state is configuration
+and velocity alone, so the step may change at any time: where Newton's method fails it is halved and counted, and it
+doubles after each success up to the nominal one.
 
-The loop does not know which unknowns a node has: that is the business of a formulation,
-`drill_twin.solver.spatial` or `drill_twin.solver.lateral`.
+The unknowns of a node are those of a formulation, `drill_twin.solver.spatial` or `drill_twin.solver.lateral`.
 """
 
 from collections.abc import Callable
@@ -40,11 +39,11 @@ from drill_twin.solver.state import (
 
 MAX_ITERATIONS = 12
 CONVERGENCE_SAFETY = 0.1  # a next change foreseen below this share of the tolerance need not be computed
-# Where a place on the wall sticks and slips in turn from one iteration to the next, none settles: the changes stay
-# small, far below what matters. Such a step is taken, and counted.
+# Where a contact point sticks and slips in turn from one iteration to the next, the iteration does not converge: the
+# changes stay small, of the order of the tolerance. Such a step is accepted, and counted as loose.
 MIN_ITERATIONS_FOR_STALL, STALL_RATIO, LOOSE_FACTOR = 3, 0.25, 10.0
-FORGET = 1e6  # largest remembered factor (a change of 1 would become a million)
-SMALLEST_SHARE = 1.0 / 4096.0  # of the nominal step, before the loop gives up
+FORGET = 1e6  # largest convergence factor that is carried on
+SMALLEST_SHARE = 1.0 / 4096.0  # of the nominal step; below, the step has failed
 
 
 class Effects(NamedTuple):
@@ -59,15 +58,15 @@ class Effects(NamedTuple):
 
 
 class Formulation(NamedTuple):
-    """How a form of the string is moved, as compiled functions."""
+    """Motion of the string in one choice of unknowns, as compiled functions."""
 
     begin: Any  # (work): before the first step of a frame
-    predict: Any  # (constrained, state, command, step): mid-step velocity to begin with
+    predict: Any  # (constrained, state, command, step): first guess of the mid-step velocity
     build: Any  # (parameters, rod, work, constrained, state, command, time, h2, fresh, number): fill the system
     solve: Any  # (work) -> whether it could be solved
     correct: Any  # (state, limits, work, h2) -> size of the Newton step in tolerances, NaN if not finite
-    accept: Any  # (constrained, state, work, counters, command, step): take the step
-    finish: Any  # (rod, state): fill in what the loop does not need but a reader does
+    accept: Any  # (constrained, state, work, counters, command, step): advance the state by the step
+    finish: Any  # (rod, state): fill in what a frame shows and the loop does not need
     order: int  # of Newton's convergence: 2, or 1 where the tangent may be an older one
 
 
@@ -75,7 +74,7 @@ class Formulation(NamedTuple):
 def no_audit(
     parameters: Any, rod: Rod, work: Any, constrained: Array, state: State, command: Array, time: float, h2: float
 ) -> None:
-    """Nobody asked for the books; nothing of this is left in the machine code."""
+    """Stand in for the energy audit where it is off; leaves nothing in the machine code."""
 
 
 @kernel
@@ -86,13 +85,13 @@ def no_ledger_to_close(parameters: Any, rod: Rod, state: State) -> None:
 def bind(
     form: Formulation, effects: Effects, audit_step: Any = no_audit, close_step: Any = no_ledger_to_close
 ) -> Callable[..., int]:
-    """The time loop for one form of the string and a set of effects.
+    """The time loop for one formulation and a set of effects.
 
     Args:
-        form: The form.
+        form: The formulation.
         effects: The effects.
-        audit_step: Updates the energy ledger for a step before it is taken (`drill_twin.audit.energy_ledger`).
-        close_step: Completes them once it has been.
+        audit_step: Updates the energy ledger for a step that has converged (`drill_twin.audit.energy_ledger`).
+        close_step: Completes the ledger after the step has been taken.
     """
     begin, predict, build, solve, correct, accept, finish, order = form
     prescribed_motion, after_step = effects.prescribed_motion, effects.after_step
@@ -121,7 +120,7 @@ def bind(
             if not np.isfinite(size):
                 return -1 - iteration
             if iteration > 0:
-                # the next change is a factor times a power of this one: remember the factor, forgetting slowly
+                # the next change is a factor times a power of this one; a larger earlier factor halves per iteration
                 state.clock[FACTOR] = max(size / before**order, 0.5 * min(state.clock[FACTOR], FORGET))
             if size < 1.0 or size**order * state.clock[FACTOR] < CONVERGENCE_SAFETY:
                 return iteration + 1
@@ -148,8 +147,8 @@ def bind(
         """Move the string from time `start` to `end`; the set-points go linearly from `command0` to `command1`.
 
         Returns:
-            0, 1 if the step had to be cut below 1/4096 of the nominal one, or 2 if it was cut more often than the
-            limits allow.
+            CONVERGED; FAILED if a step below 1/4096 of the nominal one was needed; TOO_MANY_HALVINGS if it was halved
+            more often than the limits allow.
         """
         pieces = max(1, int(np.ceil((end - start) / limits.step - 1e-9)))
         nominal = (end - start) / pieces

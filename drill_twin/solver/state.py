@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run remembers from step to step, and what it counts."""
+"""State of the time loop: what it carries from step to step, and what it counts."""
 
 from typing import NamedTuple
 
@@ -10,17 +10,17 @@ from drill_twin.base.jit import kernel
 
 CONVERGED, FAILED, TOO_MANY_HALVINGS = 0, 1, 2
 
-# Places in State.clock: time [s], last step and the one before it [s], how many of `middle` and `earlier` are known,
+# Indices into State.clock: time [s], last step and the one before it [s], how many of `middle` and `earlier` are known,
 # next Newton change per power of a change.
 TIME, LAST_STEP, STEP_BEFORE, KNOWN, FACTOR = 0, 1, 2, 3, 4
 
-# Places in the array of counters; impulses of the reactions at the ends [N m s], [N s].
+# Indices into the array of counters; impulses of the reactions at the ends [N m s], [N s].
 STEPS, ITERATIONS, HALVINGS, TORQUE_IMPULSE, HOOK_IMPULSE, BIT_IMPULSE, LOOSE_STEPS = 0, 1, 2, 3, 4, 5, 6
 COUNTERS = 7
 
 
 class State(NamedTuple):
-    """The string's state and the loop's memory of the last step; rows are (r, r', psi) per node from the bit."""
+    """State of the string and mid-step velocities of the last steps; rows are (r, r', psi) per node from the bit."""
 
     u: np.ndarray  # (n + 1, 7) [m, -, rad]
     v: np.ndarray  # (n + 1, 7) [m/s, 1/s, rad/s]
@@ -28,21 +28,21 @@ class State(NamedTuple):
     earlier: np.ndarray  # (n + 1, 7) the one before it
     trial: np.ndarray  # (n + 1, 7) mid-step velocity being sought
     place: np.ndarray  # (n + 1, 7) configuration at mid-step
-    clock: np.ndarray  # (5,) see TIME and its neighbours
+    clock: np.ndarray  # (5,) see TIME
     bit_frame: np.ndarray  # (3, 4) see drill_twin.solver.boundary.bit_frame; the identity in a straight hole
 
 
 class Limits(NamedTuple):
-    """What counts as converged, per kind of unknown, the nominal step, and how much cutting of it is waited for."""
+    """Nominal step, tolerances of Newton's method per kind of unknown, and how often the step may be halved."""
 
     step: float  # [s]
-    place: float  # change of a node's place within a Newton step [m]
+    place: float  # change of a node's position within a Newton step [m]
     angle: float  # change of slope and spin [rad]
     max_halvings: int  # of the step within a frame
 
 
 def make_state(elements: int) -> State:
-    """A straight string at rest, to be filled in."""
+    """A state of zeros in a straight hole."""
     u, v, middle, earlier, trial, place = (np.zeros((elements + 1, 7)) for _ in range(6))
     return State(u, v, middle, earlier, trial, place, np.array([0.0, 0.0, 0.0, 0.0, np.inf]), np.eye(3, 4))
 
@@ -51,8 +51,8 @@ def make_state(elements: int) -> State:
 def extrapolation_weights(clock: Array, step: float) -> Triple:
     """Weights of v, `middle` and `earlier` in the first guess of the next mid-step velocity.
 
-    Straight on through the last two mid-step velocities. Those of v itself would do worse: waves faster than the step
-    turn round from step to step in v, and are averaged out half-way.
+    Linear in the last two mid-step velocities. Those of v itself would be worse: waves faster than the step change
+    sign from step to step in v, and average out at mid-step.
     """
     if clock[KNOWN] < 1.0:
         return 1.0, 0.0, 0.0

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bit's unknowns in the frame of the hole at the bit.
 
-What holds, pushes and brakes the bit does so along and across the hole there, and a curved hole does not run along z at
-the bit. So the bit's rows and columns of the system are turned into that frame before its forces and constraints are
-brought in, and its Newton step is turned back. In a straight hole the turn is the identity, and exact.
+Constraints and loads of the bit act along and across the hole there, and a curved hole does not run along z at the bit.
+So the bit's rows and columns of the system are rotated into that frame before its loads and constraints are added, and
+its Newton step is rotated back. In a straight hole the rotation is the identity, and exact.
 """
 
 import numpy as np
@@ -14,12 +14,12 @@ from drill_twin.model.wellbore import Axis
 
 
 def bit_frame(axis: Axis | None) -> Array:
-    """Turn and shift into the frame of the hole at the bit, shape (3, 4): local = frame[:, :3] r + frame[:, 3].
+    """Transform into the frame of the hole at the bit, shape (3, 4): local = frame[:, :3] r + frame[:, 3].
 
     Its z is along the hole and minus the measured depth, its x and y are off the hole's axis.
 
     Args:
-        axis: The hole at the bit, one place; None where it is straight.
+        axis: The hole at the bit, one point; None where it is straight.
     """
     if axis is None:
         return np.eye(3, 4)
@@ -32,7 +32,7 @@ def bit_frame(axis: Axis | None) -> Array:
 
 @kernel
 def turn_vector(frame: Array, row: Array, first: int) -> None:
-    """Three entries of a row, a vector, into the frame."""
+    """Rotate three entries of a row, a vector, into the frame."""
     x, y, z = row[first], row[first + 1], row[first + 2]
     for c in range(3):
         row[first + c] = frame[c, 0] * x + frame[c, 1] * y + frame[c, 2] * z
@@ -40,7 +40,7 @@ def turn_vector(frame: Array, row: Array, first: int) -> None:
 
 @kernel
 def turn_back(frame: Array, row: Array, first: int) -> None:
-    """Three entries of a row, a vector, out of the frame."""
+    """Rotate three entries of a row, a vector, out of the frame."""
     x, y, z = row[first], row[first + 1], row[first + 2]
     for c in range(3):
         row[first + c] = frame[0, c] * x + frame[1, c] * y + frame[2, c] * z
@@ -48,21 +48,21 @@ def turn_back(frame: Array, row: Array, first: int) -> None:
 
 @kernel
 def turn_row(frame: Array, row: Array) -> None:
-    """A node's row into the frame: r and r', or their velocities."""
+    """Rotate a node's row into the frame: r and r', or their velocities."""
     turn_vector(frame, row, 0)
     turn_vector(frame, row, 3)
 
 
 @kernel
 def turn_row_back(frame: Array, row: Array) -> None:
-    """And out of it."""
+    """Rotate a node's row out of the frame."""
     turn_back(frame, row, 0)
     turn_back(frame, row, 3)
 
 
 @kernel
 def to_bit(frame: Array, place: Array, rate: Array) -> None:
-    """The bit's places and velocities into the frame."""
+    """Transform the bit's row and its velocities into the frame."""
     turn_row(frame, place)
     turn_row(frame, rate)
     for c in range(3):
@@ -71,7 +71,7 @@ def to_bit(frame: Array, place: Array, rate: Array) -> None:
 
 @kernel
 def from_bit(frame: Array, place: Array, rate: Array) -> None:
-    """And out of it."""
+    """Transform the bit's row and its velocities out of the frame."""
     for c in range(3):
         place[c] -= frame[c, 3]
     turn_row_back(frame, place)
@@ -80,7 +80,7 @@ def from_bit(frame: Array, place: Array, rate: Array) -> None:
 
 @kernel
 def turn_blocks(frame: Array, own: Array, upper: Array, lower: Array) -> None:
-    """The bit's blocks of the system: rows of `own` and `upper`, columns of `own` and `lower`."""
+    """Rotate the bit's blocks of the system: rows of `own` and `upper`, columns of `own` and `lower`."""
     for j in range(8):
         turn_column(frame, own, j)
         turn_column(frame, upper, j)
@@ -91,7 +91,7 @@ def turn_blocks(frame: Array, own: Array, upper: Array, lower: Array) -> None:
 
 @kernel
 def turn_column(frame: Array, block: Array, j: int) -> None:
-    """The rows of r and r' in a column of a block into the frame."""
+    """Rotate the rows of r and r' in a column of a block into the frame."""
     for first in (0, 3):
         x, y, z = block[first, j], block[first + 1, j], block[first + 2, j]
         for c in range(3):
@@ -100,7 +100,7 @@ def turn_column(frame: Array, block: Array, j: int) -> None:
 
 @kernel
 def turn_step_back(frame: Array, block: Array) -> None:
-    """The bit's Newton step, in the last column of its block, out of the frame."""
+    """Rotate the bit's Newton step, in the last column of its block, out of the frame."""
     for first in (0, 3):
         x, y, z = block[first, 7], block[first + 1, 7], block[first + 2, 7]
         for c in range(3):

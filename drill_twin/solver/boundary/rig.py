@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rig's two handles: weight on bit as an axial force, and the top drive that turns the string.
+"""The rig in the equations: weight on bit as an axial force, and the top drive.
 
 Set-points arrive as an array: weight on bit [N], top-drive speed [rad/s]. A prescribed turn is a constraint and needs
-no force here (the time loop sets it). Any other drive leaves the top free to turn and pulls on it with
+no force here (the formulation sets it). Any other drive leaves the top free to turn and applies
 ``P (command - speed) + I (commanded angle - angle)``, within its torque limit.
 
-What acts at the bit is shared through `drill_twin.model.bit`.
+Forces at the bit are shared through `drill_twin.model.bit`.
 """
 
 from typing import NamedTuple
@@ -16,18 +16,18 @@ from drill_twin.model.bit import BIT_WEIGHT, TOP_TORQUE, WEIGHT, WEIGHT_DAMPING,
 from drill_twin.model.mesh import SPIN
 
 WEIGHT_ON_BIT, ROTATION = 0, 1
-BIT, TOP, RESIDUAL = 0, 1, 7  # places in the array of the ends, shape (2, 7, 8)
+BIT, TOP, RESIDUAL = 0, 1, 7  # indices into the array of the ends, shape (2, 7, 8)
 
-# Places in Drive.memory: angle by which the top lags its command [rad]; of the step at hand the top's angle and speed
-# at its start and the commanded speed at its middle.
+# Indices into Drive.memory: angle by which the top lags its command [rad]; of the current step the top's angle and
+# speed at its start and the commanded speed at its middle.
 LAG, START_ANGLE, START_SPEED, COMMAND = 0, 1, 2, 3
 
 
 class Drive(NamedTuple):
-    """How the rig loads and turns the string, and what it remembers."""
+    """Load and drive of the rig, with their memory."""
 
-    from_top: float  # 1: pushed down at the top, the rock holds the bit; 0: pushed up at the bit, the top is held
-    hanging: float  # what the string itself adds to a weight set at the top [N]
+    from_top: float  # 1: pushed down at the top, bit constrained by the rock; 0: pushed up at the bit, top constrained
+    hanging: float  # axial weight of the string, added to a weight set at the top [N]
     driven: float  # 1: the top is turned by a torque; 0: its turn is prescribed
     proportional: float  # torque per error of speed [N m s/rad]
     integral: float  # torque per error of angle [N m/rad]
@@ -73,9 +73,9 @@ def motor(drive: Drive, error: float, lag: float) -> float:
 
 @kernel
 def rig_after_step(drive: Drive, step: float, u: Array, v: Array) -> None:
-    """Remember the step taken: what the bit did, how far the top lags, and the impulses of weight and drive.
+    """Update the memory after a step: rates of the bit, lag of the top, impulses of weight and drive.
 
-    The lag does not grow while the motor is at its limit and more of it would ask for more (conditional integration).
+    The lag does not grow while the motor is at its limit and would be driven further into it (conditional integration).
     """
     bit = drive.bit
     for c in range(7):

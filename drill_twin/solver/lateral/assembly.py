@@ -19,24 +19,24 @@ from drill_twin.model.section import BEND_DAMP, COUPLE, MX, MY, RESULTANTS
 from drill_twin.model.strain import Strain
 from drill_twin.solver.midpoint import Effects
 
-# Places in Workspace.axial: force at the bit and at the top [N], weight of the string along the axis [N], torque that
-# the top drive must give [N m].
+# Indices into Workspace.axial: force at the bit and at the top [N], weight of the string along the axis [N], torque
+# that the top drive has to apply [N m].
 AT_BIT, AT_TOP, WEIGHT, TORQUE = 0, 1, 2, 3
 
 
 class Workspace(NamedTuple):
-    """The block system of a lateral string, and the small matrices of the element at hand."""
+    """The block system of a lateral string, and the small matrices of the current element."""
 
     lower: Array  # (n, 4, 4)
     diagonal: Array  # (n + 1, 4, 4)
     upper: Array  # (n, 4, 4)
     inverse: Array  # (n + 1, 4, 4) of the pivot blocks; with it, lower and upper are factors
     right: Array  # (n + 1, 4)
-    lazy: Array  # (5,) see drill_twin.solver.lateral.formulation: what is known of the factors
-    ends: Array  # (2, 7, 8) what acts on bit and top, as in space
-    command: Array  # (2,) set-points now
+    lazy: Array  # (5,) state of the factors, see drill_twin.solver.lateral.formulation
+    ends: Array  # (2, 7, 8) loads on bit and top, as in space
+    command: Array  # (2,) current set-points
     lever: Array  # (n + 1, 4) change of the torque below by the unknowns' velocities
-    axial: Array  # (4,) see AT_BIT and its neighbours
+    axial: Array  # (4,) see AT_BIT
     resultants: Array  # (7,) see drill_twin.model.section
     load: Array  # (4,)
     stiff: Array  # (4, 4)
@@ -48,7 +48,7 @@ class Workspace(NamedTuple):
 
 
 def make_workspace(elements: int) -> Workspace:
-    """Scratch for a string of so many elements."""
+    """Arrays of zeros for a string of so many elements."""
     n = elements
     return Workspace(
         lower=np.zeros((n, 4, 4)),
@@ -74,7 +74,7 @@ def make_workspace(elements: int) -> Workspace:
 
 @kernel
 def blend(weights: Array, nodal: Array) -> Pair:
-    """Sum of four nodal pairs, weighted."""
+    """Weighted sum of four nodal pairs."""
     w0, w1, w2, w3 = weights[0], weights[1], weights[2], weights[3]
     return (
         w0 * nodal[0, 0] + w1 * nodal[0, 1] + w2 * nodal[0, 2] + w3 * nodal[0, 3],
@@ -84,7 +84,7 @@ def blend(weights: Array, nodal: Array) -> Pair:
 
 @kernel
 def gather(work: Workspace, e: int, u: Array, v: Array, v_old: Array) -> None:
-    """Bring the unknowns of element e together."""
+    """Gather the unknowns of element e."""
     for c in range(2):
         work.ue[c, 0], work.ue[c, 1], work.ue[c, 2], work.ue[c, 3] = u[e, c], u[e, 3 + c], u[e + 1, c], u[e + 1, 3 + c]
         v0, v1, v2, v3 = v[e, c], v[e, 3 + c], v[e + 1, c], v[e + 1, 3 + c]
@@ -95,7 +95,7 @@ def gather(work: Workspace, e: int, u: Array, v: Array, v_old: Array) -> None:
 
 @kernel
 def start_tangent(rod: Rod, work: Workspace, e: int, rate: float) -> None:
-    """Start the element's tangent with its mass over half the step."""
+    """Set the element's tangent to its mass over half the step."""
     mass, ke = rod.mass[e], work.ke
     for i in range(4):
         for j in range(4):
@@ -108,7 +108,7 @@ def start_tangent(rod: Rod, work: Workspace, e: int, rate: float) -> None:
 
 @kernel
 def start_residual(rod: Rod, work: Workspace, e: int, rate: float) -> None:
-    """Start the element's residual with its change of momentum."""
+    """Set the element's residual to its change of momentum."""
     mass = rod.mass[e]
     for c in range(2):
         for i in range(4):
@@ -148,7 +148,7 @@ def add_residual(rod: Rod, work: Workspace, e: int, point: int, tension: float, 
 
 @kernel
 def scatter_residual(work: Workspace, e: int) -> None:
-    """Put the element's residual into the block system."""
+    """Add the element's residual to the block system."""
     for i in range(2):
         for c in range(2):
             work.right[e, 2 * i + c] += work.re[c, i]
@@ -157,7 +157,7 @@ def scatter_residual(work: Workspace, e: int) -> None:
 
 @kernel
 def scatter_tangent(work: Workspace, e: int) -> None:
-    """Put the element's tangent into the block system."""
+    """Add the element's tangent to the block system."""
     top, bottom, low, up = work.diagonal[e], work.diagonal[e + 1], work.lower[e], work.upper[e]
     ke = work.ke
     for i in range(2):
@@ -196,7 +196,7 @@ def bind(effects: Effects) -> Callable[..., float]:
         Args:
             parameters: Of the effects.
             rod: The string.
-            work: Result.
+            work: Holds the result.
             time: At mid-step [s].
             h2: Half the step [s].
             fresh: First iteration of a step.
@@ -205,11 +205,11 @@ def bind(effects: Effects) -> Callable[..., float]:
             v: Velocities at mid-step.
             v_old: Velocities at the start of the step.
             tension: Axial force in the string at the bit [N], negative under weight on bit.
-            full: Whether the tangent is wanted too.
+            full: Assemble the tangent too.
 
         Returns:
-            Stiffness and damping that the effects add along the string, summed: whether it changed tells if factors of
-            an older tangent will do [N s/m].
+            Stiffness and damping that the effects add along the string, summed: where it changes, the factors of an
+            older tangent cannot be used [N s/m].
         """
         rate = 1.0 / h2
         n = rod.length.shape[0]

@@ -2,7 +2,7 @@
 """The string without stretch and torsion: two lateral unknowns per node and their slopes.
 
 The axial force follows from balance at every instant and the spin from the top drive, so neither axial nor torsional
-waves exist. The state keeps its seven columns; those that are not unknowns are filled in when a frame is due.
+waves exist. The state keeps its seven columns; those that are not unknowns are filled in at the end of a frame.
 """
 
 from typing import Any
@@ -27,13 +27,13 @@ from drill_twin.solver.state import (
     extrapolation_weights,
 )
 
-# Places in Workspace.lazy: half step of the factors (0: there are none), 1 if they must be renewed, steps for which
-# they are renewed at once, size of the last Newton step, what the effects had added [N s/m].
+# Indices into Workspace.lazy: half step of the factors (0: none), 1 if they must be renewed, steps for which they are
+# renewed at once, size of the last Newton step, stiffness and damping that the effects had added [N s/m].
 HALF_STEP, RENEW, EAGER, LAST_SIZE, FIRM = 0, 1, 2, 3, 4
-GOOD = 0.1  # the factors will do while each Newton step is this much smaller than the last
-CHANGED = 0.1  # and while what the effects add to them, mostly the wall, has changed by less than this share
+GOOD = 0.1  # the factors are kept while each Newton step is smaller than this share of the last
+CHANGED = 0.1  # and while the stiffness that the effects add, mostly the wall, has changed by less than this share
 SAME_STEP = 1e-9  # steps of one length differ by rounding
-PATIENCE = 8.0  # steps of renewing at once, after factors that would not do
+PATIENCE = 8.0  # steps of renewing at once, after factors that had to be replaced
 
 X, Y, SLOPE_X, SLOPE_Y = 0, 1, 3, 4  # columns of the unknowns in a node's row
 
@@ -46,13 +46,13 @@ def column(i: int) -> int:
 
 @kernel
 def begin(work: Workspace) -> None:
-    """Forget the factors: a run that is stopped between two frames and resumed must not differ from one that is not."""
+    """Discard the factors, so that a run resumed between two frames equals one that was not interrupted."""
     work.lazy[:] = 0.0
 
 
 @kernel
 def predict(constrained: Array, state: State, command: Array, step: float) -> None:
-    """First guess of the mid-step velocity: straight on through the last one; constrained unknowns as they will be."""
+    """Extrapolate the mid-step velocity; constrained unknowns move as prescribed."""
     now, last_, before = extrapolation_weights(state.clock, step)
     last = state.u.shape[0] - 1
     for i in range(last + 1):
@@ -71,7 +71,7 @@ def predict(constrained: Array, state: State, command: Array, step: float) -> No
 
 @kernel
 def add_ends(constrained: Array, work: Workspace, full: bool) -> None:
-    """Bring what acts on bit and top into the system, then take the constrained unknowns out of it."""
+    """Add the loads on bit and top to the system, then remove the constrained unknowns from it."""
     last = work.diagonal.shape[0] - 1
     for end in range(2):
         node = 0 if end == 0 else last
@@ -96,8 +96,8 @@ def add_ends(constrained: Array, work: Workspace, full: bool) -> None:
 def outdated(work: Workspace, h2: float, fresh: bool) -> bool:
     """Whether the tangent must be assembled and factored again.
 
-    Without contact it changes slowly: its factors serve many steps, as in codes for stiff equations (Hairer and Wanner
-    1996, IV.8). They are renewed where the step changed or Newton's method slows down.
+    Without contact it changes slowly: its factors are used for many steps, as in codes for stiff equations (Hairer and
+    Wanner 1996, IV.8). They are renewed where the step changed or Newton's method slows down.
     """
     lazy = work.lazy
     if fresh:
@@ -124,7 +124,7 @@ def solve(work: Workspace) -> bool:
 
 @kernel
 def judge(work: Workspace, size: float) -> None:
-    """Have the factors renewed if Newton's method slows down."""
+    """Request new factors if Newton's method slows down."""
     lazy = work.lazy
     if lazy[LAST_SIZE] > 0.0 and not size < GOOD * lazy[LAST_SIZE]:
         lazy[RENEW] = 1.0
@@ -155,7 +155,7 @@ def correct(state: State, limits: Limits, work: Workspace, h2: float) -> float:
 
 @kernel
 def accept(_fixed: Array, state: State, work: Workspace, counters: Array, command: Array, step: float) -> None:
-    """Take the step: u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n; the string turns as the drive wants it at the end."""
+    """Take the step: u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n; the drive prescribes the spin at the end."""
     last = state.u.shape[0] - 1
     for i in range(last + 1):
         for k in range(NODE):
@@ -176,7 +176,7 @@ def accept(_fixed: Array, state: State, work: Workspace, counters: Array, comman
 
 @kernel
 def finish(rod: Rod, state: State) -> None:
-    """Fill in what a reader wants: spin, slope along the axis, and place along it; the string keeps its length.
+    """Fill in the columns that are no unknowns: spin, and slope and position along the axis at constant length.
 
     dz/ds = sqrt(1 - x'^2 - y'^2), integrated from the top by Simpson's rule.
     """
@@ -198,7 +198,7 @@ def finish(rod: Rod, state: State) -> None:
 
 
 def bind(effects: Effects) -> Formulation:
-    """The form for a set of effects."""
+    """The formulation for a set of effects."""
     assemble = assembly.bind(effects)
     end_load = effects.end_load
 
@@ -215,7 +215,7 @@ def bind(effects: Effects) -> Formulation:
         fresh: bool,
         number: float,
     ) -> None:
-        """Fill the block system: elements, what acts on the ends, and the unknowns that are held."""
+        """Fill the block system: elements, loads at the ends, constraints."""
         last = state.u.shape[0] - 1
         for i in range(last + 1):
             for k in range(NODE):
@@ -236,10 +236,10 @@ def bind(effects: Effects) -> Formulation:
             )
             same = abs(firm - work.lazy[FIRM]) <= CHANGED * abs(work.lazy[FIRM])
             if not same:
-                state.clock[FACTOR] = np.inf  # how fast Newton's method converged in free flight says nothing here
+                state.clock[FACTOR] = np.inf  # the rate of convergence without contact does not apply to contact
             if full or same:
                 break
-            full = True  # the string has come to the wall, or left it
+            full = True  # contact has begun or ended
             work.lazy[EAGER] = PATIENCE
         if full:
             work.lazy[HALF_STEP], work.lazy[FIRM] = -h2, firm

@@ -32,7 +32,7 @@ NEAR, FAR = 5.0 / 12.0, 1.0 / 12.0  # polar inertia: mean of consistent and lump
 
 @kernel
 def blend(weights: Array, nodal: Array) -> Triple:
-    """Sum of four nodal triples, weighted: r, r' or r'' at a place of the element."""
+    """Weighted sum of four nodal triples: r, r' or r'' at a point of the element."""
     w0, w1, w2, w3 = weights[0], weights[1], weights[2], weights[3]
     return (
         w0 * nodal[0, 0] + w1 * nodal[1, 0] + w2 * nodal[2, 0] + w3 * nodal[3, 0],
@@ -43,7 +43,7 @@ def blend(weights: Array, nodal: Array) -> Triple:
 
 @kernel
 def gather(work: Workspace, e: int, u: Array, v: Array, v_old: Array) -> None:
-    """Bring the unknowns of element e together."""
+    """Gather the unknowns of element e."""
     for c in range(3):
         work.ue[0, c], work.ue[1, c] = u[e, c], u[e, 3 + c]
         work.ue[2, c], work.ue[3, c] = u[e + 1, c], u[e + 1, 3 + c]
@@ -55,7 +55,7 @@ def gather(work: Workspace, e: int, u: Array, v: Array, v_old: Array) -> None:
 
 @kernel
 def add_inertia(rod: Rod, work: Workspace, e: int, rate: float) -> None:
-    """Start the element with its mass over half the step."""
+    """Set the element's tangent to its mass over half the step, its residual to its change of momentum."""
     mass, ke = rod.mass[e], work.ke
     ke[:] = 0.0
     for x in range(16):
@@ -137,7 +137,7 @@ def add_point(rod: Rod, work: Workspace, e: int, point: int) -> None:
 
 @kernel
 def scatter(work: Workspace, e: int) -> None:
-    """Put the element's matrices into the block system (all but the spin's own entries)."""
+    """Add the element's matrices to the block system (all but the spin's own entries)."""
     top, bottom, low, up = work.diagonal[e], work.diagonal[e + 1], work.lower[e], work.upper[e]
     ke, kc, re = work.ke, work.kc, work.re
     for i in range(2):

@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The string in space: seven unknowns per node (r, r', psi), stretch and torsion included.
-
-What the time loop (`drill_twin.solver.midpoint`) needs to know of the unknowns: how to predict, build, solve, correct
-and take a step.
-"""
+"""The string in space: seven unknowns per node (r, r', psi), stretch and torsion included."""
 
 from typing import Any
 
@@ -28,7 +24,7 @@ from drill_twin.solver.state import (
 
 @kernel
 def add_ends(work: Workspace) -> None:
-    """Bring what acts on the bit and the top into the system."""
+    """Add the loads on bit and top to the system."""
     last = work.diagonal.shape[0] - 1
     for i in range(NODE):
         for j in range(NODE + 1):
@@ -38,7 +34,7 @@ def add_ends(work: Workspace) -> None:
 
 @kernel
 def constrain(constrained: Array, work: Workspace) -> None:
-    """Take the constrained unknowns out of the system (their velocity is set before the iteration); keep their rows."""
+    """Remove the constrained unknowns, whose velocity is prescribed; save the rows of the ends for the reactions."""
     last = work.diagonal.shape[0] - 1
     for end in range(2):
         node = 0 if end == 0 else last
@@ -59,7 +55,7 @@ def constrain(constrained: Array, work: Workspace) -> None:
 
 @kernel
 def update_reactions(work: Workspace) -> None:
-    """Bring the reactions at the ends up to the Newton step just taken."""
+    """Update the reactions at the ends by the Newton step just solved for."""
     last = work.diagonal.shape[0] - 1
     for end in range(2):
         own = work.diagonal[0 if end == 0 else last]
@@ -72,7 +68,7 @@ def update_reactions(work: Workspace) -> None:
 
 @kernel
 def predict(constrained: Array, state: State, command: Array, step: float) -> None:
-    """First guess of the mid-step velocity: straight on through the last one; constrained unknowns as they will be."""
+    """Extrapolate the mid-step velocity; constrained unknowns move as prescribed."""
     now, last_, before = extrapolation_weights(state.clock, step)
     last = state.u.shape[0] - 1
     for i in range(last + 1):
@@ -111,7 +107,7 @@ def correct(state: State, limits: Limits, work: Workspace, h2: float) -> float:
 
 @kernel
 def accept(constrained: Array, state: State, work: Workspace, counters: Array, command: Array, step: float) -> None:
-    """Take the step: u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n; the top turns as the drive wants it at the end."""
+    """Take the step: u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n; a constrained top ends at the speed of the drive."""
     for i in range(state.u.shape[0]):
         for c in range(NODE):
             v = state.trial[i, c]
@@ -134,16 +130,16 @@ def solve(work: Workspace) -> bool:
 
 @kernel
 def begin(work: Workspace) -> None:
-    """Nothing is kept from frame to frame."""
+    """No-op: no factors are kept from step to step."""
 
 
 @kernel
 def finish(rod: Rod, state: State) -> None:
-    """Nothing is left to fill in."""
+    """No-op: every column of the state is an unknown."""
 
 
 def bind(effects: Effects) -> Formulation:
-    """The form for a set of effects."""
+    """The formulation for a set of effects."""
     assemble = assembly.bind(effects)
     end_load = effects.end_load
 
@@ -160,13 +156,13 @@ def bind(effects: Effects) -> Formulation:
         fresh: bool,
         number: float,
     ) -> None:
-        """Fill the block system: elements, what acts on the ends, and the unknowns that are held."""
+        """Fill the block system: elements, loads at the ends, constraints."""
         for i in range(state.u.shape[0]):
             for c in range(NODE):
                 state.place[i, c] = state.u[i, c] + h2 * state.trial[i, c]
         assemble(parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v)
         work.ends[:] = 0.0
-        # the bit is held, pushed and braked along and across the hole where it is
+        # the bit is constrained, loaded and braked along and across the hole
         turn_blocks(state.bit_frame, work.diagonal[0], work.upper[0], work.lower[0])
         to_bit(state.bit_frame, state.place[0], state.trial[0])
         turn_row(state.bit_frame, state.v[0])

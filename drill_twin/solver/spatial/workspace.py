@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scratch arrays of one twin, allocated once: no kernel allocates."""
+"""Work arrays of the spatial formulation, allocated once: no kernel allocates."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from drill_twin.model.section import RESULTANTS
 
 
 class Workspace(NamedTuple):
-    """The block system, and the small matrices of the element and the point at hand."""
+    """The block system, and the small matrices of the current element and Gauss point."""
 
     lower: Array  # (n, 7, 8) block of node i + 1 by node i
     diagonal: Array  # (n + 1, 7, 8) last column the residual, then the Newton step
@@ -38,7 +38,7 @@ class Workspace(NamedTuple):
 
 
 def make_workspace(elements: int) -> Workspace:
-    """Scratch for a string of so many elements."""
+    """Arrays of zeros for a string of so many elements."""
     n = elements
     return Workspace(
         lower=np.zeros((n, 7, 8)),
