@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An own analyzer: how far each mark is off the axis of the hole, and the largest of it as a topic of its own."""
+"""Example of an analyzer: offset of each mark from the axis of the hole, and the largest one as a topic."""
 
 import math
 from contextlib import suppress

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An own rig driver: whenever the twin says what time it is, command the set-points for the next frame."""
+"""Example of a rig driver: for each message on /clock, send the set-points of the next frame."""
 
 import math
 from contextlib import suppress

@@ -11,7 +11,13 @@ ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "drill_twin"
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
 NAMED = re.compile(r"\b((?:drill_twin|test|config|benchmarks)/[\w/.-]*\w)")
-LINKED = re.compile(r"\]\(([^)#\s:]+)(?:#[^)]*)?\)")
+LINKED = re.compile(r"\]\(([^)#\s:]*)(?:#([^)\s]*))?\)")
+
+
+def _anchors(page):
+    """Anchors of the headings of a page, as GitHub makes them."""
+    titles = re.findall(r"^#+ (.*)$", page.read_text("utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -21,8 +27,9 @@ def test_files_that_a_page_names_exist(page):
     named = [name for name in NAMED.findall(text.replace("/drill_twin/", "")) if "NAME" not in name]
     missing = [name for name in named if not (ROOT / name).exists()]
     assert not missing
-    broken = [link for link in LINKED.findall(text) if not (page.parent / link).exists()]
-    assert not broken
+    links = [(page.parent / path if path else page, anchor) for path, anchor in LINKED.findall(text)]
+    assert not [str(file) for file, _ in links if not file.exists()]
+    assert not [anchor for file, anchor in links if anchor and anchor not in _anchors(file)]
 
 
 def _rows():
