@@ -6,13 +6,15 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.errors import DrillTwinError, MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.stamps import unpack_stamp
 from drill_twin.io.messages.topics import STRING_POSES, TWIN_SCENE, WHIRL_ONSET
+from drill_twin.io.messages.whirl_encode import decode_onset
 from drill_twin.live.page_state import INPUTS, PageState
 
 Message = tuple[str, int, bytes]
@@ -21,6 +23,8 @@ Message = tuple[str, int, bytes]
 _PERIOD = 0.02  # s, between two updates
 _STAMPED = 12  # bytes
 _HIGHEST_RATE = 64.0
+_LEAD = 1.0
+"""Time played before the onset [s]."""
 
 
 def in_simulated_time(messages: Iterable[Message]) -> Iterator[Message]:
@@ -49,7 +53,7 @@ def in_simulated_time(messages: Iterable[Message]) -> Iterator[Message]:
 
 
 class Player:
-    """Seekable playback of a bag, in a thread of its own."""
+    """Seekable playback of a bag, in a thread of its own; a page that opens starts it shortly before the onset."""
 
     def __init__(self, path: Path) -> None:
         """Open a bag.
@@ -65,13 +69,21 @@ class Player:
         """Length of the recording [s]."""
         self.state = PageState()
         self._lock = threading.Lock()
-        self._at, self._next, self._rate, self._playing, self._closed = 0.0, 0, 1.0, True, False
+        self._at, self._next, self._rate, self._playing, self._closed = 0.0, 0, 1.0, False, False
+        self.beginning = self._beginning()
+        """Time at which a page begins to play [s]: shortly before the onset; 0 where there is none."""
+        self._seek(self.beginning)
         self._thread = threading.Thread(target=self._play, name="player", daemon=True)
         self._thread.start()
 
     def snapshot(self) -> Mapping[str, Any]:
         """State of the page, with that of the playback."""
-        player = {"at": min(self._at, self.length), "length": self.length, "playing": self._playing}
+        player = {
+            "at": min(self._at, self.length),
+            "begin": self.beginning,
+            "length": self.length,
+            "playing": self._playing,
+        }
         return {**self.state.snapshot(), "player": player}
 
     def on_request(self, request: Mapping[str, Any]) -> None:
@@ -97,6 +109,17 @@ class Player:
         """End the playback."""
         self._closed = True
         self._thread.join(5.0)
+
+    def _beginning(self) -> float:
+        times = [0.0]
+        for topic, stamp, raw in self._messages:
+            if topic == WHIRL_ONSET:
+                with suppress(MessageError):
+                    at, onset = decode_onset(raw)
+                    if onset is not None:
+                        # The message follows the onset by the time that its detection took.
+                        times.append((stamp - self._start - at) * 1e-9 + onset.time)
+        return min(max(times[-1] - _LEAD, 0.0), self.length)
 
     def _seek(self, at: float) -> None:
         """Seek to a time [s]: restore scene and onset, and play the second before it at once."""

@@ -211,8 +211,8 @@ def test_the_page_of_a_bag_plays_stops_and_goes_to_a_time(bench, browse, small_b
     _until(lambda: browser.value("now.nodes.length > 0"), "the picture")
     assert browser.value("document.getElementById('rig').hidden") is True
     assert browser.text("name") == "pa6_bench"
-    _until(lambda: browser.text("play") == "play", "the end of the recording")
-    assert browser.text("time") == "t = 0.50 s"
+    _until(lambda: browser.text("time") == "t = 0.50 s", "the end of the recording")
+    _until(lambda: browser.text("play") == "play", "the pause at the end")
     browser.slide("seek", 0.1)
     _until(lambda: browser.value("0.0 < now.time && now.time < 0.3"), "an earlier time")
     assert page.end() == 0

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A recording opens shortly before the onset of whirl, with the motion that led there."""
+
+import time
+
+import pytest
+
+from drill_twin.live.player import Player
+from drill_twin.report import read_recording
+
+
+@pytest.fixture
+def player(bench_run, monkeypatch):
+    monkeypatch.setattr("drill_twin.live.player._LEAD", 0.3)  # the run begins to whirl at 0.66 s
+    player = Player(next(bench_run.bag.glob("*.mcap")).parent)
+    yield player
+    player.close()
+
+
+def until(condition):
+    end = time.monotonic() + 20.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_a_page_opens_before_the_onset_and_plays(player, bench_run):
+    onset = read_recording(bench_run.bag).summary.onset_s
+    first = player.snapshot()["player"]
+    assert not first["playing"]  # no page is open
+    assert first["at"] == first["begin"] == pytest.approx(onset - 0.3, abs=0.05)
+    until(lambda: player.snapshot()["time"] == pytest.approx(first["begin"], abs=0.05))
+    player.on_request({"seek": first["begin"], "play": True})  # as the page does
+    until(lambda: any(len(trail) > 20 for trail in player.snapshot()["trail"].values()))
+    until(lambda: player.snapshot()["player"]["at"] > first["begin"])
+    assert player.snapshot()["player"]["playing"]
+
+
+def test_a_page_that_opens_at_the_end_begins_anew(player):
+    player.on_request({"seek": player.length})
+    until(lambda: player.snapshot()["time"] > player.beginning + 0.5)
+    player.on_request({"seek": player.beginning, "play": True})
+    assert player.snapshot()["player"]["at"] < player.length
+    assert player.snapshot()["player"]["playing"]
