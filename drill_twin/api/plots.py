@@ -44,6 +44,10 @@ class Plots:
         """Orbits of the centre line at the marks across the hole."""
         return self._draw("orbits")
 
+    def plot_well(self) -> Figure:
+        """The string in the well at the end, and tracks over measured depth."""
+        return self._draw("well")
+
     def plot_string_shapes(self) -> Figure:
         """Shapes of the string in the hole, and the paths of the marks."""
         return self._draw("string_shapes")

@@ -15,7 +15,7 @@ from drill_twin.report.summary import summarise, to_json
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FIGURES = ("set_points", "displacement", "motion", "spectrum_over_time", "orbits", "spectrum", "string_shapes")
+FIGURES = ("set_points", "displacement", "motion", "spectrum_over_time", "orbits", "spectrum", "well", "string_shapes")
 
 
 @dataclass(frozen=True)

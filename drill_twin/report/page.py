@@ -24,6 +24,8 @@ _CAPTIONS = {
     "orbit is enlarged, each panel by itself, with the whole hole in the corner.",
     "spectrum": "A pure circular orbit is one line as high as its radius: right of zero when it turns with the string, "
     "left when it turns against it.",
+    "well": "Hole and string with their diameters, tool joints and blades included, towards the low side; the section "
+    "follows the azimuth. Tension and torque are points, since a bag holds them at the ends of the string only.",
     "string_shapes": "z = 0 is the top clamp; the bit is at the lower end. Lateral axes are stretched against z.",
 }
 _UNROLLED = (

@@ -43,6 +43,17 @@ def low_side(scene: Scene, depth: Array) -> ComplexArray:
     return low
 
 
+def inclination(scene: Scene, depth: Array) -> Array:
+    """Angle of the hole from the vertical at measured depths [rad]."""
+    top = scene.hole.top_inclination
+    line = survey_of(scene)
+    if line is None:
+        return np.full(depth.shape, top)
+    down = np.array([np.sin(top), 0.0, -np.cos(top)])
+    angle: Array = np.arccos(np.clip(-line.at(depth).tangent @ down, -1.0, 1.0))
+    return angle
+
+
 def smooth(position: Array, tangent: Array) -> Array:
     """Cubic Hermite curve through nodes with their tangents.
 

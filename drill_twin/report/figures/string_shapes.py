@@ -74,11 +74,14 @@ def _paths(panel: Any, recording: Recording, since: float) -> None:
 def _box(figure: Figure, recording: Recording, side: int) -> Any:
     """3-D axes with rings at the wall; z = 0 is the top clamp."""
     panel: Any = figure.add_axes((0.045 + 0.465 * side, 0.0, 0.48, 0.93), projection="3d")
-    radius, length = recording.scene.hole.radius * 1e3, recording.scene.length
+    hole, length = recording.scene.hole, recording.scene.length
+    depths = [*np.linspace(0.0, length, 6), *(end for step in hole.intervals for end in (step.top, step.bottom))]
+    radii = {depth: 1e3 * hole.radius_at(float(depth)) for depth in depths if depth <= length}
+    radius = max(radii.values())
     angle = np.linspace(0.0, math.tau, 73)
-    for height in np.linspace(-length, 0.0, 6):
-        ring = np.full_like(angle, height)
-        panel.plot(radius * np.cos(angle), radius * np.sin(angle), ring, color=GREY, linewidth=0.6, alpha=0.7)
+    for depth, wall in radii.items():
+        ring = np.full_like(angle, -depth)
+        panel.plot(wall * np.cos(angle), wall * np.sin(angle), ring, color=GREY, linewidth=0.6, alpha=0.7)
     panel.set_box_aspect((1.0, 1.0, 1.9), zoom=1.0)
     panel.view_init(elev=18, azim=-58)
     panel.set(xlim=(-radius, radius), ylim=(-radius, radius), zlim=(-length, 0.0))

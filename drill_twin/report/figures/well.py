@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The string in the well at the end of the run: the hole as it is drilled, and tracks over measured depth.
+
+A bag holds the positions of the string and the forces at its two ends: force and torque are drawn as points.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.discretisation.discretise import contact_radius
+from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, blank, head
+from drill_twin.report.recording import Recording
+from drill_twin.report.string_curve import VERTICAL, inclination, low_side
+
+_WIDE = 0.05
+"""Radius of the hole in the section as drawn, over the size of the well."""
+_POINTS = 800
+_KILO = 5000.0
+"""Force [N] or torque [N m] from which the unit is kN or kN m."""
+
+
+def well(recording: Recording) -> Figure:
+    """Vertical section; tracks: string and hole along the low side, distance to the wall, forces at the ends."""
+    scene = recording.scene
+    figure = blank(6.8)
+    head(figure, f"The string in the well at {recording.duration:.2f} s")
+    depth = np.linspace(0.0, scene.length, _POINTS)
+    hole = np.array([scene.hole.radius_at(at) for at in depth.tolist()])
+    pipe = contact_radius(scene, scene.length - depth)
+    low = low_side(scene, depth)
+    inclined = bool(np.abs(low).max() > VERTICAL)
+    offset = _offset(recording, depth)
+    along = (offset * np.conj(_directions(low))).real
+    _section(figure.add_axes((0.07, 0.09, 0.24, 0.775)), inclination(scene, depth), depth, hole, pipe, along)
+    places = ((0.395, 0.17), (0.59, 0.115), (0.73, 0.105), (0.86, 0.105))
+    tracks = [figure.add_axes((left, 0.09, width, 0.775)) for left, width in places]
+    across, gap, force, torque = tracks
+    _bands(across, depth, 1e3 * hole, 1e3 * pipe, 1e3 * along)
+    across.set(xlabel=f"{'low side' if inclined else 'x'} [mm]", ylabel="measured depth [m]")
+    across.set_title(f"towards {'the low side' if inclined else 'x'}", fontsize=10)
+    gap.plot(1e3 * (hole - pipe - np.abs(offset)), depth, color=BLUE)
+    gap.axvline(0.0, color=INK, linewidth=1.4)
+    gap.set(xlabel="[mm]")
+    gap.set_title("distance to wall", fontsize=10)
+    rig, ends = recording.rig, (0.0, scene.length)
+    if len(rig):
+        _ends(force, (rig.hookload[-1], -rig.bit_force[-1]), ends, "tension", "N")
+        _ends(torque, (rig.top_drive_torque[-1], -rig.bit_torque[-1]), ends, "torque", "N m")
+    for track in tracks:
+        track.set_ylim(scene.length, 0.0)
+        track.xaxis.set_major_locator(MaxNLocator(3 if track in {across, gap} else 2))
+        track.tick_params(labelleft=track is across)
+    figure.text(0.845, 0.915, "as recorded at the ends", ha="center", color=GREY, fontsize=9)
+    return figure
+
+
+def _directions(low: ComplexArray) -> ComplexArray:
+    """Unit direction of the low side; that of the nearest inclined place where the hole is vertical, else x."""
+    known = np.flatnonzero(np.abs(low) > VERTICAL)
+    if not known.size:
+        return np.ones(low.size, complex)
+    nearest = known[np.abs(np.arange(low.size)[:, None] - known).argmin(axis=1)]
+    way: ComplexArray = low[nearest] / np.abs(low[nearest])
+    return way
+
+
+def _offset(recording: Recording, depth: Array) -> ComplexArray:
+    """Offset x + i y of the centre line from the axis at the last pose [m]; NaN where the bag holds no poses."""
+    if not len(recording.poses):
+        return np.full(depth.size, complex(np.nan, np.nan))
+    curve = recording.shapes()[-1]
+    curve = curve[np.argsort(-curve[:, 2])]
+    found: ComplexArray = np.interp(depth, -curve[:, 2], curve[:, 0] + 1j * curve[:, 1])
+    return found
+
+
+def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, along: Array) -> None:
+    """Vertical section along the hole, its azimuth unrolled; hole and string are drawn wider than they are."""
+    middle, step = 0.5 * (angle[1:] + angle[:-1]), np.diff(depth)
+    out = np.append(0.0, np.cumsum(step * np.sin(middle)))
+    down = np.append(0.0, np.cumsum(step * np.cos(middle)))
+    size = max(float(np.ptp(out)), float(np.ptp(down)))
+    wider = _WIDE * size / float(hole.max())
+
+    def shifted(distance: Array) -> tuple[Array, Array]:
+        """Points at a distance from the axis [m], positive towards the low side."""
+        return out - wider * distance * np.cos(angle), down + wider * distance * np.sin(angle)
+
+    bands: tuple[tuple[Array, Array, dict[str, Any]], ...] = (
+        (-hole, hole, {"facecolor": LIGHT, "edgecolor": INK, "linewidth": 1.4, "label": "hole"}),
+        (along - pipe, along + pipe, {"facecolor": BLUE, "edgecolor": BLUE, "linewidth": 0.5, "label": "string"}),
+    )
+    for near, far, looks in bands:
+        if np.isfinite(near).all():
+            left, right = shifted(near), shifted(far)
+            panel.fill(np.append(left[0], right[0][::-1]), np.append(left[1], right[1][::-1]), **looks)
+    room = 0.5 * size + 1.6 * _WIDE * size
+    centre = 0.5 * float(out.max() + out.min())
+    panel.set(xlim=(centre - 0.62 * room, centre + 0.62 * room) if np.ptp(out) < 0.4 * size else None, aspect="equal")
+    panel.set_ylim(float(down.max()) + 1.6 * _WIDE * size, float(down.min()) - 1.6 * _WIDE * size)
+    panel.set(xlabel="along the section [m]", ylabel="vertical depth [m]")
+    panel.set_title(f"widths drawn {wider:.3g} times", fontsize=10)
+    panel.xaxis.set_major_locator(MaxNLocator(3))
+    panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.05), ncols=2, borderaxespad=0.2)
+
+
+def _bands(panel: Axes, depth: Array, hole: Array, pipe: Array, along: Array) -> None:
+    """Hole and string over measured depth [mm], positive towards the low side."""
+    panel.fill_betweenx(depth, -hole, hole, color=LIGHT)
+    panel.plot(-hole, depth, color=INK, linewidth=1.4)
+    panel.plot(hole, depth, color=INK, linewidth=1.4)
+    panel.fill_betweenx(depth, along - pipe, along + pipe, color=BLUE, alpha=0.35)
+    panel.plot(along, depth, color=BLUE, linewidth=1.0)
+
+
+def _ends(panel: Axes, values: tuple[float, float], places: tuple[float, float], name: str, unit: str) -> None:
+    """Values at the top and at the bit as points; the unit is N or kN."""
+    kilo = max(map(abs, values)) >= _KILO
+    shown = [1e-3 * value for value in values] if kilo else values
+    panel.plot(shown, places, "o", color=VERMILION, clip_on=False)
+    panel.axvline(0.0, color=GREY, linewidth=0.8)
+    panel.margins(x=0.25)
+    panel.set(xlabel=f"[{'k' if kilo else ''}{unit}]")
+    panel.set_title(name, fontsize=10)
