@@ -29,7 +29,7 @@ from drill_twin.twin.packed_arrays import named_arrays, pack_arrays
 SPATIAL, LATERAL = "spatial", "lateral"
 AXIAL = "work.axial"
 """Array of the lateral formulation that is missing in checkpoints of drill_twin 0.1.0."""
-HALVINGS = 1000
+DEFAULT_HALVINGS = 1000
 """Default of the largest number of step halvings in an advance."""
 
 
@@ -81,7 +81,9 @@ class Dynamics:
         self.parameters, self._state, self.command, self.counters = memory
         self.too_many_halvings = False
         self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
-        self._limits = state.Limits(self.step, newton_place(scene.tolerance, rod, self.wall), scene.tolerance, HALVINGS)
+        self._limits = state.Limits(
+            self.step, newton_place(scene.tolerance, rod, self.wall), scene.tolerance, DEFAULT_HALVINGS
+        )
         self._set_initial_state()
 
     def _set_initial_state(self) -> None:
@@ -125,7 +127,9 @@ class Dynamics:
         if self.form == LATERAL:
             yield AXIAL, self._work.axial  # the last sum of weights is used in the next step
 
-    def advance(self, target: Array, seconds: float, step: float | None = None, max_halvings: int = HALVINGS) -> bool:
+    def advance(
+        self, target: Array, seconds: float, step: float | None = None, max_halvings: int = DEFAULT_HALVINGS
+    ) -> bool:
         """Advance in time; the set-points change linearly from `command`, which is not updated, to `target`.
 
         Args:

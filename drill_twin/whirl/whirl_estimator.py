@@ -12,7 +12,7 @@ from drill_twin.whirl.findings import Onset
 from drill_twin.whirl.history import History
 from drill_twin.whirl.marks import MarkInfo
 from drill_twin.whirl.motion.classifier import MotionClassifier
-from drill_twin.whirl.onset.detector import OnsetDetector
+from drill_twin.whirl.onset.asynchronous_onset import OnsetDetector
 from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsetDetector
 from drill_twin.whirl.onset.threshold_crossing import Crossing
 from drill_twin.whirl.orbit.orbit import Orbit

@@ -8,9 +8,9 @@ from rclpy.serialization import deserialize_message
 from std_msgs.msg import Float64
 
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.messages.definitions import type_hash
 from drill_twin.io.messages.topics import MARKS_STATE, RPS_COMMAND, STRING_POSES, TOPICS, WOB_COMMAND
-from drill_twin.ros.core.topics.topic_qos import message_class
+from drill_twin.io.messages.type_store import type_hash
+from drill_twin.ros.core.topics.rclpy_topics import message_class
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Schedule
 

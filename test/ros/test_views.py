@@ -12,7 +12,7 @@ from rclpy.serialization import deserialize_message
 
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import FRAME_ID, JOINT_STATE, MARKER_ARRAY, POSE_ARRAY, TOPICS
-from drill_twin.ros.core.topics.topic_qos import message_class
+from drill_twin.ros.core.topics.rclpy_topics import message_class
 
 VIEWS = Path(__file__).resolve().parents[2] / "config" / "views"
 RVIZ_TYPES = {"rviz_default_plugins/MarkerArray": MARKER_ARRAY, "rviz_default_plugins/PoseArray": POSE_ARRAY}

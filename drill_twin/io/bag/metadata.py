@@ -9,8 +9,8 @@ from typing import Any
 
 import yaml
 
-from drill_twin.io.messages.definitions import definition, type_hash
 from drill_twin.io.messages.topics import TOPICS, Topic
+from drill_twin.io.messages.type_store import definition, type_hash
 
 _FOREVER = {"sec": 9223372036, "nsec": 854775807}
 

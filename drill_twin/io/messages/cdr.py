@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from drill_twin.errors import MessageError
-from drill_twin.io.messages.definitions import message, serialize
 from drill_twin.io.messages.stamps import NANOSECONDS, TIME, header, pack_stamp, time_message
 from drill_twin.io.messages.topics import CLOCK, FLOAT64, FRAME_ID, JOINT_STATE, POSE_ARRAY
+from drill_twin.io.messages.type_store import message, serialize
 
 _SENTINEL_STAMP = 1_588_742_087 * NANOSECONDS + 489_743_267
 _SENTINEL_BYTES = TIME.pack(*divmod(_SENTINEL_STAMP, NANOSECONDS))

@@ -11,9 +11,9 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
-from drill_twin.io.messages.definitions import CDR_LITTLE_ENDIAN, SPARE_BYTES, deserialize
 from drill_twin.io.messages.stamps import header_stamp, unpack_stamp
 from drill_twin.io.messages.topics import CLOCK, FLOAT64, JOINT_STATE, POSE_ARRAY, STRING
+from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN, SPARE_BYTES, deserialize
 
 _COUNT = struct.Struct("<I")
 _STAMP = 4  # the header's stamp follows the four bytes of the encapsulation

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from drill_twin.io.messages.definitions import deserialize, message, serialize
 from drill_twin.io.messages.stamps import header, header_stamp
 from drill_twin.io.messages.topics import DIAGNOSTIC_ARRAY
+from drill_twin.io.messages.type_store import deserialize, message, serialize
 
 
 class Level(IntEnum):

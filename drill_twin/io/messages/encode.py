@@ -10,7 +10,6 @@ import numpy as np
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.cdr import ClockTemplate, Float64Template, JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.definitions import message, serialize
 from drill_twin.io.messages.finite import check_finite, finite_number
 from drill_twin.io.messages.geometry import StringGeometry, default_exaggeration
 from drill_twin.io.messages.markers import MarkerArrayTemplate
@@ -26,6 +25,7 @@ from drill_twin.io.messages.topics import (
     STRING_POSES,
     WOB_COMMAND,
 )
+from drill_twin.io.messages.type_store import message, serialize
 from drill_twin.schedule.command import Command
 from drill_twin.twin.frame import Frame, RigState
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
-from drill_twin.io.messages.definitions import message
 from drill_twin.io.messages.geometry import ExaggeratedGeometry, StringGeometry
 from drill_twin.io.messages.topics import FRAME_ID, MARKER_ARRAY
+from drill_twin.io.messages.type_store import message
 
 Colour = tuple[float, float, float, float]
 

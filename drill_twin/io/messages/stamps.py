@@ -8,7 +8,7 @@ import struct
 from typing import Any
 
 from drill_twin.errors import MessageError
-from drill_twin.io.messages.definitions import message
+from drill_twin.io.messages.type_store import message
 
 NANOSECONDS = 1_000_000_000
 TIME = struct.Struct("<iI")

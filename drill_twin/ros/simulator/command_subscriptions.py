@@ -15,7 +15,7 @@ from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.topics.node_topics import NOT_NAMED_YET
-from drill_twin.ros.core.topics.topic_qos import relative
+from drill_twin.ros.core.topics.rclpy_topics import relative
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter, Silence
 from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.scene import Scene

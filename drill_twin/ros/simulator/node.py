@@ -27,7 +27,7 @@ from drill_twin.ros.core.lifecycle import answer_any_transition
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Value
 from drill_twin.ros.core.scene_parameters import resolved, scene_of
-from drill_twin.ros.core.topics.topic_qos import relative
+from drill_twin.ros.core.topics.rclpy_topics import relative
 from drill_twin.ros.simulator.parameters import PARAMETERS
 from drill_twin.ros.simulator.simulation_interfaces import offer_where_installed
 from drill_twin.ros.simulator.trigger_services import offer

@@ -11,9 +11,9 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from drill_twin.errors import BagError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
-from drill_twin.io.messages.definitions import definition, typestore
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.topics import MARKS_STATE, STRING_POSES, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.type_store import definition, typestore
 
 
 def by_rosbags(folder, rows, storage=StoragePlugin.SQLITE3, compression=CompressionMode.NONE, types=None):

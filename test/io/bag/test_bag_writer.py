@@ -17,8 +17,8 @@ from drill_twin.errors import BagError
 from drill_twin.io.bag.metadata import contract_topic
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
-from drill_twin.io.messages.definitions import definition, type_hash, typestore
 from drill_twin.io.messages.topics import STRING_POSES, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.type_store import definition, type_hash, typestore
 
 
 def metadata_of(folder):

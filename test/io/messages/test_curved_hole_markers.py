@@ -8,11 +8,11 @@ import pytest
 
 from drill_twin.base.jit import as_python
 from drill_twin.io.messages.cdr import PoseArrayTemplate
-from drill_twin.io.messages.definitions import deserialize
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.geometry import ExaggeratedGeometry, StringGeometry
 from drill_twin.io.messages.markers import MarkerArrayTemplate
 from drill_twin.io.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
+from drill_twin.io.messages.type_store import deserialize
 from drill_twin.live.page_state import PageState
 from drill_twin.model.survey import survey
 from drill_twin.model.wellbore import axis_offset, distance_along

@@ -5,8 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from drill_twin.io.messages.definitions import definition
 from drill_twin.io.messages.topics import TOPICS, topic_table
+from drill_twin.io.messages.type_store import definition
 
 
 def test_the_contract():

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from drill_twin.io.messages.decode import read_pose_array
-from drill_twin.io.messages.definitions import deserialize
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.transforms import TF_TYPE, StringTransforms, TransformsTemplate, hole_transform
+from drill_twin.io.messages.type_store import deserialize
 
 STAMP = 12_340_000_000
 

@@ -16,7 +16,7 @@ from drill_twin.io.messages.topics import DIAGNOSTICS, RPS_COMMAND, TOPICS, WOB_
 from drill_twin.ros.core.topics.qos_check import UNKNOWN_NODE_NAME, incompatible_publisher
 from drill_twin.ros.core.topics.qos_overrides import OVERRIDABLE, readable_overrides
 from drill_twin.ros.core.topics.raw_subscriptions import ManualCallbackGroup, RawSubscriptions, Received
-from drill_twin.ros.core.topics.topic_qos import message_class, quality, relative
+from drill_twin.ros.core.topics.rclpy_topics import message_class, quality, relative
 
 _PUBLISHER_DEPTH = 1000  # messages kept until every reader has them; 5 s at 200 Hz
 _SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # their sequence numbers cannot be told apart
