@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.io.bag.reader import Bag
+from drill_twin.report.loads import loads
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.twin.frame import COUNTS
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
@@ -39,6 +40,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `whirl_observable`: whether the bag has positions of marks.
         * `bit`, `stick_slip`: motion of the bit at the end, and its stretches of stick-slip; `bit_spectral_peak_hz`:
           the highest line in the spectrum of its speed.
+        * `loads`: `mean`, `min` and `max` of weight on bit, hookload and drag [N] and of the torques of top drive and
+          bit [N m] (`drill_twin.report.loads`).
         * `realtime_factor`: simulated time over the time the physics took.
         * `steps`, `cut_steps`, `loose_steps`: time steps taken, how often one was halved, and how many were taken while
           contacts with the wall still alternated between stick and slip; None where not recorded.
@@ -77,6 +80,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "bit": found.bit,
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
+        "loads": loads(bag),
         "realtime_factor": log.realtime_factor,
         **{key: log.steps.get(key) for key in COUNTS},
         "guard": log.guard.summary(),

@@ -30,6 +30,7 @@ def findings(summary: Summary) -> Iterator[Row]:
     if not summary["whirl_observable"]:
         yield "whirl", "not observable: no positions of marks"
         yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
+        yield from _loads(summary)
         yield from _bit(summary)
         return
     yield "onset of whirl", _onset(summary)
@@ -38,8 +39,21 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", _radius(value, summary["clearance_m"].get(mark))
+    yield from _loads(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield from _bit(summary)
+
+
+def _loads(summary: Summary) -> Iterator[Row]:
+    """Rows on hookload, torque and drag."""
+    for name, key, unit in (
+        ("hookload", "hookload_n", "N"),
+        ("drag", "drag_n", "N"),
+        ("torque of the top drive", "top_drive_torque_nm", "N m"),
+        ("torque on the bit", "bit_torque_nm", "N m"),
+    ):
+        if found := summary["loads"].get(key):
+            yield name, f"{found['mean']:.4g} {unit} on average, {found['min']:.4g} to {found['max']:.4g} {unit}"
 
 
 def _bit(summary: Summary) -> Iterator[Row]:

@@ -5,6 +5,7 @@ import json
 import math
 import shutil
 
+import numpy as np
 import pytest
 
 from drill_twin.errors import BagError
@@ -14,7 +15,7 @@ from drill_twin.io.messages.encode import MARK_AXES, encode_string
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE, WHIRL_STATE
 from drill_twin.report import read_recording, summarise
 from drill_twin.report.summary import timeline, to_json
-from drill_twin.report.text import provenance
+from drill_twin.report.text import findings, provenance
 from drill_twin.whirl import MotionPeriod, MotionState
 
 KEYS = {
@@ -34,6 +35,23 @@ def summary(known_bag):
 
 def test_holds_the_promised_keys(summary):
     assert set(summary) >= KEYS
+
+
+def test_hookload_torque_and_drag_of_a_run(bench_run):
+    """Before contact the string's weight is carried by hook and bit alone, so friction stays a small share of it."""
+    recording = read_recording(bench_run.bag)
+    rig, found = recording.rig, summarise(recording)["loads"]
+    for key, series in (
+        ("hookload_n", rig.hookload), ("weight_on_bit_n", rig.bit_force),
+        ("top_drive_torque_nm", rig.top_drive_torque), ("bit_torque_nm", rig.bit_torque),
+    ):  # fmt: skip
+        assert found[key] == {"mean": series.mean(), "min": series.min(), "max": series.max()}
+    weight = sum(s.mass_per_length * s.length for s in recording.scene.string.sections) * 9.81
+    assert found["drag_n"]["mean"] == pytest.approx(np.mean(rig.hookload + rig.bit_force) - weight, abs=1e-6)
+    assert abs(found["drag_n"]["mean"]) < 0.2 * weight
+    rows = dict(findings(summarise(recording)))
+    assert {"hookload", "drag", "torque of the top drive", "torque on the bit"} <= set(rows)
+    assert rows["hookload"].endswith(" N")
 
 
 def test_is_plain_json_and_comes_back_equal(summary):
