@@ -85,6 +85,17 @@ def test_friction_opposes_the_slip(hole: str, around: float, along: float) -> No
     assert abs(load[:3] @ n) < 1e-9
 
 
+@pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
+def test_the_law_near_zero_slip_is_the_documented_one(ratio: float) -> None:
+    """v / sqrt(v^2 + c^2) with c = pi / (2 xi), at a steepness where the paper's arctan differs by up to 10 %."""
+    mu, steepness = 0.3, 10.0
+    both, twin = made(scene_of("straight", {"coefficient": mu, "accuracy": steepness}))
+    place, (_, t, _) = on_the_wall(twin, 1e-4, 0.7)
+    creep = np.pi / (2.0 * steepness)
+    load, _ = evaluate(both, twin, place, np.append(ratio * creep * t, 0.0), h2=0.0)
+    assert load[:3] @ t == pytest.approx(-mu * 1e7 * 1e-4**1.5 * ratio / np.hypot(ratio, 1.0), rel=1e-9)
+
+
 @pytest.mark.parametrize("hole", ["straight", "curved"])
 @pytest.mark.parametrize("slip", [(0.3, 0.4), (1e-7, 2e-7), (0.05, 0.0)])
 def test_the_tangent_is_the_derivative(hole: str, slip: tuple[float, float]) -> None:
