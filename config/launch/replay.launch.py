@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """`ros2 launch drill_twin replay.launch.py bag:=PATH`: a bag again, with a fresh analysis of it when asked."""
 
-from launch import LaunchDescription
+from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
 from launch.conditions import IfCondition
 from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
+from launch.events.process import ProcessExited
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -50,16 +51,23 @@ def generate_launch_description() -> LaunchDescription:
             "leave_out": ParameterValue(left_out, value_type=str),
         },
     )
+    nodes = [_node("analyzer", {}, condition=IfCondition(analyze)), replayer]
     return LaunchDescription(
         [
             *ARGUMENTS,
-            _node("analyzer", {}, condition=IfCondition(analyze)),
-            replayer,
+            *nodes,
+            *(RegisterEventHandler(OnProcessExit(target_action=node, on_exit=_end_with_error)) for node in nodes),
             RegisterEventHandler(
                 OnProcessExit(target_action=replayer, on_exit=[EmitEvent(event=Shutdown(reason="the bag is over"))])
             ),
         ]
     )
+
+
+def _end_with_error(event: ProcessExited, context: LaunchContext) -> None:
+    """End the launch, with exit code 1, when a node dies: an error here is what launch makes that code of."""
+    if event.returncode and not context.is_shutdown:
+        raise RuntimeError(f"{event.process_name} ended with exit code {event.returncode}, so the launch ends")
 
 
 def _node(executable: str, parameters: dict[str, object], **more: object) -> Node:

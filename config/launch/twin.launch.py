@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """`ros2 launch drill_twin twin.launch.py`: simulator, rig driver and analyzer, and a recorder when asked."""
 
-from launch import LaunchDescription
+from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
 from launch.conditions import IfCondition
 from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
+from launch.events.process import ProcessExited
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -70,13 +71,16 @@ def generate_launch_description() -> LaunchDescription:
         "table": _text("table"),
         "wait_for": ParameterValue(waited, value_type=str),
     }
+    nodes = [
+        _node("recorder", {"bag": _text("bag")}, condition=IfCondition(record)),
+        _node("analyzer", {}),
+        simulator,
+        _node("rig_driver", driver),
+    ]
     return LaunchDescription(
         [
             *ARGUMENTS,
-            _node("recorder", {"bag": _text("bag")}, condition=IfCondition(record)),
-            _node("analyzer", {}),
-            simulator,
-            _node("rig_driver", driver),
+            *nodes,
             Node(
                 package="rviz2",
                 executable="rviz2",
@@ -85,11 +89,18 @@ def generate_launch_description() -> LaunchDescription:
                 arguments=["-d", PathJoinSubstitution([FindPackageShare(PACKAGE), "views", "twin.rviz"])],
                 condition=IfCondition(LaunchConfiguration("rviz")),
             ),
+            *(RegisterEventHandler(OnProcessExit(target_action=node, on_exit=_end_with_error)) for node in nodes),
             RegisterEventHandler(
                 OnProcessExit(target_action=simulator, on_exit=[EmitEvent(event=Shutdown(reason="simulator ended"))])
             ),
         ]
     )
+
+
+def _end_with_error(event: ProcessExited, context: LaunchContext) -> None:
+    """End the launch, with exit code 1, when a node dies: an error here is what launch makes that code of."""
+    if event.returncode and not context.is_shutdown:
+        raise RuntimeError(f"{event.process_name} ended with exit code {event.returncode}, so the launch ends")
 
 
 def _text(argument: str) -> ParameterValue:

@@ -85,7 +85,7 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene | str | Path, overrides: Overrides | None = None) -> None:
-        """Prepare a run; compiles the effects of the scene, which takes up to half a minute the first time.
+        """Prepare a run; compiles the effects of the scene, which takes about a minute the first time.
 
         Args:
             scene: The scene, or its name or file.

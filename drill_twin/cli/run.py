@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import signal
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,8 +16,11 @@ from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, Set
 
 if TYPE_CHECKING:
     from drill_twin.runner import Outcome, Session
+    from drill_twin.scene import Scene
+    from drill_twin.schedule import Schedule
 
 INTERRUPTED = 130
+_LINE_PERIOD = 10.0  # s between two lines of progress outside a terminal
 
 
 def run(
@@ -71,10 +75,7 @@ def run(
 
         plan = planned(described)
         described = plan.scene
-    with console.status("compiling the effects of the scene (the first time: about 20 s)"):
-        from drill_twin.runner import Session
-
-        session = Session(described, schedule)
+    session = _compiled(described, schedule)
     if schedule.record is not None:
         console.print(schedule.record.report, markup=False, soft_wrap=True)
     outcome = _drill(session, folder / "bag_0")
@@ -110,6 +111,31 @@ def run(
         markup=False,
         soft_wrap=True,
     )
+
+
+def _compiled(scene: Scene, schedule: Schedule) -> Session:
+    """Compile with progress: a line that changes in a terminal, else a line every 10 s; SIGINT and SIGTERM end it."""
+    from drill_twin.cli.show import err
+
+    console = err()
+    with _stop_request() as asked, console.status("loading the effects of the scene") as status:
+        from drill_twin.runner import Session
+
+        printed = -_LINE_PERIOD
+
+        def show(text: str) -> None:
+            nonlocal printed
+            if asked:
+                raise KeyboardInterrupt
+            status.update(text)
+            if not console.is_terminal and time.monotonic() - printed >= _LINE_PERIOD:
+                printed = time.monotonic()
+                console.print(text, markup=False, soft_wrap=True)
+
+        session = Session(scene, schedule, show)
+    if asked:
+        raise KeyboardInterrupt
+    return session
 
 
 def _drill(session: Session, bag: Path) -> Outcome:

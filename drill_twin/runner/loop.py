@@ -41,16 +41,6 @@ Sink = Callable[[str, bytes], None]
 """Takes a topic and the CDR bytes of a message."""
 
 
-def compile_kernel(scene: Scene, period: float) -> None:
-    """Compile the kernel of a scene, or load it from the cache, by the first frame of a twin that is then dropped.
-
-    Args:
-        scene: The scene.
-        period: Simulated time of a frame [s].
-    """
-    Twin(scene).advance(Command(*scene.rig.first), period)
-
-
 class RunLoop:
     """Advances the twin of a scene and sends its frames to a sink.
 
@@ -68,7 +58,7 @@ class RunLoop:
     def __init__(
         self, scene: Scene, period: float, sink: Sink, *, pace: str = "fast", time_effects: bool = False
     ) -> None:
-        """Build the twin; compiles its kernel where `compile_kernel` has not.
+        """Build the twin; compiles its kernel where `drill_twin.runner.compile_kernel` has not.
 
         Args:
             scene: The scene.

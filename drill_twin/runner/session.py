@@ -25,7 +25,8 @@ from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.monitor.failure_dump import save_failure
-from drill_twin.runner.loop import RunLoop, compile_kernel
+from drill_twin.runner.compilation import compile_kernel
+from drill_twin.runner.loop import RunLoop
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command, Schedule
 from drill_twin.twin.frame import Frame
@@ -161,12 +162,18 @@ class Run:
 class Session:
     """A scene made ready to run: the schedule is read and the kernel compiled, nothing is written yet."""
 
-    def __init__(self, scene: Scene, schedule: Schedule | None = None) -> None:
-        """Compile the effects of the scene, which takes up to half a minute the first time.
+    def __init__(
+        self,
+        scene: Scene,
+        schedule: Schedule | None = None,
+        compiling: Callable[[str], None] | None = None,
+    ) -> None:
+        """Compile the effects of the scene, which takes about a minute the first time.
 
         Args:
             scene: The scene.
             schedule: Set-points, if they are not to be made from the scene.
+            compiling: Called with the progress of a compilation, as by `compile_kernel`; may raise to end it.
 
         Raises:
             TableError: The record that the scene plays cannot be played.
@@ -174,7 +181,7 @@ class Session:
         self.scene = scene
         self.schedule = schedule or Schedule.from_scene(scene)
         self._period = round(NANOSECONDS / scene.numerics.frame_rate)
-        compile_kernel(scene, seconds(self._period))
+        compile_kernel(scene, seconds(self._period), compiling)
 
     def run(
         self,

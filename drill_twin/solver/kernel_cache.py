@@ -24,7 +24,16 @@ from drill_twin.solver.source_hash import source_hash
 
 
 def cache_folder() -> Path:
-    """Folder of compiled kernels: ``$DRILL_TWIN_CACHE``, else the user's cache folder, else a temporary one.
+    """Folder of compiled kernels: the permanent one, else a temporary one.
+
+    Raises:
+        RunError: The folder named by ``$DRILL_TWIN_CACHE`` cannot be made.
+    """
+    return permanent_folder() or Path(tempfile.mkdtemp(prefix="drill_twin_kernels_"))
+
+
+def permanent_folder() -> Path | None:
+    """Folder shared by all processes: ``$DRILL_TWIN_CACHE``, else the user's cache folder; None: it is read-only.
 
     Raises:
         RunError: The named folder cannot be made.
@@ -41,7 +50,7 @@ def cache_folder() -> Path:
                 f"DRILL_TWIN_CACHE: expected a folder that can be written to, found {named}: {error.strerror}; "
                 "name another, or unset it"
             ) from error
-    return Path(tempfile.mkdtemp(prefix="drill_twin_kernels_"))
+    return None
 
 
 def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] = ()) -> ModuleType:

@@ -103,8 +103,7 @@ class TwinNode(Node):
         self.offer_readiness()
         while not stop and not self.finished:
             self.work()
-            if self._diagnostics_due.due():
-                self.publish_diagnostics()
+            self.publish_due_diagnostics()
 
     def spin_once(self, seconds: float) -> None:
         """Wait for messages and service calls, at most this long [s], and process all that have arrived."""
@@ -113,6 +112,11 @@ class TwinNode(Node):
     def drain(self, quiet: float, longest: float = 2.0) -> None:
         """Process what is still arriving, until nothing has come for `quiet` seconds or `longest` have passed."""
         self._raw_subscriptions.drain(quiet, longest)
+
+    def publish_due_diagnostics(self) -> None:
+        """Publish the diagnostics of this node, if the last ones are a second old."""
+        if self._diagnostics_due.due():
+            self.publish_diagnostics()
 
     def publish_diagnostics(self) -> None:
         """Publish the diagnostics of this node now."""

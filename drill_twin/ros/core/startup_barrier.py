@@ -4,6 +4,9 @@
 Two nodes that a third one waits for may both be running and not be connected to each other yet. A ready node therefore
 answers with the number of readers of each of its topics. The waiting node has discovered all readers of every node
 whose `~/ready` service it sees, because that service is created last; it compares the two numbers.
+
+A node that compiles offers the service meanwhile too, before its topics. Its answer then begins with `COMPILING`: the
+waiting node takes it for absent, and waits as long as it compiles.
 """
 
 from __future__ import annotations
@@ -22,8 +25,11 @@ from drill_twin.errors import RunError
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics.node_topics import NodeTopics
 
+COMPILING = "compiling"
+"""First word of the reason of a node that is not ready because it compiles."""
 _POLL = 0.05  # s
 _ANSWER_TIME = 1.0  # s
+_NO_ANSWER = "it did not answer"
 
 
 class StartupBarrier:
@@ -81,7 +87,7 @@ class StartupBarrier:
 
         Args:
             names: Node names in this namespace, separated by spaces.
-            seconds: Longest wait [s].
+            seconds: Longest wait [s]; it begins again while a node answers that it compiles.
             stop: Ends the wait early.
 
         Raises:
@@ -94,6 +100,9 @@ class StartupBarrier:
             for name, client in clients.items():
                 logged = ""
                 while not stop and (reason := missing(client)):
+                    if reason.startswith(COMPILING):
+                        deadline = time.monotonic() + seconds
+                        reason = COMPILING  # its progress is in the log of that node
                     if reason != logged:
                         self._node.get_logger().info(f"waiting for {name}: {reason}")
                         logged = reason
@@ -111,18 +120,30 @@ class StartupBarrier:
             self._spin_once(_POLL)
 
     def _absence(self, client: Client) -> str:
-        return "" if client.service_is_ready() else "it is not there yet"
+        if not client.service_is_ready():
+            return "it is not there yet"
+        answer = self._ask(client)
+        if answer is None:
+            return _NO_ANSWER
+        return answer.message if answer.message.startswith(COMPILING) else ""
 
     def _unreadiness(self, client: Client) -> str:
+        answer = self._ask(client)
+        if answer is None:
+            return _NO_ANSWER
+        message: str = answer.message
+        return missing_readers(self._node, message) if answer.success else message
+
+    def _ask(self, client: Client) -> Trigger.Response | None:
+        """Answer of `~/ready`; None without one in time."""
         answer = client.call_async(Trigger.Request())
         deadline = time.monotonic() + _ANSWER_TIME
         while not answer.done():
             if time.monotonic() > deadline:
                 client.remove_pending_request(answer)
-                return "it did not answer"
+                return None
             self._spin_once(_POLL)
-        message: str = answer.result().message
-        return missing_readers(self._node, message) if answer.result().success else message
+        return answer.result()
 
 
 def missing_readers(node: Node, answer: str) -> str:

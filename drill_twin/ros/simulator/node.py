@@ -20,13 +20,15 @@ from rclpy.context import Context
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.lifecycle.node import LifecycleNodeMixin
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, STRING_POSES, WOB_COMMAND
 from drill_twin.ros.core.lifecycle import answer_any_transition
 from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Value
 from drill_twin.ros.core.scene_parameters import resolved, scene_of
+from drill_twin.ros.core.stop_request import Stopped, StopRequest
 from drill_twin.ros.core.topics.rclpy_topics import relative
 from drill_twin.ros.simulator.parameters import PARAMETERS
 from drill_twin.ros.simulator.simulation_interfaces import offer_where_installed
@@ -35,9 +37,11 @@ from drill_twin.ros.simulator.trigger_services import offer
 if TYPE_CHECKING:
     from drill_twin.ros.simulator.run_control import RunControl
     from drill_twin.ros.simulator.simulation import Simulation
+    from drill_twin.scene import Scene
 
 _LEASE = 6.0  # s; a killed node has left the graph by then
 _DISCOVERY = 1.0  # s; a living node has been found by then
+_LOG_PERIOD = 5.0  # s between two lines about a compilation
 _DONE, _REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 
 
@@ -59,6 +63,10 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
     ) -> None:
         self._parts: Configured | None = None
+        self._scene: Scene | None = None
+        self._compiling = ""
+        self._log_due = Tick(_LOG_PERIOD)
+        self._stop = StopRequest()
         self._created = time.monotonic()
         self._refusal: Exception | None = None
         self._shut_down = False
@@ -74,6 +82,7 @@ class Simulator(LifecycleNodeMixin, TwinNode):
             name = self.get_fully_qualified_name()
             self.get_logger().info(f"waiting to be configured: ros2 lifecycle set {name} configure")
             return
+        self._scene = self._compiled_scene()
         for transition in (self.trigger_configure, self.trigger_activate):
             transition()
             if self._refusal is not None:
@@ -82,6 +91,9 @@ class Simulator(LifecycleNodeMixin, TwinNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Load the scene, compile and build the twin, and announce it."""
         del state
+        if self._compiling:
+            self.get_logger().warning(f"not configured: {self._compiling}; it configures itself after that")
+            return _REFUSED
         try:
             self._configure()
         except Exception as error:  # noqa: BLE001 - rclpy would swallow it; `open` raises it
@@ -130,7 +142,7 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         from drill_twin.ros.simulator.simulation import Simulation
 
         settings = self.settings
-        scene = resolved(scene_of(settings), settings.duration, self.get_logger().info)
+        scene, self._scene = self._scene or self._compiled_scene(), None
         rate = settings.frame_rate or scene.numerics.frame_rate
         simulation = Simulation(self, scene, rate)
         control = RunControl(simulation, settings, self.get_fully_qualified_name())
@@ -153,6 +165,39 @@ class Simulator(LifecycleNodeMixin, TwinNode):
             topics = [self.resolve_topic_name(relative(name)) for name in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND)]
             self.get_logger().info(f"time stands still until a command comes on {', '.join(topics)}")
 
+    def _compiled_scene(self) -> Scene:
+        """Scene of the parameters; its kernels are in the cache afterwards.
+
+        With autostart, services and diagnostics are served while they are compiled. Within a requested transition
+        rclpy answers no other request; a signal ends the compilation in both cases.
+        """
+        from drill_twin.runner import compile_kernel
+
+        settings = self.settings
+        scene = resolved(scene_of(settings), settings.duration, self.get_logger().info)
+        rate = settings.frame_rate or scene.numerics.frame_rate
+        try:
+            compile_kernel(scene, 1.0 / rate, self._on_compilation, time_effects=True)
+        finally:
+            if self._compiling:
+                self._compiling = ""
+                self.barrier.destroy_service()  # created again last, as the start-up barrier requires
+        return scene
+
+    def _on_compilation(self, progress: str) -> None:
+        self._compiling = progress
+        if self._log_due.due():
+            self.get_logger().info(progress)
+        self.publish_due_diagnostics()
+        if not self.settings.autostart:
+            if self._stop:
+                raise RunError(f"stopped while {progress}")
+            return
+        self.barrier.create_service()
+        self.spin_once(0.0)
+        if self._shut_down:
+            raise Stopped
+
     def _refuse_second_simulator(self) -> None:
         time.sleep(max(self._created + _DISCOVERY - time.monotonic(), 0.0))
         deadline = time.monotonic() + _LEASE
@@ -166,6 +211,11 @@ class Simulator(LifecycleNodeMixin, TwinNode):
             time.sleep(0.1)
 
     # --- the loop -------------------------------------------------------------------------------------------------
+
+    def run(self, stop: StopRequest) -> None:
+        """Work until the run is over or asked to stop."""
+        self._stop = stop
+        super().run(stop)
 
     def work(self) -> None:
         """Advance by a frame, or wait for what the run needs."""
@@ -207,13 +257,13 @@ class Simulator(LifecycleNodeMixin, TwinNode):
     def not_ready(self) -> str:
         """Reason why the twin cannot be driven yet; empty when it can."""
         if self._parts is None:
-            return "the twin is being compiled" if self.settings.autostart else "it is not configured"
+            return self._compiling or ("it is being configured" if self.settings.autostart else "it is not configured")
         return "" if self._parts.control.active else "it is not active"
 
     def health(self) -> Status:
         """Pace, cost, set-points and their sources."""
         if self._parts is None:
-            return Status(self.NAME, Level.OK, self.not_ready())
+            return Status(self.NAME, Level.OK, self.not_ready(), {"compiling": self._compiling})
         from drill_twin.ros.simulator.health import diagnostic_values, verdict
 
         simulation, control = self._parts

@@ -18,7 +18,7 @@ from drill_twin.ros.core.pacing import Pacer, Tick
 from drill_twin.ros.simulator.checkpoint_writer import CheckpointWriter
 from drill_twin.ros.simulator.command_subscriptions import CommandSubscriptions
 from drill_twin.ros.simulator.tf_publisher import TfPublisher, tf_message
-from drill_twin.runner.loop import TOPICS, RunLoop, compile_kernel
+from drill_twin.runner.loop import TOPICS, RunLoop
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.twin.checkpoint import Checkpoint
@@ -38,7 +38,7 @@ class Simulation:
     """
 
     def __init__(self, node: TwinNode, scene: Scene, frame_rate: float) -> None:
-        """Create the topics, compile the kernel and build the twin.
+        """Create the topics and build the twin, whose kernels have been compiled.
 
         Args:
             node: The simulator node.
@@ -50,7 +50,6 @@ class Simulation:
             # The clock is latched, so that a driver which returns during a run learns the time at once.
             node.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
         period = 1.0 / frame_rate
-        compile_kernel(scene, period)
         self.loop = RunLoop(scene, period, node.topics.publish, pace=node.settings.pace, time_effects=True)
         self.commands = CommandSubscriptions(node, scene, self.loop.first, lambda: self.loop.twin.time)
         self.pacer = Pacer(period)

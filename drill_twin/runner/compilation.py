@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Compilation of the kernels of a scene, with progress: in a child process that fills the cache of compiled kernels.
+
+numba and LLVM hold a process for seconds at a time, in which it answers no service and no signal. The child leaves the
+process free; loading the machine code from the cache afterwards takes a tenth of a second.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import select
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from drill_twin.monitor.run_timing import EffectTiming
+from drill_twin.scene import Scene
+from drill_twin.schedule.command import Command
+from drill_twin.solver.compile_events import NotCachedError, from_cache_only
+from drill_twin.solver.kernel_cache import permanent_folder
+from drill_twin.twin.twin import Twin
+
+COMPILING = "compiling the effects of the scene"
+"""First words of each text of progress."""
+_POLL = 0.1  # s between two reports
+_READ = 4096  # bytes
+
+Progress = Callable[[str], None]
+"""Takes the progress in words; may raise, which ends the compilation."""
+
+
+def compile_kernel(
+    scene: Scene, period: float, progress: Progress | None = None, *, time_effects: bool = False
+) -> None:
+    """Compile the kernels of a scene, or load them from the cache, by the first frame of a twin that is then dropped.
+
+    Args:
+        scene: The scene.
+        period: Simulated time of a frame [s].
+        progress: Called ten times a second while a child process compiles; None: compile in this process.
+        time_effects: Whether the functions that measure the cost of each effect are needed too.
+
+    Raises:
+        DrillTwinError: The scene cannot be run (as `Twin`).
+    """
+    if progress is not None:
+        try:
+            with from_cache_only():
+                first_frame(scene, period, time_effects=time_effects)
+        except NotCachedError:
+            _compile_in_child(scene, period, progress, time_effects=time_effects)
+        else:
+            return
+    first_frame(scene, period, time_effects=time_effects)
+
+
+def first_frame(scene: Scene, period: float, *, time_effects: bool) -> None:
+    """Call everything that a run of the scene calls, once."""
+    twin = Twin(scene)
+    twin.advance(Command(*scene.rig.first), period)
+    if time_effects:
+        EffectTiming(twin)
+
+
+def _compile_in_child(scene: Scene, period: float, progress: Progress, *, time_effects: bool) -> None:
+    """Fill the cache in a child process; where that is not possible, report so and return."""
+    if permanent_folder() is None:
+        progress(f"{COMPILING} in this process: the folder of compiled kernels cannot be written to")
+        return
+    progress(f"{COMPILING}, once for this set of effects: half a minute to a minute")
+    with tempfile.TemporaryFile() as given:
+        pickle.dump((scene, period, time_effects), given)
+        given.seek(0)
+        child = subprocess.Popen(
+            [sys.executable, "-m", "drill_twin.runner.compile_worker", str(given.fileno())],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in sys.path)},
+            stdin=subprocess.PIPE,  # the child ends when this pipe does, so it never outlives this process
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,  # an error of the scene comes again in this process
+            pass_fds=(given.fileno(),),
+            start_new_session=True,  # Ctrl-C reaches this process only
+        )
+    try:
+        _follow(child, progress)
+    finally:
+        child.kill()
+        child.communicate()
+    if child.returncode:
+        progress(f"{COMPILING} in this process: the one that should do it ended with code {child.returncode}")
+
+
+def _follow(child: subprocess.Popen[bytes], progress: Progress) -> None:
+    """Report the functions that a child has compiled, until it ends: it writes a byte for each."""
+    began, functions, pipe = time.monotonic(), 0, child.stdout
+    while pipe is not None:
+        if select.select([pipe], [], [], _POLL)[0]:
+            if not (read := os.read(pipe.fileno(), _READ)):
+                break
+            functions += len(read)
+        progress(f"{COMPILING}: {functions} functions, {time.monotonic() - began:.0f} s")
+    child.wait()
