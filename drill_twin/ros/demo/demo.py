@@ -128,7 +128,9 @@ def _observe(children: Mapping[str, Child], duration: float, console: Console, s
                 observer.spin_once(0.1)
                 for child in children.values():
                     child.check_alive()
-                stall_detector.check(observer.time)
+                stall_detector.check(observer.time, compiling=bool(observer.compiling))
+                if observer.compiling:
+                    progress.update(task, description=observer.compiling)
                 if observer.time > 0.0:
                     factor = f" ({observer.realtime_factor:.1f} x real time)" if observer.realtime_factor else ""
                     progress.update(

@@ -34,6 +34,8 @@ class DemoObserver(TwinNode):
         """Ratio of simulated to wall time that the physics would reach [-]."""
         self.simulator: dict[str, str] = {}
         """Diagnostic values of the simulator."""
+        self.compiling = ""
+        """Progress of the simulator's compilation, while it compiles."""
         self._on_change = on_change
         self._problems: set[str] = set()
         self.topics.subscribe(CLOCK_TOPIC, lambda raw, _: self._on_clock(raw))
@@ -63,9 +65,11 @@ class DemoObserver(TwinNode):
     def _on_diagnostics(self, raw: bytes) -> None:
         _, statuses = decode_diagnostics(raw)
         for status in statuses:
+            self.compiling = status.values.get("compiling", self.compiling)
             if "realtime_factor" in status.values:
                 self.realtime_factor = float(status.values["realtime_factor"])
                 self.simulator = dict(status.values)
+                self.compiling = ""
             if (
                 status.level in {Level.WARN, Level.ERROR}
                 and (problem := f"{status.name}: {status.text}") not in self._problems

@@ -20,14 +20,18 @@ class StallDetector:
         self._clock = clock
         self._since, self._time = clock(), 0.0
 
-    def check(self, simulated: float) -> None:
-        """Compare the simulated time [s] with that of the last call.
+    def check(self, simulated: float, *, compiling: bool = False) -> None:
+        """Compare the simulated time with that of the last call.
+
+        Args:
+            simulated: Simulated time [s].
+            compiling: Whether the simulator says that it compiles: no stall, however long.
 
         Raises:
             RunError: It has not changed for too long.
         """
         now = self._clock()
-        if simulated != self._time:
+        if compiling or simulated != self._time:
             self._since, self._time = now, simulated
         limit = _STALL_TIME if simulated else STARTING_TIME
         if now - self._since > limit:

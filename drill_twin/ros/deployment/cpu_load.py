@@ -104,7 +104,7 @@ def _observe_until(
             observer.spin_once(0.1)
             for child in children.values():
                 child.check_alive()
-            stall_detector.check(observer.time)
+            stall_detector.check(observer.time, compiling=bool(observer.compiling))
         observer.destroy_node()
         return observer.simulator
     finally:
