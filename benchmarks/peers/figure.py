@@ -9,7 +9,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from drill_twin.report.figures.style import BLUE, GREEN, INK, ORANGE, VERMILION, blank, head, save, styled
+from drill_twin.report.figures.style import BLUE, GREEN, GREY, INK, ORANGE, VERMILION, blank, head, save, styled
 
 LOOKS = {
     "drill_twin": (BLUE, "o"),
@@ -29,6 +29,8 @@ TITLES = {
     "contact": "turned, against the wall",
 }
 
+PALE = "pale: another setting of the tool is cheaper and more accurate"
+
 
 def draw(results: Sequence[Mapping[str, Any]], path: Path) -> None:
     """Write the figure as PNG, a panel for each part that has errors."""
@@ -43,6 +45,7 @@ def draw(results: Sequence[Mapping[str, Any]], path: Path) -> None:
         panels[0].set_ylabel("error of the mid-span path, relative")
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="lower center", ncols=2, bbox_to_anchor=(0.5, 0.0))
+        figure.text(0.985, 0.955, PALE, ha="right", color=GREY, fontsize=9)
         save(figure, path)
 
 

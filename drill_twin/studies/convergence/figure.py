@@ -53,9 +53,12 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
     for run in front:
         if _error(run, quantity) < LABEL_RATIO * last:
             last = _error(run, quantity)
+            on_left = len(axis.texts) % 2  # neighbours on both sides of the curve, so that they do not overlap
             axis.annotate(
                 f"{run.resolution.elements} el., {run.resolution.step * 1e3:.2g} ms", (1e3 * run.cost, last),
-                fontsize=7, xytext=(4, 4), textcoords="offset points",
+                fontsize=7, xytext=(-5, -3) if on_left else (5, 3), textcoords="offset points",
+                ha="right" if on_left else "left", va="top" if on_left else "bottom",
+                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
             )  # fmt: skip
     noise = getattr(curve.noise, quantity)
     if noise:
@@ -66,7 +69,7 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
     axis.set_title(f"error of the {title}", fontsize=11)
     axis.set_xlabel("processor time per simulated second [ms]")
     ms = [1e3 * run.cost for run in runs]
-    axis.set_xlim(0.8 * min(ms), 1.6 * max(ms))
+    axis.set_xlim(0.4 * min(ms), 2.0 * max(ms))  # room for the labels
     both: Any = (_inverse, _inverse)
     faster = axis.secondary_xaxis("top", functions=both)
     faster.set_xlabel("times faster than real time", fontsize=8)

@@ -87,5 +87,6 @@ def test_what_excludes_what_is_what_nothing_beats():
     loss = Loss(1.0, deviations)
     assert point(loss) == pytest.approx((0.5, 3.0))
     labels = draw_trade_off([loss, Loss(1.0, dict.fromkeys(deviations, 1.0))], loss).axes[0]
+    assert labels.get_xticklabels()[-1].get_text() == labels.get_yticklabels()[-1].get_text() == "≥ 8"
     assert all(number.name in labels.get_xlabel() for number in fast)
     assert all(number.name in labels.get_ylabel() for number in slow)

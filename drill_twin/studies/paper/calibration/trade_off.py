@@ -49,7 +49,7 @@ def draw_trade_off(tried: Sequence[Loss], best: Loss) -> Figure:
     best_of = front(points)
     figure = blank(5.8)
     head(figure, "What one set of parameters can do for the whirl at low and at high load")
-    panel = figure.add_axes((0.09, 0.14, 0.86, 0.74))
+    panel = figure.add_axes((0.09, 0.17, 0.86, 0.69))
     panel.plot(*zip(*points, strict=True), "o", color=GREY, markersize=3.5, alpha=0.6, label="a set tried")
     panel.plot(*zip(*best_of, strict=True), "o-", color=BLUE, drawstyle="steps-post", label="none is better at both")
     panel.plot(*point(best), "D", color=VERMILION, markersize=9, label="the set found, by all fitted numbers")
@@ -60,5 +60,8 @@ def draw_trade_off(tried: Sequence[Loss], best: Loss) -> Figure:
     panel.set_ylabel(f"{slow}\noff by, in 20 % (root mean square)")
     panel.set_xlim(0.0, LARGEST + 0.2)
     panel.set_ylim(0.0, LARGEST + 0.4)
+    ticks = [float(tick) for tick in range(int(LARGEST) + 1)]
+    for axis in (panel.xaxis, panel.yaxis):  # a deviation counts as at most LARGEST
+        axis.set_ticks(ticks, [f"{tick:g}" if tick < LARGEST else f"≥ {tick:g}" for tick in ticks])
     panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3)
     return figure

@@ -37,6 +37,8 @@ from drill_twin.whirl import MotionState
 MARKS = ("mark_3", "mark_2", "mark_1")
 PAPER: Any = {"marker": "D", "color": VERMILION, "linestyle": "none", "markersize": 7, "zorder": 5}
 OURS: Any = {"marker": "o", "color": BLUE, "markersize": 5}
+LINE: Any = {"marker": "o", "color": GREY, "markersize": 7, "fillstyle": "none", "linestyle": "none"}
+"""Highest line of mark_2 along x, as in `spectra`; apart from the whirl where the motion is irregular."""
 
 
 def displacement(done: Reproduction) -> Figure:
@@ -146,7 +148,7 @@ def over_load(done: Reproduction) -> Figure:
 def _three(title: str) -> Figure:
     figure = blank(3.9)
     head(figure, title)
-    figure.subplots(1, 3, gridspec_kw={"top": 0.82, "bottom": 0.15, "left": 0.065, "right": 0.98, "wspace": 0.25})
+    figure.subplots(1, 3, gridspec_kw={"top": 0.76, "bottom": 0.15, "left": 0.065, "right": 0.98, "wspace": 0.25})
     return figure
 
 
@@ -156,7 +158,10 @@ def _fill(figure: Figure, done: Reproduction, cases: list[Case], label: str, whe
     places = [where(case) for case in cases]
     for panel, (name, title, what) in zip(figure.axes, names, strict=True):
         values = [getattr(done.measured[case], name) for case in cases]
-        panel.plot(places, [math.nan if v is None else v for v in values], label="ours", **OURS)
+        panel.plot(places, [math.nan if v is None else v for v in values], label="ours, of the centre line", **OURS)
+        if what != CRITICAL_TIME:
+            lines = [_line(done, case) / (case.speed if what == RATIO else 1.0) for case in cases]
+            panel.plot(places, lines, label="ours, highest line along x", **LINE)
         for case in cases:
             for number in published().bench:
                 if (number.weight_on_bit, number.speed) == case and (
@@ -168,7 +173,14 @@ def _fill(figure: Figure, done: Reproduction, cases: list[Case], label: str, whe
         panel.set_xlabel(label)
         panel.margins(y=0.12)
         panel.set_ylim(bottom=min(0.0, panel.get_ylim()[0]))
-    figure.axes[0].legend()
+    handles, labels = figure.axes[1].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="upper right", bbox_to_anchor=(0.985, 0.93), ncols=3)
+
+
+def _line(done: Reproduction, case: Case) -> float:
+    """Highest line of mark_2 along x [Hz]; NaN where there is none."""
+    line = done.measured[case].line_hz
+    return math.nan if line is None else line
 
 
 def _as(given: str, wanted: str, value: float, case: Case) -> float | None:
@@ -214,10 +226,9 @@ def full_size(done: Reproduction) -> Figure:
         for name, style in (("before whirl", ":"), ("in whirl", "--")):
             for value in (ranges[f"{word} velocity {name}"].low, ranges[f"{word} velocity {name}"].high):
                 panel.axhline(value, color=VERMILION, linestyle=style, linewidth=1.0)
-        panel.set_title(
-            f"{word} velocity along x [m/s], 160 kN, 50 r/min; published before whirl dotted, in whirl dashed"
-        )
+        panel.set_title(f"{word} velocity along x, 160 kN, 50 r/min; published before whirl dotted, in whirl dashed")
         panel.set_xlim(0.0, run.time[-1])
+        panel.set_ylabel("[m/s]")
     panel.set_xlabel("time [s]")
     for column, case in enumerate(big.LOADS):
         _orbit(
@@ -240,6 +251,8 @@ def _orbit(figure: Figure, where: tuple[float, float, float, float], run: Run, t
     panel.plot(place[:, 0], place[:, 1], color=BLUE, linewidth=0.5)
     panel.set_aspect("equal")
     panel.set_title(title, fontsize=10)
+    panel.set_xlabel("x [mm]", fontsize=8, labelpad=1)
+    panel.set_ylabel("y [mm]", fontsize=8, labelpad=0)
     panel.tick_params(labelsize=8)
     return panel
 
