@@ -78,7 +78,7 @@ def check(
     """
     onset = recording.summary.onset_s
     duration = recording.duration
-    factor = recording.log.realtime_factor
+    speed = recording.log.physics_speed
     line = recording.centre_lines()
     time = recording.marks.time
     clearance = np.array([place.clearance for place in recording.scene.mark_table])
@@ -88,7 +88,7 @@ def check(
         actual=_actual(plan, time, line, onset, progress) if rerun else None,
         how=METHOD if rerun else "not checked",
         expected_seconds=plan.seconds,
-        actual_seconds=duration / factor if factor else math.nan,
+        actual_seconds=duration / speed if speed else math.nan,
         orbit_radius=interval(time, (np.abs(line) / clearance).mean(axis=1), onset),
         precession_hz=interval(time, _precession(time, line), onset),
     )

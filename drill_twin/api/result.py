@@ -32,7 +32,9 @@ class Cost:
     """Cost of a run; None where the bag does not say."""
 
     realtime_factor: float | None
-    """Simulated time over the wall-clock time of the physics."""
+    """Simulated over wall time."""
+    physics_speed: float | None
+    """Simulated time over the time spent computing the motion."""
     elements: int | None
     """Elements of the string."""
     step: float | None
@@ -175,7 +177,8 @@ class Result(Plots):
         """Resolution of the run and the time it took."""
         summary = self.summary
         counts = (summary[key] for key in ("steps", "cut_steps", "loose_steps"))
-        return Cost(summary["realtime_factor"], summary["elements"], summary["step_s"], *counts)
+        speeds = summary["realtime_factor"], summary["physics_speed"]
+        return Cost(*speeds, summary["elements"], summary["step_s"], *counts)
 
     @cached_property
     def summary(self) -> dict[str, Any]:

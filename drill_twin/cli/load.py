@@ -38,7 +38,7 @@ def load(
         return
     rows = [(share.node, f"{share.processor:.1%}", f"{share.memory / 2**20:.0f} MB") for share in shares]
     out().print(grid(("node", "of one core", "memory"), rows, right=(1, 2)))
-    physics = 1.0 / float(said["realtime_factor"])
+    physics = 1.0 / float(said["physics_speed"])
     out().print(
         f"of the simulator: {physics:.1%} the motion, {float(said['publishing_share']):.1%} encoding and publishing"
     )

@@ -160,7 +160,7 @@ def _drill(session: Session, bag: Path) -> Outcome:
             findings = state.findings
             motion = findings.motion.value if findings else "drilling"
             progress.update(
-                task, completed=state.simulated, description=f"{motion}, {state.realtime_factor:.1f} x real time"
+                task, completed=state.simulated, description=f"{motion}, {state.realtime_factor:.3g} x real time"
             )
             if findings and findings.onset and not announced:
                 announced = True

@@ -12,7 +12,7 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError, MessageError
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array, read_string
-from drill_twin.io.messages.diagnostics import decode_diagnostics
+from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
 from drill_twin.io.messages.encode import MARK_AXES, read_rig_state
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import (
@@ -69,7 +69,7 @@ class PageState:
         self._rig: dict[str, float] = {}
         self._motion = {"state": "", "criterion": ""}
         self._onset: dict[str, Any] | None = None
-        self._simulator = {"factor": "", "text": "", "pace": ""}
+        self._simulator = {"factor": "", "text": ""}
 
     def update(self, topic: str, raw: bytes) -> None:
         """Decode a message; one that cannot be decoded is counted as malformed."""
@@ -153,9 +153,8 @@ class PageState:
             if "realtime_factor" in status.values:
                 values = status.values
                 self._simulator = {
-                    "factor": values["realtime_factor"],
-                    "text": status.text,
-                    "pace": values.get("pace", ""),
+                    "factor": values.get("realtime_factor_last_second", values["realtime_factor"]),
+                    "text": values.get("pace", "") if status.level == Level.OK else status.text,
                 }
 
     def snapshot(self) -> dict[str, Any]:

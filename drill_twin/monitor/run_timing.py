@@ -3,27 +3,45 @@
 
 from __future__ import annotations
 
+import time
+
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
 
+_FRAMES, _SHORTEST = 10, 0.2  # a window of fewer frames and less time [s] has no rate
+
 
 class RunTiming:
-    """Real-time factor and step counts, over the whole run and since the last report."""
+    """Real-time factor, speed of the physics and step counts, over the whole run and since the last report.
+
+    The real-time factor is simulated over wall time, pauses left out. The speed of the physics is simulated time over
+    the time spent computing the motion: the real-time factor of a run that did nothing else and waited for nothing.
+    """
 
     def __init__(self) -> None:
-        # Simulated, computing and publishing time [s].
-        self._total = [0.0, 0.0, 0.0]
-        self._window = [0.0, 0.0, 0.0]
+        # Simulated, computing, publishing and wall time [s].
+        self._total = [0.0, 0.0, 0.0, 0.0]
         self._steps = self._iterations = self._cut = self._loose = 0
-        self._window_iterations = 0
-        self._slowest = 0.0
+        self._slowest = self._recent = 0.0
+        self._frame_end: float | None = None
+        self._window_start: float | None = None
+        self._clear_window()
+
+    def _clear_window(self) -> None:
+        self._window_simulated = self._window_computing = 0.0
+        self._window_iterations = self._window_frames = 0
 
     def update(self, simulated: float, computing: float, publishing: float, frame: Frame) -> None:
-        """Count one frame with its simulated, computing and publishing time [s]."""
-        for times in (self._total, self._window):
-            times[0] += simulated
-            times[1] += computing
-            times[2] += publishing
+        """Count one frame with its simulated, computing and publishing time [s], now that it is published."""
+        now = time.monotonic()
+        start = now - computing - publishing if self._frame_end is None else self._frame_end
+        self._frame_end = now
+        self._window_start = start if self._window_start is None else self._window_start
+        for k, seconds in enumerate((simulated, computing, publishing, now - start)):
+            self._total[k] += seconds
+        self._window_simulated += simulated
+        self._window_computing += computing
+        self._window_frames += 1
         self._steps += frame.stats.steps
         self._iterations += frame.stats.iterations
         self._window_iterations += frame.stats.iterations
@@ -31,29 +49,54 @@ class RunTiming:
         self._loose += frame.stats.loose_steps
         self._slowest = max(self._slowest, computing)
 
+    def pause(self) -> None:
+        """Leave the time until the next frame out of the real-time factor of the run."""
+        self._frame_end = None
+
     def start_window(self) -> None:
         """Start a new reporting window."""
-        self._window = [0.0, 0.0, 0.0]
-        self._window_iterations = 0
+        self._recent = self.recent_realtime_factor
+        if self._window_start is not None:
+            self._window_start = time.monotonic()
+        self._clear_window()
 
     @property
     def seconds_per_iteration(self) -> float:
         """Computing time over Newton iterations in this window [s]; 0 without an iteration."""
-        return self._window[1] / self._window_iterations if self._window_iterations else 0.0
+        return self._window_computing / self._window_iterations if self._window_iterations else 0.0
+
+    @property
+    def simulated(self) -> float:
+        """Simulated time [s]."""
+        return self._total[0]
 
     @property
     def realtime_factor(self) -> float:
-        """Simulated time over computing time; 0 before the first frame."""
-        return _factor(self._total)
+        """Simulated over wall time, pauses left out; 0 before the first frame."""
+        return _ratio(self._total[0], self._total[3])
+
+    @property
+    def recent_realtime_factor(self) -> float:
+        """Simulated over wall time in this window, or in the one before while this one is too short; 0 in a pause."""
+        if self._window_start is None:
+            return 0.0
+        wall = time.monotonic() - self._window_start
+        long_enough = self._window_frames >= _FRAMES or wall >= _SHORTEST
+        return _ratio(self._window_simulated, wall) if long_enough else self._recent
+
+    @property
+    def physics_speed(self) -> float:
+        """Simulated over computing time; 0 before the first frame."""
+        return _ratio(self._total[0], self._total[1])
 
     def values(self) -> dict[str, str]:
-        """Diagnostics values. The real-time factor is simulated time over the computing time of the physics."""
-        simulated, _, publishing = self._total
+        """Diagnostics values."""
         return {
             "realtime_factor": f"{self.realtime_factor:.3f}",
-            "realtime_factor_last_second": f"{_factor(self._window):.3f}",
+            "realtime_factor_last_second": f"{self.recent_realtime_factor:.3f}",
+            "physics_speed": f"{self.physics_speed:.3f}",
             "slowest_frame_ms": f"{self._slowest * 1e3:.3f}",
-            "publishing_share": f"{publishing / simulated if simulated else 0.0:.4f}",
+            "publishing_share": f"{_ratio(self._total[2], self._total[0]):.4f}",
             "steps": str(self._steps),
             "iterations": str(self._iterations),
             "cut_steps": str(self._cut),
@@ -61,14 +104,14 @@ class RunTiming:
         }
 
     def text(self) -> str:
-        """The real-time factor as a sentence."""
-        factor = self.realtime_factor
-        return f"physics runs {factor:.1f} times as fast as real time" if factor else "nothing simulated yet"
+        """The real-time factor and the speed of the physics as a sentence."""
+        if not self.simulated:
+            return "nothing simulated yet"
+        return f"real-time factor {self.realtime_factor:.3g}, the physics alone {self.physics_speed:.3g}"
 
 
-def _factor(times: list[float]) -> float:
-    simulated, computing, _ = times
-    return simulated / computing if computing else 0.0
+def _ratio(part: float, whole: float) -> float:
+    return part / whole if whole else 0.0
 
 
 class EffectTiming:

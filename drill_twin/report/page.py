@@ -91,7 +91,7 @@ def _cards(summary: Mapping[str, Any]) -> str:
         + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", "whirl, positive = forward")
         + card(summary["precession_ratio"], "{:+.2f}", "precession / rotation")
         + f"<div><b>{millimetres(radii[widest]) if widest else 'none'}</b><span>largest radius, {widest}</span></div>"
-        + card(summary["realtime_factor"], "{:.1f} x", "as fast as real time", "unknown")
+        + card(summary["realtime_factor"], "{:.2g}", "real-time factor", "unknown")
         + "</div>"
     )
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,9 @@ class RunLog:
         self.info = info or {}
         """Content of the `run` block: version, seed, elements, step, effects, pace, start."""
         self.realtime_factor: float | None = None
-        """Simulated time over the time the physics took."""
+        """Simulated over wall time; None where the bag does not say."""
+        self.physics_speed: float | None = None
+        """Simulated time over the time spent computing the motion."""
         self.steps: dict[str, int] = {}
         """Counts of time steps, by the names in `COUNTS`."""
         self.left_out: list[str] = []
@@ -54,13 +57,22 @@ class RunLog:
         for status in statuses:
             values = status.values
             if status.name.rpartition("/")[2] in _SIMULATORS and "realtime_factor" in values:
-                factor = _finite(values["realtime_factor"])
-                self.realtime_factor = self.realtime_factor if factor is None else factor
+                self._on_speed(values)
                 self.steps |= {key: int(values[key]) for key in COUNTS if values.get(key, "").isdecimal()}
                 self.left_out = recorded_sentences(values)
                 self.guard.update(values)
                 if self.guard.energy:
                     self._energies[stamp] = {"time": seconds(stamp), **self.guard.energy}
+
+    def _on_speed(self, values: Mapping[str, str]) -> None:
+        """Read the two speeds; before they had a name each, the real-time factor was that of the physics alone."""
+        factor = _finite(values["realtime_factor"])
+        if "physics_speed" not in values:
+            self.physics_speed = self.physics_speed if factor is None else factor
+            return
+        speed = _finite(values["physics_speed"])
+        self.realtime_factor = self.realtime_factor if factor is None else factor
+        self.physics_speed = self.physics_speed if speed is None else speed
 
     @property
     def energy(self) -> dict[str, Array]:

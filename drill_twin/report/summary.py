@@ -42,7 +42,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           the highest line in the spectrum of its speed.
         * `loads`: `mean`, `min` and `max` of weight on bit, hookload and drag [N] and of the torques of top drive and
           bit [N m] (`drill_twin.report.loads`).
-        * `realtime_factor`: simulated time over the time the physics took.
+        * `realtime_factor`: simulated over wall time; `physics_speed`: simulated time over the time spent computing
+          the motion. None where not recorded.
         * `steps`, `cut_steps`, `loose_steps`: time steps taken, how often one was halved, and how many were taken while
           contacts with the wall still alternated between stick and slip; None where not recorded.
         * `guard`: number of frames rejected and repeated with a smaller step, a sentence on each, and the reason if
@@ -82,6 +83,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "bit_spectral_peak_hz": bit_peak(bag),
         "loads": loads(bag),
         "realtime_factor": log.realtime_factor,
+        "physics_speed": log.physics_speed,
         **{key: log.steps.get(key) for key in COUNTS},
         "guard": log.guard.summary(),
         "energy": log.guard.energy or None,

@@ -76,7 +76,8 @@ def provenance(summary: Summary) -> Iterator[Row]:
     """Rows on the run: scene, resolution, speed, version."""
     yield "scene", _text(summary["scene"])
     yield "simulated time", f"{summary['duration_s']:.2f} s, {summary['samples']} samples"
-    yield "real-time factor", _number(summary["realtime_factor"], "{:.1f}")
+    yield "real-time factor", _number(summary["realtime_factor"], "{:.3g}")
+    yield "speed of the physics alone", _number(summary["physics_speed"], "{:.3g} x real time")
     yield "elements", _text(summary["elements"])
     yield "time step", _number(summary["step_s"], "{:.3g} s")
     if summary["steps"] is not None:

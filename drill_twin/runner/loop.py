@@ -14,11 +14,12 @@ from drill_twin.discretisation.notes import notes_on
 from drill_twin.errors import RunError
 from drill_twin.io.adapters import describe_run, string_geometry
 from drill_twin.io.messages.diagnostics import Level
-from drill_twin.io.messages.encode import TwinEncoder, encode_string
+from drill_twin.io.messages.encode import TwinEncoder, encode_float64, encode_string
 from drill_twin.io.messages.geometry import StringGeometry
 from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
     MARKS_STATE,
+    REALTIME_FACTOR,
     RIG_STATE,
     STRING_MARKERS,
     STRING_POSES,
@@ -34,7 +35,7 @@ from drill_twin.twin.checkpoint import Checkpoint
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
 
-TOPICS = (RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, CLOCK_TOPIC)
+TOPICS = (RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, REALTIME_FACTOR, CLOCK_TOPIC)
 """Topics that the loop sends."""
 
 Sink = Callable[[str, bytes], None]
@@ -164,7 +165,8 @@ class RunLoop:
         sink(CLOCK_TOPIC, encoder.clock(frame.time))
 
     def diagnostics(self) -> dict[str, str]:
-        """Named values of the run for `/diagnostics`; begins a new window of the timing."""
+        """Named values of the run for `/diagnostics`; sends the real-time factor and begins a new window of it."""
+        self._sink(REALTIME_FACTOR, encode_float64(self.timing.recent_realtime_factor))
         effect_cost = (
             {} if self._effect_timing is None else self._effect_timing.values(self.timing.seconds_per_iteration)
         )

@@ -70,7 +70,7 @@ class Progress:
     findings: Findings | None
     """The latest findings about whirl."""
     realtime_factor: float
-    """Simulated time over the time the physics took."""
+    """Simulated over wall time so far."""
 
 
 class Run:

@@ -10,11 +10,11 @@ import pytest
 import drill_twin as dt
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.topics import DIAGNOSTICS, REALTIME_FACTOR, TOPICS, TWIN_SCENE
 from drill_twin.report import summarise
 from drill_twin.report.run_log import RunLog
 
-TEXTS = {TWIN_SCENE, DIAGNOSTICS}
+TEXTS = {TWIN_SCENE, DIAGNOSTICS, REALTIME_FACTOR}
 """Topics that hold wall-clock times."""
 
 

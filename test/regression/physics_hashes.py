@@ -26,7 +26,7 @@ import numpy as np
 
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
-from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE
+from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, REALTIME_FACTOR, RIG_STATE, STRING_POSES, TWIN_SCENE
 from drill_twin.runner import Session
 from drill_twin.scene import Scene, load_scene, presets
 from drill_twin.schedule import Schedule
@@ -35,7 +35,7 @@ from drill_twin.twin.twin import Twin
 
 FILE = Path(__file__).with_suffix(".json")
 DURATION = 10.0  # [s]
-UNSTABLE = {TWIN_SCENE, DIAGNOSTICS}  # they tell wall time
+UNSTABLE = {TWIN_SCENE, DIAGNOSTICS, REALTIME_FACTOR}  # they tell wall time
 LATERAL = {"effects.stretch": "off", "effects.torsion": "off"}
 
 

@@ -19,7 +19,8 @@ from drill_twin.report.text import findings, provenance
 from drill_twin.whirl import MotionPeriod, MotionState
 
 KEYS = {
-    "onset_s", "whirl_frequency_hz", "precession_ratio", "max_radius_m", "realtime_factor", "elements", "step_s",
+    "onset_s", "whirl_frequency_hz", "precession_ratio", "max_radius_m", "realtime_factor", "physics_speed",
+    "elements", "step_s",
     "effects", "seed", "version", "onset_mark", "motion", "mark_motion", "duration_s", "samples", "truncated", "notes",
 }  # fmt: skip
 
@@ -75,7 +76,7 @@ def test_says_what_was_run(summary):
     assert (summary["version"], summary["seed"], summary["elements"], summary["step_s"]) == ("9.9.9", 7, 10, 0.002)
     assert summary["effects"] == ["gravity", "wall"]
     assert summary["pace"] == "realtime"
-    assert summary["realtime_factor"] == 12.5
+    assert (summary["realtime_factor"], summary["physics_speed"]) == (0.998, 12.5)
     assert (summary["steps"], summary["cut_steps"], summary["loose_steps"]) == (6000, 21, 7)
     assert dict(provenance(summary))["steps"] == "6000, 21 cut steps, 7 loose steps"
     assert summary["live"] == {"onset_s": None, "messages": 0, "differing": 0}

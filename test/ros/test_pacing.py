@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Real time is kept: frames at their times, overruns caught up and counted, and no rush after a long stop."""
 
+import signal
 import time
 
 import numpy as np
 import pytest
 
+from drill_twin.io.messages.decode import read_float64
+from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.stamps import unpack_stamp
-from drill_twin.io.messages.topics import CLOCK_TOPIC
+from drill_twin.io.messages.topics import CLOCK_TOPIC, REALTIME_FACTOR
 from drill_twin.ros.core import pacing
 from drill_twin.ros.core.pacing import Pacer
 
@@ -70,6 +73,34 @@ def test_a_machine_that_is_too_slow_falls_behind_without_a_rush(wall):
         wall.now += 0.001
         pacer.wait()
     assert wall.now - since >= 1.0 - 0.21
+
+
+def test_the_real_time_factor_is_a_topic_and_the_physics_has_a_speed_of_its_own(bench):
+    factors = bench.collect(REALTIME_FACTOR)
+    simulator = bench.start("simulator", wait_for_command=False)
+    status = bench.until_status("simulator", lambda status: float(status.values.get("simulated_time", 0)) > 2.0)
+    # Held to real time, the factor is at most 1 but for the lag of 0.2 s that is made up for.
+    assert 0.0 < float(status.values["realtime_factor"]) < 1.15
+    assert float(status.values["physics_speed"]) >= float(status.values["realtime_factor"])
+    assert 0.0 < max(map(read_float64, factors)) < 1.25
+    bench.call("/simulator/pause")
+    bench.until(lambda: read_float64(factors[-1]) == 0.0, what="the factor of a paused twin")
+    before = bench.until_status("simulator", bool).values["realtime_factor"]
+    assert bench.until_status("simulator", bool).values["realtime_factor"] == before
+    assert simulator.end() == 0
+
+
+def test_real_time_given_up_is_a_warning_at_once_with_how_much(bench):
+    simulator = bench.start("simulator", wait_for_command=False)
+    bench.until_status("simulator", lambda status: float(status.values.get("simulated_time", 0)) > 0.5)
+    simulator.send(signal.SIGSTOP)
+    bench.spin(1.5)
+    simulator.send(signal.SIGCONT)
+    status = bench.until_status("simulator", lambda status: float(status.values["time_given_up"]) > 1.0)
+    assert status.level == Level.WARN
+    assert status.text.startswith("real time is not held: ")
+    assert f"{float(status.values['time_given_up']):.3g} s given up" in status.text
+    assert simulator.end() == 0
 
 
 @pytest.mark.long

@@ -16,6 +16,7 @@ from drill_twin.io.messages.markers import MarkerArrayTemplate
 from drill_twin.io.messages.pose import orientation
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import (
+    FLOAT64,
     MARKS_STATE,
     RIG_COMMAND,
     RIG_STATE,
@@ -128,6 +129,11 @@ class TwinEncoder:
 def encode_string(text: str) -> bytes:
     """CDR of a std_msgs/String, as on `/twin/scene`."""
     return serialize(message(STRING, data=text), STRING)
+
+
+def encode_float64(value: float) -> bytes:
+    """CDR of a std_msgs/Float64, as on `/twin/realtime_factor`."""
+    return serialize(message(FLOAT64, data=value), FLOAT64)
 
 
 def read_command(state: JointState) -> Command:

@@ -27,6 +27,7 @@ WHIRL_STATE = "/whirl/state"
 WHIRL_MOTION = "/whirl/motion"
 WHIRL_ONSET = "/whirl/onset"
 TWIN_SCENE = "/twin/scene"
+REALTIME_FACTOR = "/twin/realtime_factor"
 DIAGNOSTICS = "/diagnostics"
 CLOCK_TOPIC = "/clock"
 
@@ -133,6 +134,13 @@ _ROWS = (
         "resolved scene (YAML) with a `run` block: version, seed, elements, step",
         latched=True,
         depth=1,
+    ),
+    Topic(
+        REALTIME_FACTOR,
+        FLOAT64,
+        "simulator",
+        "1 Hz",
+        "real-time factor of the last second: simulated over wall time, 0 while paused",
     ),
     Topic(
         DIAGNOSTICS,

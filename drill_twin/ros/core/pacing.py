@@ -24,10 +24,15 @@ class Pacer:
         """Frames that were not ready at their time."""
         self.given_up = 0.0
         """Dropped lag: wall time by which simulated time has fallen behind for good [s]."""
+        self._gave_up: float | None = None
 
     def restart(self) -> None:
         """Start afresh: the next frame is on time."""
         self._deadline = None
+
+    def gave_up_within(self, seconds: float) -> bool:
+        """Return True if lag was dropped in the last seconds."""
+        return self._gave_up is not None and time.monotonic() - self._gave_up < seconds
 
     def wait(self) -> None:
         """Sleep until the next frame is due; returns at once when it is late."""
@@ -40,6 +45,7 @@ class Pacer:
             self.overruns += 1
             if late > self._max_lag:
                 self.given_up += late
+                self._gave_up = now
                 self._deadline = now
             return
         while (left := self._deadline - time.monotonic()) > 0.0:

@@ -132,7 +132,7 @@ def _observe(children: Mapping[str, Child], duration: float, console: Console, s
                 if observer.compiling:
                     progress.update(task, description=observer.compiling)
                 if observer.time > 0.0:
-                    factor = f" ({observer.realtime_factor:.1f} x real time)" if observer.realtime_factor else ""
+                    factor = f" ({observer.realtime_factor:.2f} x real time)" if observer.realtime_factor else ""
                     progress.update(
                         task, completed=observer.time, description=f"{observer.motion or 'drilling'}{factor}"
                     )

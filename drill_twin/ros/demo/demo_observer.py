@@ -31,7 +31,7 @@ class DemoObserver(TwinNode):
         self.motion = ""
         """Motion state of the string."""
         self.realtime_factor = 0.0
-        """Ratio of simulated to wall time that the physics would reach [-]."""
+        """Simulated over wall time [-]."""
         self.simulator: dict[str, str] = {}
         """Diagnostic values of the simulator."""
         self.compiling = ""

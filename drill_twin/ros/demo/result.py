@@ -65,4 +65,4 @@ def _findings(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     yield "precession ratio", number("precession_ratio", "{:+.3f}")
     for mark, radius in (summary.get("max_radius_m") or {}).items():
         yield f"largest radius at {mark}", "none" if radius is None else f"{radius * 1e3:.1f} mm"
-    yield "real-time factor", number("realtime_factor", "{:.1f}")
+    yield "real-time factor", number("realtime_factor", "{:.2f}")

@@ -16,6 +16,7 @@ from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
     DIAGNOSTICS,
     MARKS_STATE,
+    REALTIME_FACTOR,
     RIG_COMMAND,
     RIG_STATE,
     RPS_COMMAND,
@@ -72,7 +73,8 @@ _READY = ("analyzer/ready", "recorder/ready", "simulator/ready")
 RIGHTS: dict[str, Rights] = {
     "simulator": Rights(
         (
-            *(RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, CLOCK_TOPIC, "~/transition_event"),
+            *(RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, REALTIME_FACTOR, CLOCK_TOPIC),
+            "~/transition_event",
             *WHERE_INSTALLED["tf2_msgs"],
         ),
         (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND),

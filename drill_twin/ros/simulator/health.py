@@ -10,6 +10,9 @@ from types import SimpleNamespace
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.ros.simulator.simulation import Simulation
 
+_RECENT = 10.0  # s; for so long a single stall is told
+_SHARE = 0.01  # of the simulated time; more given up is told until the end
+
 
 def diagnostic_values(settings: SimpleNamespace, simulation: Simulation, sources: Sequence[str]) -> dict[str, str]:
     """Named values for the diagnostics; begins a new window of the timing.
@@ -66,4 +69,18 @@ def verdict(settings: SimpleNamespace, simulation: Simulation, sources: Sequence
         return Level.WARN, f"no checkpoint: {trouble}"
     if arbiter.refused:
         return Level.WARN, f"commands were refused; the last: {arbiter.last_refusal}"
+    if not loop.rejected_steps.last and (late := _real_time_given_up(simulation)):
+        return Level.WARN, late
     return loop.verdict()
+
+
+def _real_time_given_up(simulation: Simulation) -> str:
+    """Time given up, in a sentence; empty when there is none, or a single stall is long past."""
+    pacer, timing = simulation.pacer, simulation.loop.timing
+    if not pacer.gave_up_within(_RECENT) and pacer.given_up <= _SHARE * timing.simulated:
+        return ""
+    return (
+        f"real time is not held: {pacer.given_up:.3g} s given up, real-time factor of the last second "
+        f"{timing.recent_realtime_factor:.2g}, the physics alone {timing.physics_speed:.2g}; "
+        "take fewer elements, or give the node a core of its own"
+    )

@@ -227,7 +227,7 @@ class Simulator(LifecycleNodeMixin, TwinNode):
             parts.simulation.advance()
             parts.simulation.keep_pace()
         else:
-            parts.simulation.pacer.restart()
+            parts.simulation.stand_still(paused=parts.control.paused or not parts.control.active)
             self.spin_once(0.05)
 
     @property

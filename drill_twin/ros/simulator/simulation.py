@@ -114,6 +114,12 @@ class Simulation:
         elif pace == "fast" and self.loop.frames % _BURST == 0:
             self._node.topics.flush(1.0)
 
+    def stand_still(self, *, paused: bool) -> None:
+        """Let wall time pass without a frame; it counts in the real-time factor unless it is a pause."""
+        self.pacer.restart()
+        if paused or not self.started:
+            self.loop.timing.pause()
+
     def reset(self) -> None:
         """Start a new run at time zero."""
         self.commands.reset()

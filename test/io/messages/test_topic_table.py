@@ -22,6 +22,7 @@ def test_the_contract():
         "/whirl/motion": "DiagnosticArray",
         "/whirl/onset": "DiagnosticArray",
         "/twin/scene": "String",
+        "/twin/realtime_factor": "Float64",
         "/diagnostics": "DiagnosticArray",
         "/clock": "Clock",
     }
