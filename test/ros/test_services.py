@@ -26,7 +26,7 @@ def _frames(bench):
 @pytest.fixture
 def running(bench):
     """A simulator that runs by itself at 40 N and 2 rev/s, with a checkpoint file."""
-    bench.file = bench.folder / "run.npz"
+    bench.file, bench.saved = bench.folder / "run.npz", bench.folder / "run_saved.npz"
     bench.clocks, bench.scenes = bench.collect(CLOCK_TOPIC), bench.collect(TWIN_SCENE, latched=True)
     process = bench.start("simulator", checkpoint=str(bench.file), checkpoint_period=0.0, command_timeout=3600.0)
     bench.until_ready("simulator")
@@ -56,7 +56,7 @@ def test_a_paused_run_stands_still_steps_as_asked_and_goes_on(bench, running):
     bench.until(lambda: len(bench.clocks) > still + 30, what="time to go on")
     ok, said = _do(bench, "step")
     assert not ok
-    assert "call ~/pause first" in said
+    assert "call /simulator/pause first" in said
 
 
 def test_a_reset_run_begins_again_with_a_scene_of_its_own(bench, running):
@@ -78,7 +78,7 @@ def test_a_loaded_checkpoint_gives_the_same_frames_again(bench, running):
     assert _do(bench, "pause")[0]
     ok, said = _do(bench, "save_checkpoint")
     assert ok, said
-    assert str(bench.file) in said
+    assert str(bench.saved) in said
     assert bench.set_parameter("simulator", "step_frames", 50).successful
     runs = []
     for _ in range(2):
@@ -93,18 +93,36 @@ def test_a_loaded_checkpoint_gives_the_same_frames_again(bench, running):
     assert runs[0] == runs[1]
 
 
+def test_a_saved_checkpoint_is_not_overwritten_by_the_periodic_one(bench, running):
+    ok, said = _do(bench, "save_checkpoint")
+    assert ok, said
+    saved = bench.saved.read_bytes()
+    assert bench.set_parameter("simulator", "checkpoint_period", 0.2).successful
+    bench.until_status("simulator", lambda status: float(status.values["checkpoint_time"] or 0.0) > 1.0)
+    assert bench.saved.read_bytes() == saved
+    assert bench.file.read_bytes() != saved
+    ok, said = _do(bench, "load_checkpoint")
+    assert ok, said
+    assert str(bench.saved) in said
+
+
 def test_without_a_checkpoint_the_services_say_what_is_missing(bench, running):
     ok, said = _do(bench, "load_checkpoint")
     assert not ok
     assert "expected a checkpoint, found nothing there" in said
-    bench.file.write_bytes(b"rubbish")
+    bench.saved.write_bytes(b"rubbish")
     ok, said = _do(bench, "load_checkpoint")
     assert not ok
     assert "expected a whole checkpoint" in said
     assert bench.set_parameter("simulator", "checkpoint", "").successful
     ok, said = _do(bench, "save_checkpoint")
     assert not ok
-    assert "ros2 param set" in said
+    assert "ros2 param set /simulator saved_checkpoint" in said
+    assert bench.set_parameter("simulator", "checkpoint", str(bench.file)).successful
+    assert bench.set_parameter("simulator", "saved_checkpoint", str(bench.file)).successful
+    ok, said = _do(bench, "save_checkpoint")
+    assert not ok
+    assert "expected another file than the periodic checkpoint" in said
     before = len(bench.clocks)
     bench.until(lambda: len(bench.clocks) > before + 10, what="time to go on all the same")
 

@@ -70,10 +70,17 @@ PARAMETERS = (
     Parameter(
         "checkpoint_period",
         5.0,
-        "wall time between checkpoints; 0: only by ~/save_checkpoint",
+        "wall time between checkpoints; 0: none but those of ~/save_checkpoint",
         "s",
         0.0,
         86400.0,
+        live=True,
+    ),
+    Parameter(
+        "saved_checkpoint",
+        "",
+        "file (.npz) that ~/save_checkpoint writes, nothing else overwrites and ~/load_checkpoint reads; "
+        '"": that of checkpoint with _saved behind its name',
         live=True,
     ),
     Parameter(

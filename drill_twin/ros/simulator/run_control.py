@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from types import SimpleNamespace
 
 from drill_twin.errors import CheckpointError, DrillTwinError
@@ -76,11 +77,13 @@ class RunControl:
             DrillTwinError: The run is not paused, or is in lockstep.
         """
         if not self.paused:
-            raise DrillTwinError("expected a paused run to step, found one that runs; call ~/pause first")
+            raise DrillTwinError(
+                f"expected a paused run to step, found one that runs; call {self._node_name}/pause first"
+            )
         if self._settings.pace == "lockstep":
             raise DrillTwinError(
                 "expected the pace realtime or fast to step by hand, found lockstep, where each command is a step; "
-                "call ~/resume and send commands one by one"
+                f"call {self._node_name}/resume and send commands one by one"
             )
         for _ in range(count):
             self._simulation.advance()
@@ -92,22 +95,28 @@ class RunControl:
         return f"began again at {self._simulation.time_text}"
 
     def save_checkpoint(self) -> str:
-        """Write the state to the file that the parameter names."""
+        """Write the state to a file that the periodic checkpoint does not overwrite."""
         path = self._checkpoint_path()
-        self._simulation.checkpoints.finish()
         self._simulation.checkpoint().save(path)
         return f"kept {self._simulation.time_text} in {path}"
 
     def load_checkpoint(self) -> str:
-        """Go to the state in that file."""
+        """Go to the state in the file of `save_checkpoint`."""
         path = self._checkpoint_path()
         self._simulation.resume(path)
         self._simulation.loop.announce()
         return f"went to {self._simulation.time_text}, from {path}"
 
     def _checkpoint_path(self) -> str:
-        if not self._settings.checkpoint:
+        own, periodic = self._settings.saved_checkpoint, self._settings.checkpoint
+        if own and periodic and Path(own).resolve() == Path(periodic).resolve():
             raise CheckpointError(
-                f"expected a file for the checkpoint, found none; ros2 param set {self._node_name} checkpoint FILE.npz"
+                f"expected another file than the periodic checkpoint, found {own} for both; "
+                f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
             )
-        return str(self._settings.checkpoint)
+        if own or periodic:
+            return str(own or Path(periodic).with_name(f"{Path(periodic).stem}_saved.npz"))
+        raise CheckpointError(
+            "expected a file for the checkpoint, found none; "
+            f"ros2 param set {self._node_name} saved_checkpoint FILE.npz"
+        )
