@@ -95,6 +95,6 @@ def rig_table() -> str:
             stamp = "wall time"
         lines.append(
             f"| `{topic.name}` | {topic.type_name} | {topic.publisher} | {topic.rate} "
-            f"| reliable, keep last {topic.depth}{latched} | {stamp} |"
+            f"| reliable, keep last {topic.publisher_depth}{latched} | {stamp} |"
         )
     return "\n".join(lines) + "\n"

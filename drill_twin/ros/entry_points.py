@@ -14,7 +14,7 @@ import importlib
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.ros.core.stop_request import Stopped, StopRequest
@@ -78,7 +78,13 @@ def start(name: str, arguments: Sequence[str] | None = None) -> int:
 
 def main() -> None:
     """Console script of every executable: runs the one that the script is named after."""
-    sys.exit(start(Path(sys.argv[0]).name))
+    end(start(Path(sys.argv[0]).name))
+
+
+def end(code: int) -> NoReturn:
+    """End the process with an exit code, which no later signal changes."""
+    StopRequest.ignore_signals()
+    sys.exit(code)
 
 
 def _missing(error: ModuleNotFoundError) -> DrillTwinError:

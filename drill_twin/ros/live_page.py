@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import math
 import queue
+import time
 import webbrowser
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -30,6 +31,7 @@ from drill_twin.ros.deployment.security import readable_refusal
 from drill_twin.schedule.command import Command
 
 _DEPTH = 50  # messages; the page shows fewer
+_MATCHING = 3.0  # s; a simulator has been found by then
 _SET_POINTS = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
 
 
@@ -50,8 +52,6 @@ class LivePage(TwinNode):
 
     def open(self) -> None:
         """Create the topics."""
-        for topic in (WOB_COMMAND, RPS_COMMAND):
-            self.topics.advertise(topic)
         for topic in INPUTS:
             latched = TOPICS[topic].latched
             self.topics.subscribe(
@@ -111,13 +111,24 @@ class LivePage(TwinNode):
 
     def _publish(self, name: str, value: float) -> None:
         topic = _SET_POINTS[name][2]
+        self._advertise(topic)
         if topic == WOB_COMMAND:
             self.topics.publish(topic, self._encoder.wob_command(Command(value, 0.0)))
         else:
             self.topics.publish(topic, self._encoder.rps_command(Command(0.0, value * math.tau)))
 
+    def _advertise(self, topic: str) -> None:
+        """Create the publisher of a set-point on its first use: a page that only shows is no source of commands."""
+        if topic not in self.topics.publishers:
+            publisher, deadline = self.topics.advertise(topic), time.monotonic() + _MATCHING
+            while not publisher.get_subscription_count() and time.monotonic() < deadline:
+                self.spin_once(0.02)
+
     def health(self) -> Status:
         """Number of messages that could not be decoded."""
+        if self._driver_present():  # its plan is set instead
+            for topic in {WOB_COMMAND, RPS_COMMAND} & set(self.topics.publishers):
+                self.topics.withdraw(topic)
         level = Level.WARN if self.page_state.malformed else Level.OK
         return Status(self.NAME, level, f"{self.page_state.malformed} messages could not be read")
 

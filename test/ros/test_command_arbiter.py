@@ -159,3 +159,34 @@ def test_limits_follow_the_scene():
     both = limits_for(load_scene("pa6_bench"), max_weight_on_bit=50.0, max_speed=10.0, negative=True)
     assert both.weight_on_bit == (-50.0, 50.0)
     assert both.rotation == (-10.0, 2.0 * TURN)  # the scene's own 2 rev/s is always allowed
+
+
+def test_a_refusal_is_news_for_a_while_and_counted_for_good(arbiter, clock):
+    arbiter.weight_on_bit(30.0, driver_present=False)
+    assert not arbiter.refused_recently
+    clock.now += 100.0
+    arbiter.weight_on_bit(1e9, driver_present=False)
+    assert arbiter.refused_recently
+    clock.now += 11.0
+    assert not arbiter.refused_recently
+    assert arbiter.refused == {"out_of_range": 1}
+
+
+def test_a_hand_command_is_known_from_that_of_a_driver(arbiter):
+    arbiter.both(1, Command(40.0, 12.0))
+    assert not arbiter.by_hand
+    arbiter.speed(1.0, driver_present=False)
+    assert arbiter.by_hand
+    arbiter.both(2, Command(40.0, 12.0))
+    assert not arbiter.by_hand
+
+
+def test_what_is_applied_during_a_ramp_is_not_the_last_command(arbiter, clock):
+    arbiter.set_limits(LIMITS, Silence(1.0, ramp=True, safe=Command(0.0, 0.0), ramp_time=4.0))
+    arbiter.both(1, Command(40.0, 12.0))
+    arbiter.set_point(0.01)
+    assert arbiter.applied == Command(40.0, 12.0)
+    clock.now += 2.0
+    arbiter.set_point(1.0)
+    assert arbiter.applied == Command(30.0, 9.0)
+    assert arbiter.good == Command(40.0, 12.0)

@@ -12,6 +12,8 @@ from std_msgs.msg import Float64
 
 from drill_twin.cli.ros import rig_table
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TOPICS, WHIRL_STATE
+from drill_twin.ros.core.node_topics import NodeTopics
+from drill_twin.ros.core.raw_subscriptions import RawSubscriptions
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -50,6 +52,13 @@ def test_the_guide_shows_the_contract_and_the_examples_as_they_are():
     assert rig_table() in GUIDE
     for name in ("own_driver.py", "own_analyzer.py"):
         assert (EXAMPLES / name).read_text("utf-8").split('"""\n', 1)[1].strip() in GUIDE
+
+
+def test_the_guide_shows_the_depth_that_publishers_offer(bench):
+    topics = NodeTopics(bench.node, RawSubscriptions(bench.node, bench.node.context))
+    for name in TOPICS:
+        row = next(line for line in GUIDE.splitlines() if line.startswith(f"| `{name}` |"))
+        assert f"keep last {topics.advertise(name).qos_profile.depth}" in row
 
 
 def test_topics_types_and_services_that_the_guide_names_exist():

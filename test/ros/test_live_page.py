@@ -204,6 +204,27 @@ def test_a_refusal_of_the_driver_is_shown_and_an_unanswered_request_is_commanded
         assert "Traceback" not in process.text
 
 
+def test_a_page_is_no_source_of_commands_before_a_slider_moves(bench, joints):
+    states = bench.collect(RIG_STATE)
+    page = bench.start_with(["--port", "0", "--no-browser"], "watch")
+    simulator = bench.start("simulator")
+    bench.until_status("watch", bool)
+    driver = bench.start("rig_driver", wait_for="simulator test", overrides=STEADY)
+    status = bench.until_status("simulator", lambda status: float(status.values.get("simulated_time", 0)) > 2.0)
+    assert status.values["command_sources"] == "/rig_driver"
+    assert not any("more than one source" in status.text for status in bench.history)
+    assert driver.end() == 0
+    with connect(_served(page).replace("http", "ws") + "live") as socket:
+        bench.until_status("simulator", lambda status: not status.values["command_sources"])
+        socket.send('{"wob": 20}')
+        bench.until(lambda: joints(states[-1:])[0].effort[1] == pytest.approx(20.0), what="the single set-point")
+    bench.until_status("simulator", lambda status: status.values["command_sources"] == "/watch")
+    driver = bench.start("rig_driver", wait_for="simulator test", overrides=STEADY)
+    bench.until_status("simulator", lambda status: status.values["command_sources"] == "/rig_driver")
+    for process in (driver, page, simulator):
+        assert process.end() == 0, process.text
+
+
 def test_the_page_of_a_bag_plays_stops_and_goes_to_a_time(bench, browse, small_bag):
     command = [sys.executable, "-m", "drill_twin.cli", "watch", str(small_bag), "--port", "0", "--no-browser"]
     page = bench.command("page", command)

@@ -37,6 +37,7 @@ def test_two_twins_run_side_by_side(bench):
         bench.until(lambda name=name: bool(whirls[name]), what=f"the analyzer of {name}")
         status = bench.until_status(f"{name}/simulator", lambda status: status.values["frames"] != "0")
         assert status.values["command_sources"] == f"/{name}/rig_driver"
+        assert status.hardware_id == f"drill_twin/{name}"
     assert bench.node.count_publishers("/rig/state") == 0
     for process in processes:
         assert process.end() == 0, process.text

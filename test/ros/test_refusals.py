@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from drill_twin.io.messages.diagnostics import Level
 from drill_twin.ros.entry_points import start
 
 
@@ -128,6 +129,9 @@ def test_a_second_simulator_in_a_domain_is_refused(bench):
     second = bench.start("simulator")
     assert second.wait() == 2, second.text
     assert "expected to be the only simulator" in second.text
+    assert "publishers of /string/poses: /simulator, in ROS_DOMAIN_ID" in second.text
+    bench.until_status("simulator", bool)
+    assert {status.level for status in bench.history if status.values.get("simulated_time")} <= {Level.OK, Level.WARN}
     assert first.code is None
     assert first.end() == 0
 

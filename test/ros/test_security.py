@@ -54,7 +54,7 @@ def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag
         return present and len(names("service")) == len(wanted["reply"]) - (node in {"rig_driver", "replayer"})
 
     if node in {"rig_driver", "replayer"}:  # they offer ~/ready once they are through waiting, and wait here for ever
-        bench.until(lambda: "waiting for simulator" in process.text, what=node)
+        bench.until(lambda: "waiting for /simulator" in process.text, what=node)
     bench.until(done, what=f"the services of {node}")
     assert names("publisher") == wanted["publish"]
     assert names("subscriber") == wanted["subscribe"]

@@ -68,6 +68,18 @@ def test_a_signal_during_the_start_ends_it_too(bench, delay):
     assert "Traceback" not in process.text
 
 
+@pytest.mark.parametrize("node", ["rig_driver", "analyzer"])
+def test_signals_after_the_first_do_not_change_the_exit_code(bench, small_bag, node):
+    """As in a launch, whose terminal sends a SIGINT beside that of the launch itself."""
+    process = bench.start(node, **_parameters(node, bench, small_bag))
+    bench.until_status(node, bool)
+    while process.code is None:
+        process.send(signal.SIGINT)
+        time.sleep(0.001)
+    assert process.code == 0, process.text
+    assert "Traceback" not in process.text
+
+
 def test_the_simulator_ends_by_itself_after_its_duration(bench):
     clock = bench.collect("/clock", latched=True)
     process = bench.start("simulator", pace="fast", duration=0.5)

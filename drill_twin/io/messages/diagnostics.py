@@ -34,7 +34,7 @@ class Status:
     values: Mapping[str, str] = field(default_factory=dict)
     """Named values as text; floats by `exact`, so that they are read back bit for bit."""
     hardware_id: str = ""
-    """Subject, as the name of a mark."""
+    """Subject: the name of a mark, or `drill_twin` and the namespace of the node's twin."""
 
 
 def exact(value: float) -> str:

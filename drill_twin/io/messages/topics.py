@@ -49,7 +49,12 @@ class Topic:
     latched: bool = False
     """TRANSIENT_LOCAL, depth 1: a late subscriber still receives the last message."""
     depth: int = 10
-    """Depth of the history (KEEP_LAST); all topics are RELIABLE."""
+    """Depth of the history (KEEP_LAST) of subscriptions and of bags; all topics are RELIABLE."""
+
+    @property
+    def publisher_depth(self) -> int:
+        """Depth that the nodes offer: messages kept until every reader has them, 5 s at 200 Hz."""
+        return self.depth if self.latched else 1000
 
 
 _FULL_RATE = "every frame (100-200 Hz)"

@@ -38,7 +38,8 @@ class DiagnosticsPublisher:
         if status.level != Level.OK:
             self._log(status.text)
         name = self._node.get_fully_qualified_name().lstrip("/")
-        named = replace(status, name=name, values={**status.values, **queues})
+        twin = f"drill_twin{self._node.get_namespace().rstrip('/')}"
+        named = replace(status, name=name, hardware_id=twin, values={**status.values, **queues})
         self._publisher.publish(encode_diagnostics(self._node.get_clock().now().nanoseconds, [named]))
 
     def _log(self, text: str) -> None:

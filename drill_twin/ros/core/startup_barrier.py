@@ -97,23 +97,23 @@ class StartupBarrier:
         deadline = time.monotonic() + seconds
         # All must be present before the first is asked: its answer is compared with the readers of all the others.
         for missing, reached in ((self._absence, "there"), (self._unreadiness, "ready")):
-            for name, client in clients.items():
+            for client in clients.values():
                 logged = ""
                 while not stop and (reason := missing(client)):
                     if reason.startswith(COMPILING):
                         deadline = time.monotonic() + seconds
                         reason = COMPILING  # its progress is in the log of that node
                     if reason != logged:
-                        self._node.get_logger().info(f"waiting for {name}: {reason}")
+                        self._node.get_logger().info(f"waiting for {_node_of(client)}: {reason}")
                         logged = reason
                     if time.monotonic() > deadline:
                         raise RunError(
-                            f"waited {seconds:g} s for the node {name}: {reason}; start it in the same ROS_DOMAIN_ID "
-                            "and namespace, or take its name out of the parameter wait_for"
+                            f"waited {seconds:g} s for the node {_node_of(client)}: {reason}; start it in the same "
+                            "ROS_DOMAIN_ID and namespace, or take its name out of the parameter wait_for"
                         )
                     self._spin_once(_POLL)
                 if logged:
-                    self._node.get_logger().info(f"{name} is {reached}")
+                    self._node.get_logger().info(f"{_node_of(client)} is {reached}")
         for client in clients.values():
             self._node.destroy_client(client)
         while not stop and self.unmatched_readers() and time.monotonic() < deadline:
@@ -144,6 +144,11 @@ class StartupBarrier:
                 return None
             self._spin_once(_POLL)
         return answer.result()
+
+
+def _node_of(client: Client) -> str:
+    """Full name of the node that a client of `~/ready` asks."""
+    return str(client.service_name).removesuffix("/ready")
 
 
 def missing_readers(node: Node, answer: str) -> str:

@@ -38,6 +38,12 @@ class StopRequest:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGALRM):  # the last one is the timer's, see _RETRY
             signal.signal(number, self._on_signal)
 
+    @staticmethod
+    def ignore_signals() -> None:
+        """Ignore both signals from now on: a second one must not change the exit code of a node that has ended."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
+
     @contextmanager
     def at_once(self) -> Iterator[None]:
         """Context in which a signal raises Stopped: for long work that needs no completion.

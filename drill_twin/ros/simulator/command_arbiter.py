@@ -19,6 +19,7 @@ from drill_twin.ros.simulator.echo_filter import EchoFilter
 from drill_twin.schedule.command import Command
 
 _RECENT = 5.0  # s; for so long a stray value is news
+_REFUSAL_TOLD = 10.0  # s; for so long a refusal is a warning, beside the count
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,9 @@ class CommandArbiter:
         """Commands refused, by kind: not_finite, out_of_range, malformed."""
         self.last_refusal = ""
         """The last refusal, in words."""
+        self.by_hand = False
+        """True while the set-point in force is from single values, which come on change and not at a rate."""
+        self._last_refusal_time = -math.inf
 
     def set_limits(self, limits: Limits, silence: Silence) -> None:
         """Apply other limits from now on."""
@@ -99,36 +103,38 @@ class CommandArbiter:
         self.last_stamp = stamp
         self._both_time = self._clock()
         self._echoes.command(command)
-        self._judge(command)
+        self._judge(command, by_hand=False)
 
     def weight_on_bit(self, value: float, *, driver_present: bool) -> None:
         """A `/rig/wob_command` [N]."""
         if driver_present and not self._driver_is_silent():
             self._echoes.weight_on_bit(self._clock(), value)
         else:
-            self._judge(replace(self._good, weight_on_bit=value))
+            self._judge(replace(self._good, weight_on_bit=value), by_hand=True)
 
     def speed(self, value: float, *, driver_present: bool) -> None:
         """A `/rig/rps_command` [rev/s]."""
         if driver_present and not self._driver_is_silent():
             self._echoes.speed(self._clock(), value)
         else:
-            self._judge(replace(self._good, rotation=value * math.tau))
+            self._judge(replace(self._good, rotation=value * math.tau), by_hand=True)
 
     def malformed(self, reason: str) -> None:
         """A message that holds no command."""
-        self.refused["malformed"] += 1
-        self.last_refusal = reason
+        self._refuse("malformed", reason)
+
+    def _refuse(self, kind: str, reason: str) -> None:
+        self.refused[kind] += 1
+        self.last_refusal, self._last_refusal_time = reason, self._clock()
 
     def _driver_is_silent(self) -> bool:
         return self._both_time is not None and self._clock() - self._both_time > self._silence.timeout
 
-    def _judge(self, command: Command) -> None:
+    def _judge(self, command: Command, *, by_hand: bool) -> None:
         if why := self._limits.why_refused(command):
-            kind, self.last_refusal = why
-            self.refused[kind] += 1
+            self._refuse(*why)
             return
-        self._good = command
+        self._good, self.by_hand = command, by_hand
         self._last_time = self._clock()
         self.accepted += 1
 
@@ -153,6 +159,16 @@ class CommandArbiter:
     def silent(self) -> bool:
         """Whether commands have stopped coming."""
         return self.heard and self.age > self._silence.timeout
+
+    @property
+    def refused_recently(self) -> bool:
+        """Whether a command was refused in the last ten seconds."""
+        return self._clock() - self._last_refusal_time < _REFUSAL_TOLD
+
+    @property
+    def applied(self) -> Command:
+        """The set-point applied at present: the last good one, or a point of the ramp to the safe one."""
+        return self._applied
 
     def set_point(self, seconds: float) -> Command:
         """What to apply over the next `seconds` of simulated time."""

@@ -29,8 +29,8 @@ def diagnostic_values(settings: SimpleNamespace, simulation: Simulation, sources
         **simulation.loop.diagnostics(),
         "overruns": str(pacer.overruns),
         "time_given_up": f"{pacer.given_up:.3f}",
-        "weight_on_bit": f"{arbiter.good.weight_on_bit:g}",
-        "speed_rev_s": f"{arbiter.good.rotation / math.tau:g}",
+        "weight_on_bit": f"{arbiter.applied.weight_on_bit:g}",
+        "speed_rev_s": f"{arbiter.applied.rotation / math.tau:g}",
         "command_age": f"{arbiter.age:.3f}",
         "commands_accepted": str(arbiter.accepted),
         "commands_refused": str(sum(arbiter.refused.values())),
@@ -61,14 +61,15 @@ def verdict(settings: SimpleNamespace, simulation: Simulation, sources: Sequence
     if len(sources) > 1 or arbiter.others_speak:
         others = "" if len(sources) > 1 else f"; {arbiter.from_others} single values from others were not followed"
         return Level.WARN, f"more than one source of commands: {', '.join(sources)}{others}"
-    if arbiter.silent:
+    if arbiter.refused_recently:
+        return Level.WARN, f"commands were refused; the last: {arbiter.last_refusal}"
+    # Single values are sent on change: who sends one has not fallen silent, unless time or a ramp depends on it.
+    if arbiter.silent and not (arbiter.by_hand and settings.on_silence == "hold" and settings.pace != "lockstep"):
         held = "ramping to the safe set-point" if settings.on_silence == "ramp" else "the last one is held"
         waits = "the lockstep waits" if settings.pace == "lockstep" else held
         return Level.WARN, f"no command for {arbiter.age:.1f} s; {waits}"
     if trouble:
         return Level.WARN, f"no checkpoint: {trouble}"
-    if arbiter.refused:
-        return Level.WARN, f"commands were refused; the last: {arbiter.last_refusal}"
     if not loop.rejected_steps.last and (late := _real_time_given_up(simulation)):
         return Level.WARN, late
     return loop.verdict()

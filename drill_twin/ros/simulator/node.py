@@ -144,9 +144,11 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         settings = self.settings
         scene, self._scene = self._scene or self._compiled_scene(), None
         rate = settings.frame_rate or scene.numerics.frame_rate
+        # Before its own topics are there: the one that runs would report a second publisher.
+        self._refuse_second_simulator(own=0)
         simulation = Simulation(self, scene, rate)
         control = RunControl(simulation, settings, self.get_fully_qualified_name())
-        self._refuse_second_simulator()
+        self._refuse_second_simulator(own=1)
         if settings.checkpoint and Path(settings.checkpoint).exists():
             simulation.resume(settings.checkpoint)
         simulation.loop.announce()
@@ -198,15 +200,15 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         if self._shut_down:
             raise Stopped
 
-    def _refuse_second_simulator(self) -> None:
+    def _refuse_second_simulator(self, *, own: int) -> None:
         time.sleep(max(self._created + _DISCOVERY - time.monotonic(), 0.0))
         deadline = time.monotonic() + _LEASE
-        while len(others := self.topics.publisher_nodes(STRING_POSES)) > 1:
+        while len(found := self.topics.publisher_nodes(STRING_POSES)) > own:
             if time.monotonic() > deadline:
+                topic, domain = self.resolve_topic_name(relative(STRING_POSES)), self.context.get_domain_id()
                 raise DrillTwinError(
-                    f"expected to be the only simulator here, found {len(others) - 1} more, publishing "
-                    f"{STRING_POSES}, in ROS_DOMAIN_ID={self.context.get_domain_id()}; stop it, or choose "
-                    "another domain or namespace"
+                    f"expected to be the only simulator here, found publishers of {topic}: {', '.join(found)}, "
+                    f"in ROS_DOMAIN_ID={domain}; stop it, or choose another domain or namespace"
                 )
             time.sleep(0.1)
 
@@ -270,8 +272,9 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         simulation.commands.arbiter.settle_doubts()
         sources = simulation.commands.sources()
         values = diagnostic_values(self.settings, simulation, sources)
-        if len(self.topics.publisher_nodes(STRING_POSES)) > 1:
-            text = f"another simulator publishes {STRING_POSES} in this domain and namespace"
+        if len(publishers := self.topics.publisher_nodes(STRING_POSES)) > 1:
+            topic = self.resolve_topic_name(relative(STRING_POSES))
+            text = f"more than one simulator publishes {topic}: {', '.join(publishers)}"
             return Status(self.NAME, Level.ERROR, text, values)
         if not control.active or control.paused:
             state = "paused" if control.active else "inactive"

@@ -18,7 +18,6 @@ from drill_twin.ros.core.topics.qos_overrides import OVERRIDABLE, readable_overr
 from drill_twin.ros.core.topics.raw_subscriptions import ManualCallbackGroup, RawSubscriptions, Received
 from drill_twin.ros.core.topics.rclpy_topics import message_class, quality, relative
 
-_PUBLISHER_DEPTH = 1000  # messages kept until every reader has them; 5 s at 200 Hz
 _SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # their sequence numbers cannot be told apart
 
 
@@ -40,7 +39,7 @@ class NodeTopics:
     def advertise(self, topic: str, *, latched: bool | None = None) -> Publisher:
         """Create the publisher of a topic; it is given bytes."""
         row = TOPICS[topic]
-        offered = quality(row, depth=0 if row.latched else _PUBLISHER_DEPTH, latched=latched)
+        offered = quality(row, depth=row.publisher_depth, latched=latched)
         with readable_overrides(topic):
             publisher = self._node.create_publisher(
                 message_class(row), relative(topic), offered, qos_overriding_options=OVERRIDABLE
@@ -51,6 +50,10 @@ class NodeTopics:
     def publish(self, topic: str, raw: bytes) -> None:
         """Publish a message on an advertised topic."""
         self.publishers[topic].publish(raw)
+
+    def withdraw(self, topic: str) -> None:
+        """Destroy the publisher of a topic."""
+        self._node.destroy_publisher(self.publishers.pop(topic))
 
     def subscribe(self, topic: str, received: Received, *, depth: int = 0, latched: bool | None = None) -> Subscription:
         """Create the subscription to a topic; the callback receives bytes."""
@@ -75,7 +78,7 @@ class NodeTopics:
         self._subscriptions.close()
         self._inputs.clear()
         for topic in set(self.publishers) - {kept}:
-            self._node.destroy_publisher(self.publishers.pop(topic))
+            self.withdraw(topic)
 
     def flush(self, seconds: float = 5.0) -> None:
         """Wait until every reader has acknowledged all that was published, at most this long [s]."""
