@@ -73,7 +73,7 @@ def test_a_driver_waits_as_long_as_the_simulator_compiles(cold):
     cold.until(lambda: simulator.code is not None or driver.code is not None, 600.0, "the run to end")
     assert simulator.code == 0, cold.logs()
     assert driver.end() == 0, cold.logs()
-    assert f"waiting for simulator: {COMPILING}" in driver.text
+    assert f"waiting for /simulator: {COMPILING}" in driver.text
 
 
 def _workers(parent):
