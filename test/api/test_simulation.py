@@ -12,6 +12,7 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS, REALTIME_FACTOR, TOPICS, TWIN_SCENE
 from drill_twin.report import summarise
+from drill_twin.report.build import FIGURES
 from drill_twin.report.run_log import RunLog
 
 TEXTS = {TWIN_SCENE, DIAGNOSTICS, REALTIME_FACTOR}
@@ -116,7 +117,7 @@ def test_a_scene_at_its_end_asks_for_a_duration(bench_scene):
 
 def test_figures_are_those_of_the_report_and_show_in_a_notebook(result):
     names = [name for name in dir(result) if name.startswith("plot_")]
-    assert len(names) == 7
+    assert {name.removeprefix("plot_") for name in names} == set(FIGURES)
     for name in names:
         figure = getattr(result, name)()
         assert figure.get_axes()
