@@ -26,6 +26,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion, decode_onset, read_whirl_state
+from drill_twin.live.sources import GONE, Sources
 from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import Scene, parse_scene
 
@@ -47,7 +48,14 @@ _LARGEST = 1e6  # m
 class PageState:
     """Latest values of the topics; `update` and `snapshot` may be called from different threads."""
 
-    def __init__(self) -> None:
+    def __init__(self, sources: Sources | None = None) -> None:
+        """Start empty.
+
+        Args:
+            sources: Freshness of the sources of a running twin, whose values disappear when they are old; None for a
+                recording, whose values stay.
+        """
+        self._sources = sources
         self._lock = threading.Lock()
         self._marks_reader, self._rig_reader, self._whirl_reader = (JointStateReader().read for _ in range(3))
         self.malformed = 0
@@ -80,6 +88,8 @@ class PageState:
             self.malformed += 1
 
     def _update(self, topic: str, raw: bytes) -> None:
+        if self._sources is not None:
+            self._sources.message(topic)
         if topic == STRING_POSES:
             poses = read_pose_array(raw)
             _check_positions(poses.position)
@@ -150,6 +160,8 @@ class PageState:
 
     def _on_diagnostics(self, raw: bytes) -> None:
         for status in decode_diagnostics(raw)[1]:
+            if self._sources is not None:
+                self._sources.report(status)
             if "realtime_factor" in status.values:
                 values = status.values
                 self._simulator = {
@@ -161,7 +173,7 @@ class PageState:
         """All values as plain types for JSON, with the positions of the marks since the last snapshot."""
         with self._lock:
             trail, self._trail = self._trail, {}
-            return {
+            picture = {
                 "time": self._time,
                 "scene": self._scene,
                 "nodes": self._nodes,
@@ -171,7 +183,27 @@ class PageState:
                 "motion": self._motion,
                 "onset": self._onset,
                 "simulator": self._simulator,
+                "ages": {},
+                "graph": [],
             }
+            return picture if self._sources is None else _without_old_values(picture, self._sources)
+
+
+def _without_old_values(picture: dict[str, Any], sources: Sources) -> dict[str, Any]:
+    """Add the ages of the sources, and take away what is gone."""
+    ages = {source: sources.age(source) for source in ("simulator", "analyzer")}
+    gone = {source for source, age in ages.items() if age is not None and age > GONE}
+    picture |= {"ages": ages, "graph": sources.nodes()}
+    if "simulator" in gone:
+        text = f"no data of the simulator for {ages['simulator']:.0f} s"
+        picture |= {"time": None, "nodes": [], "trail": {}, "rig": {}, "simulator": {"factor": "", "text": text}}
+    if "analyzer" in gone:
+        text = f"no findings of the analyzer for {ages['analyzer']:.0f} s"
+        picture |= {"motion": {"state": "", "criterion": text}, "onset": None}
+    of = {"simulator": ("x", "y", "z"), "analyzer": ("orbit", "precession", "motion")}
+    hidden = {key for source in gone for key in of[source]}
+    picture["marks"] = [{key: value for key, value in mark.items() if key not in hidden} for mark in picture["marks"]]
+    return picture
 
 
 def _check_positions(positions: Array) -> None:

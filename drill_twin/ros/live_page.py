@@ -24,6 +24,7 @@ from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.encode import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_COMMAND
 from drill_twin.live.page_state import INPUTS, PageState
+from drill_twin.live.sources import GONE, Sources
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
@@ -43,7 +44,8 @@ class LivePage(TwinNode):
 
     def __init__(self, context: Context) -> None:
         super().__init__(context)
-        self.page_state = PageState()
+        self._sources = Sources()
+        self.page_state = PageState(self._sources)
         self._encoder = CommandEncoder()
         self._requests: queue.Queue[tuple[str, float]] = queue.Queue()
         self._pending: list[tuple[str, float, Any]] = []
@@ -125,10 +127,12 @@ class LivePage(TwinNode):
                 self.spin_once(0.02)
 
     def health(self) -> Status:
-        """Number of messages that could not be decoded."""
+        """Nodes that are not heard any more, or the number of messages that could not be decoded."""
         if self._driver_present():  # its plan is set instead
             for topic in {WOB_COMMAND, RPS_COMMAND} & set(self.topics.publishers):
                 self.topics.withdraw(topic)
+        if missing := self._sources.missing():
+            return Status(self.NAME, Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}")
         level = Level.WARN if self.page_state.malformed else Level.OK
         return Status(self.NAME, level, f"{self.page_state.malformed} messages could not be read")
 

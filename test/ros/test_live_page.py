@@ -204,6 +204,64 @@ def test_a_refusal_of_the_driver_is_shown_and_an_unanswered_request_is_commanded
         assert "Traceback" not in process.text
 
 
+def test_a_source_that_dies_takes_its_values_along(bench):
+    page = bench.start_with(["--port", "0", "--no-browser"], "watch")
+    nodes = {name: bench.start(name) for name in ("simulator", "analyzer")}
+    nodes["recorder"] = bench.start("recorder", bag=str(bench.folder / "bag_0"))
+    nodes["rig_driver"] = bench.start("rig_driver", wait_for="simulator analyzer recorder test", overrides=STEADY)
+    pictures = []
+
+    def picture():
+        while len(pictures) < 2 or time.monotonic() - pictures[-2][0] < 0.02:  # all that is waiting
+            pictures.append((time.monotonic(), json.loads(socket.recv(timeout=10.0))))
+        return pictures[-1][1]
+
+    def until(wanted, what):
+        def happened():
+            pictures.clear()
+            bench.spin(0.02)
+            return wanted(picture())
+
+        _until(happened, what)
+        return pictures[-1][1]
+
+    with connect(_served(page).replace("http", "ws") + "live") as socket:
+        until(lambda said: said["motion"]["state"] and len(said["graph"]) >= 5, "all nodes on the page")
+        whole = until(lambda said: said["ages"]["simulator"] < 1.0, "a fresh picture")
+        assert whole["rig"]["wob"] is not None
+        assert whole["simulator"]["factor"]
+
+        assert nodes["rig_driver"].end() == 0  # in order: nothing to tell
+        nodes["recorder"].kill()
+        status = bench.until_status("watch", lambda status: "no diagnostics" in status.text)
+        assert (status.level, status.text) == (1, "no diagnostics for more than 3 s of recorder")
+        rows = {row["name"]: row["text"] for row in until(bool, "a picture")["graph"]}
+        assert rows["recorder"].startswith("no diagnostics for ")
+        assert "rig_driver" not in rows
+
+        nodes["analyzer"].kill()
+        alone = until(lambda said: not said["motion"]["state"], "the motion to go")
+        assert alone["motion"]["criterion"].startswith("no findings of the analyzer for ")
+        assert not any({"orbit", "precession", "motion"} & set(mark) for mark in alone["marks"])
+        assert alone["time"] is not None
+        assert alone["rig"]["wob"] is not None
+
+        bench.call("/simulator/pause")
+        bench.spin(4.0)
+        assert until(bool, "a picture of the paused twin")["time"] is not None
+        bench.call("/simulator/resume")
+        until(lambda said: said["ages"]["simulator"] < 0.2, "time to go on")
+
+        nodes["simulator"].kill()
+        until(lambda said: said["ages"]["simulator"] > 1.0, "the values to be stale")
+        dead = until(lambda said: said["time"] is None, "the values to go")
+        assert (dead["nodes"], dead["rig"], dead["simulator"]["factor"]) == ([], {}, "")
+        assert dead["simulator"]["text"].startswith("no data of the simulator for ")
+        assert not any({"x", "y", "z"} & set(mark) for mark in dead["marks"])
+    assert page.end() == 0, page.text
+    assert "Traceback" not in page.text
+
+
 def test_a_page_is_no_source_of_commands_before_a_slider_moves(bench, joints):
     states = bench.collect(RIG_STATE)
     page = bench.start_with(["--port", "0", "--no-browser"], "watch")

@@ -26,13 +26,15 @@ class DiagnosticsPublisher:
         self._publisher = topics.advertise(DIAGNOSTICS)
         self._seen: dict[str, float] = {}
 
-    def publish(self, health: Callable[[], Status]) -> None:
+    def publish(self, health: Callable[[], Status], *, ended: bool = False) -> None:
         """Publish the status of the node; a publisher that cannot be connected to turns OK into a warning.
 
         Args:
             health: Called for the status, once the dropped messages have been counted.
+            ended: Whether the node ends in order, and these are its last.
         """
         queues, status = self._topics.queue_report(), health()
+        queues |= {"ended": "true"} if ended else {}
         if status.level == Level.OK and (problem := self._topics.incompatible_publisher()):
             status = replace(status, level=Level.WARN, text=problem)
         if status.level != Level.OK:

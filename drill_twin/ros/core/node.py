@@ -57,6 +57,8 @@ class TwinNode(Node):
         self.barrier = StartupBarrier(self, self.topics, self.spin_once, self.not_ready)
         self.services_while_configured: list[Service] = []
         self.shares_parameters = bool(other_parameters)
+        self.ended = False
+        """True once the node is being closed in order."""
         self._diagnostics = DiagnosticsPublisher(self, self.topics)
         self._diagnostics_due = Tick(_DIAGNOSTICS_PERIOD)
 
@@ -120,7 +122,7 @@ class TwinNode(Node):
 
     def publish_diagnostics(self) -> None:
         """Publish the diagnostics of this node now."""
-        self._diagnostics.publish(self.health)
+        self._diagnostics.publish(self.health, ended=self.ended)
 
     def offer_readiness(self) -> None:
         """Create the service `~/ready`, unless topics are still to be created."""

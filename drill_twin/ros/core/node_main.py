@@ -81,6 +81,7 @@ def run_in_order(node: TwinNode, stop: StopRequest) -> None:
                 refuse_unused(node)
         node.run(stop)
     finally:
+        node.ended = True
         try:
             node.close()
         finally:

@@ -271,12 +271,11 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         simulation, control = self._parts
         simulation.commands.arbiter.settle_doubts()
         sources = simulation.commands.sources()
-        values = diagnostic_values(self.settings, simulation, sources)
+        values = {"state": control.state_text, **diagnostic_values(self.settings, simulation, sources)}
         if len(publishers := self.topics.publisher_nodes(STRING_POSES)) > 1:
             topic = self.resolve_topic_name(relative(STRING_POSES))
             text = f"more than one simulator publishes {topic}: {', '.join(publishers)}"
             return Status(self.NAME, Level.ERROR, text, values)
         if not control.active or control.paused:
-            state = "paused" if control.active else "inactive"
-            return Status(self.NAME, Level.OK, f"{state} at {simulation.time_text}", values)
+            return Status(self.NAME, Level.OK, f"{control.state_text} at {simulation.time_text}", values)
         return Status(self.NAME, *verdict(self.settings, simulation, sources), values)

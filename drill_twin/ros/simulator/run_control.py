@@ -47,6 +47,16 @@ class RunControl:
             return PLAYING
         return PAUSED if self._simulation.loop.frames else STOPPED
 
+    @property
+    def state_text(self) -> str:
+        """The state in a word: running, waiting (for commands), paused or inactive."""
+        if not self.active or self.paused:
+            return "paused" if self.active else "inactive"
+        # In lockstep a run waits within every frame; it stands still once commands have stopped coming.
+        commands = self._simulation.commands.arbiter
+        waits = self._simulation.waits_for_command and (commands.silent or not commands.heard)
+        return "waiting" if waits else "running"
+
     def actions(self) -> dict[str, Action]:
         """Actions offered as services, by name."""
         offered = (self.pause, self.resume, self.step, self.reset, self.save_checkpoint, self.load_checkpoint)

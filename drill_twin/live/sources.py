@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Freshness of the sources of the live page: the nodes that send, and how long ago each was heard."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, WHIRL_STATE
+
+STALE, GONE = 1.0, 3.0
+"""Age above which a value is stale, and gone [s]."""
+_STREAMS = {STRING_POSES: "simulator", MARKS_STATE: "simulator", RIG_STATE: "simulator", WHIRL_STATE: "analyzer"}
+_LATE = 0.6  # s; diagnostics come once a second, so one that is younger than a stale value and this is not late
+_FORGOTTEN = 60.0  # s
+
+
+@dataclass
+class _Report:
+    status: Status
+    time: float
+
+
+class Sources:
+    """Times of the last messages of simulator and analyzer, and of the diagnostics of every node."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._streams: dict[str, float] = {}
+        self._reports: dict[str, _Report] = {}
+
+    def message(self, topic: str) -> None:
+        """Note a message on a topic."""
+        if source := _STREAMS.get(topic):
+            self._streams[source] = self._clock()
+
+    def report(self, status: Status) -> None:
+        """Note the diagnostics of a node; those of a node that ends in order are its last."""
+        if "ended" in status.values:
+            self._reports.pop(status.name, None)
+        else:
+            self._reports[status.name] = _Report(status, self._clock())
+
+    def age(self, source: str) -> float | None:
+        """Age of the values of `simulator` or `analyzer` [s]; None before the first.
+
+        While time stands still by intention, no frames come, and diagnostics show that the node is alive.
+        """
+        stream = self._streams.get(source)
+        if stream is None:
+            return None
+        now = self._clock()
+        simulator, own = self._report("simulator"), self._report(source)
+        if simulator and own and simulator.status.values.get("state", "running") != "running":
+            stands_still = now - simulator.time < STALE + _LATE
+            return min(now - stream, max(now - own.time - _LATE, 0.0)) if stands_still else now - stream
+        return now - stream
+
+    def _report(self, node: str) -> _Report | None:
+        return next((report for name, report in self._reports.items() if name.rpartition("/")[2] == node), None)
+
+    def nodes(self) -> list[dict[str, Any]]:
+        """Name, level, text and age [s] of each node, for JSON; a node not heard for a minute is left out."""
+        now = self._clock()
+        rows = []
+        for name, report in sorted(self._reports.items()):
+            age, level, text = now - report.time, report.status.level, report.status.text
+            if age > STALE + _LATE:
+                level, text = Level.STALE if age <= GONE else Level.ERROR, f"no diagnostics for {age:.0f} s"
+            if age < _FORGOTTEN:
+                rows.append({"name": name, "level": int(level), "text": text, "age": age})
+        return rows
+
+    def missing(self) -> list[str]:
+        """Names of the nodes that have not been heard for longer than values last, and did not end in order."""
+        return [row["name"] for row in self.nodes() if row["age"] > GONE]
