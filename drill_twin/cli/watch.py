@@ -44,6 +44,8 @@ def _play(bag: Path, host: str, port: int, *, browser: bool) -> None:
 
     with err().status("reading the bag"):
         player = Player(bag_path(bag))
+    for text in player.damage:
+        err().print(text, markup=False, highlight=False)
     server = PageServer(player.snapshot, player.on_request, host=host, port=port)
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -54,3 +56,5 @@ def _play(bag: Path, host: str, port: int, *, browser: bool) -> None:
     over.wait()
     server.close()
     player.close()
+    for text in player.state.skipped.sentences():
+        err().print(text, markup=False, highlight=False)

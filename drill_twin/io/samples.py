@@ -19,6 +19,8 @@ from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
 WAITING = 256
 """Largest number of samples of one topic that wait for their partner of the other, or for the scene."""
 
+_FASTEST = 1e6  # rad/s
+
 Speeds = tuple[float, float]
 """Speeds of the top drive and of the bit [rad/s]; nan where not known."""
 UNKNOWN: Speeds = (math.nan, math.nan)
@@ -81,11 +83,7 @@ class MarkReader:
         Raises:
             MessageError: The message has no positions, or not those of the marks.
         """
-        if state.names != self._layout:
-            self._columns = columns(state.names, self._marks)
-            self._layout = state.names
-        if not state.position.size:
-            raise MessageError(f"expected positions on {MARKS_STATE}, found none")
+        self.check(state)
         values = np.append(state.position, np.nan)[self._columns]
         force = None
         if state.effort.size:
@@ -93,18 +91,35 @@ class MarkReader:
             force = np.hypot(components[:, 0], components[:, 1])
         return values[:, :3], values[:, 3], force
 
+    def check(self, state: JointState) -> None:
+        """Check that the marks are in a message.
+
+        Raises:
+            MessageError: As `read`.
+        """
+        if state.names != self._layout:
+            self._columns = columns(state.names, self._marks)
+            self._layout = state.names
+        if not state.position.size:
+            raise MessageError(f"expected positions on {MARKS_STATE}, found none")
+
 
 def speeds(state: JointState) -> Speeds:
     """Speeds of the top drive and, if it is there, of the bit [rad/s] in a `/rig/state`.
 
     Raises:
-        MessageError: There is no top drive, or it has no speed.
+        MessageError: There is no top drive, it has no speed, or a speed is infinite or beyond all reason.
     """
     drive = state.index("top_drive")
     if drive >= state.velocity.size:
         raise MessageError(f"expected the speed of top_drive on {RIG_STATE}, found no velocities")
     bit = state.names.index("bit") if "bit" in state.names else state.velocity.size
-    return float(state.velocity[drive]), float(state.velocity[bit]) if bit < state.velocity.size else math.nan
+    found = float(state.velocity[drive]), float(state.velocity[bit]) if bit < state.velocity.size else math.nan
+    if any(abs(speed) > _FASTEST for speed in found):
+        raise MessageError(
+            f"expected speeds within {_FASTEST:g} rad/s on {RIG_STATE}, found {found[0]:g}, {found[1]:g}"
+        )
+    return found
 
 
 def columns(names: Sequence[str], marks: Sequence[str]) -> NDArray[np.intp]:

@@ -189,6 +189,8 @@ class WhirlPipeline:
     def _on_marks(self, state: JointState) -> list[Message]:
         if self.bit_only is not None:
             return []
+        if self._analyzer is not None:
+            self._mark_reader.check(state)  # before the rig's state, its partner, comes
         if self._without_rig:
             return list(self._analyse(Sample(state.stamp, state, UNKNOWN)))
         sample = self._pairing.add_marks(state)

@@ -11,6 +11,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError, MessageError
+from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array, read_string
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
 from drill_twin.io.messages.encode import MARK_AXES, read_rig_state
@@ -58,8 +59,8 @@ class PageState:
         self._sources = sources
         self._lock = threading.Lock()
         self._marks_reader, self._rig_reader, self._whirl_reader = (JointStateReader().read for _ in range(3))
-        self.malformed = 0
-        """Number of messages that could not be decoded."""
+        self.skipped = SkippedMessages()
+        """Messages that could not be used."""
         self._clear()
 
     def clear(self) -> None:
@@ -80,12 +81,12 @@ class PageState:
         self._simulator = {"factor": "", "text": ""}
 
     def update(self, topic: str, raw: bytes) -> None:
-        """Decode a message; one that cannot be decoded is counted as malformed."""
+        """Decode a message; one that cannot be used is skipped and counted."""
         try:
             with self._lock:
                 self._update(topic, raw)
-        except DrillTwinError:
-            self.malformed += 1
+        except DrillTwinError as error:
+            self.skipped.add(topic, self._time, error)
 
     def _update(self, topic: str, raw: bytes) -> None:
         if self._sources is not None:

@@ -5,14 +5,15 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from drill_twin.errors import DrillTwinError, MessageError
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.messages.stamps import unpack_stamp
+from drill_twin.io.bag.skipped import stray_stamps
+from drill_twin.io.messages.decode import read_pose_array
 from drill_twin.io.messages.topics import STRING_POSES, TWIN_SCENE, WHIRL_ONSET
 from drill_twin.io.messages.whirl_encode import decode_onset
 from drill_twin.live.page_state import INPUTS, PageState
@@ -21,7 +22,6 @@ Message = tuple[str, int, bytes]
 """Topic, time [ns], CDR."""
 
 _PERIOD = 0.02  # s, between two updates
-_STAMPED = 12  # bytes
 _HIGHEST_RATE = 64.0
 _LEAD = 1.0
 """Time played before the onset [s]."""
@@ -32,13 +32,16 @@ def in_simulated_time(messages: Iterable[Message]) -> Iterator[Message]:
 
     The time of recording says little: a run in lockstep or at full speed is recorded faster than simulated time, and a
     paused one slower. Where simulated time steps back, as after a reset, the result continues from where it was.
-    Messages before the first frame get its time; those of a bag without frames keep their time of recording.
+    Messages before the first frame get its time; those of a bag without frames keep their time of recording. Frames
+    that are damaged or have a stamp from the future give no time.
     """
     early: list[Message] = []
     last, back = None, 0
-    for topic, recorded, raw in messages:
-        if topic == STRING_POSES and len(raw) >= _STAMPED:
-            stamp = unpack_stamp(raw)
+    messages = list(messages)
+    stamps = _frame_stamps(messages)
+    for place, (topic, recorded, raw) in enumerate(messages):
+        stamp = stamps.get(place)
+        if stamp is not None:
             if last is None:
                 yield from ((name, stamp, content) for name, _, content in early)
                 early.clear()
@@ -52,6 +55,17 @@ def in_simulated_time(messages: Iterable[Message]) -> Iterator[Message]:
     yield from early
 
 
+def _frame_stamps(messages: Sequence[Message]) -> dict[int, int]:
+    """Stamps [ns] of the frames by place among the messages."""
+    stamps = {}
+    for place, (topic, _, raw) in enumerate(messages):
+        if topic == STRING_POSES:
+            with suppress(MessageError):  # the page counts it
+                stamps[place] = read_pose_array(raw).stamp
+    stray = stray_stamps(list(stamps.values()))
+    return {place: stamp for k, (place, stamp) in enumerate(stamps.items()) if k not in stray}
+
+
 class Player:
     """Seekable playback of a bag, in a thread of its own; a page that opens starts it shortly before the onset."""
 
@@ -62,6 +76,8 @@ class Player:
             BagError: It is not a bag.
         """
         bag = Bag(path)
+        self.damage = bag.damage
+        """Sentences on missing or damaged parts of the bag."""
         self._messages = list(in_simulated_time(bag.messages(INPUTS)))
         # Playback starts at the first frame: before it, the nodes waited for each other.
         self._start = next((stamp for topic, stamp, _ in self._messages if topic == STRING_POSES), bag.start)

@@ -8,7 +8,8 @@ compared byte for byte.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ from drill_twin.errors import BagError, MessageError
 from drill_twin.io.bag.files import bag_path
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, WhirlSeries
+from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
+from drill_twin.io.messages.definitions import CDR_LITTLE_ENDIAN
 from drill_twin.io.messages.stamps import seconds, unpack_stamp
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
@@ -58,6 +61,7 @@ class Recording:
         whirl: Findings of the analysis over time.
         live: Findings that the analyzer recorded while the twin ran.
         log: `run` block and diagnostics.
+        skipped: Messages that could not be used.
         summary: Findings of the analysis for the whole run.
     """
 
@@ -70,18 +74,21 @@ class Recording:
             selection: The part that is analysed; by default all.
 
         Raises:
-            BagError: It holds neither marks nor rig states, marks but no scene, or messages that cannot be decoded.
+            BagError: It holds neither marks nor rig states, or marks but no scene.
             AnalysisError: A selected mark is not one of the scene.
         """
         self.bag = bag
         self.selection = selection or Selection()
         self.log = RunLog()
+        self.skipped = SkippedMessages()
         infos = marks_without_scene(bag, self.selection) if scene is None else ()
         self._missing = missing_topics(bag)
         self._pipeline = WhirlPipeline(scene, lacks=self._missing, marks=self.selection.marks, infos=infos)
         self._pipeline.start()
+        self._stray = self._stray_places()
         self._reset()
         self._read()
+        self._skip_other_layouts()
         self.summary: Summary = self._checked_summary()
 
     def _reset(self) -> None:
@@ -105,17 +112,42 @@ class Recording:
             self._readers[WHIRL_STATE] = self.live.on_state
 
     def _read(self) -> None:
-        for topic, stamp, raw in self.bag.messages(tuple(self._readers)):
-            if topic in _WITH_HEADER and not self.selection.holds(unpack_stamp(raw)):
-                continue
-            self._analyse(topic, raw)
+        for topic, raw in self._messages(tuple(self._readers), self.skipped):
+            reason = self._analyse(topic, raw)
             try:
                 self._readers[topic](raw)
             except MessageError as error:
-                raise BagError(f"{self.bag.path}: {topic} recorded at {stamp} ns: {error}") from error
+                reason = str(error)
+            if reason:
+                self.skipped.add(topic, self._time, reason)
 
-    def _analyse(self, topic: str, raw: bytes) -> None:
-        runs = self._pipeline.runs
+    def _stray_places(self) -> dict[str, set[int]]:
+        """Places, by topic, of the messages whose stamps are from the future."""
+        stamps: dict[str, list[int]] = {}
+        for topic, _, raw in self.bag.messages(_WITH_HEADER):
+            stamps.setdefault(topic, []).append(_stamp(raw))
+        return {topic: stray_stamps(values) for topic, values in stamps.items()}
+
+    def _messages(self, topics: tuple[str, ...], skipped: SkippedMessages) -> Iterator[tuple[str, bytes]]:
+        """Topic and CDR of the selected messages; those with a stamp from the future are skipped."""
+        places = dict.fromkeys(self._stray, -1)
+        self._time = 0.0
+        for topic, _, raw in self.bag.messages(topics):
+            if topic in _WITH_HEADER:
+                stamp = _stamp(raw)
+                places[topic] += 1
+                if places[topic] in self._stray[topic]:
+                    reason = f"expected a stamp near those of the messages around it, found {seconds(stamp):g} s"
+                    skipped.add(topic, self._time, reason)
+                    continue
+                if not self.selection.holds(stamp):
+                    continue
+                self._time = seconds(stamp) or self._time
+            yield topic, raw
+
+    def _analyse(self, topic: str, raw: bytes) -> str:
+        """Analyse a message; returns the reason why it could not be used, or an empty text."""
+        runs, malformed = self._pipeline.runs, self._pipeline.malformed
         messages = self._pipeline.take(topic, raw)
         if self._pipeline.runs > max(runs, 1):
             self._reset()
@@ -123,6 +155,14 @@ class Recording:
             if name == WHIRL_STATE:
                 self.live.on_analysed(message)
                 self.whirl.add_message(message)
+        return self._pipeline.trouble if self._pipeline.malformed > malformed else ""
+
+    def _skip_other_layouts(self) -> None:
+        """Count the messages of another scene than most, unless the analysis has."""
+        for topic, series in ((MARKS_STATE, self.marks), (STRING_POSES, self.poses)):
+            if topic not in self.skipped:
+                for stamp, count, reason in series.other_layouts():
+                    self.skipped.add(topic, seconds(stamp), reason, count)
 
     def _checked_summary(self) -> Summary:
         pipeline = self._pipeline
@@ -219,22 +259,17 @@ class Recording:
         return self.poses.position.shape[1] if len(self.poses) else 0
 
     @property
-    def unusable(self) -> int:
-        """Messages that the analysis could not use, or whose partner is missing."""
-        return self._pipeline.malformed + self._pipeline.unpaired
-
-    @property
-    def trouble(self) -> str:
-        """Reason why the last of them could not be used."""
-        return self._pipeline.trouble
+    def unpaired(self) -> int:
+        """Number of states of the marks or the rig without a partner of the same stamp."""
+        return self._pipeline.unpaired
 
     def all_poses(self) -> PoseSeries:
         """Poses of the string's nodes at all samples of the run, read from the bag again."""
-        messages = (raw for _, _, raw in self.bag.messages((STRING_POSES,)))
-        chosen = (raw for raw in messages if self.selection.holds(unpack_stamp(raw)))
         series = PoseSeries()
-        for raw in deque(chosen, maxlen=self.poses.seen):  # the last of several runs
-            series.add_message(raw)
+        messages = (raw for _, raw in self._messages((STRING_POSES,), SkippedMessages()))
+        for raw in deque(messages, maxlen=self.poses.seen):  # the last of several runs
+            with suppress(MessageError):  # counted already
+                series.add_message(raw)
         return series
 
     def shapes(self) -> Array:
@@ -247,6 +282,11 @@ class Recording:
         offset = np.array([place.wall_offset for place in self.scene.mark_table])
         centre: ComplexArray = position[..., 0] + 1j * position[..., 1] - offset * np.exp(1j * self.marks.spin)
         return centre
+
+
+def _stamp(raw: bytes) -> int:
+    """Header stamp [ns] of a message; 0 where its numbers are big-endian, which only the general decoder reads."""
+    return unpack_stamp(raw) if raw[:4] == CDR_LITTLE_ENDIAN else 0
 
 
 def read_recording(path: str | Path, scene: Scene | None = None, selection: Selection | None = None) -> Recording:

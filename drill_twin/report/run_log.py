@@ -15,7 +15,7 @@ from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.monitor.missing_effects import recorded_sentences
-from drill_twin.monitor.rejected_steps import RecordedRejections
+from drill_twin.monitor.rejected_steps import RecordedRejections, is_count
 from drill_twin.twin.frame import COUNTS
 
 _SIMULATORS = {"simulator", "twin"}
@@ -58,7 +58,7 @@ class RunLog:
             values = status.values
             if status.name.rpartition("/")[2] in _SIMULATORS and "realtime_factor" in values:
                 self._on_speed(values)
-                self.steps |= {key: int(values[key]) for key in COUNTS if values.get(key, "").isdecimal()}
+                self.steps |= {key: int(values[key]) for key in COUNTS if is_count(values.get(key, ""))}
                 self.left_out = recorded_sentences(values)
                 self.guard.update(values)
                 if self.guard.energy:
@@ -85,10 +85,16 @@ def _run_block(text: str) -> dict[str, Any]:
     """Content of the `run` block of a scene text; empty if there is none, or if the text is not YAML."""
     try:
         data = yaml.safe_load(text)
-    except yaml.YAMLError:
+    except (yaml.YAMLError, ValueError, RecursionError):
         return {}  # the whirl pipeline reports what is wrong with the scene
     run = data.get("run") if isinstance(data, dict) else None
-    return dict(run) if isinstance(run, dict) else {}
+    if not isinstance(run, dict):
+        return {}
+    effects = run.get("effects")
+    texts = isinstance(effects, list) and all(isinstance(name, str) for name in effects)
+    numbers = {key: run[key] for key in ("seed", "elements", "step_s") if isinstance(run.get(key), int | float)}
+    words = {key: run[key] for key in ("version", "pace", "started") if isinstance(run.get(key), str)}
+    return numbers | words | ({"effects": effects} if texts else {})
 
 
 def _finite(text: str) -> float | None:

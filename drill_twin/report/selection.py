@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drill_twin.errors import BagError, MessageError
+from drill_twin.errors import MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.remapped import RemappedBag
 from drill_twin.io.messages.decode import JointStateReader
@@ -58,23 +60,21 @@ def missing_topics(bag: Bag) -> list[str]:
 
 
 def marks_without_scene(bag: Bag, selection: Selection) -> Sequence[MarkInfo]:
-    """Marks of a bag without a scene, from the names of its joints; empty if the selection has no clearance.
+    """Marks of a bag without a scene, from the names of the joints in most messages; empty without a clearance.
 
     Raises:
-        BagError: A message of the marks cannot be decoded.
         AnalysisError: The clearance or the rim is not a valid length.
     """
     if selection.clearance is None:
         return ()
+    reader, layouts = JointStateReader(), Counter[tuple[str, ...]]()
     for _, _, raw in bag.messages((MARKS_STATE,)):
-        try:
-            names = JointStateReader().read(raw).names
-        except MessageError as error:
-            raise BagError(f"{bag.path}: {MARKS_STATE}: {error}") from error
-        marks = [name.removesuffix("/x") for name in names if name.endswith("/x")]
-        on = "wall" if selection.rim else "centre"
-        return [
-            MarkInfo(mark, float(k), on, selection.rim, selection.clearance)  # type: ignore[arg-type]
-            for k, mark in enumerate(marks)
-        ]
-    return ()
+        with suppress(MessageError):  # the recording counts it
+            layouts[reader.read(raw).names] += 1
+    names = layouts.most_common(1)[0][0] if layouts else ()
+    marks = [name.removesuffix("/x") for name in names if name.endswith("/x")]
+    on = "wall" if selection.rim else "centre"
+    return [
+        MarkInfo(mark, float(k), on, selection.rim, selection.clearance)  # type: ignore[arg-type]
+        for k, mark in enumerate(marks)
+    ]

@@ -159,9 +159,9 @@ def _notes(bag: Recording) -> list[str]:
         notes.append("the bag holds no rig states: the rotation is taken from the spin of the marks")
     if bag.runs > 1:
         notes.append(f"the bag holds {bag.runs} runs; this is the last of them")
-    if bag.unusable:
-        last = f"; the last: {bag.trouble}" if bag.trouble else ""
-        notes.append(f"{bag.unusable} messages could not be used, or their partner is missing{last}")
+    notes += bag.skipped.sentences()
+    if bag.unpaired:
+        notes.append(f"{bag.unpaired} states of the marks or the rig have no partner with the same stamp")
     if bag.live.differing:
         notes.append(
             f"{bag.live.differing} of {bag.live.messages} findings recorded live differ from those of this analysis: "

@@ -133,8 +133,8 @@ class LivePage(TwinNode):
                 self.topics.withdraw(topic)
         if missing := self._sources.missing():
             return Status(self.NAME, Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}")
-        level = Level.WARN if self.page_state.malformed else Level.OK
-        return Status(self.NAME, level, f"{self.page_state.malformed} messages could not be read")
+        skipped = len(self.page_state.skipped)
+        return Status(self.NAME, Level.WARN if skipped else Level.OK, f"{skipped} messages could not be read")
 
 
 def run(arguments: Sequence[str], stop: StopRequest) -> None:

@@ -61,7 +61,8 @@ class Bag:
         Args:
             topics: Names of topics to read; by default all.
         """
-        wanted = None if topics is None else frozenset(topics)
+        held = (name for file in self._files for name in file.topics)
+        wanted = frozenset(held if topics is None else topics) - self._other_type
         for file in self._files:
             yield from file.messages(wanted)
 
@@ -87,17 +88,23 @@ class Bag:
         return f" ({'; '.join(self.damage)})" if self.damage else ""
 
     def _check_topics(self) -> None:
-        for name, topic in self.topics.items():
-            if name in TOPICS and topic.type_name != TOPICS[name].type_name:
-                raise BagError(
-                    f"{self.path}: expected {name} as {TOPICS[name].type_name}, found {topic.type_name}; "
-                    "the bag is of another package or version"
-                )
+        others = {
+            name: topic
+            for name, topic in self.topics.items()
+            if name in TOPICS and topic.type_name != TOPICS[name].type_name
+        }
+        for name, topic in others.items():
+            del self.topics[name]
+            self.damage.append(
+                f"expected {name} as {TOPICS[name].type_name}, found {topic.type_name}: "
+                f"its {topic.count} messages are left out"
+            )
+        self._other_type = frozenset(others)
         if not any(name in TOPICS and name not in GENERIC and topic.count for name, topic in self.topics.items()):
             found = ", ".join(f"{name} ({topic.type_name})" for name, topic in sorted(self.topics.items()))
             raise BagError(
                 f"{self.path}: expected topics of drill_twin such as /string/poses "
-                f"or /marks/state, found only {found}; the bag is of another package"
+                f"or /marks/state, found only {found or 'others'}{self._because()}; the bag is of another package"
             )
 
 

@@ -53,7 +53,9 @@ class RemappedBag(Bag):
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
         """As `Bag.messages`, under the names of the contract."""
         names = {new: name for name, new in self._remappings.items()}
-        wanted = None if topics is None else [names.get(topic, topic) for topic in topics]
+        wanted = [
+            names.get(topic, topic) for topic in (self.topics if topics is None else topics) if topic in self.topics
+        ]
         for name, stamp, raw in super().messages(wanted):
             yield self._remappings.get(name, name), stamp, raw
 

@@ -38,33 +38,37 @@ class MarkSeries(Series):
 
     def __init__(self) -> None:
         super().__init__()
-        self.names: tuple[str, ...] = ()
-        """Names of the marks, as in the first message."""
         self._reader = JointStateReader()
+        self._marks: list[tuple[str, ...]] = []
         self._layout: tuple[str, ...] = ()
+        self._layout_marks: tuple[str, ...] = ()
         self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
 
     def add_message(self, raw: bytes) -> None:
         """Append a message.
 
         Raises:
-            MessageError: It cannot be decoded, has no positions, or lacks a mark of the first message.
+            MessageError: It cannot be decoded, has no positions, or an x without a y.
         """
         state = self._reader.read(raw)
-        names = self.names or tuple(name.removesuffix("/x") for name in state.names if name.endswith("/x"))
-        if not names or not state.position.size:
+        if not state.position.size:
             raise MessageError(f"expected x, y, z and spin of marks, found {', '.join(state.names) or 'nothing'}")
-        lost = [name for name in names if f"{name}/x" not in state.names]
-        if lost:
-            raise MessageError(
-                f"expected the marks {', '.join(names)} as in the messages before, found none of {', '.join(lost)}; "
-                "the bag holds more than one scene"
-            )
         if state.names != self._layout:
-            self._columns, self._layout, self.names = columns(state.names, names), state.names, names
+            self._set_layout(state.names)
         missing = np.full(len(state.names), np.nan)
         parts = (part if part.size else missing for part in (state.position, state.velocity, state.effort))
-        self.append(state.stamp, [np.append(part, np.nan)[self._columns] for part in parts])
+        self.append(state.stamp, [np.append(part, np.nan)[self._columns] for part in parts], self._layout_marks)
+
+    def _set_layout(self, names: tuple[str, ...]) -> None:
+        """Find the columns of these joints: of the marks of an earlier message, if all are there, else of all marks."""
+        found = {name.removesuffix("/x"): None for name in names if name.endswith("/x")}
+        marks = next((known for known in self._marks if found.keys() >= set(known)), tuple(found))
+        if not marks:
+            raise MessageError(f"expected x, y, z and spin of marks, found {', '.join(names) or 'nothing'}")
+        self._columns = columns(names, marks)
+        self._layout, self._layout_marks = names, marks
+        if marks not in self._marks:
+            self._marks.append(marks)
 
 
 class RigSeries(Series):
@@ -151,12 +155,15 @@ class PoseSeries(Series):
         """Append a message, if it is one of those that are kept: the first of each `every`.
 
         Raises:
-            MessageError: It cannot be decoded, or the number of nodes has changed.
+            MessageError: It cannot be decoded, or has a number that is not finite.
         """
-        if self.seen % self._every == 0:
-            poses = read_pose_array(raw)
-            self.append(poses.stamp, np.concatenate((poses.position, poses.orientation), axis=1))
+        keep = self.seen % self._every == 0
         self.seen += 1
+        poses = read_pose_array(raw)
+        row = np.concatenate((poses.position, poses.orientation), axis=1)
+        if not np.isfinite(row).all():
+            raise MessageError("expected poses of the nodes, found a number that is not finite")
+        self.append(poses.stamp, row, keep=keep)
 
     @property
     def tangent(self) -> Array:
@@ -183,8 +190,6 @@ class WhirlSeries(Series):
 
     def __init__(self) -> None:
         super().__init__()
-        self.names: tuple[str, ...] = ()
-        """Names of the marks."""
         self._reader = JointStateReader()
 
     def add_message(self, raw: bytes) -> None:
@@ -194,5 +199,6 @@ class WhirlSeries(Series):
             MessageError: It cannot be decoded, or is not one of findings.
         """
         state = read_whirl_state(self._reader.read(raw))
-        self.names = state.marks
-        self.append(state.stamp, (state.orbit_radius, state.precession, state.ratio, state.confidence))
+        self.append(
+            state.stamp, (state.orbit_radius, state.precession, state.ratio, state.confidence), names=state.marks
+        )

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,38 +14,79 @@ from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.stamps import NANOSECONDS
 
+_LARGEST = 1e15
+_Layout = tuple[tuple[str, ...], tuple[int, ...]]  # names, shape of a row
+
+
+@dataclass(eq=False)
+class _Rows:
+    """Rows of one layout."""
+
+    first: int = 0
+    """Stamp of the first [ns]."""
+    count: int = 0
+    """Number of them, those included that are not kept."""
+    stamps: list[int] = field(default_factory=list)
+    values: list[Array] = field(default_factory=list)
+
 
 class Series:
-    """Rows of one shape at rising stamps; a row whose stamp does not rise is left out."""
+    """Rows at rising stamps; a row whose stamp does not rise is left out.
+
+    Rows of several layouts (names or shape) may come: the series is that of the layout with most rows.
+    """
 
     def __init__(self) -> None:
-        self._stamps: list[int] = []
-        self._rows: list[Array] = []
-        self._stacked = np.zeros(0)
+        self._layouts: dict[_Layout, _Rows] = {}
+        self._stacked: tuple[_Rows, Array] = (_Rows(), np.zeros(0))
 
     def __len__(self) -> int:
-        return len(self._stamps)
+        return len(self._main.stamps)
 
-    def append(self, stamp: int, row: Any) -> None:
-        """Append a row at a stamp [ns].
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parts of a row, such as marks; empty where the parts are fixed."""
+        return self._main_layout[0]
+
+    def append(self, stamp: int, row: Any, names: tuple[str, ...] = (), *, keep: bool = True) -> None:
+        """Append a row at a stamp [ns], or only count it.
 
         Raises:
-            MessageError: The row has another shape than those before.
+            MessageError: A number is infinite or beyond all reason.
         """
         values = np.asarray(row, np.float64)
-        if self._rows and values.shape != self._rows[0].shape:
-            raise MessageError(
-                f"expected {self._rows[0].shape} values as in the messages before, found {values.shape}; "
-                "the bag holds more than one scene"
-            )
-        if not self._stamps or stamp > self._stamps[-1]:
-            self._stamps.append(stamp)
-            self._rows.append(values)
+        if (np.abs(values) > _LARGEST).any():
+            raise MessageError(f"expected numbers within {_LARGEST:g}, found a larger one")
+        rows = self._layouts.setdefault((names, values.shape), _Rows(stamp))
+        rows.count += 1
+        if keep and (not rows.stamps or stamp > rows.stamps[-1]):
+            rows.stamps.append(stamp)
+            rows.values.append(values)
+
+    def other_layouts(self) -> Iterator[tuple[int, int, str]]:
+        """First stamp [ns], number and description of the rows of each layout that is not that of the series."""
+        main_names, main_shape = self._main_layout
+        for (names, shape), rows in self._layouts.items():
+            if rows is not self._main:
+                expected, found = (main_names, names) if names != main_names else (main_shape, shape)
+                yield (
+                    rows.first,
+                    rows.count,
+                    f"expected {_text(expected)} as in most messages, found {_text(found)}; of another scene",
+                )
+
+    @property
+    def _main_layout(self) -> _Layout:
+        return max(self._layouts, key=lambda layout: self._layouts[layout].count, default=((), (0,)))
+
+    @property
+    def _main(self) -> _Rows:
+        return self._layouts.get(self._main_layout) or _Rows()
 
     @property
     def stamp(self) -> NDArray[np.int64]:
         """Header stamps [ns], shape (T,)."""
-        return np.array(self._stamps, np.int64)
+        return np.array(self._main.stamps, np.int64)
 
     @property
     def time(self) -> Array:
@@ -53,10 +96,17 @@ class Series:
     @property
     def values(self) -> Array:
         """The rows, shape (T, ...); read-only."""
-        if len(self._stacked) != len(self._rows):
-            self._stacked = np.array(self._rows, np.float64)
-            self._stacked.flags.writeable = False
-        return self._stacked
+        main, (of, stacked) = self._main, self._stacked
+        if of is not main or len(stacked) != len(main.values):
+            stacked = np.array(main.values, np.float64)
+            stacked.flags.writeable = False
+            self._stacked = main, stacked
+        return stacked
+
+
+def _text(layout: tuple[str, ...] | tuple[int, ...]) -> str:
+    """Names, or a shape, for a message."""
+    return " x ".join(map(str, layout)) if layout and isinstance(layout[0], int) else ", ".join(map(str, layout))
 
 
 class Column:

@@ -125,14 +125,18 @@ def test_joints_in_another_order_are_the_same_marks():
     np.testing.assert_array_equal(marks.values[0], marks.values[1])
 
 
-def test_two_scenes_in_a_bag():
+def test_the_layout_of_most_messages_counts_also_where_another_comes_first():
     poses, marks = PoseSeries(), MarkSeries()
-    poses.add_message(PoseArrayTemplate(3).fill(1, np.zeros((3, 3)), np.zeros((3, 4))))
-    with pytest.raises(MessageError, match="more than one scene"):
-        poses.add_message(PoseArrayTemplate(4).fill(2, np.zeros((4, 3)), np.zeros((4, 4))))
-    marks.add_message(JointStateTemplate(["a/x", "a/y"]).fill(1, *np.zeros((3, 2))))
-    with pytest.raises(MessageError, match=r"expected the marks a as in .* more than one scene"):
-        marks.add_message(JointStateTemplate(["b/x", "b/y"]).fill(2, *np.zeros((3, 2))))
+    for stamp, nodes in ((1, 4), (2, 3), (3, 3)):
+        poses.add_message(PoseArrayTemplate(nodes).fill(stamp, np.zeros((nodes, 3)), np.zeros((nodes, 4))))
+    assert (poses.stamp.tolist(), poses.position.shape) == ([2, 3], (2, 3, 3))
+    assert [(first, count) for first, count, _ in poses.other_layouts()] == [(1, 1)]
+    for stamp, mark in ((1, "b"), (2, "a"), (3, "a")):
+        marks.add_message(JointStateTemplate([f"{mark}/x", f"{mark}/y"]).fill(stamp, *np.zeros((3, 2))))
+    assert (marks.stamp.tolist(), marks.names) == ([2, 3], ("a",))
+    assert [reason for *_, reason in marks.other_layouts()] == [
+        "expected a as in most messages, found b; of another scene"
+    ]
 
 
 @pytest.mark.parametrize("topic", SERIES)
