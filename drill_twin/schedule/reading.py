@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.base.child_environment import child_environment
 from drill_twin.errors import TableError
 
 Columns = dict[str, Array]
@@ -66,7 +67,11 @@ def _read_matlab(path: Path) -> Columns:
     """Read a MAT file by scipy in a separate process: a damaged one can crash it or request any amount of memory."""
     try:
         done = subprocess.run(
-            [sys.executable, "-c", _LOAD_MATLAB, str(path)], capture_output=True, timeout=_PATIENCE, check=False
+            [sys.executable, "-c", _LOAD_MATLAB, str(path)],
+            capture_output=True,
+            timeout=_PATIENCE,
+            check=False,
+            env=child_environment(),
         )
     except subprocess.TimeoutExpired:
         raise TableError(f"{path}: expected a MAT file, found one not read within {_PATIENCE} s") from None

@@ -10,6 +10,8 @@ from contextlib import ExitStack
 from multiprocessing import get_context
 from typing import Any, TypeVar
 
+from drill_twin.base.child_environment import child_environment
+
 Key = TypeVar("Key", bound=Hashable)
 Result = TypeVar("Result")
 
@@ -21,6 +23,7 @@ def cores() -> int:
 
 def process_pool(workers: int) -> ProcessPoolExecutor:
     """Worker processes; spawned, because a forked process inherits numba's locks."""
+    os.environ.update(child_environment())  # of the workers, which start later
     return ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
 
 
