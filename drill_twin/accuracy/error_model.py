@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import platform
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -20,6 +21,9 @@ from drill_twin.accuracy.motion_run import Motion
 from drill_twin.scene import Scene
 from drill_twin.scene.paths import config_dir
 from drill_twin.solver.kernel_cache import cache_folder
+from drill_twin.solver.machine_code import read_own, write_own
+
+_LOG = logging.getLogger(__name__)
 
 MARGIN = 2.0
 """Safety factor on the measured error."""
@@ -97,14 +101,21 @@ class ErrorModel:
     def save(self, path: Path) -> None:
         """Write the model as JSON, then rename the file, so that no reader finds half of it."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_suffix(".part")
-        part.write_text(json.dumps(asdict(self), indent=1) + "\n", "utf-8")
-        part.replace(path)
+        write_own(path, (json.dumps(asdict(self), indent=1) + "\n").encode())
 
     @staticmethod
     def load(path: Path) -> ErrorModel:
         """Read a model that was saved."""
-        data: dict[str, Any] = json.loads(path.read_text("utf-8"))
+        return ErrorModel.parse(path.read_bytes())
+
+    @staticmethod
+    def parse(content: bytes) -> ErrorModel:
+        """Model of a file's content.
+
+        Raises:
+            ValueError, TypeError, KeyError: It is damaged.
+        """
+        data: dict[str, Any] = json.loads(content)
         return ErrorModel(**{**data, "points": tuple(Point(**point) for point in data["points"])})
 
 
@@ -154,8 +165,12 @@ def load_model(scene: Scene) -> tuple[ErrorModel, str] | None:
     """Error model of a scene and its origin, `cached` on this machine or `shipped`; None if there is none."""
     key = content_key(scene)
     here = _cache_path(key)
-    if here.is_file():
-        return ErrorModel.load(here), "cached"
+    content = read_own(here)
+    if content is not None:
+        try:
+            return ErrorModel.parse(content), "cached"
+        except (ValueError, TypeError, KeyError, RecursionError):
+            _LOG.warning("%s: damaged, measured again", here)
     for path in sorted((config_dir() / FOLDER).glob("*.json")):
         shipped = ErrorModel.load(path)
         if shipped.key == key:

@@ -8,8 +8,8 @@
   the stack (measured: a third of the assembly time).
 * numba disables LLVM's superword-level vectoriser by default; the rows of solver and element need it.
 * Kernels release the GIL, so that a node answers services during a step.
-* Nothing is cached here: numba's cache ignores edits in called functions. Only the generated entry point is cached,
-  under a name derived from all of its sources (`drill_twin.solver.kernel_codegen`).
+* Nothing is cached here: numba's cache ignores edits in called functions. Only the generated entry points are cached,
+  under a name derived from all of their sources (`drill_twin.solver.kernel_cache`).
 """
 
 from collections.abc import Callable
@@ -40,8 +40,8 @@ def kernel(function: Function) -> Function:
 
 
 def entry_kernel(function: Function) -> Function:
-    """Compile a function that Python calls, lazily, and keep its machine code beside its source file."""
-    return cast("Function", njit(**FLAGS, cache=True)(function))
+    """Compile a function that Python calls, lazily."""
+    return cast("Function", njit(**FLAGS)(function))
 
 
 @cache

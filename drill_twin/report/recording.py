@@ -20,7 +20,6 @@ from drill_twin.io.bag.files import bag_path
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, WhirlSeries
 from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
-from drill_twin.io.messages.definitions import CDR_LITTLE_ENDIAN
 from drill_twin.io.messages.stamps import seconds, unpack_stamp
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
@@ -32,6 +31,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
+from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.live_findings import LiveFindings
 from drill_twin.report.run_log import RunLog

@@ -15,8 +15,8 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from pathlib import Path
 
+from drill_twin.base.child_environment import child_environment
 from drill_twin.monitor.run_timing import EffectTiming
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
@@ -77,7 +77,7 @@ def _compile_in_child(scene: Scene, period: float, progress: Progress, *, time_e
         given.seek(0)
         child = subprocess.Popen(
             [sys.executable, "-m", "drill_twin.runner.compile_worker", str(given.fileno())],
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in sys.path)},
+            env=child_environment({**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}),
             stdin=subprocess.PIPE,  # the child ends when this pipe does, so it never outlives this process
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,  # an error of the scene comes again in this process

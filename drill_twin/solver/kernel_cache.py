@@ -7,50 +7,68 @@ edit gives another name, and stale code is never run.
 """
 
 import hashlib
-import importlib.util
+import logging
 import os
 import platform
+import stat
 import sys
 import tempfile
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
 import llvmlite
 import numba
 import numpy as np
+from numba.core.dispatcher import Dispatcher
 
 from drill_twin.errors import RunError
+from drill_twin.solver.machine_code import keep_machine_code, write_own
 from drill_twin.solver.source_hash import source_hash
+
+_LOG = logging.getLogger(__name__)
 
 
 def cache_folder() -> Path:
     """Folder of compiled kernels: the permanent one, else a temporary one.
 
     Raises:
-        RunError: The folder named by ``$DRILL_TWIN_CACHE`` cannot be made.
+        RunError: The folder named by ``$DRILL_TWIN_CACHE`` cannot be made, or belongs to another user.
     """
-    return permanent_folder() or Path(tempfile.mkdtemp(prefix="drill_twin_kernels_"))
+    return permanent_folder() or _temporary_folder()
 
 
 def permanent_folder() -> Path | None:
-    """Folder shared by all processes: ``$DRILL_TWIN_CACHE``, else the user's cache folder; None: it is read-only.
+    """Folder shared by the processes of this user: ``$DRILL_TWIN_CACHE``, else that in the user's cache folder.
+
+    Only this user may write to it, since its files are run as programs; None where there is no such folder.
 
     Raises:
-        RunError: The named folder cannot be made.
+        RunError: The named folder cannot be made, or belongs to another user.
     """
     named = os.environ.get("DRILL_TWIN_CACHE")
-    base = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "drill_twin"
+    folder = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "drill_twin"
     try:
-        base.mkdir(parents=True, exist_ok=True)
-        if os.access(base, os.W_OK):
-            return base
+        folder.mkdir(mode=stat.S_IRWXU, parents=True, exist_ok=True)
+        found = folder.stat()
+        if found.st_uid == os.geteuid() and stat.S_IMODE(found.st_mode) & ~stat.S_IRWXU:
+            folder.chmod(stat.S_IRWXU)
+        reason = "" if found.st_uid == os.geteuid() else f"one of user {found.st_uid}, who could put programs there"
+        if not reason and os.access(folder, os.W_OK):
+            return folder
     except OSError as error:
-        if named:
-            raise RunError(
-                f"DRILL_TWIN_CACHE: expected a folder that can be written to, found {named}: {error.strerror}; "
-                "name another, or unset it"
-            ) from error
+        reason = error.strerror or str(error)
+    if named and reason:
+        raise RunError(
+            f"DRILL_TWIN_CACHE: expected a folder of your own that can be written to, found {named}: {reason}; "
+            "name another, or unset it"
+        )
     return None
+
+
+@cache
+def _temporary_folder() -> Path:
+    return Path(tempfile.mkdtemp(prefix="drill_twin_kernels_"))
 
 
 def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] = ()) -> ModuleType:
@@ -76,19 +94,27 @@ def fingerprint(text: str, *more: str, packages: tuple[str, ...] = ()) -> str:
 
 
 def _load(name: str, text: str) -> ModuleType:
-    """The module of this name in the cache folder, written there if it is not."""
+    """The module of this name, with the machine code in the cache folder.
+
+    Its source is kept there for tracebacks and debuggers; it is not run from there.
+    """
     if name in sys.modules:
         return sys.modules[name]
     path = cache_folder() / f"{name}.py"
-    if not path.exists():
-        # Several processes may start at once: write beside, then rename, so that none reads half a file.
-        with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".part", delete=False) as part:
-            part.write(text)
-        Path(part.name).replace(path)
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"the generated kernel {path} cannot be loaded; remove the file and start again")
-    module = importlib.util.module_from_spec(spec)
+    try:
+        if not path.is_file() or path.read_bytes() != text.encode():
+            write_own(path, text.encode())
+    except OSError as error:
+        _LOG.warning("%s: not kept: %s", path, error.strerror or error)
+    module = ModuleType(name)
+    module.__file__ = str(path)
     sys.modules[name] = module
-    spec.loader.exec_module(module)
+    try:
+        exec(compile(text, str(path), "exec"), module.__dict__)  # noqa: S102  the text is ours
+    except BaseException:
+        del sys.modules[name]
+        raise
+    for value in vars(module).values():
+        if isinstance(value, Dispatcher) and value.py_func.__module__ == name:
+            keep_machine_code(value)
     return module

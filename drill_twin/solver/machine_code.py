@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Machine code on disk: files of this user alone, checked by content hash, written again where damaged.
+
+numba's own cache fails for ever on a damaged index, and runs what another user has put there.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import pickle
+import stat
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+_CACHING: Any = import_module("numba.core.caching")
+_HASH = hashlib.sha256().digest_size
+_LOG = logging.getLogger(__name__)
+
+
+def read_own(path: Path) -> bytes | None:
+    """Content of a file of this user that no other can write; None if there is none, which is logged."""
+    try:
+        with path.open("rb") as stream:
+            found = os.fstat(stream.fileno())
+            if found.st_uid == os.geteuid() and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+                return stream.read()
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        _LOG.warning("%s: cannot be read (%s), made again", path, error.strerror or error)
+        return None
+    _LOG.warning("%s: of another user, or writable by others; not used, made again", path)
+    return None
+
+
+def write_own(path: Path, content: bytes) -> None:
+    """Write a file as a whole or not at all; only this user can read or write it.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    part = path.with_name(f"{path.name}.{os.getpid()}.{os.urandom(4).hex()}.part")
+    try:
+        with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as stream:
+            stream.write(content)
+        part.replace(path)
+    except BaseException:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+
+
+def keep_machine_code(dispatcher: Any) -> None:
+    """Let a function of numba keep its machine code beside its source file."""
+    dispatcher._cache = _Cache(dispatcher.py_func)  # noqa: SLF001  as its `enable_caching` does
+
+
+class _Locator(_CACHING._CacheLocator):  # type: ignore[misc]  # noqa: SLF001
+    """The folder of the source file."""
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+
+    def ensure_cache_path(self) -> None:
+        """No-op: the folder was made with the source file."""
+
+    def get_cache_path(self) -> str:
+        """Folder of the files."""
+        return str(self._file.parent)
+
+    def get_source_stamp(self) -> str:
+        """Name of the source file, which changes with its content."""
+        return self._file.stem
+
+    def get_disambiguator(self) -> None:
+        """None is needed: the name of the file says it."""
+
+    @classmethod
+    def from_function(cls, _function: Any, file: str) -> _Locator:
+        """Locator of a function in a source file."""
+        return cls(Path(file))
+
+
+class _Implementation(_CACHING.CompileResultCacheImpl):  # type: ignore[misc]
+    _locator_classes = (_Locator,)
+
+
+class _Files:
+    """One file for each signature: hash, then key and machine code. No index that processes would share."""
+
+    def __init__(self, folder: Path, base: str) -> None:
+        self._folder, self._base = folder, base
+
+    def path(self, key: Any) -> Path:
+        """File of a signature and processor."""
+        return self._folder / f"{self._base}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.machine_code"
+
+    def load(self, key: Any) -> Any:
+        """Machine code of a signature; None where there is none, or none that can be used."""
+        path = self.path(key)
+        content = read_own(path)
+        if content is None:
+            return None
+        if hashlib.sha256(content[_HASH:]).digest() == content[:_HASH]:
+            with suppress(Exception):  # written by another version in some way
+                known, data = pickle.loads(content[_HASH:])  # noqa: S301  of this user, and whole
+                if repr(known) == repr(key):
+                    return data
+        _LOG.warning("%s: damaged, compiled again", path)
+        return None
+
+    def save(self, key: Any, data: Any) -> None:
+        """Save the machine code of a signature, if there is room."""
+        content = _CACHING.dumps((key, data))
+        path = self.path(key)
+        try:
+            write_own(path, hashlib.sha256(content).digest() + content)
+        except OSError as error:
+            _LOG.warning("%s: compiled, but not kept: %s", path, error.strerror or error)
+
+
+class _Cache(_CACHING.FunctionCache):  # type: ignore[misc]
+    _impl_class = _Implementation
+
+    def __init__(self, function: Any) -> None:
+        super().__init__(function)
+        self._cache_file = _Files(Path(self._cache_path), self._impl.filename_base)

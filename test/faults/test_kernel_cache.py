@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cache of compiled kernels: damaged, cut, planted, full, read-only, or cold for two processes at once."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drill_twin.accuracy import error_model
+from drill_twin.accuracy.error_model import ErrorModel, load_model, save_model
+from drill_twin.errors import RunError
+from drill_twin.solver import kernel_cache, machine_code
+from drill_twin.solver.kernel_cache import cache_folder
+
+ROOT = Path(__file__).parents[2]
+USE = '''
+import sys, numpy as np
+from drill_twin.solver.kernel_cache import load_generated
+module = load_generated("probe", """
+from drill_twin.base.jit import entry_kernel
+@entry_kernel
+def total(values, factor):
+    found = 0.0
+    for k in range(values.size):
+        found += values[k] * factor
+    return found
+""")
+if "limited" in sys.argv:
+    import resource, signal
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+print(module.total(np.arange(3.0), 2.0), "hit" if module.total.stats.cache_hits else "compiled")
+'''
+
+
+def use(folder, *arguments):
+    """Result of the kernel in a new process, and the lines on stderr."""
+    done = start(folder, *arguments)
+    out, err = done.communicate(timeout=120)
+    assert done.returncode == 0, err
+    return out.strip(), err.splitlines()
+
+
+def start(folder, *arguments):
+    environment = dict(os.environ, DRILL_TWIN_CACHE=str(folder), PYTHONPATH=str(ROOT))
+    command = [sys.executable, "-c", USE, *arguments]
+    return subprocess.Popen(command, env=environment, stdout=-1, stderr=-1, text=True)
+
+
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("cache") / "kernels"
+    assert use(folder) == ("6.0 compiled", [])
+    assert use(folder) == ("6.0 hit", [])
+    return folder
+
+
+@pytest.fixture
+def folder(filled, tmp_path):
+    copy = tmp_path / "kernels"
+    copy.mkdir(mode=0o700)
+    for file in filled.iterdir():
+        (copy / file.name).write_bytes(file.read_bytes())
+        (copy / file.name).chmod(0o600)
+    return copy
+
+
+def _flipped(content):
+    random, changed = np.random.default_rng(15), bytearray(content)
+    changed[int(random.integers(len(changed)))] ^= 1
+    return bytes(changed)
+
+
+DAMAGE = {
+    "empty": lambda _: b"",
+    "cut": lambda content: content[: len(content) // 2],
+    "one bit": _flipped,
+    "others": lambda content: os.urandom(len(content)),
+    "longer": lambda content: content + b"\0",
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_cache_is_made_again_with_one_line(damage, folder):
+    for file in folder.iterdir():
+        file.write_bytes(DAMAGE[damage](file.read_bytes()))
+    said, lines = use(folder)
+    assert said == "6.0 compiled"
+    assert len(lines) == 1
+    assert re.search(r"machine_code: damaged, compiled again$", lines[0])
+    assert use(folder) == ("6.0 hit", [])
+
+
+def test_two_processes_on_a_cold_cache(tmp_path):
+    both = [start(tmp_path / "kernels") for _ in range(2)]
+    assert [process.communicate(timeout=120) for process in both] == [("6.0 compiled\n", "")] * 2
+    assert use(tmp_path / "kernels") == ("6.0 hit", [])
+    assert not list((tmp_path / "kernels").glob("*.part"))
+
+
+def test_a_full_disk(tmp_path):
+    said, lines = use(tmp_path / "kernels", "limited")
+    assert said == "6.0 compiled"
+    assert len(lines) == 1
+    assert "compiled, but not kept: File too large" in lines[0]
+    assert not list((tmp_path / "kernels").glob("*.part"))
+    assert use(tmp_path / "kernels") == ("6.0 compiled", [])
+
+
+def test_an_open_folder_of_ours_is_closed_and_open_files_in_it_are_not_run(folder):
+    folder.chmod(0o777)
+    planted = next(folder.glob("*.machine_code"))
+    planted.chmod(0o666)
+    said, lines = use(folder)
+    assert said == "6.0 compiled"
+    assert "of another user, or writable by others" in lines[0]
+    assert folder.stat().st_mode & 0o777 == 0o700
+    assert planted.stat().st_mode & 0o777 == 0o600
+
+
+def test_a_new_folder_is_ours_alone(filled):
+    assert filled.stat().st_mode & 0o777 == 0o700
+    assert all(file.stat().st_mode & 0o777 == 0o600 for file in filled.iterdir())
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder away")
+def test_what_another_user_made_is_refused(folder, monkeypatch, tmp_path):
+    planted = next(folder.glob("*.machine_code"))
+    os.chown(planted, 12345, -1)
+    assert use(folder)[0] == "6.0 compiled"
+    os.chown(folder, 12345, -1)
+    monkeypatch.setenv("DRILL_TWIN_CACHE", str(folder))
+    with pytest.raises(RunError, match=r"expected a folder of your own .* one of user 12345.* name another"):
+        cache_folder()
+    monkeypatch.delenv("DRILL_TWIN_CACHE")
+    (tmp_path / "home" / "drill_twin").mkdir(parents=True)
+    os.chown(tmp_path / "home" / "drill_twin", 12345, -1)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
+    assert kernel_cache.cache_folder().stat().st_uid == 0
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"[]", b"\xff\xfe", b'{"points": 3}', b"[" * 100_000])
+def test_a_damaged_error_model_counts_as_none(content, bench_scene, monkeypatch, tmp_path):
+    monkeypatch.setattr(error_model, "cache_folder", lambda: tmp_path)
+    key = error_model.content_key(bench_scene)
+    save_model(ErrorModel(key, "machine", None, ()))
+    assert load_model(bench_scene) == (ErrorModel(key, "machine", None, ()), "cached")
+    file = next((tmp_path / error_model.FOLDER).iterdir())
+    file.write_bytes(content)
+    assert load_model(bench_scene) is None
+    save_model(ErrorModel(key, "machine", None, ()))
+    file.chmod(0o666)
+    assert load_model(bench_scene) is None
+    assert machine_code.read_own(file) is None
