@@ -11,7 +11,7 @@ The unknowns of a node are those of a formulation, `drill_twin.solver.spatial` o
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,21 +20,21 @@ from drill_twin.base.jit import kernel
 from drill_twin.model.mesh import Rod
 from drill_twin.solver.boundary.bit_frame import from_bit, to_bit
 from drill_twin.solver.boundary.rig import set_points
+from drill_twin.solver.interface import Effects, Formulation
 from drill_twin.solver.state import (
     CONVERGED,
     FACTOR,
     FAILED,
     HALVINGS,
     ITERATIONS,
-    KNOWN,
-    LAST_STEP,
     LOOSE_STEPS,
-    STEP_BEFORE,
     STEPS,
     TIME,
     TOO_MANY_HALVINGS,
-    Limits,
     State,
+    StepControl,
+    record_failure,
+    record_step,
 )
 
 MAX_ITERATIONS = 12
@@ -42,55 +42,29 @@ CONVERGENCE_SAFETY = 0.1  # a next change foreseen below this share of the toler
 # Where a contact point sticks and slips in turn from one iteration to the next, the iteration does not converge: the
 # changes stay small, of the order of the tolerance. Such a step is accepted, and counted as loose.
 MIN_ITERATIONS_FOR_STALL, STALL_RATIO, LOOSE_FACTOR = 3, 0.25, 10.0
-FORGET = 1e6  # largest convergence factor that is carried on
+LARGEST_FACTOR = 1e6  # of the convergence estimate that is carried on
 SMALLEST_SHARE = 1.0 / 4096.0  # of the nominal step; below, the step has failed
 
 
-class Effects(NamedTuple):
-    """The effects of a scene, each hook as one compiled function (`drill_twin.solver.kernel_codegen`)."""
-
-    axial_damping: Any
-    section_stress: Any
-    distributed_load: Any
-    end_load: Any
-    prescribed_motion: Any
-    after_step: Any
-
-
-class Formulation(NamedTuple):
-    """Motion of the string in one choice of unknowns, as compiled functions."""
-
-    begin: Any  # (work): before the first step of a frame
-    predict: Any  # (constrained, state, command, step): first guess of the mid-step velocity
-    build: Any  # (parameters, rod, work, constrained, state, command, time, h2, fresh, number): fill the system
-    solve: Any  # (work) -> whether it could be solved
-    correct: Any  # (state, limits, work, h2) -> size of the Newton step in tolerances, NaN if not finite
-    accept: Any  # (constrained, state, work, counters, command, step): advance the state by the step
-    finish: Any  # (rod, state): fill in what a frame shows and the loop does not need
-    order: int  # of Newton's convergence: 2, or 1 where the tangent may be an older one
-
-
 @kernel
-def no_audit(
-    parameters: Any, rod: Rod, work: Any, constrained: Array, state: State, command: Array, time: float, h2: float
-) -> None:
+def no_audit(parameters: Any, rod: Rod, work: Any, constrained: Array, state: State, time: float, h2: float) -> None:
     """Stand in for the energy audit where it is off; leaves nothing in the machine code."""
 
 
 @kernel
-def no_ledger_to_close(parameters: Any, rod: Rod, state: State) -> None:
+def no_end(parameters: Any, rod: Rod, state: State) -> None:
     """As `no_audit`."""
 
 
 def bind(
-    form: Formulation, effects: Effects, audit_step: Any = no_audit, close_step: Any = no_ledger_to_close
+    form: Formulation, effects: Effects, audit_step: Any = no_audit, close_step: Any = no_end
 ) -> Callable[..., int]:
     """The time loop for one formulation and a set of effects.
 
     Args:
         form: The formulation.
         effects: The effects.
-        audit_step: Updates the energy ledger for a step that has converged (`drill_twin.audit.energy_ledger`).
+        audit_step: Updates the energy ledger for a step that has converged (`drill_twin.audit.step_audit`).
         close_step: Completes the ledger after the step has been taken.
     """
     begin, predict, build, solve, correct, accept, finish, order = form
@@ -103,26 +77,25 @@ def bind(
         work: Any,
         constrained: Array,
         state: State,
-        limits: Limits,
-        command: Array,
+        control: StepControl,
         time: float,
         h2: float,
         counters: Array,
     ) -> int:
         """Find the mid-step velocity in ``state.trial``; returns the iterations used, negative if it failed."""
-        before = 1.0
+        clock, before = state.clock, 1.0
         for iteration in range(MAX_ITERATIONS):
             fresh, number = iteration == 0, counters[ITERATIONS] + iteration
-            build(parameters, rod, work, constrained, state, command, time, h2, fresh, number)
+            build(parameters, rod, work, constrained, state, time, h2, fresh, number)
             if not solve(work):
                 return -1 - iteration
-            size = correct(state, limits, work, h2)
+            size = correct(work, state, control, h2)
             if not np.isfinite(size):
                 return -1 - iteration
             if iteration > 0:
-                # the next change is a factor times a power of this one; a larger earlier factor halves per iteration
-                state.clock[FACTOR] = max(size / before**order, 0.5 * min(state.clock[FACTOR], FORGET))
-            if size < 1.0 or size**order * state.clock[FACTOR] < CONVERGENCE_SAFETY:
+                # The next change is a factor times a power of this one; a larger earlier factor halves per iteration.
+                clock[FACTOR] = max(size / before**order, 0.5 * min(clock[FACTOR], LARGEST_FACTOR))
+            if size < 1.0 or size**order * clock[FACTOR] < CONVERGENCE_SAFETY:
                 return iteration + 1
             if iteration >= MIN_ITERATIONS_FOR_STALL and size < LOOSE_FACTOR and size > STALL_RATIO * before:
                 counters[LOOSE_STEPS] += 1
@@ -137,7 +110,7 @@ def bind(
         work: Any,
         constrained: Array,
         state: State,
-        limits: Limits,
+        control: StepControl,
         command0: Array,
         command1: Array,
         start: float,
@@ -148,38 +121,37 @@ def bind(
 
         Returns:
             CONVERGED; FAILED if a step below 1/4096 of the nominal one was needed; TOO_MANY_HALVINGS if it was halved
-            more often than the limits allow.
+            more often than the control allows.
         """
-        pieces = max(1, int(np.ceil((end - start) / limits.step - 1e-9)))
-        nominal = (end - start) / pieces
+        count = max(1, int(np.ceil((end - start) / control.step - 1e-9)))
+        nominal = (end - start) / count
         step = nominal
         time = start
-        largest = counters[HALVINGS] + limits.max_halvings
+        most_halvings = counters[HALVINGS] + control.max_halvings
         begin(work)
         while time < end - 1e-9 * nominal:
             step = min(step, end - time)
             h2 = 0.5 * step
             set_points(command0, command1, (time + h2 - start) / (end - start), work.command)
-            predict(constrained, state, work.command, step)
+            predict(work, constrained, state, h2)
             prescribed_motion(parameters, rod, time + h2, state.trial)
-            used = newton(parameters, rod, work, constrained, state, limits, work.command, time + h2, h2, counters)
-            counters[ITERATIONS] += abs(used)
-            if used < 0:
+            iterations = newton(parameters, rod, work, constrained, state, control, time + h2, h2, counters)
+            counters[ITERATIONS] += abs(iterations)
+            if iterations < 0:
                 counters[HALVINGS] += 1
-                state.clock[KNOWN] = min(state.clock[KNOWN], 1.0)
+                record_failure(state.clock)
                 step *= 0.5
                 if step < SMALLEST_SHARE * nominal:
                     return FAILED
-                if counters[HALVINGS] > largest:
+                if counters[HALVINGS] > most_halvings:
                     return TOO_MANY_HALVINGS
                 continue
-            audit_step(parameters, rod, work, constrained, state, work.command, time + h2, h2)
+            audit_step(parameters, rod, work, constrained, state, time + h2, h2)
             time += step
             set_points(command0, command1, (time - start) / (end - start), work.command)
-            accept(constrained, state, work, counters, work.command, step)
+            accept(work, constrained, state, counters, h2)
             counters[STEPS] += 1
-            state.clock[STEP_BEFORE], state.clock[LAST_STEP] = state.clock[LAST_STEP], step
-            state.clock[KNOWN] = min(state.clock[KNOWN] + 1.0, 2.0)
+            record_step(state.clock, step)
             to_bit(state.bit_frame, state.u[0], state.v[0])
             after_step(parameters, rod, work.command, time, step, state.u, state.v)
             from_bit(state.bit_frame, state.u[0], state.v[0])

@@ -32,11 +32,11 @@ class State(NamedTuple):
     bit_frame: np.ndarray  # (3, 4) see drill_twin.solver.boundary.bit_frame; the identity in a straight hole
 
 
-class Limits(NamedTuple):
+class StepControl(NamedTuple):
     """Nominal step, tolerances of Newton's method per kind of unknown, and how often the step may be halved."""
 
     step: float  # [s]
-    place: float  # change of a node's position within a Newton step [m]
+    position: float  # change of a node's position within a Newton step [m]
     angle: float  # change of slope and spin [rad]
     max_halvings: int  # of the step within a frame
 
@@ -60,3 +60,16 @@ def extrapolation_weights(clock: Array, step: float) -> Triple:
         return 0.0, 1.0, 0.0
     growth = (step + clock[LAST_STEP]) / (clock[LAST_STEP] + clock[STEP_BEFORE])
     return 0.0, 1.0 + growth, -growth
+
+
+@kernel
+def record_step(clock: Array, step: float) -> None:
+    """Shift the history of steps by one that was taken [s]."""
+    clock[STEP_BEFORE], clock[LAST_STEP] = clock[LAST_STEP], step
+    clock[KNOWN] = min(clock[KNOWN] + 1.0, 2.0)
+
+
+@kernel
+def record_failure(clock: Array) -> None:
+    """Drop the older mid-step velocity from the extrapolation, which has failed."""
+    clock[KNOWN] = min(clock[KNOWN], 1.0)

@@ -30,6 +30,10 @@ from drill_twin.twin.twin import Twin
 _FORMAT = 1
 _HEADER = "head"
 _LARGEST_SIZE = 256 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
+_RENAMED = {f"effects.ledger.{old}": f"effects.ledger.{new}" for old, new in (
+    ("books", "entries"), ("course", "gauss"), ("loose", "constrained"),
+)}  # fmt: skip
+"""Names of arrays in older files -> their names now."""
 _DAMAGED = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, NotImplementedError, RuntimeError)
 """Raised by zipfile and numpy on damaged files."""
 
@@ -94,6 +98,7 @@ class Checkpoint:
         try:
             with zipfile.ZipFile(path) as archive:
                 members = _members(archive)
+            members = {_RENAMED.get(name, name): array for name, array in members.items()}
             head = json.loads(members.pop(_HEADER).tobytes())
             if head["format"] != _FORMAT or head["version"] != __version__:
                 raise CheckpointError(

@@ -21,7 +21,7 @@ from drill_twin.schedule import Command
 from drill_twin.solver import state
 from drill_twin.solver.boundary.bit_frame import bit_frame
 from drill_twin.solver.kernel_codegen import build_kernel, entry_point
-from drill_twin.solver.lateral.assembly import make_workspace as make_lateral_workspace
+from drill_twin.solver.lateral.workspace import make_workspace as make_lateral_workspace
 from drill_twin.solver.spatial.workspace import make_workspace
 from drill_twin.statics.static_start import start_in_equilibrium
 from drill_twin.twin.packed_arrays import named_arrays, pack_arrays
@@ -81,7 +81,7 @@ class Dynamics:
         self.parameters, self._state, self.command, self.counters = memory
         self.too_many_halvings = False
         self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
-        self._limits = state.Limits(
+        self._control = state.StepControl(
             self.step, newton_place(scene.tolerance, rod, self.wall), scene.tolerance, DEFAULT_HALVINGS
         )
         self._set_initial_state()
@@ -142,11 +142,11 @@ class Dynamics:
             False if Newton's method fails at the smallest step, or after `max_halvings`, where `too_many_halvings` is
             set.
         """
-        limits = self._limits._replace(step=self.step if step is None else step, max_halvings=max_halvings)
+        control = self._control._replace(step=self.step if step is None else step, max_halvings=max_halvings)
         advance = self._advance or self.kernel.advance
         start = self.time
         status = advance(
-            self.parameters, self.rod, self._work, self._constrained, self._state, limits,
+            self.parameters, self.rod, self._work, self._constrained, self._state, control,
             self.command, target, start, start + seconds, self.counters,
         )  # fmt: skip
         self._advance = self._advance or entry_point(self.kernel)
@@ -179,9 +179,9 @@ class Dynamics:
         timer = EffectTimer(self.parameters._fields[1:], self.parameters, self.rod)
 
         def seconds_of(effect: str) -> float:
-            return (
-                timer.price(effect, *self.unknowns, self.command, 0.5 * self.step) if effect in timer.effects else 0.0
-            )
+            if effect not in timer.effects:
+                return 0.0
+            return timer.time_per_iteration(effect, *self.unknowns, self.command, 0.5 * self.step)
 
         return seconds_of
 

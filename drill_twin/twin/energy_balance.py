@@ -44,16 +44,16 @@ class EnergyAudit:
     def __init__(
         self, ledger: EnergyLedger, effects: Sequence[str], model: DiscreteModel, wall: Wall | None, *, lateral: bool
     ) -> None:
-        self._books, self._model, self._wall, self._lateral = ledger.books, model, wall, lateral
+        self._entries, self._model, self._wall, self._lateral = ledger.entries, model, wall, lateral
         self._effects = tuple(effects)
         rod = model.rod
         self._least = 0.5 * float(np.sum(rod.line_mass * rod.length)) * SLOWEST**2
 
     def begin(self, u: Array, v: Array) -> None:
         """Store the energies at the start of the run; no-op after the first call."""
-        if self._books[NOW, BEGUN] == 0.0:
-            self._books[NOW, BEGUN] = 1.0
-            self._books[START, :STORED] = self._stored(u, v)
+        if self._entries[NOW, BEGUN] == 0.0:
+            self._entries[NOW, BEGUN] = 1.0
+            self._entries[START, :STORED] = self._stored(u, v)
 
     def _stored(self, u: Array, v: Array) -> Array:
         rod = self._model.rod
@@ -67,23 +67,23 @@ class EnergyAudit:
             u: Node rows (r, r', psi), shape (n + 1, 7).
             v: Their velocities.
         """
-        books = self._books
+        entries = self._entries
         now = self._stored(u, v)
-        work = dict(zip((*ACCOUNTS, *self._effects), books[WORK].tolist(), strict=False))
+        work = dict(zip((*ACCOUNTS, *self._effects), entries[WORK].tolist(), strict=False))
         lost = {name: -work[name] for name in self._effects if name in HEAT}
         if "wall" in self._effects:
-            lost["wall"] = float(books[LOST, FIRST_EFFECT + self._effects.index("wall")])
+            lost["wall"] = float(entries[LOST, FIRST_EFFECT + self._effects.index("wall")])
         newton = work.pop(ACCOUNTS[NEWTON])
-        kinetic, bending, stretch, torsion, wall = (now - books[START, :STORED]).tolist()
+        kinetic, bending, stretch, torsion, wall = (now - entries[START, :STORED]).tolist()
         given = sum(done for name, done in work.items() if name != "wall")
         residual = kinetic + bending + stretch + torsion + wall + lost.get("wall", 0.0) - given
         moving = float(now[0]) + abs(bending + stretch + torsion + wall) + sum(lost.values())
-        books[NOW, LARGEST] = max(books[NOW, LARGEST], moving)
-        grown = residual - float(books[NOW, RESIDUE])
-        books[NOW, RESIDUE] = residual
+        entries[NOW, LARGEST] = max(entries[NOW, LARGEST], moving)
+        grown = residual - float(entries[NOW, RESIDUE])
+        entries[NOW, RESIDUE] = residual
         stored = {
             "kinetic": float(now[0]), "bending": float(now[1]), "stretch": float(now[2]), "torsion": float(now[3]),
             "gravity": -work.get("gravity", 0.0), "wall": float(now[4]),
         }  # fmt: skip
-        scale = max(float(books[NOW, LARGEST]), self._least)
+        scale = max(float(entries[NOW, LARGEST]), self._least)
         return EnergyBalance(stored, work, lost, residual, scale, newton), grown

@@ -4,6 +4,7 @@
 One set of effects a form, so that two kernels serve all; what a case does not call for has nothing to do.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.solver import kernel_codegen
 from drill_twin.studies.verify.scenes import WALLED, rod_scene
+from drill_twin.twin.checkpoint import Checkpoint
 from drill_twin.twin.frame import EnergyBalance
 from drill_twin.twin.twin import Twin
 
@@ -109,9 +111,9 @@ def test_a_force_that_is_not_accounted_for_is_caught():
     for _ in range(100):
         frame = twin.advance(Command(0.0, 0.0), 0.02)
     braked = frame.energy.work["drag"]
-    books = twin.energy_audit
-    books._books[WORK, FIRST_EFFECT + books._effects.index("drag")] = 0.0
-    forged, grown = books.balance(*twin.unknowns)
+    audit = twin.energy_audit
+    audit._entries[WORK, FIRST_EFFECT + audit._effects.index("drag")] = 0.0
+    forged, grown = audit.balance(*twin.unknowns)
     assert braked < -0.02 * forged.scale
     assert forged.residual == pytest.approx(braked, rel=1e-9)
     assert grown == pytest.approx(braked, rel=1e-9)
@@ -146,4 +148,16 @@ def test_a_resumed_run_goes_on_with_its_books():
     other = Twin(twin.scene)
     other.restore(twin.checkpoint())
     one, two = (each.advance(Command(0.0, 0.0), 0.02).energy for each in (twin, other))
+    assert one == two
+
+
+def test_a_checkpoint_with_the_older_names_of_the_ledger_is_read(tmp_path):
+    twin = Twin(scene("lateral", {**KICK, **HEAVY, **DAMPED}, bit_end="free"))
+    twin.advance(Command(0.0, 0.0), 0.02)
+    arrays = twin.checkpoint()
+    for old, new in (("books", "entries"), ("course", "gauss"), ("loose", "constrained")):
+        arrays[f"effects.ledger.{old}"] = arrays.pop(f"effects.ledger.{new}")
+    replace(Checkpoint.of(twin, Command(0.0, 0.0)), arrays=arrays).save(tmp_path / "older.npz")
+    resumed = Checkpoint.load(tmp_path / "older.npz").twin()
+    one, two = (each.advance(Command(0.0, 0.0), 0.02).energy for each in (twin, resumed))
     assert one == two

@@ -61,20 +61,20 @@ def turn_row_back(frame: Array, row: Array) -> None:
 
 
 @kernel
-def to_bit(frame: Array, place: Array, rate: Array) -> None:
+def to_bit(frame: Array, row: Array, rate: Array) -> None:
     """Transform the bit's row and its velocities into the frame."""
-    turn_row(frame, place)
+    turn_row(frame, row)
     turn_row(frame, rate)
     for c in range(3):
-        place[c] += frame[c, 3]
+        row[c] += frame[c, 3]
 
 
 @kernel
-def from_bit(frame: Array, place: Array, rate: Array) -> None:
+def from_bit(frame: Array, row: Array, rate: Array) -> None:
     """Transform the bit's row and its velocities out of the frame."""
     for c in range(3):
-        place[c] -= frame[c, 3]
-    turn_row_back(frame, place)
+        row[c] -= frame[c, 3]
+    turn_row_back(frame, row)
     turn_row_back(frame, rate)
 
 

@@ -7,7 +7,7 @@ tangent.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -15,61 +15,10 @@ from drill_twin.base.arrays import Array, Pair
 from drill_twin.base.jit import kernel
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
-from drill_twin.model.section import BEND_DAMP, COUPLE, MX, MY, RESULTANTS
+from drill_twin.model.section import BEND_DAMP, COUPLE, MX, MY
 from drill_twin.model.strain import Strain
-from drill_twin.solver.midpoint import Effects
-
-# Indices into Workspace.axial: force at the bit and at the top [N], weight of the string along the axis [N], torque
-# that the top drive has to apply [N m].
-AT_BIT, AT_TOP, WEIGHT, TORQUE = 0, 1, 2, 3
-
-
-class Workspace(NamedTuple):
-    """The block system of a lateral string, and the small matrices of the current element."""
-
-    lower: Array  # (n, 4, 4)
-    diagonal: Array  # (n + 1, 4, 4)
-    upper: Array  # (n, 4, 4)
-    inverse: Array  # (n + 1, 4, 4) of the pivot blocks; with it, lower and upper are factors
-    right: Array  # (n + 1, 4)
-    lazy: Array  # (5,) state of the factors, see drill_twin.solver.lateral.formulation
-    ends: Array  # (2, 7, 8) loads on bit and top, as in space
-    command: Array  # (2,) current set-points
-    lever: Array  # (n + 1, 4) change of the torque below by the unknowns' velocities
-    axial: Array  # (4,) see AT_BIT
-    resultants: Array  # (7,) see drill_twin.model.section
-    load: Array  # (4,)
-    stiff: Array  # (4, 4)
-    ke: Array  # (4, 16) element tangent: component pair xx, xy, yx, yy, then shape pair
-    re: Array  # (2, 4) element residual: component, shape
-    ue: Array  # (2, 4) element unknowns: component, shape
-    ve: Array  # (2, 4) velocities
-    dv: Array  # (2, 4) velocity changes
-
-
-def make_workspace(elements: int) -> Workspace:
-    """Arrays of zeros for a string of so many elements."""
-    n = elements
-    return Workspace(
-        lower=np.zeros((n, 4, 4)),
-        diagonal=np.zeros((n + 1, 4, 4)),
-        upper=np.zeros((n, 4, 4)),
-        inverse=np.zeros((n + 1, 4, 4)),
-        right=np.zeros((n + 1, 4)),
-        lazy=np.zeros(5),
-        ends=np.zeros((2, 7, 8)),
-        command=np.zeros(2),
-        lever=np.zeros((n + 1, 4)),
-        axial=np.zeros(4),
-        resultants=np.zeros(RESULTANTS),
-        load=np.zeros(4),
-        stiff=np.zeros((4, 4)),
-        ke=np.zeros((4, 16)),
-        re=np.zeros((2, 4)),
-        ue=np.zeros((2, 4)),
-        ve=np.zeros((2, 4)),
-        dv=np.zeros((2, 4)),
-    )
+from drill_twin.solver.interface import Effects
+from drill_twin.solver.lateral.workspace import TORQUE, WEIGHT, Workspace
 
 
 @kernel
@@ -184,7 +133,7 @@ def bind(effects: Effects) -> Callable[..., float]:
         time: float,
         h2: float,
         fresh: bool,
-        count: float,
+        number: float,
         u: Array,
         v: Array,
         v_old: Array,
@@ -200,7 +149,7 @@ def bind(effects: Effects) -> Callable[..., float]:
             time: At mid-step [s].
             h2: Half the step [s].
             fresh: First iteration of a step.
-            count: Number of the iteration in the run.
+            number: Number of the iteration in the run.
             u: Rows at mid-step, shape (n + 1, 7).
             v: Velocities at mid-step.
             v_old: Velocities at the start of the step.
@@ -216,7 +165,7 @@ def bind(effects: Effects) -> Callable[..., float]:
         psi, spin_rate = u[n, 6], v[n, 6]
         spin_up = rate * (spin_rate - v_old[n, 6])
         cos_psi, sin_psi = np.cos(psi), np.sin(psi)
-        along, torque, firm = 0.0, 0.0, 0.0
+        along, torque, added = 0.0, 0.0, 0.0
         if full:
             work.diagonal[0, :, :] = 0.0
         work.right[0, :] = 0.0
@@ -248,12 +197,12 @@ def bind(effects: Effects) -> Callable[..., float]:
                 here = Point(
                     e, place, time, r[0], r[1], rod.arc[e] + share * h - rod.arc[n], dr[0], dr[1], 0.0,
                     rate * ddr[0], rate * ddr[1], 0.0, 0.0, 0.0, 1.0, psi, spin_rate, spin_up,
-                    cos_psi, sin_psi, fresh, count,
+                    cos_psi, sin_psi, fresh, number,
                 )  # fmt: skip
                 distributed_load(parameters, rod, here, h2, work.load, work.stiff)
                 weight = 0.5 * h
                 along += weight * work.load[2]
-                firm += weight * (work.stiff[0, 0] + work.stiff[1, 1])
+                added += weight * (work.stiff[0, 0] + work.stiff[1, 1])
                 torque -= weight * (out[COUPLE] + work.load[3])
                 force = tension - below - share * h * work.load[2]
                 add_residual(rod, work, e, point, force, blend(shape[1], work.ue))
@@ -265,6 +214,6 @@ def bind(effects: Effects) -> Callable[..., float]:
                 scatter_tangent(work, e)
         work.axial[WEIGHT] = along
         work.axial[TORQUE] = torque
-        return firm
+        return added
 
     return assemble

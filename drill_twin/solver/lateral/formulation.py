@@ -12,61 +12,50 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.model.mesh import SPIN, Rod
+from drill_twin.solver import unknowns
 from drill_twin.solver.boundary.rig import BIT, RESIDUAL, ROTATION, TOP
+from drill_twin.solver.interface import Effects, Formulation
 from drill_twin.solver.lateral import assembly
-from drill_twin.solver.lateral.assembly import AT_BIT, AT_TOP, TORQUE, WEIGHT, Workspace, make_workspace
 from drill_twin.solver.lateral.linear_solver import NODE, factor_blocks, solve_blocks
-from drill_twin.solver.midpoint import Effects, Formulation
-from drill_twin.solver.state import (
-    BIT_IMPULSE,
-    FACTOR,
-    HOOK_IMPULSE,
-    TORQUE_IMPULSE,
-    Limits,
-    State,
-    extrapolation_weights,
+from drill_twin.solver.lateral.tangent_reuse import (
+    ADDED,
+    CHANGE,
+    HALF_STEP,
+    RENEW,
+    RENEW_STEPS,
+    STEPS_AFTER_CHANGE,
+    check_contraction,
+    outdated,
 )
-
-# Indices into Workspace.lazy: half step of the factors (0: none), 1 if they must be renewed, steps for which they are
-# renewed at once, size of the last Newton step, stiffness and damping that the effects had added [N s/m].
-HALF_STEP, RENEW, EAGER, LAST_SIZE, FIRM = 0, 1, 2, 3, 4
-GOOD = 0.1  # the factors are kept while each Newton step is smaller than this share of the last
-CHANGED = 0.1  # and while the stiffness that the effects add, mostly the wall, has changed by less than this share
-SAME_STEP = 1e-9  # steps of one length differ by rounding
-PATIENCE = 8.0  # steps of renewing at once, after factors that had to be replaced
+from drill_twin.solver.lateral.workspace import AT_BIT, AT_TOP, TORQUE, WEIGHT, Workspace
+from drill_twin.solver.state import BIT_IMPULSE, FACTOR, HOOK_IMPULSE, TORQUE_IMPULSE, State, StepControl
 
 X, Y, SLOPE_X, SLOPE_Y = 0, 1, 3, 4  # columns of the unknowns in a node's row
 
 
 @kernel
-def column(i: int) -> int:
-    """Column of the i-th of the four unknowns in a node's row of seven."""
-    return i if i < 2 else i + 1
+def column(k: int) -> int:
+    """Column of the k-th of the four unknowns in a node's row of seven."""
+    return k if k < 2 else k + 1
+
+
+extrapolate, clear_constrained, move_to_middle, take_step = unknowns.bind(NODE, column)
 
 
 @kernel
 def begin(work: Workspace) -> None:
     """Discard the factors, so that a run resumed between two frames equals one that was not interrupted."""
-    work.lazy[:] = 0.0
+    work.reuse[:] = 0.0
 
 
 @kernel
-def predict(constrained: Array, state: State, command: Array, step: float) -> None:
+def predict(work: Workspace, constrained: Array, state: State, h2: float) -> None:
     """Extrapolate the mid-step velocity; constrained unknowns move as prescribed."""
-    now, last_, before = extrapolation_weights(state.clock, step)
-    last = state.u.shape[0] - 1
-    for i in range(last + 1):
-        for k in range(NODE):
-            c = column(k)
-            state.trial[i, c] = now * state.v[i, c] + last_ * state.middle[i, c] + before * state.earlier[i, c]
-    for k in range(NODE):
-        c = column(k)
-        if constrained[0, c]:
-            state.trial[0, c] = 0.0
-        if constrained[1, c]:
-            state.trial[last, c] = 0.0
-    state.trial[0, SPIN] = command[ROTATION]
-    state.trial[last, SPIN] = command[ROTATION]
+    rotation = work.command[ROTATION]
+    extrapolate(state, h2)
+    clear_constrained(constrained, state.trial)
+    state.trial[0, SPIN] = rotation
+    state.trial[state.u.shape[0] - 1, SPIN] = rotation
 
 
 @kernel
@@ -93,85 +82,51 @@ def add_ends(constrained: Array, work: Workspace, full: bool) -> None:
 
 
 @kernel
-def outdated(work: Workspace, h2: float, fresh: bool) -> bool:
-    """Whether the tangent must be assembled and factored again.
-
-    Without contact it changes slowly: its factors are used for many steps, as in codes for stiff equations (Hairer and
-    Wanner 1996, IV.8). They are renewed where the step changed or Newton's method slows down.
-    """
-    lazy = work.lazy
-    if fresh:
-        lazy[LAST_SIZE] = 0.0
-        lazy[EAGER] = max(lazy[EAGER] - 1.0, 0.0)
-    if lazy[EAGER] > 0.0:
-        lazy[RENEW] = 1.0
-    other_step: bool = abs(lazy[HALF_STEP] - h2) > SAME_STEP * h2
-    return other_step or lazy[RENEW] > 0.0
-
-
-@kernel
 def solve(work: Workspace) -> bool:
     """Solve the block system in place, with new factors where `build` has made a new tangent."""
-    if work.lazy[HALF_STEP] < 0.0:
+    if work.reuse[HALF_STEP] < 0.0:
         if not factor_blocks(work.lower, work.diagonal, work.upper, work.inverse):
-            work.lazy[HALF_STEP] = 0.0
+            work.reuse[HALF_STEP] = 0.0
             return False
-        work.lazy[HALF_STEP] = -work.lazy[HALF_STEP]
-        work.lazy[RENEW] = 0.0
+        work.reuse[HALF_STEP] = -work.reuse[HALF_STEP]
+        work.reuse[RENEW] = 0.0
     solve_blocks(work.lower, work.upper, work.inverse, work.right)
     return True
 
 
 @kernel
-def judge(work: Workspace, size: float) -> None:
-    """Request new factors if Newton's method slows down."""
-    lazy = work.lazy
-    if lazy[LAST_SIZE] > 0.0 and not size < GOOD * lazy[LAST_SIZE]:
-        lazy[RENEW] = 1.0
-        lazy[EAGER] = PATIENCE
-    lazy[LAST_SIZE] = size
-
-
-@kernel
-def correct(state: State, limits: Limits, work: Workspace, h2: float) -> float:
+def correct(work: Workspace, state: State, control: StepControl, h2: float) -> float:
     """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
-    place, angle, total, torque = 0.0, 0.0, 0.0, 0.0
+    position, angle, total, torque = 0.0, 0.0, 0.0, 0.0
     for i in range(state.u.shape[0]):
         right, row = work.right[i], state.trial[i]
         row[X] -= right[0]
         row[Y] -= right[1]
         row[SLOPE_X] -= right[2]
         row[SLOPE_Y] -= right[3]
-        place = max(place, abs(right[0]), abs(right[1]))
+        position = max(position, abs(right[0]), abs(right[1]))
         angle = max(angle, abs(right[2]), abs(right[3]))
         lever = work.lever[i]
         torque -= lever[0] * right[0] + lever[1] * right[1] + lever[2] * right[2] + lever[3] * right[3]
         total += right[0] + right[1] + right[2] + right[3]
-    size = max(place / limits.place, angle / limits.angle) * h2 + 0.0 * total
+    size = max(position / control.position, angle / control.angle) * h2 + 0.0 * total
     work.axial[TORQUE] += torque
-    judge(work, size)
+    check_contraction(work.reuse, size)
     return size
 
 
 @kernel
-def accept(_fixed: Array, state: State, work: Workspace, counters: Array, command: Array, step: float) -> None:
-    """Take the step: u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n; the drive prescribes the spin at the end."""
-    last = state.u.shape[0] - 1
-    for i in range(last + 1):
-        for k in range(NODE):
-            c = column(k)
-            v = state.trial[i, c]
-            state.u[i, c] += step * v
-            state.v[i, c] = 2.0 * v - state.v[i, c]
-            state.earlier[i, c] = state.middle[i, c]
-            state.middle[i, c] = v
-    angle = state.u[last, SPIN] + step * state.trial[last, SPIN]
+def accept(work: Workspace, _constrained: Array, state: State, counters: Array, h2: float) -> None:
+    """Take the step; the string ends it at the speed that the drive prescribes."""
+    last, seconds = state.u.shape[0] - 1, 2.0 * h2
+    take_step(state, h2)
+    angle = state.u[last, SPIN] + seconds * state.trial[last, SPIN]
     for end in (0, last):
         state.u[end, SPIN] = angle
-        state.v[end, SPIN] = command[ROTATION]
-    counters[TORQUE_IMPULSE] += (work.axial[TORQUE] + work.ends[BIT, SPIN, RESIDUAL]) * step
-    counters[HOOK_IMPULSE] += work.axial[AT_TOP] * step
-    counters[BIT_IMPULSE] -= work.axial[AT_BIT] * step
+        state.v[end, SPIN] = work.command[ROTATION]
+    counters[TORQUE_IMPULSE] += (work.axial[TORQUE] + work.ends[BIT, SPIN, RESIDUAL]) * seconds
+    counters[HOOK_IMPULSE] += work.axial[AT_TOP] * seconds
+    counters[BIT_IMPULSE] -= work.axial[AT_BIT] * seconds
 
 
 @kernel
@@ -199,8 +154,7 @@ def finish(rod: Rod, state: State) -> None:
 
 def bind(effects: Effects) -> Formulation:
     """The formulation for a set of effects."""
-    assemble = assembly.bind(effects)
-    end_load = effects.end_load
+    assemble, end_load = assembly.bind(effects), effects.end_load
 
     @kernel
     def build(
@@ -209,7 +163,6 @@ def bind(effects: Effects) -> Formulation:
         work: Workspace,
         constrained: Array,
         state: State,
-        command: Array,
         time: float,
         h2: float,
         fresh: bool,
@@ -217,36 +170,30 @@ def bind(effects: Effects) -> Formulation:
     ) -> None:
         """Fill the block system: elements, loads at the ends, constraints."""
         last = state.u.shape[0] - 1
-        for i in range(last + 1):
-            for k in range(NODE):
-                c = column(k)
-                state.place[i, c] = state.u[i, c] + h2 * state.trial[i, c]
+        move_to_middle(state, h2)
         for end in (0, last):
             state.place[end, SPIN] = state.u[last, SPIN] + h2 * state.trial[last, SPIN]
         work.ends[:] = 0.0
-        end_load(parameters, rod, command, time, h2, state.place, state.trial, state.v, work.ends)
+        end_load(parameters, rod, work.command, time, h2, state.place, state.trial, state.v, work.ends)
         # pushed up at the bit, or down at the top with the string's weight added on the way
         tension = work.ends[BIT, 2, RESIDUAL]
         if work.ends[TOP, 2, RESIDUAL] != 0.0 or constrained[0, 2]:
             tension = work.axial[WEIGHT] - work.ends[TOP, 2, RESIDUAL]
-        full = outdated(work, h2, fresh)
+        full = outdated(work.reuse, h2, fresh)
         for _ in range(2):
-            firm = assemble(
+            added = assemble(
                 parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v, tension, full
             )
-            same = abs(firm - work.lazy[FIRM]) <= CHANGED * abs(work.lazy[FIRM])
+            same = abs(added - work.reuse[ADDED]) <= CHANGE * abs(work.reuse[ADDED])
             if not same:
                 state.clock[FACTOR] = np.inf  # the rate of convergence without contact does not apply to contact
             if full or same:
                 break
             full = True  # contact has begun or ended
-            work.lazy[EAGER] = PATIENCE
+            work.reuse[RENEW_STEPS] = STEPS_AFTER_CHANGE
         if full:
-            work.lazy[HALF_STEP], work.lazy[FIRM] = -h2, firm
+            work.reuse[HALF_STEP], work.reuse[ADDED] = -h2, added
         work.axial[AT_BIT], work.axial[AT_TOP] = tension, tension - work.axial[WEIGHT]
         add_ends(constrained, work, full)
 
     return Formulation(begin, predict, build, solve, correct, accept, finish, order=1)
-
-
-__all__ = ["bind", "make_workspace"]

@@ -22,7 +22,7 @@ from drill_twin.model.point import Point
 from drill_twin.model.section import BEND_DAMP, TORQUE_RATE, elastic_resultants, section_forces
 from drill_twin.model.strain import strain_at
 from drill_twin.model.stretch import stretch_forces, stretching
-from drill_twin.solver.midpoint import Effects
+from drill_twin.solver.interface import Effects
 from drill_twin.solver.spatial.workspace import Workspace
 
 Four = tuple[float, float, float, float]
@@ -175,12 +175,12 @@ def bind(effects: Effects) -> Callable[..., None]:
         time: float,
         h2: float,
         fresh: bool,
-        count: float,
+        number: float,
         u: Array,
         v: Array,
         v_old: Array,
     ) -> None:
-        """Fill the block system with tangent and residual of every element."""
+        """Fill the block system with tangent and residual of every element; arguments as in the lateral form."""
         work.diagonal[:] = 0.0
         rate = 1.0 / h2
         for e in range(rod.length.shape[0]):
@@ -227,7 +227,7 @@ def bind(effects: Effects) -> Callable[..., None]:
                 work.stiff[:] = 0.0
                 here = Point(
                     e, place, time, r[0], r[1], r[2], dr[0], dr[1], dr[2], rate * ddr[0], rate * ddr[1], rate * ddr[2],
-                    s.tx, s.ty, s.tz, psi, psi_rate, rate * (l0 * dw0 + l1 * dw1), cos_psi, sin_psi, fresh, count,
+                    s.tx, s.ty, s.tz, psi, psi_rate, rate * (l0 * dw0 + l1 * dw1), cos_psi, sin_psi, fresh, number,
                 )  # fmt: skip
                 distributed_load(parameters, rod, here, h2, work.load, work.stiff)
                 # a couple about t also works on r', since the material turns at psi_dot + A(t, t_dot)

@@ -6,20 +6,23 @@ from typing import Any
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.model.mesh import SPIN, Rod
+from drill_twin.solver import unknowns
 from drill_twin.solver.boundary.bit_frame import from_bit, to_bit, turn_blocks, turn_row, turn_row_back, turn_step_back
 from drill_twin.solver.boundary.rig import ROTATION
-from drill_twin.solver.midpoint import Effects, Formulation
+from drill_twin.solver.interface import Effects, Formulation
 from drill_twin.solver.spatial import assembly
 from drill_twin.solver.spatial.linear_solver import NODE, solve_blocks
 from drill_twin.solver.spatial.workspace import Workspace
-from drill_twin.solver.state import (
-    BIT_IMPULSE,
-    HOOK_IMPULSE,
-    TORQUE_IMPULSE,
-    Limits,
-    State,
-    extrapolation_weights,
-)  # fmt: skip
+from drill_twin.solver.state import BIT_IMPULSE, HOOK_IMPULSE, TORQUE_IMPULSE, State, StepControl
+
+
+@kernel
+def column(k: int) -> int:
+    """Column of the k-th unknown in a node's row."""
+    return k
+
+
+extrapolate, clear_constrained, move_to_middle, take_step = unknowns.bind(NODE, column)
 
 
 @kernel
@@ -43,8 +46,8 @@ def constrain(constrained: Array, work: Workspace) -> None:
         for i in range(NODE):
             work.reaction[end, i] = own[i, NODE]
             for j in range(NODE):
-                work.held_rows[end, i, j] = own[i, j]
-                work.held_rows[end, i, NODE + j] = other[i, j]
+                work.end_rows[end, i, j] = own[i, j]
+                work.end_rows[end, i, NODE + j] = other[i, j]
             if constrained[end, i]:
                 for j in range(NODE):
                     own[i, j] = 0.0
@@ -62,64 +65,49 @@ def update_reactions(work: Workspace) -> None:
         other = work.diagonal[1 if end == 0 else last - 1]
         for i in range(NODE):
             for j in range(NODE):
-                work.reaction[end, i] -= work.held_rows[end, i, j] * own[j, NODE]
-                work.reaction[end, i] -= work.held_rows[end, i, NODE + j] * other[j, NODE]
+                work.reaction[end, i] -= work.end_rows[end, i, j] * own[j, NODE]
+                work.reaction[end, i] -= work.end_rows[end, i, NODE + j] * other[j, NODE]
 
 
 @kernel
-def predict(constrained: Array, state: State, command: Array, step: float) -> None:
+def predict(work: Workspace, constrained: Array, state: State, h2: float) -> None:
     """Extrapolate the mid-step velocity; constrained unknowns move as prescribed."""
-    now, last_, before = extrapolation_weights(state.clock, step)
-    last = state.u.shape[0] - 1
-    for i in range(last + 1):
-        for c in range(NODE):
-            state.trial[i, c] = now * state.v[i, c] + last_ * state.middle[i, c] + before * state.earlier[i, c]
+    extrapolate(state, h2)
     turn_row(state.bit_frame, state.trial[0])
-    for c in range(NODE):
-        if constrained[0, c]:
-            state.trial[0, c] = 0.0
-        if constrained[1, c]:
-            state.trial[last, c] = 0.0
+    clear_constrained(constrained, state.trial)
     turn_row_back(state.bit_frame, state.trial[0])
     if constrained[1, SPIN]:
-        state.trial[last, SPIN] = command[ROTATION]
+        state.trial[state.u.shape[0] - 1, SPIN] = work.command[ROTATION]
 
 
 @kernel
-def correct(state: State, limits: Limits, work: Workspace, h2: float) -> float:
+def correct(work: Workspace, state: State, control: StepControl, h2: float) -> float:
     """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
     update_reactions(work)
     turn_step_back(state.bit_frame, work.diagonal[0])
-    place = 0.0
-    angle = 0.0
-    total = 0.0
+    position, angle, total = 0.0, 0.0, 0.0
     for i in range(state.u.shape[0]):
         for c in range(NODE):
             change = work.diagonal[i, c, NODE]
             state.trial[i, c] -= change
             total += change
             if c < 3:
-                place = max(place, abs(change))
+                position = max(position, abs(change))
             else:
                 angle = max(angle, abs(change))
-    return max(place / limits.place, angle / limits.angle) * h2 + 0.0 * total
+    return max(position / control.position, angle / control.angle) * h2 + 0.0 * total
 
 
 @kernel
-def accept(constrained: Array, state: State, work: Workspace, counters: Array, command: Array, step: float) -> None:
-    """Take the step: u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n; a constrained top ends at the speed of the drive."""
-    for i in range(state.u.shape[0]):
-        for c in range(NODE):
-            v = state.trial[i, c]
-            state.u[i, c] += step * v
-            state.v[i, c] = 2.0 * v - state.v[i, c]
-            state.earlier[i, c] = state.middle[i, c]
-            state.middle[i, c] = v
-    counters[TORQUE_IMPULSE] += work.reaction[1, SPIN] * step
-    counters[HOOK_IMPULSE] += work.reaction[1, 2] * step
-    counters[BIT_IMPULSE] += work.reaction[0, 2] * step
+def accept(work: Workspace, constrained: Array, state: State, counters: Array, h2: float) -> None:
+    """Take the step; a constrained top ends it at the speed that the drive prescribes."""
+    seconds = 2.0 * h2
+    take_step(state, h2)
+    counters[TORQUE_IMPULSE] += work.reaction[1, SPIN] * seconds
+    counters[HOOK_IMPULSE] += work.reaction[1, 2] * seconds
+    counters[BIT_IMPULSE] += work.reaction[0, 2] * seconds
     if constrained[1, SPIN]:
-        state.v[state.u.shape[0] - 1, SPIN] = command[ROTATION]
+        state.v[state.u.shape[0] - 1, SPIN] = work.command[ROTATION]
 
 
 @kernel
@@ -140,8 +128,7 @@ def finish(rod: Rod, state: State) -> None:
 
 def bind(effects: Effects) -> Formulation:
     """The formulation for a set of effects."""
-    assemble = assembly.bind(effects)
-    end_load = effects.end_load
+    assemble, end_load = assembly.bind(effects), effects.end_load
 
     @kernel
     def build(
@@ -150,25 +137,23 @@ def bind(effects: Effects) -> Formulation:
         work: Workspace,
         constrained: Array,
         state: State,
-        command: Array,
         time: float,
         h2: float,
         fresh: bool,
         number: float,
     ) -> None:
         """Fill the block system: elements, loads at the ends, constraints."""
-        for i in range(state.u.shape[0]):
-            for c in range(NODE):
-                state.place[i, c] = state.u[i, c] + h2 * state.trial[i, c]
+        frame = state.bit_frame
+        move_to_middle(state, h2)
         assemble(parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v)
         work.ends[:] = 0.0
         # the bit is constrained, loaded and braked along and across the hole
-        turn_blocks(state.bit_frame, work.diagonal[0], work.upper[0], work.lower[0])
-        to_bit(state.bit_frame, state.place[0], state.trial[0])
-        turn_row(state.bit_frame, state.v[0])
-        end_load(parameters, rod, command, time, h2, state.place, state.trial, state.v, work.ends)
-        from_bit(state.bit_frame, state.place[0], state.trial[0])
-        turn_row_back(state.bit_frame, state.v[0])
+        turn_blocks(frame, work.diagonal[0], work.upper[0], work.lower[0])
+        to_bit(frame, state.place[0], state.trial[0])
+        turn_row(frame, state.v[0])
+        end_load(parameters, rod, work.command, time, h2, state.place, state.trial, state.v, work.ends)
+        from_bit(frame, state.place[0], state.trial[0])
+        turn_row_back(frame, state.v[0])
         add_ends(work)
         constrain(constrained, work)
 

@@ -16,10 +16,10 @@ class Workspace(NamedTuple):
     diagonal: Array  # (n + 1, 7, 8) last column the residual, then the Newton step
     upper: Array  # (n, 7, 8) block of node i by node i + 1
     spare: Array  # (7, 8)
-    ends: Array  # (2, 7, 8) what acts on bit and top: tangent, and residual in the last column
-    reaction: Array  # (2, 7) residual at bit and top before the constraints were imposed: forces of the rig and rock
-    held_rows: Array  # (2, 7, 14) their rows of the system
-    command: Array  # (2,) set-points now
+    ends: Array  # (2, 7, 8) loads on bit and top: tangent, and residual in the last column
+    reaction: Array  # (2, 7) residual at bit and top before the constraints were imposed: forces of rig and rock
+    end_rows: Array  # (2, 7, 14) their rows of the system
+    command: Array  # (2,) set-points: weight on bit [N], rotation [rad/s]
     resultants: Array  # (7,) see drill_twin.model.section
     force: Array  # (8,) conjugate to r', r'', psi', psi
     saa: Array  # (3, 3) their derivatives
@@ -28,7 +28,7 @@ class Workspace(NamedTuple):
     sbb: Array
     coupling: Array  # (4, 3)
     load: Array  # (4,) force per length on r and couple per length on the spin
-    stiff: Array  # (4, 4) minus its derivative by the velocities (and h2 times by the places)
+    stiff: Array  # (4, 4) minus its derivative by the velocities (and h2 times by the positions)
     ke: Array  # (9, 16) element tangent: component pair (x, y, z by x, y, z), then shape pair (4 by 4)
     kc: Array  # (4, 3, 4) spin coupling by component and shape: columns of node 0 and 1, rows of node 0 and 1
     re: Array  # (3, 4) element residual: component, shape
@@ -47,7 +47,7 @@ def make_workspace(elements: int) -> Workspace:
         spare=np.zeros((7, 8)),
         ends=np.zeros((2, 7, 8)),
         reaction=np.zeros((2, 7)),
-        held_rows=np.zeros((2, 7, 14)),
+        end_rows=np.zeros((2, 7, 14)),
         command=np.zeros(2),
         resultants=np.zeros(RESULTANTS),
         force=np.zeros(8),
