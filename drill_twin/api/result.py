@@ -182,7 +182,7 @@ class Result(Plots):
 
     @cached_property
     def summary(self) -> dict[str, Any]:
-        """Everything found, in plain types: the content of `summary.json` (`drill_twin.report.summarise`)."""
+        """All findings in plain types: the content of `summary.json` (`drill_twin.report.summarise`)."""
         return summarise(self.recording)
 
     def to_xarray(self) -> xarray.Dataset:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The desk where commands arrive: refuses what cannot be meant, keeps the last good set-point, knows who speaks.
+"""Command arbiter: refuses commands outside the limits, keeps the last good set-point, decides between sources.
 
-One source has the say. Whoever publishes `/rig/command` (both set-points, stamped) is followed; the single values on
-`/rig/wob_command` and `/rig/rps_command` are taken only while nobody does. The rig driver also echoes its set-points
-on the single-value topics (`echoes`). A single value that is no echo, while a driver has the say, comes from somebody
-else: it is counted and reported, not followed.
+A publisher of `/rig/command` (both set-points, stamped) has priority; the single values on `/rig/wob_command` and
+`/rig/rps_command` are followed only while there is none. The rig driver echoes its set-points on the single-value
+topics (`echo_filter`). A single value that is no echo, beside a driver, comes from another source: it is counted and
+reported, not followed.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from dataclasses import dataclass, field, replace
 from drill_twin.ros.simulator.echo_filter import EchoFilter
 from drill_twin.schedule.command import Command
 
-_RECENT = 5.0  # s; for so long a stray value is news
-_REFUSAL_TOLD = 10.0  # s; for so long a refusal is a warning, beside the count
+_RECENT = 5.0  # s; for so long a value of another source is reported
+_REFUSAL_TOLD = 10.0  # s; for so long a refusal is a warning
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Set-points that can be meant; both ends included."""
+    """Ranges of accepted set-points; both ends included."""
 
     weight_on_bit: tuple[float, float]
     """Weight on bit [N]."""
@@ -49,12 +49,12 @@ class Limits:
 
 @dataclass(frozen=True)
 class Silence:
-    """What to do when commands stop coming."""
+    """Behaviour when commands stop coming."""
 
     timeout: float
     """Wall time without a command after which it counts as silence [s]."""
     ramp: bool = False
-    """Whether to go to the safe set-point; else the last one is held."""
+    """True: ramp to the safe set-point; False: hold the last one."""
     safe: Command = field(default_factory=lambda: Command(0.0, 0.0))
     """The safe set-point."""
     ramp_time: float = 5.0
@@ -99,28 +99,28 @@ class CommandArbiter:
     # --- arrivals -------------------------------------------------------------------------------------------------
 
     def both(self, stamp: int, command: Command) -> None:
-        """A `/rig/command` with its stamp [ns]."""
+        """Receive a `/rig/command` with its stamp [ns]."""
         self.last_stamp = stamp
         self._both_time = self._clock()
         self._echoes.command(command)
         self._judge(command, by_hand=False)
 
     def weight_on_bit(self, value: float, *, driver_present: bool) -> None:
-        """A `/rig/wob_command` [N]."""
+        """Receive a `/rig/wob_command` [N]."""
         if driver_present and not self._driver_is_silent():
             self._echoes.weight_on_bit(self._clock(), value)
         else:
             self._judge(replace(self._good, weight_on_bit=value), by_hand=True)
 
     def speed(self, value: float, *, driver_present: bool) -> None:
-        """A `/rig/rps_command` [rev/s]."""
+        """Receive a `/rig/rps_command` [rev/s]."""
         if driver_present and not self._driver_is_silent():
             self._echoes.speed(self._clock(), value)
         else:
             self._judge(replace(self._good, rotation=value * math.tau), by_hand=True)
 
     def malformed(self, reason: str) -> None:
-        """A message that holds no command."""
+        """Count a message that holds no command."""
         self._refuse("malformed", reason)
 
     def _refuse(self, kind: str, reason: str) -> None:
@@ -138,11 +138,11 @@ class CommandArbiter:
         self._last_time = self._clock()
         self.accepted += 1
 
-    # --- what the simulator asks ----------------------------------------------------------------------------------
+    # --- state of the commands ----------------------------------------------------------------------------------
 
     @property
     def heard(self) -> bool:
-        """Whether a good command has come yet."""
+        """True once a good command has come."""
         return self._last_time is not None
 
     @property
@@ -157,12 +157,12 @@ class CommandArbiter:
 
     @property
     def silent(self) -> bool:
-        """Whether commands have stopped coming."""
+        """True while commands have stopped coming."""
         return self.heard and self.age > self._silence.timeout
 
     @property
     def refused_recently(self) -> bool:
-        """Whether a command was refused in the last ten seconds."""
+        """True for ten seconds after a command was refused."""
         return self._clock() - self._last_refusal_time < _REFUSAL_TOLD
 
     @property
@@ -171,7 +171,7 @@ class CommandArbiter:
         return self._applied
 
     def set_point(self, seconds: float) -> Command:
-        """What to apply over the next `seconds` of simulated time."""
+        """Set-point to apply over the next `seconds` of simulated time."""
         if self.silent and self._silence.ramp:
             share = min(seconds / self._silence.ramp_time, 1.0) if self._silence.ramp_time > 0.0 else 1.0
             safe, good = self._silence.safe, self._good
@@ -191,12 +191,12 @@ class CommandArbiter:
 
     @property
     def from_others(self) -> int:
-        """Single values from somebody else while a driver had the say."""
+        """Number of single values from other sources beside a driver."""
         return self._echoes.strangers
 
     @property
     def others_speak(self) -> bool:
-        """Whether somebody else spoke a moment ago, while a driver had the say."""
+        """True for some seconds after a single value of another source came beside a driver."""
         return self._clock() - self._echoes.last_stranger < _RECENT
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which commands can be meant, from the scene and the parameters."""
+"""Limits of commands, from the scene and the parameters."""
 
 from __future__ import annotations
 

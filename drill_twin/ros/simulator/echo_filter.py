@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which single values are a driver's echo, and which come from somebody else.
+"""Echo filter: tells a driver's echoes on the single-value topics from values of other sources.
 
 DDS does not tell a Python subscriber who sent a message, so an echo is known by its value: it is bit for bit one of
 the driver's commands. The two come on different topics, in either order. A value is matched as soon as its command
 is there, so it does not matter how many commands a second there are; one whose command has not come after half a
-second is nobody's echo.
+second is no echo.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ _GRACE = 0.5  # s for the command of an echo to arrive
 
 
 class EchoFilter:
-    """Tells echoes of `/rig/command` on the single-value topics from other voices."""
+    """Tells echoes of `/rig/command` on the single-value topics from values of other sources."""
 
     def __init__(self) -> None:
         self._said: tuple[dict[float | None, None], ...] = ({}, {})  # weights and speeds, the oldest first
         self._open: deque[tuple[float, int, float | None]] = deque(maxlen=_REMEMBERED)
         self.strangers = 0
-        """Values that were nobody's echo."""
+        """Number of values that were no echo."""
         self.last_stranger = -math.inf
-        """When the last of them came [s]."""
+        """Time of the last of them [s]."""
 
     def command(self, command: Command) -> None:
-        """A driver has sent this."""
+        """Receive a command of a driver."""
         pair = (_key(command.weight_on_bit), _key(command.rotation / math.tau))
         for said, value in zip(self._said, pair, strict=True):
             said.pop(value, None)
@@ -41,7 +41,7 @@ class EchoFilter:
             self._open = deque((doubt for doubt in self._open if pair[doubt[1]] != doubt[2]), maxlen=_REMEMBERED)
 
     def weight_on_bit(self, now: float, value: float) -> None:
-        """A `/rig/wob_command` [N] came beside a driver at this time [s]."""
+        """Receive a `/rig/wob_command` [N] beside a driver at a time [s]."""
         self._single(now, 0, value)
 
     def speed(self, now: float, value: float) -> None:

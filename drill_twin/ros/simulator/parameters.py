@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be set on the simulator."""
+"""Parameters of the simulator node."""
 
 from __future__ import annotations
 

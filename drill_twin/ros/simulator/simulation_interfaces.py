@@ -34,20 +34,20 @@ SERVICES = {
 
 
 class Run(Protocol):
-    """What is held in hand."""
+    """A run that the services control."""
 
     @property
     def state(self) -> int:
         """STOPPED, PLAYING or PAUSED."""
 
     def pause(self) -> str:
-        """Let time stand still."""
+        """Stop simulated time."""
 
     def resume(self) -> str:
-        """Let time run again."""
+        """Let simulated time go on."""
 
     def reset(self) -> str:
-        """Begin again at time zero."""
+        """Start a new run at time zero."""
 
     def take_frames(self, count: int) -> str:
         """Take frames of a paused run."""
@@ -98,7 +98,7 @@ class Answers:
         return _done(response, self._run.reset)
 
     def get_simulator_features(self, request: Any, response: Any) -> Any:
-        """What of the package is supported."""
+        """Supported features of the package."""
         del request
         response.features.features = [_RESET, _PAUSE, _SINGLE, _MULTIPLE]
         response.features.custom_info = "drill_twin: a step is one published frame"
