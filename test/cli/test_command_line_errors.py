@@ -113,7 +113,7 @@ def test_a_place_for_kernels_that_is_none_is_named(process, inside, monkeypatch)
     monkeypatch.setenv("DRILL_TWIN_CACHE", str(inside / "file" / "kernels"))
     said = process("run", "pa6_bench", "--duration", "0.1")
     assert said.code == 2
-    assert "DRILL_TWIN_CACHE: expected a folder that can be written to" in said.err
+    assert "DRILL_TWIN_CACHE: expected a folder of your own that can be written to" in said.err
 
 
 def test_no_traceback_from_a_process_of_its_own(process):

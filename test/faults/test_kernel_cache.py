@@ -97,7 +97,10 @@ def test_a_damaged_cache_is_made_again_with_one_line(damage, folder):
 
 def test_two_processes_on_a_cold_cache(tmp_path):
     both = [start(tmp_path / "kernels") for _ in range(2)]
-    assert [process.communicate(timeout=120) for process in both] == [("6.0 compiled\n", "")] * 2
+    said = [process.communicate(timeout=120) for process in both]
+    assert said[0][1] == said[1][1] == ""
+    # Whichever is later may find what the other has just kept.
+    assert sorted(out for out, _ in said) in (["6.0 compiled\n"] * 2, ["6.0 compiled\n", "6.0 hit\n"])
     assert use(tmp_path / "kernels") == ("6.0 hit", [])
     assert not list((tmp_path / "kernels").glob("*.part"))
 
