@@ -68,6 +68,7 @@ def environment() -> dict[str, str]:
     """What the last bits depend on besides the code."""
     return {
         "processor": llvmlite.binding.get_host_cpu_name(),
+        "features": hashlib.sha256(llvmlite.binding.get_host_cpu_features().flatten().encode()).hexdigest()[:16],
         "numba": numba.__version__,
         "llvmlite": llvmlite.__version__,
         "numpy": np.__version__,
