@@ -97,4 +97,4 @@ def test_the_child_fills_the_cache_for_this_process(empty_cache, scene):
     assert any(" functions, " in text and ": 0 functions" not in text for text in texts)
     # One attempt was refused; the rest came from the cache.
     assert len(here) == 1
-    assert any(empty_cache.rglob("*.nbi"))
+    assert any(empty_cache.rglob("*.machine_code"))
