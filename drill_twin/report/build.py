@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drill_twin.errors import BagError
+from drill_twin.report.figures import FIGURES
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.summary import summarise, to_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-FIGURES = ("set_points", "displacement", "motion", "spectrum_over_time", "orbits", "spectrum", "well", "string_shapes")
 
 
 @dataclass(frozen=True)

@@ -11,23 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from drill_twin import __version__
+from drill_twin.report.figures import CAPTIONS, OVER_TIME
 from drill_twin.report.interactive import plotly_packed, view_data
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import NOT_VALIDATED, findings, limitations, millimetres, provenance
 
-OVER_TIME = ("set_points", "displacement", "motion", "spectrum_over_time")
-"""Figures that share the time axis, in their order on the page."""
-
-_CAPTIONS = {
-    "orbits": "Thick: the wall. Dotted: as far as the centre line can go. Blue: the pipe at its size and the dot its "
-    "centre, both at the end. Anticlockwise is positive; with positive rotation that is forward whirl. A small "
-    "orbit is enlarged, each panel by itself, with the whole hole in the corner.",
-    "spectrum": "A pure circular orbit is one line as high as its radius: right of zero when it turns with the string, "
-    "left when it turns against it.",
-    "well": "Hole and string with their diameters, tool joints and blades included, towards the low side; the section "
-    "follows the azimuth. Tension and torque are points, since a bag holds them at the ends of the string only.",
-    "string_shapes": "z = 0 is the top clamp; the bit is at the lower end. Lateral axes are stretched against z.",
-}
 _UNROLLED = (
     "The hole is curved and drawn straight: x and y are the distances from its axis, z is minus the measured depth."
 )
@@ -59,7 +47,7 @@ def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mappin
         "</div></section>",
         _timeline(summary),
         "<h2>Orbits, spectrum and shapes</h2>",
-        *(_figure(name, figures) for name in _CAPTIONS),
+        *(_figure(name, figures) for name in CAPTIONS),
         "<h2>What is not validated</h2><section><ul>",
         *(f"<li>{escape(text)}</li>" for text in NOT_VALIDATED),
         "</ul></section>",
@@ -120,7 +108,7 @@ def _timeline(summary: Mapping[str, Any]) -> str:
 
 
 def _figure(name: str, figures: Mapping[str, Path]) -> str:
-    caption = f"<figcaption>{escape(_CAPTIONS[name])}</figcaption>"
+    caption = f"<figcaption>{escape(CAPTIONS[name])}</figcaption>"
     return f'<section><figure><div class="picture">{_image(figures[name], name)}</div>{caption}</figure></section>'
 
 

@@ -72,7 +72,7 @@ def _temporary_folder() -> Path:
 
 
 def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] = ()) -> ModuleType:
-    """Import a generated module, numba's cache of it included, under a name that changes with its machine code.
+    """Import a generated module and its cached machine code, under a name that changes with both.
 
     Args:
         kind: First part of its name.

@@ -12,7 +12,7 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS, REALTIME_FACTOR, TOPICS, TWIN_SCENE
 from drill_twin.report import summarise
-from drill_twin.report.build import FIGURES
+from drill_twin.report.figures import FIGURES
 from drill_twin.report.run_log import RunLog
 
 TEXTS = {TWIN_SCENE, DIAGNOSTICS, REALTIME_FACTOR}

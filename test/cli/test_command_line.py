@@ -16,7 +16,7 @@ from drill_twin import __version__
 from drill_twin.cli.app import app
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import MARKS_STATE, TOPICS
-from drill_twin.report.build import FIGURES
+from drill_twin.report.figures import FIGURES
 from drill_twin.scene import parse_scene, presets
 
 SOURCE = str(Path(__file__).resolve().parents[2])

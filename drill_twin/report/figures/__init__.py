@@ -3,3 +3,21 @@
 
 Those over time have the same width and margins, so that one below the other they share their time axis.
 """
+
+OVER_TIME = ("set_points", "displacement", "motion", "spectrum_over_time")
+"""Figures that share the time axis, in their order on the page."""
+
+CAPTIONS = {
+    "orbits": "Thick: the wall. Dotted: as far as the centre line can go. Blue: the pipe at its size and the dot its "
+    "centre, both at the end. Anticlockwise is positive; with positive rotation that is forward whirl. A small "
+    "orbit is enlarged, each panel by itself, with the whole hole in the corner.",
+    "spectrum": "A pure circular orbit is one line as high as its radius: right of zero when it turns with the string, "
+    "left when it turns against it.",
+    "well": "Hole and string with their diameters, tool joints and blades included, towards the low side; the section "
+    "follows the azimuth. Tension and torque are points, since a bag holds them at the ends of the string only.",
+    "string_shapes": "z = 0 is the top clamp; the bit is at the lower end. Lateral axes are stretched against z.",
+}
+"""Captions of the other figures, in their order on the page."""
+
+FIGURES = (*OVER_TIME, *CAPTIONS)
+"""All figures of a report: the modules here, each with a function of its name."""
