@@ -18,7 +18,7 @@ from drill_twin import __version__
 from drill_twin.accuracy.trial import perturb
 from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError
-from drill_twin.io.adapters import mark_infos
+from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin

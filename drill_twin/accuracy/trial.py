@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from drill_twin.io.adapters import mark_infos
+from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import Scene
 from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin

@@ -14,10 +14,11 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError
-from drill_twin.io.adapters import FindingsEncoder, mark_infos
+from drill_twin.io.findings_encoder import FindingsEncoder
 from drill_twin.io.messages.decode import JointState, JointStateReader, read_string
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE
 from drill_twin.io.samples import UNKNOWN, WAITING, MarkReader, Sample, SamplePairing, speeds
+from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import AnalysisError, Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
 from drill_twin.whirl.findings import Quality

@@ -14,7 +14,8 @@ from drill_twin.errors import DrillTwinError, MessageError
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array, read_string
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
-from drill_twin.io.messages.encode import MARK_AXES, read_rig_state
+from drill_twin.io.messages.encode import MARK_AXES
+from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,

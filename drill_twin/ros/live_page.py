@@ -21,7 +21,7 @@ from rclpy.parameter import Parameter as RosParameter
 
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.encode import CommandEncoder
+from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_COMMAND
 from drill_twin.live.page_state import INPUTS, PageState
 from drill_twin.live.sources import GONE, Sources

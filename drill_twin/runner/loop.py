@@ -12,7 +12,6 @@ from collections.abc import Callable
 
 from drill_twin.discretisation.notes import notes_on
 from drill_twin.errors import RunError
-from drill_twin.io.adapters import describe_run, string_geometry
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.encode import TwinEncoder, encode_float64, encode_string
 from drill_twin.io.messages.geometry import StringGeometry
@@ -25,6 +24,8 @@ from drill_twin.io.messages.topics import (
     STRING_POSES,
     TWIN_SCENE,
 )
+from drill_twin.io.run_description import describe_run
+from drill_twin.io.scene_geometry import string_geometry
 from drill_twin.monitor.drilling_progress import DrillingProgress
 from drill_twin.monitor.missing_effects import NOTES, SEPARATOR, MissingEffects
 from drill_twin.monitor.rejected_steps import RejectedSteps

@@ -20,7 +20,7 @@ from typing import Protocol
 from drill_twin.errors import RunError, StoppedError
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.io.messages.encode import CommandEncoder
+from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.io.whirl_pipeline import WhirlPipeline

@@ -93,8 +93,8 @@ def hashes_of(scene: Scene) -> dict[str, str]:
 
 def hashes_with_checkpoint(scene: Scene) -> dict[str, str]:
     """The same for the physics topics of a run that is put down half-way and taken up from a file."""
-    from drill_twin.io.adapters import string_geometry
     from drill_twin.io.messages.encode import TwinEncoder
+    from drill_twin.io.scene_geometry import string_geometry
 
     schedule = Schedule.from_scene(scene)
     period = round(NANOSECONDS / scene.numerics.frame_rate)

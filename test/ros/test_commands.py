@@ -8,7 +8,7 @@ from rclpy.qos import qos_profile_sensor_data
 from std_msgs.msg import Float32, Float64
 
 from drill_twin.io.messages.cdr import JointStateTemplate
-from drill_twin.io.messages.encode import COMMAND_JOINTS, CommandEncoder
+from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE, RPS_COMMAND, WOB_COMMAND
 from drill_twin.schedule import Command
 

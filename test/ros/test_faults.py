@@ -17,7 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.decode import JointStateReader
-from drill_twin.io.messages.encode import CommandEncoder
+from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import pack_stamp
 from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
@@ -157,7 +157,7 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
     flood = (
         "import time; from drill_twin.ros.core.node_main import init_context; from rclpy.node import Node;"
         "from drill_twin.ros.core.stop_request import StopRequest; from sensor_msgs.msg import JointState;"
-        "from drill_twin.io.messages.encode import CommandEncoder; from drill_twin.schedule import Command;"
+        "from drill_twin.io.messages.rig_messages import CommandEncoder; from drill_twin.schedule import Command;"
         "node = Node('flood', context=init_context([], StopRequest()));"
         "publisher = node.create_publisher(JointState, 'rig/command', 10);"
         "raw = CommandEncoder().command(0, Command(40.0, 12.0)); begun = time.monotonic(); sent = 0\n"

@@ -7,7 +7,7 @@ import math
 import pytest
 from rcl_interfaces.srv import DescribeParameters
 
-from drill_twin.io.messages.encode import CommandEncoder
+from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE
 from drill_twin.ros.rig_driver.set_point_transition import SetPointTransition
 from drill_twin.schedule import Command

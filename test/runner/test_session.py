@@ -11,12 +11,12 @@ from rosbags.rosbag2 import Reader
 
 from drill_twin import __version__
 from drill_twin.errors import BagError, RunError
-from drill_twin.io.adapters import string_geometry
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages import topics
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.topics import TOPICS
+from drill_twin.io.scene_geometry import string_geometry
 from drill_twin.report import read_recording
 from drill_twin.runner import Session
 from drill_twin.scene import parse_scene

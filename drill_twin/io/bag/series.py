@@ -12,8 +12,9 @@ from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 from drill_twin.io.bag.time_series import Column, Series
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array
-from drill_twin.io.messages.encode import MARK_AXES, RIG_JOINTS, read_command, read_rig_state
+from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.pose import spin_of, tangent_of
+from drill_twin.io.messages.rig_messages import RIG_JOINTS, read_command, read_rig_state
 from drill_twin.io.messages.whirl_encode import read_whirl_state
 from drill_twin.io.samples import columns, speeds
 from drill_twin.twin.frame import RigState

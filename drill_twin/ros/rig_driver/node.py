@@ -18,7 +18,7 @@ from rclpy.context import Context
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.encode import CommandEncoder
+from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.core.node import TwinNode

@@ -10,7 +10,7 @@ from typing import Any
 
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.decode import JointStateReader, read_float64
-from drill_twin.io.messages.encode import read_command
+from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.core.node import TwinNode

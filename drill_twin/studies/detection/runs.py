@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.io.adapters import mark_infos
+from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import parse_scene
 from drill_twin.schedule import Schedule
 from drill_twin.studies.detection.scene import BENCH_SCENE

@@ -10,7 +10,8 @@ import pytest
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages import topics
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.io.messages.encode import CommandEncoder, TwinEncoder, encode_string
+from drill_twin.io.messages.encode import TwinEncoder, encode_string
+from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.whirl_encode import Motion, OnsetMessage, WhirlStateEncoder, encode_motion, encode_onset
 from drill_twin.schedule.command import Command

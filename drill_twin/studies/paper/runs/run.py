@@ -11,7 +11,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import RunError
-from drill_twin.io.adapters import mark_infos
+from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import Scene
 from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin

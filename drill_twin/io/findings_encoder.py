@@ -1,19 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Adapters between scene, twin, analysis and messages, shared by the nodes and the run without ROS.
-
-Both use these functions only, so that their bags are the same.
-"""
+"""Encoding of the analyzer's findings to `/whirl/state`, `/whirl/motion` and `/whirl/onset`."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from datetime import UTC, datetime
 
-import yaml
-
-from drill_twin import __version__
-from drill_twin.discretisation.discretise import survey_of
-from drill_twin.io.messages.geometry import StringGeometry
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.topics import WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import (
@@ -24,64 +15,12 @@ from drill_twin.io.messages.whirl_encode import (
     encode_motion,
     encode_onset,
 )
-from drill_twin.scene import Scene
-from drill_twin.twin.twin import Twin
 from drill_twin.whirl import BitMotion, MarkInfo, StickSlip
 from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
 from drill_twin.whirl.findings import Findings
 
 BIT = "bit"
 """Name under which `/whirl/motion` reports the rotation of the bit: steady, torsional vibration, stick-slip."""
-
-
-def string_geometry(twin: Twin) -> StringGeometry:
-    """Geometry of the string for the markers in RViz and Foxglove."""
-    scene = twin.scene
-    line = survey_of(scene)
-    marks = scene.string.marks
-    return StringGeometry(
-        node_count=twin.elements + 1,
-        mark_names=tuple(mark.name for mark in marks),
-        mark_distances=tuple(mark.distance_from_bit for mark in marks),
-        length=scene.length,
-        outer_radius=max(0.5 * section.outer_diameter for section in scene.string.sections),
-        hole_radius=scene.hole.radius,
-        node_distances=twin.rod.arc,
-        axis_at=None if line is None else line.at,
-    )
-
-
-def mark_infos(scene: Scene) -> list[MarkInfo]:
-    """Marks of a scene for the whirl analysis."""
-    return [
-        MarkInfo(
-            name=mark.name,
-            distance_from_bit=mark.distance_from_bit,
-            on=mark.on,
-            wall_offset=scene.outer_radius_at(mark.distance_from_bit),
-            clearance=scene.clearance_at(mark.distance_from_bit),
-        )
-        for mark in scene.string.marks
-    ]
-
-
-def describe_run(twin: Twin, pace: str = "fast") -> str:
-    """Text of `/twin/scene`: the resolved scene (YAML) with a `run` block of version, seed, resolution and effects.
-
-    Args:
-        twin: The twin.
-        pace: Pace of the run: realtime, fast or lockstep.
-    """
-    run = {
-        "version": __version__,
-        "seed": int(twin.scene.numerics.seed),
-        "elements": int(twin.elements),
-        "step_s": float(twin.step_size),
-        "effects": [str(name) for name in twin.effects],
-        "pace": pace,
-        "started": datetime.now(UTC).isoformat(timespec="milliseconds"),
-    }
-    return f"{twin.scene.to_yaml().rstrip()}\n{yaml.safe_dump({'run': run}, sort_keys=False)}"
 
 
 class FindingsEncoder:

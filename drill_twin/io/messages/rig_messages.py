@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Messages of the rig: set-points both ways (`/rig/command`, `/rig/wob_command`, `/rig/rps_command`), reading of `/rig/state`."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drill_twin.errors import MessageError
+from drill_twin.io.messages.cdr import Float64Template, JointStateTemplate
+from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.finite import finite_number
+from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.schedule.command import Command
+from drill_twin.twin.frame import RigState
+
+RIG_JOINTS = ("top_drive", "bit", "block", "bit_torque")
+COMMAND_JOINTS = ("bit", "top_drive")
+
+
+class CommandEncoder:
+    """Encoder of `/rig/command`, `/rig/wob_command` and `/rig/rps_command`.
+
+    Raises:
+        MessageError: Raised by all methods for a set-point that is not finite.
+    """
+
+    def __init__(self) -> None:
+        self._both = JointStateTemplate(COMMAND_JOINTS)
+        self._one = Float64Template()
+
+    def command(self, stamp: int, command: Command) -> bytes:
+        """Both set-points at a stamp [ns], as a JointState; all other fields are NaN."""
+        weight = finite_number(RIG_COMMAND, "weight on bit", command.weight_on_bit)
+        rotation = finite_number(RIG_COMMAND, "rotation", command.rotation)
+        return self._both.fill(stamp, (np.nan, np.nan), (np.nan, rotation), (weight, np.nan))
+
+    def wob_command(self, command: Command) -> bytes:
+        """Weight on bit [N] as a Float64."""
+        return self._one.fill(finite_number(WOB_COMMAND, "weight on bit", command.weight_on_bit))
+
+    def rps_command(self, command: Command) -> bytes:
+        """Top-drive speed [rev/s] as a Float64."""
+        return self._one.fill(finite_number(RPS_COMMAND, "rotation", command.rotation) / math.tau)
+
+
+def read_command(state: JointState) -> Command:
+    """Set-points of a `/rig/command`, without a check of their range.
+
+    Raises:
+        MessageError: One of the two set-points is missing.
+    """
+    if not state.effort.size or not state.velocity.size:
+        raise MessageError("expected a /rig/command with velocity and effort, found one of them empty")
+    return Command(
+        weight_on_bit=float(state.effort[state.index("bit")]),
+        rotation=float(state.velocity[state.index("top_drive")]),
+    )
+
+
+def read_rig_state(state: JointState) -> RigState:
+    """Rig state of a `/rig/state`.
+
+    Raises:
+        MessageError: A joint or an array is missing.
+    """
+    if not (state.position.size and state.velocity.size and state.effort.size):
+        raise MessageError("expected a /rig/state with position, velocity and effort, found one of them empty")
+    drive, bit, block, torque = (state.index(name) for name in RIG_JOINTS)
+    return RigState(
+        top_drive_angle=float(state.position[drive]),
+        top_drive_speed=float(state.velocity[drive]),
+        top_drive_torque=float(state.effort[drive]),
+        bit_angle=float(state.position[bit]),
+        bit_speed=float(state.velocity[bit]),
+        bit_torque=float(state.effort[torque]),
+        bit_force=float(state.effort[bit]),
+        block_position=float(state.position[block]),
+        block_velocity=float(state.velocity[block]),
+        hookload=float(state.effort[block]),
+    )
