@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages of the rig: set-points both ways (`/rig/command`, `/rig/wob_command`, `/rig/rps_command`), reading of `/rig/state`."""
+"""Messages of the rig: encoding and reading of set-points, reading of `/rig/state`."""
 
 from __future__ import annotations
 
