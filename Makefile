@@ -30,13 +30,14 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo test test-long faults soak fuzz day random-scenes browser bench peers check clean
+.PHONY: help setup setup-test demo test test-long faults kills soak fuzz day random-scenes browser bench peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
 	@echo 'make test       the test suite'
 	@echo 'make test-long  soaks and large random samples'
 	@echo 'make faults     faults of a rig, applied to real processes; prints a table of the results'
+	@echo 'make kills      kill -9 of each node, KILLS=50 times, while recording; needs a quiet machine'
 	@echo 'make soak       an hour of all nodes, with checks of memory and file handles'
 	@echo 'make fuzz       10 000 damaged scenes, tables, bags and checkpoints'
 	@echo 'make random-scenes  10 000 random scenes: finite, bounded, repeatable, resumed bit for bit, mirrored'
@@ -96,6 +97,8 @@ setup-test: $(STAMPS)/test-$(KIND)
 demo: setup
 	@$(PYTHON) -m drill_twin.ros demo --out out/demo --replace
 
+KILLS := 50
+
 # Field checks: a message refuses an int where a float belongs, which the wheels would send as rubbish.
 PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 
@@ -115,6 +118,9 @@ test-long: setup-test
 
 faults: setup-test
 	@DRILL_TWIN_FAULTS=1 $(PYTEST) test/ros -q -m 'fault and (long or not long)'
+
+kills: setup-test
+	@DRILL_TWIN_KILLS=$(KILLS) $(PYTEST) test/ros/test_kills.py -q -s -m long
 
 soak: setup-test
 	@DRILL_TWIN_SOAK=3600 $(PYTEST) test/ros/test_faults.py -q -s -m 'long' -k soak

@@ -2,7 +2,7 @@
 """Command line `drill-twin`, a module for each sub-command.
 
 Results go to stdout, all else to stderr. Exit codes: 0 success, 1 a run that stopped or a check that failed, 2 an error
-of input or use (one line on stderr), 130 stopped with Ctrl-C.
+of input or use (one line on stderr), 130 stopped with Ctrl-C, 143 ended by SIGTERM.
 """
 
 from __future__ import annotations
@@ -11,22 +11,32 @@ import os
 import sys
 from collections.abc import Sequence
 
-INTERRUPTED = 130
+from drill_twin.cli import interrupt
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and end the process with its exit code."""
+    interrupt.install()
     try:
         code = run_command(list(sys.argv[1:] if arguments is None else arguments))
         sys.stdout.flush()
     except BrokenPipeError:  # the reader of stdout has closed it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 1
+    interrupt.ignore()
     sys.exit(code)
 
 
 def run_command(arguments: Sequence[str]) -> int:
     """Run one command; returns the exit code."""
+    try:
+        return _run_command(arguments)
+    except interrupt.Interrupted as stopped:
+        print("drill-twin: stopped", file=sys.stderr)
+        return stopped.exit_code
+
+
+def _run_command(arguments: Sequence[str]) -> int:
     from typer.main import get_command
 
     from drill_twin.cli.app import app
@@ -39,9 +49,6 @@ def run_command(arguments: Sequence[str]) -> int:
         return _fail(str(error), code=1)
     except DrillTwinError as error:
         return _fail(str(error))
-    except KeyboardInterrupt:
-        print("drill-twin: stopped", file=sys.stderr)
-        return INTERRUPTED
     except Exception as error:
         if not hasattr(error, "format_message"):  # usage errors have one in every version of typer and click
             raise

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli.interrupt import Interrupted
 from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from drill_twin.scene import Scene
     from drill_twin.schedule import Schedule
 
-INTERRUPTED = 130
 _LINE_PERIOD = 10.0  # s between two lines of progress outside a terminal
 
 
@@ -78,7 +78,7 @@ def run(
     session = _compiled(described, schedule)
     if schedule.record is not None:
         console.print(schedule.record.report, markup=False, soft_wrap=True)
-    outcome = _drill(session, folder / "bag_0")
+    outcome, stopped_by = _drill(session, folder / "bag_0")
     if not outcome.finished:
         console.print(
             f"stopped at {outcome.simulated:.2f} s; the bag is whole up to there: {outcome.bag} "
@@ -86,7 +86,7 @@ def run(
             markup=False,
             soft_wrap=True,
         )
-        raise typer.Exit(INTERRUPTED)
+        raise typer.Exit(128 + stopped_by)
     with console.status("analysing the bag"):
         from drill_twin.report.recording import read_recording
         from drill_twin.report.summary import summarise, to_json
@@ -126,7 +126,7 @@ def _compiled(scene: Scene, schedule: Schedule) -> Session:
         def show(text: str) -> None:
             nonlocal printed
             if asked:
-                raise KeyboardInterrupt
+                raise Interrupted(asked[0])
             status.update(text)
             if not console.is_terminal and time.monotonic() - printed >= _LINE_PERIOD:
                 printed = time.monotonic()
@@ -134,12 +134,16 @@ def _compiled(scene: Scene, schedule: Schedule) -> Session:
 
         session = Session(scene, schedule, show)
     if asked:
-        raise KeyboardInterrupt
+        raise Interrupted(asked[0])
     return session
 
 
-def _drill(session: Session, bag: Path) -> Outcome:
-    """Run with a progress bar; SIGINT and SIGTERM end the run after the current frame."""
+def _drill(session: Session, bag: Path) -> tuple[Outcome, int]:
+    """Run with a progress bar; SIGINT and SIGTERM end the run after the current frame.
+
+    Returns:
+        The outcome, and the number of the signal; 0 without one.
+    """
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from drill_twin.cli.show import err
@@ -170,7 +174,8 @@ def _drill(session: Session, bag: Path) -> Outcome:
                     soft_wrap=True,
                 )
 
-        return session.run(bag, progress=show, stop=lambda: bool(asked))
+        outcome = session.run(bag, progress=show, stop=lambda: bool(asked))
+    return outcome, asked[0] if asked else 0
 
 
 @contextmanager

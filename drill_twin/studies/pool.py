@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable, Mapping, Sequence
+import signal
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from contextlib import ExitStack
-from multiprocessing import get_context
+from contextlib import ExitStack, contextmanager
+from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, TypeVar
 
 from drill_twin.base.child_environment import child_environment
@@ -21,10 +22,38 @@ def cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
-def process_pool(workers: int) -> ProcessPoolExecutor:
-    """Worker processes; spawned, because a forked process inherits numba's locks."""
+class _Worker(SpawnProcess):
+    """Process that starts with SIGINT blocked: Ctrl-C reaches all processes of a terminal."""
+
+    def start(self) -> None:
+        """Start the process."""
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            super().start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class _Context(SpawnContext):
+    Process = _Worker
+
+
+@contextmanager
+def process_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+    """Worker processes; spawned, because a forked process inherits numba's locks.
+
+    Where a signal ends the study they are killed: a job may take minutes.
+    """
     os.environ.update(child_environment())  # of the workers, which start later
-    return ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    with ProcessPoolExecutor(workers, mp_context=_Context()) as pool:
+        try:
+            yield pool
+        except Exception:
+            raise
+        except BaseException:
+            for process in tuple((pool._processes or {}).values()):  # noqa: SLF001  kill_workers comes in Python 3.14
+                process.kill()
+            raise
 
 
 def run_jobs(

@@ -161,7 +161,7 @@ def test_interrupted_run_keeps_a_whole_bag_and_says_so(start, inside, number):
         time.sleep(0.05)
     child.send_signal(number)
     out, err = child.communicate(timeout=20)
-    assert child.returncode == 130
+    assert child.returncode == 128 + number
     assert "Traceback" not in err
     assert "the bag is whole up to there: long/bag_0" in err
     assert out == ""

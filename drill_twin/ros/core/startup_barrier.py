@@ -5,6 +5,10 @@ Two nodes that a third one waits for may both be running and not be connected to
 answers with the number of readers of each of its topics. The waiting node has discovered all readers of every node
 whose `~/ready` service it sees, because that service is created last; it compares the two numbers.
 
+The answer of a service is lost as long as DDS has not connected the server to the client, which sees the server
+already: mostly for a second, rarely for long, where an earlier process was killed. An unanswered client is made anew
+after some seconds, and where the run is under way the wait ends without an answer.
+
 A node that compiles offers the service meanwhile too, before its topics. Its answer then begins with `COMPILING`: the
 waiting node takes it for absent, and waits as long as it compiles.
 """
@@ -30,6 +34,8 @@ COMPILING = "compiling"
 _POLL = 0.05  # s
 _ANSWER_TIME = 1.0  # s
 _NO_ANSWER = "it did not answer"
+_RENEW_AFTER = 5  # requests without an answer
+_GO_ON_AFTER = 2  # requests without an answer, where the run is under way
 
 
 class StartupBarrier:
@@ -51,6 +57,8 @@ class StartupBarrier:
         self._spin_once = spin_once
         self._not_ready = not_ready
         self._service: Service | None = None
+        self._clients: dict[str, Client] = {}
+        self._deadline = 0.0
 
     def create_service(self) -> None:
         """Create the service `~/ready`, after all topics of this node."""
@@ -82,42 +90,68 @@ class StartupBarrier:
         ]
         return f"not yet connected to the readers of {', '.join(late)}" if late else ""
 
-    def wait_for(self, names: str, seconds: float, stop: StopRequest) -> None:
+    def wait_for(
+        self, names: str, seconds: float, stop: StopRequest, under_way: Callable[[], bool] = lambda: False
+    ) -> None:
         """Wait until other nodes are ready and the readers of this node are connected.
 
         Args:
-            names: Node names in this namespace, separated by spaces.
+            names: Node names in this namespace, or full ones, separated by spaces.
             seconds: Longest wait [s]; it begins again while a node answers that it compiles.
             stop: Ends the wait early.
+            under_way: Whether this node is connected to a run that has begun: it then does not wait for a node that is
+                there and does not answer.
 
         Raises:
             RunError: A node was not ready in time.
         """
-        clients = {name: self._node.create_client(Trigger, f"{name}/ready") for name in names.split()}
-        deadline = time.monotonic() + seconds
+        self._clients = {name: self._client(name) for name in names.split()}
+        self._deadline = time.monotonic() + seconds
         # All must be present before the first is asked: its answer is compared with the readers of all the others.
         for missing, reached in ((self._absence, "there"), (self._unreadiness, "ready")):
-            for client in clients.values():
-                logged = ""
-                while not stop and (reason := missing(client)):
-                    if reason.startswith(COMPILING):
-                        deadline = time.monotonic() + seconds
-                        reason = COMPILING  # its progress is in the log of that node
-                    if reason != logged:
-                        self._node.get_logger().info(f"waiting for {_node_of(client)}: {reason}")
-                        logged = reason
-                    if time.monotonic() > deadline:
-                        raise RunError(
-                            f"waited {seconds:g} s for the node {_node_of(client)}: {reason}; start it in the same "
-                            "ROS_DOMAIN_ID and namespace, or take its name out of the parameter wait_for"
-                        )
-                    self._spin_once(_POLL)
-                if logged:
-                    self._node.get_logger().info(f"{_node_of(client)} is {reached}")
-        for client in clients.values():
+            for name in self._clients:
+                if logged := self._wait_while(missing, name, seconds, stop, under_way):
+                    self._node.get_logger().info(f"{logged} is {reached}")
+        for client in self._clients.values():
             self._node.destroy_client(client)
-        while not stop and self.unmatched_readers() and time.monotonic() < deadline:
+        while not stop and self.unmatched_readers() and time.monotonic() < self._deadline:
             self._spin_once(_POLL)
+
+    def _wait_while(
+        self,
+        missing: Callable[[Client], str],
+        name: str,
+        seconds: float,
+        stop: StopRequest,
+        under_way: Callable[[], bool],
+    ) -> str:
+        """Wait as long as something is missing; returns the full name of the node if the log says so and it came."""
+        logged, unanswered = "", 0
+        while not stop and (reason := missing(self._clients[name])):
+            node = _node_of(self._clients[name])
+            unanswered = unanswered + 1 if reason == _NO_ANSWER else 0
+            if unanswered >= _GO_ON_AFTER and under_way():
+                self._node.get_logger().warning(f"{node} did not answer; its run is under way, so this node joins it")
+                return ""
+            if unanswered and unanswered % _RENEW_AFTER == 0:
+                self._node.destroy_client(self._clients[name])
+                self._clients[name] = self._client(name)
+            if reason.startswith(COMPILING):
+                self._deadline = time.monotonic() + seconds
+                reason = COMPILING  # its progress is in the log of that node
+            if reason != logged:
+                self._node.get_logger().info(f"waiting for {node}: {reason}")
+                logged = reason
+            if time.monotonic() > self._deadline:
+                raise RunError(
+                    f"waited {seconds:g} s for the node {node}: {reason}; start it in the same "
+                    "ROS_DOMAIN_ID and namespace, or take its name out of the parameter wait_for"
+                )
+            self._spin_once(_POLL)
+        return _node_of(self._clients[name]) if logged else ""
+
+    def _client(self, name: str) -> Client:
+        return self._node.create_client(Trigger, f"{name}/ready")
 
     def _absence(self, client: Client) -> str:
         if not client.service_is_ready():

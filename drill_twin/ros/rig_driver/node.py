@@ -74,10 +74,15 @@ class RigDriver(TwinNode):
 
     def run(self, stop: StopRequest) -> None:
         """Wait for the other nodes, then send: a reader that is not connected yet would miss the first set-points."""
-        self.barrier.wait_for(self.settings.wait_for, self.settings.wait_timeout, stop)
+        self.barrier.wait_for(self.settings.wait_for, self.settings.wait_timeout, stop, self._joins_a_run)
         self.drain(_QUIET)  # a late joiner receives old latched times first
         self.get_logger().info(f"driving: {self._plays}, by the {self.settings.follow}")
         super().run(stop)
+
+    def _joins_a_run(self) -> bool:
+        """True where simulated time has begun and the set-points are received: this driver came back during a run."""
+        received = self.topics.publishers[RIG_COMMAND].get_subscription_count()
+        return bool(self._clock_stamp and received)
 
     def work(self) -> None:
         """Send the set-points for the next frame, once they are due."""
