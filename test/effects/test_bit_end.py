@@ -59,6 +59,19 @@ def test_friction_moves_the_turning_bit_aside_and_takes_torque(speed):
     assert frame.rig.top_drive_torque == pytest.approx(torque, rel=0.01)
 
 
+def test_newton_does_not_alternate_where_the_blades_rub_and_strike():
+    """A turning bit that strikes the wall at friction 1: two iterations a step, no step halved (13 and 845 once)."""
+    effects = LOSSY | {
+        "bit_side_force": {"force": 5.0 * SPRING * ROOM},
+        "bit_stabiliser": {"gauge": GAUGE, "stiffness": 1e5, "friction": 1.0},
+    }
+    twin = Twin(rod_scene(effects=effects, bit_end="stabilised", radius=HOLE, elements=12, step=0.01, frame_rate=10.0))
+    frames = [twin.advance(Command(0.0, 20.0 * min((k + 1) / 10.0, 1.0)), 0.1).stats for k in range(50)]
+    steps = sum(frame.steps for frame in frames)
+    assert sum(frame.iterations for frame in frames) < 2.5 * steps
+    assert sum(frame.cut_steps for frame in frames) < 0.01 * steps
+
+
 def test_its_length_resists_tilting():
     """A moment M tilts the end by M L / (EI + k L) against a tilt stiffness k."""
     tangent = settled({"moment": 0.02}, {"tilt_stiffness": 2.0}).tangents[0]
