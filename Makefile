@@ -30,10 +30,11 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo test test-long faults kills soak fuzz day random-scenes browser bench peers check clean
+.PHONY: help setup setup-test demo docs test test-long faults kills soak fuzz day random-scenes browser bench peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
+	@echo 'make docs       the documentation as a site in out/docs/html'
 	@echo 'make test       the test suite'
 	@echo 'make test-long  soaks and large random samples'
 	@echo 'make faults     faults of a rig, applied to real processes; prints a table of the results'
@@ -90,12 +91,22 @@ $(STAMPS)/bench-$(KIND): $(STAMPS)/run-$(KIND)
 	@$(PIP) --no-build-isolation --editable '.[bench]'
 	@touch $@
 
+$(STAMPS)/docs-$(KIND): $(STAMPS)/run-$(KIND)
+	@echo 'installing what the documentation needs'
+	@$(PIP) --no-build-isolation --editable '.[docs]'
+	@touch $@
+
 setup: $(STAMPS)/run-$(KIND)
 
 setup-test: $(STAMPS)/test-$(KIND)
 
 demo: setup
 	@$(PYTHON) -m drill_twin.ros demo --out out/demo --replace
+
+# A warning is an error, a reference to nothing too. No network: no inventory of another site is fetched.
+docs: $(STAMPS)/docs-$(KIND)
+	@$(PYTHON) -m sphinx --quiet --builder html --nitpicky --fail-on-warning --keep-going docs out/docs/html
+	@echo 'out/docs/html/index.html'
 
 KILLS := 50
 

@@ -46,6 +46,7 @@ setup(
         "zstandard",
     ],
     extras_require={
+        "docs": ["furo", "myst-parser", "sphinx"],
         "test": [
             "colcon-common-extensions",
             "hypothesis",

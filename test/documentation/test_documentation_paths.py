@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "drill_twin"
-PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
+PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md")))
 NAMED = re.compile(r"\b((?:drill_twin|test|config|benchmarks)/[\w/.-]*\w)")
 LINKED = re.compile(r"\]\(([^)#\s:]*)(?:#([^)\s]*))?\)")
 
@@ -20,7 +20,7 @@ def _anchors(page):
     return {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_files_that_a_page_names_exist(page):
     text = page.read_text("utf-8")
     # A node or an enclave is named drill_twin/NAME too, with a slash before it.

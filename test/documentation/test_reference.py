@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The reference that is printed from the code has everything, and the table of diagnostics what a run reports."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+import drill_twin as dt
+from drill_twin.effects import EFFECTS
+from drill_twin.io.messages.diagnostics import decode_diagnostics
+from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.fixture(scope="module")
+def printed():
+    """Function that prints a part of the reference, by name."""
+    sys.path.insert(0, str(DOCS))
+    try:
+        import _printed
+    finally:
+        sys.path.remove(str(DOCS))
+    return lambda name: _printed.PAGES[name]()
+
+
+def _headings(text):
+    return re.findall(r"^## (.*)$", text, re.MULTILINE)
+
+
+def _keys(text):
+    return set(re.findall(r"^\| `([^`]*)`", text, re.MULTILINE))
+
+
+def test_every_part_is_on_a_page(printed):
+    used = {
+        name for page in (DOCS / "reference").glob("*.md") for name in re.findall("printed: (\\w+)", page.read_text())
+    }
+    assert used == {"commands", "effect_keys", "nodes", "scene_keys", "topics", "topics_quality"}
+
+
+def test_topics_and_effects(printed):
+    assert _keys(printed("topics")) == _keys(printed("topics_quality")) == TOPICS.keys()
+    text = printed("effect_keys")
+    assert _headings(text) == list(EFFECTS)
+    assert _keys(text) == {key for config in EFFECTS.values() for key in config.model_fields}
+    assert re.search(r"\| `reference_speed` \| .*0\.1 m/s.* Range: above 0 m/s and at most 100 m/s", text)
+
+
+def test_scene_keys_are_those_of_the_models(printed):
+    text = printed("scene_keys")
+    scene = dt.load_scene("pa6_bench")
+    blocks = {"string": scene.string, "hole": scene.hole, "rig": scene.rig, "numerics": scene.numerics,
+              "string.sections[k]": scene.string.sections[0], "rig.weight_on_bit": scene.rig.weight_on_bit}  # fmt: skip
+    assert blocks.keys() <= set(_headings(text))
+    for name, block in blocks.items():
+        table = text.partition(f"## {name}\n")[2].partition("\n## ")[0]
+        assert _keys(table) == set(type(block).model_fields)
+
+
+def test_commands_and_parameters(printed):
+    from drill_twin.cli.app import app
+    from drill_twin.ros import entry_points
+
+    names = [command.callback.__name__.replace("_", "-") for command in app.registered_commands]
+    assert _headings(printed("commands")) == [f"drill-twin {name}" for name in names]
+    text = printed("nodes")
+    assert _headings(text) == [*entry_points.NODES, "twin"]
+    wanted = {item.name for name in entry_points.NODES for item in entry_points.load(name).PARAMETERS}
+    assert _keys(text) == wanted | {"record"}
+
+
+def test_every_name_of_the_python_api_is_on_its_page():
+    listed = set(re.findall(r":: drill_twin\.(\w+)$", (DOCS / "reference" / "python_api.md").read_text(), re.MULTILINE))
+    assert listed == set(dt.__all__) - {"__version__"}
+
+
+def test_the_table_of_diagnostics_has_what_a_run_reports():
+    page = (DOCS / "reference" / "diagnostics.md").read_text("utf-8")
+    names = {name for row in re.findall(r"^\| (`.*?) \|", page, re.MULTILINE) for name in re.findall(r"`([^`]+)`", row)}
+    listed = {name for name in names if not name.endswith(("...", "EFFECT", "KIND", "TOPIC"))}
+    result = dt.Simulation("pa6_bench").run(duration=0.1)
+    reported = {
+        key
+        for _, _, raw in result.recording.bag.messages([DIAGNOSTICS])
+        for status in decode_diagnostics(raw)[1]
+        for key in status.values
+    }
+    assert reported
+    assert {key for key in reported if not key.startswith(("energy_", "step_cost_"))} <= listed
+    sources = "".join(file.read_text() for file in (DOCS.parent / "drill_twin").rglob("*.py"))
+    assert not [name for name in listed if f'"{name}"' not in sources]
