@@ -12,7 +12,7 @@ from benchmarks.kernel.examples import EXAMPLES, forms_of, full_scene, scene_wit
 from benchmarks.kernel.measure import Cost, least_cost
 from benchmarks.kernel.memory import memory_over
 from drill_twin.cli.show import err, grid, out, pairs
-from drill_twin.twin.dynamics import LATERAL, SPATIAL
+from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL
 
 app = typer.Typer(help=__doc__, no_args_is_help=True, add_completion=False)
 BARE = "bare rod"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from drill_twin.effects import EFFECTS
 from drill_twin.scene import Scene, load_scene
-from drill_twin.twin.dynamics import LATERAL, SPATIAL
+from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL
 
 ROD = Path(__file__).resolve().parent.parent / "scenes" / "peers.yaml"
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from benchmarks.kernel.examples import full_scene
 from drill_twin.schedule import Schedule
-from drill_twin.twin.dynamics import LATERAL
+from drill_twin.discretisation.kernel_arguments import LATERAL
 from drill_twin.twin.twin import Twin
 
 LOOKS = 20

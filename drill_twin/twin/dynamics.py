@@ -11,8 +11,8 @@ from drill_twin.audit.energy_ledger import make_energy_ledger
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.boundary_conditions import BoundaryConditions
 from drill_twin.discretisation.discretise import axis_at, discretise, tubes_of
-from drill_twin.discretisation.drive import make_drive
-from drill_twin.discretisation.initial_state import axial_weight, set_initial_state
+from drill_twin.discretisation.initial_state import set_initial_state
+from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL, effects_of, form_of, parameters_of
 from drill_twin.discretisation.resolution import newton_place, resolution_of
 from drill_twin.effects import effect_module
 from drill_twin.model.mesh import Rod, build_rod
@@ -26,7 +26,6 @@ from drill_twin.solver.spatial.workspace import make_workspace
 from drill_twin.statics.static_start import start_in_equilibrium
 from drill_twin.twin.packed_arrays import named_arrays, pack_arrays
 
-SPATIAL, LATERAL = "spatial", "lateral"
 AXIAL = "work.axial"
 """Array of the lateral formulation that is missing in checkpoints of drill_twin 0.1.0."""
 DEFAULT_HALVINGS = 1000
@@ -65,14 +64,11 @@ class Dynamics:
         self.model, self.form = discretise(scene, rod), form_of(scene)
         self.boundary_conditions = BoundaryConditions.of(scene)
         self.hole = "straight" if self.model.wellbore.axis is None else "curved"
-        self.effects = tuple(name for name in scene.effect_names if hasattr(effect_module(name), "parameters"))
+        self.effects = effects_of(scene)
         audit = scene.numerics.audit == "energy"
         self.kernel = build_kernel(self.effects, self.form, self.hole, audit=audit)
-        parameters = self.kernel.Parameters(
-            make_drive(scene, float(axial_weight(scene, self.model).sum())),
-            *(effect_module(name).parameters(getattr(scene.effects, name), self.model) for name in self.effects),
-            *([make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_constrained)] if audit else []),
-        )
+        ledger = [make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_constrained)] if audit else []
+        parameters = parameters_of(self.kernel, scene, self.model, *ledger)
         self._constrained = self.boundary_conditions.constrained(scene.string.bit_end)
         self._work: Any = (make_workspace if self.form == SPATIAL else make_lateral_workspace)(rod.length.size)
         self._advance: Callable[..., int] | None = None  # once compiled
@@ -190,8 +186,3 @@ def restore_arrays(memory: Iterator[tuple[str, Array]], arrays: Mapping[str, Arr
     """Copy `arrays` into the arrays of `memory` with the same names; `AXIAL` may be missing."""
     for name, array in memory:
         array[...] = arrays.get(name, array) if name == AXIAL else arrays[name]
-
-
-def form_of(scene: Scene) -> str:
-    """Formulation of a scene: `LATERAL` with neither stretch nor torsion, else `SPATIAL`."""
-    return LATERAL if scene.effects.stretch is None and scene.effects.torsion is None else SPATIAL

@@ -7,12 +7,13 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.discretisation.kernel_arguments import LATERAL
 from drill_twin.model.bit import DRILLED
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.twin.dynamics import LATERAL, Dynamics, restore_arrays
+from drill_twin.twin.dynamics import Dynamics, restore_arrays
 from drill_twin.twin.energy_balance import EnergyAudit
 from drill_twin.twin.failure_report import failure_report
 from drill_twin.twin.frame import EnergyBalance, Frame, Intervention

@@ -17,7 +17,7 @@ from benchmarks.peers.run import TOOLS, Tool, missing, run_apart, run_rounds
 from benchmarks.peers.summary import summary
 from benchmarks.peers.tables import markdown
 from benchmarks.peers.task import Motion, Task
-from drill_twin.twin.dynamics import LATERAL, form_of
+from drill_twin.discretisation.kernel_arguments import LATERAL, form_of
 
 SHORT: dict = {"scene": "pa6_bench", "changes": {"duration": "0.2 s"}}  # a set of effects that other tests compile too
 FAR, BARE = "wall and wall_friction, far", "bare rod"

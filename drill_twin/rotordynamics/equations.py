@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Equations of motion of a scene at one instant: residual, mass, damping and stiffness, from its compiled effects.
+
+The imperfections that turn with the string (`bow`, `eccentricity`) are set to zero here: what is left looks the same
+from every direction, unless the hole is inclined. An effect that depends on time itself is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.base.arrays import Array
+from drill_twin.discretisation.boundary_conditions import BoundaryConditions
+from drill_twin.discretisation.discretise import axis_at, discretise, tubes_of
+from drill_twin.discretisation.initial_state import set_initial_state
+from drill_twin.discretisation.kernel_arguments import LATERAL, effects_of, form_of, parameters_of
+from drill_twin.discretisation.resolution import resolution_of
+from drill_twin.errors import SceneError
+from drill_twin.model.mesh import SPIN, build_rod
+from drill_twin.scene import Scene
+from drill_twin.schedule.command import Command
+from drill_twin.solver import state
+from drill_twin.solver.boundary.bit_frame import bit_frame
+from drill_twin.solver.boundary.rig import LAG
+from drill_twin.solver.kernel_codegen import build_linearisation, entry_point
+from drill_twin.solver.lateral.workspace import make_workspace as make_lateral_workspace
+from drill_twin.solver.linearisation import DAMPING, MASS, STIFFNESS
+from drill_twin.solver.spatial.workspace import make_workspace
+
+TIME_DEPENDENT = {
+    "random_force": "a random force",
+    "top_shake": "a shaken top",
+    "bit_side_force": "a force of fixed direction at the bit",
+}
+"""Effects without a place in a steady state, and what they are."""
+COLUMNS = {"lateral": np.array([0, 1, 3, 4]), "spatial": np.arange(7)}
+"""Columns of the unknowns in a node's row of seven."""
+
+
+class Linearised(NamedTuple):
+    """Residual and its derivatives by acceleration, velocity and position; m free unknowns."""
+
+    residual: Array
+    """Forces out of balance [N, N m], shape (m,)."""
+    mass: Array
+    """Shape (m, m), as the others."""
+    damping: Array
+    stiffness: Array
+
+
+def without(scene: Scene, effects: Sequence[str]) -> Scene:
+    """The scene without some of its effects.
+
+    Raises:
+        SceneError: One of them is not listed by the scene.
+    """
+    for key in effects:
+        if key not in scene.effect_names:
+            raise SceneError(f"--without: expected an effect of the scene ({', '.join(scene.effect_names)}), found {key}")
+    return scene.model_copy(update={"effects": scene.effects.model_copy(update=dict.fromkeys(effects))})
+
+
+def refuse_time_dependent(scene: Scene) -> None:
+    """Raise for an effect that depends on time itself.
+
+    Raises:
+        SceneError: There is one; the message says how to leave it out.
+    """
+    found = [key for key in scene.effect_names if key in TIME_DEPENDENT]
+    if found:
+        named = ", ".join(f"{key} ({TIME_DEPENDENT[key]})" for key in found)
+        raise SceneError(
+            f"{scene.name}: expected effects that are constant in a turning frame, found {named}; "
+            f"{' '.join(f'--without {key}' for key in found)} leaves {'it' if len(found) == 1 else 'them'} out"
+        )
+    cutting = getattr(scene.effects, "bit_cutting", None)
+    if cutting is not None and cutting.rock_stiffness is not None:
+        raise SceneError(
+            f"{scene.name}: expected a bit whose rock is at rest, found bit_cutting with a rock_stiffness, whose "
+            "surface goes down while it drills; set the weight at the bit (rig.weight_on_bit.at: bit)"
+        )
+
+
+class EquationsOfMotion:
+    """The compiled equations of a scene, for any position, velocity and acceleration of the string.
+
+    Attributes:
+        scene: The scene.
+        form: Formulation: "spatial" or "lateral".
+        model: Discrete model.
+        parameters: Parameters of drive and effects; replace numbers by `_replace`, arrays in place.
+        free: Mask of the unknowns that are not constrained, shape (n + 1, k) with k unknowns a node.
+        unknowns: Number m of free unknowns.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        """Build the model and load or compile its equations.
+
+        Raises:
+            SceneError: An effect depends on time, or the scene asks for an accuracy instead of elements.
+        """
+        refuse_time_dependent(scene)
+        self.scene, self.form = scene, form_of(scene)
+        elements, _ = resolution_of(scene)
+        rod = build_rod(tubes_of(scene), elements)
+        self.model = discretise(scene, rod)
+        hole = "straight" if self.model.wellbore.axis is None else "curved"
+        self._kernel = build_linearisation(effects_of(scene), self.form, hole)
+        self.parameters = parameters_of(self._kernel, scene, self.model)
+        count = rod.length.size
+        self._work: Any = make_lateral_workspace(count) if self.form == LATERAL else make_workspace(count)
+        self._state = state.make_state(count)
+        self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
+        self._constrained = BoundaryConditions.of(scene).constrained(scene.string.bit_end)
+        self.columns = COLUMNS[self.form]
+        width = self.columns.size
+        self.free = np.ones((count + 1, width), dtype=bool)
+        self.free[0], self.free[-1] = ~self._constrained[0, self.columns], ~self._constrained[1, self.columns]
+        self._residual = np.zeros((count + 1, width))
+        self._tangents = np.zeros((3, count + 1, width, 3 * width))
+        self.unknowns = int(self.free.sum())
+        self._from, self._to = places_in_matrix(self.free)
+        self._entry: Any = None
+        self._remove_imperfections()
+
+    def _remove_imperfections(self) -> None:
+        if (bow := getattr(self.parameters, "bow", None)) is not None:
+            bow.moment[:] = 0.0
+        if (eccentricity := getattr(self.parameters, "eccentricity", None)) is not None:
+            eccentricity.imbalance[:] = 0.0
+            eccentricity.inertia[:] = 0.0
+
+    def on_axis(self, command: Command) -> tuple[Array, Array]:
+        """Position and velocity of the string on the axis of the hole, turning; rows of seven, shape (n + 1, 7)."""
+        set_initial_state(self._state, self.model, self.scene, command.weight_on_bit)
+        u, v = self._state.u.copy(), np.zeros_like(self._state.v)
+        v[:, SPIN] = command.rotation
+        return u, v
+
+    def evaluate(self, command: Command, u: Array, v: Array, a: Array) -> Linearised:
+        """Residual and tangents at an instant.
+
+        Args:
+            command: Weight on bit [N] and speed of the top drive [rad/s].
+            u: Rows (r, r', psi), shape (n + 1, 7).
+            v: Their velocities.
+            a: Their accelerations.
+        """
+        self._work.command[:] = command.weight_on_bit, command.rotation
+        drive = self.parameters.drive
+        drive.memory[LAG] = -u[-1, SPIN]  # the angle that the drive's controller has integrated
+        drive.bit.now[0] = command.weight_on_bit + (drive.hanging if drive.from_top > 0.0 else 0.0)
+        entry = self._entry or self._kernel.evaluate
+        entry(
+            self.parameters, self.model.rod, self._work, self._constrained, self._state, u, v, a,
+            self._residual, self._tangents,
+        )  # fmt: skip
+        self._entry = self._entry or entry_point(self._kernel, "evaluate")
+        mass, damping, stiffness = (self._dense(self._tangents[k]) for k in (MASS, DAMPING, STIFFNESS))
+        return Linearised(self._residual[self.free], mass, damping, stiffness)
+
+    def rows(self, free: Array) -> Array:
+        """Rows of seven, shape (n + 1, 7), from values of the free unknowns, shape (m,); zero elsewhere."""
+        result, own = np.zeros((self.free.shape[0], 7)), np.zeros(self.free.shape)
+        own[self.free] = free
+        result[:, self.columns] = own
+        return result
+
+    def _dense(self, blocks: Array) -> Array:
+        matrix = np.zeros((self.unknowns, self.unknowns))
+        matrix.flat[self._to] = blocks.flat[self._from]
+        return matrix
+
+
+def places_in_matrix(free: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Flat indices of the entries of block rows [lower, own, upper], and of the same entries in the full matrix.
+
+    Args:
+        free: Mask of the unknowns in the matrix, shape (n + 1, k).
+    """
+    nodes, width = free.shape
+    number = np.full((nodes + 2, width), -1)
+    number[1:-1][free] = np.arange(int(free.sum()))
+    row = np.broadcast_to(number[1:-1, :, None], (nodes, width, 3 * width))
+    column = np.stack([number[i : i + 3].ravel() for i in range(nodes)])[:, None, :]
+    column = np.broadcast_to(column, row.shape)
+    taken = ((row >= 0) & (column >= 0)).ravel()
+    return np.flatnonzero(taken), (row.ravel() * int(free.sum()) + column.ravel())[taken]
