@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL
 from drill_twin.effects import EFFECTS
 from drill_twin.scene import Scene, load_scene
-from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL
 
 ROD = Path(__file__).resolve().parent.parent / "scenes" / "peers.yaml"
 

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks.kernel.examples import full_scene
-from drill_twin.schedule import Schedule
 from drill_twin.discretisation.kernel_arguments import LATERAL
+from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin
 
 LOOKS = 20

@@ -2,6 +2,7 @@
 """The public Python API, re-exported by `drill_twin`: scenes, runs, results, analysis (docs/api.md)."""
 
 from drill_twin.api.result import Cost, Result, read_bag
+from drill_twin.api.rotordynamics import campbell, growth_map, modes
 from drill_twin.api.scenes import build_scene, check_scene, load_scene, override, scene_names, write_scene
 from drill_twin.api.simulation import Simulation, State
 from drill_twin.api.whirl import Whirl, analyze
@@ -41,8 +42,11 @@ __all__ = [
     "Whirl",
     "analyze",
     "build_scene",
+    "campbell",
     "check_scene",
+    "growth_map",
     "load_scene",
+    "modes",
     "override",
     "read_bag",
     "scene_names",

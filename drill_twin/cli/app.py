@@ -10,6 +10,7 @@ import typer
 from drill_twin import __version__
 from drill_twin.cli.bags import analyze, report
 from drill_twin.cli.load import load
+from drill_twin.cli.modes import modes
 from drill_twin.cli.ros import demo, replay, topics
 from drill_twin.cli.run import run
 from drill_twin.cli.scenes import check, scenes, schema
@@ -52,6 +53,7 @@ app.command(rich_help_panel=_RUN)(run)
 app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
 app.command(rich_help_panel=_RUN)(watch)
+app.command(rich_help_panel=_RUN)(modes)
 app.command(rich_help_panel=_STUDY)(cost)
 app.command(rich_help_panel=_STUDY)(effects)
 app.command(rich_help_panel=_STUDY)(verify)

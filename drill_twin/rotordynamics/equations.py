@@ -60,7 +60,9 @@ def without(scene: Scene, effects: Sequence[str]) -> Scene:
     """
     for key in effects:
         if key not in scene.effect_names:
-            raise SceneError(f"--without: expected an effect of the scene ({', '.join(scene.effect_names)}), found {key}")
+            raise SceneError(
+                f"--without: expected an effect of the scene ({', '.join(scene.effect_names)}), found {key}"
+            )
     return scene.model_copy(update={"effects": scene.effects.model_copy(update=dict.fromkeys(effects))})
 
 

@@ -81,32 +81,30 @@ def source(effects: Sequence[str], form: str, *, audit: bool = False) -> str:
     more = "\nfrom drill_twin.audit import energy_ledger, step_audit" if audit else ""
     fields = ["ledger: energy_ledger.EnergyLedger"] if audit else []
     title = f"The {form} time loop for: {', '.join(effects) or 'no effects'}"
-    return f'''{_bound(effects, form, title, "midpoint", more, fields)}
+    return f"""{_bound(effects, form, title, "midpoint", more, fields)}
 {_audited(effects, form) if audit else "loop = midpoint.bind(form, effects)"}
 
 
 @entry_kernel
 def advance(parameters, rod, work, constrained, state, control, command0, command1, start, end, counters):
     return loop(parameters, rod, work, constrained, state, control, command0, command1, start, end, counters)
-'''
+"""
 
 
 def linearisation_source(effects: Sequence[str], form: str) -> str:
     """The text of the module with the equations at an instant (`drill_twin.solver.linearisation`)."""
     title = f"The {form} equations at an instant for: {', '.join(effects) or 'no effects'}"
-    return f'''{_bound(effects, form, title, "linearisation", "", [])}
+    return f"""{_bound(effects, form, title, "linearisation", "", [])}
 instant = linearisation.bind_{form}(form)
 
 
 @entry_kernel
 def evaluate(parameters, rod, work, constrained, state, u, v, a, residual, tangents):
     instant(parameters, rod, work, constrained, state, u, v, a, residual, tangents)
-'''
+"""
 
 
-def _bound(
-    effects: Sequence[str], form: str, title: str, solver: str, more: str, fields: Sequence[str]
-) -> str:
+def _bound(effects: Sequence[str], form: str, title: str, solver: str, more: str, fields: Sequence[str]) -> str:
     """The part of a module that binds a formulation to the effects."""
     imports = "\n".join(import_line(name, name) for name in effects)
     own = [f"{name}: {name}.Parameters" for name in effects if hasattr(effect_module(name), "Parameters")]

@@ -2,9 +2,9 @@
 """The equations of motion at a given position, velocity and acceleration: residual, and tangents by each of them.
 
 `build` of a formulation fills the system of a midpoint step, ``R = M a + f(u, v)`` with the derivative
-``T(h) = M / h + C + h K`` by the mid-step velocity, C = df/dv and K = df/du. Seen as an instant, h = dt / 2 is small and
-may be negative: the sum of T(h) and T(-h) is 2 C, their difference 2 (M / h + h K), and a second pair with another h
-separates M from K. What a formulation evaluates between the ends of a step (wall, stretch) is then its value at the
+``T(h) = M / h + C + h K`` by the mid-step velocity, C = df/dv and K = df/du. Seen as an instant, h = dt / 2 is small
+and may be negative: the sum of T(h) and T(-h) is 2 C, their difference 2 (M / h + h K), and a second pair with another
+h separates M from K. What a formulation evaluates between the ends of a step (wall, stretch) is then its value at the
 instant, up to h^2.
 
 Friction in a primal-dual form has its exact tangent when the dual variable has converged: the second of two builds at

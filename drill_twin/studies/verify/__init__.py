@@ -23,6 +23,7 @@ TOPICS = {
     "dynamics.damping": "quiet",
     "dynamics.mud": "quiet",
     "dynamics.rotor": "quiet",
+    "dynamics.modes": "walled",
     "contact.contact": "walled",
     "statics.curved_hole": "walled, in a curved hole",
     "contact.bit": "bit",

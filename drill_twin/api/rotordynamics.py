@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Modes, critical speeds and growth rates of a scene without a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.base.arrays import Array
+from drill_twin.errors import SceneError
+from drill_twin.rotordynamics import campbell as _campbell
+from drill_twin.rotordynamics import growth_map as _growth_map
+from drill_twin.rotordynamics import modes as _modes
+from drill_twin.rotordynamics.campbell import Campbell
+from drill_twin.rotordynamics.equations import EquationsOfMotion, without
+from drill_twin.rotordynamics.growth_map import GrowthMap
+from drill_twin.rotordynamics.modes import ModeTable, Resting
+from drill_twin.scene import Scene
+from drill_twin.schedule import Command
+
+
+def steady_scene(scene: Scene | str | Path, overrides: Overrides | None, left_out: Sequence[str]) -> Scene:
+    """The scene under its final set-points, without some of its effects.
+
+    Raises:
+        SceneError: It plays a record, which has no final set-points, or an effect is not listed.
+    """
+    own = without(as_scene(scene, overrides), left_out)
+    recorded = [key for key in ("weight_on_bit", "rotation") if getattr(own.rig, key).shape == "table"]
+    if recorded:
+        raise SceneError(
+            f"{own.name}: expected set-points with a final value, found a recorded {' and '.join(recorded)}, which "
+            f"changes; {' '.join(f'--set rig.{key}.shape=constant --set rig.{key}.value=...' for key in recorded)} "
+            "replaces it"
+        )
+    if own.numerics.accuracy is not None:
+        from drill_twin.accuracy import resolve
+
+        own = resolve(own).scene
+    return own
+
+
+def final_command(scene: Scene) -> Command:
+    """Final weight on bit and rotation of a scene."""
+    return Command(scene.rig.weight_on_bit.value, scene.rig.rotation.value)
+
+
+def resting_in(scene: Scene) -> Resting:
+    """Function from a command to the static balance under it, by the search of `rig.start: equilibrium`."""
+
+    def resting(command: Command) -> Array:
+        from drill_twin.twin.dynamics import Dynamics
+
+        rig = scene.rig
+        load = rig.weight_on_bit.model_copy(update={"initial": command.weight_on_bit, "value": command.weight_on_bit})
+        turn = rig.rotation.model_copy(update={"initial": command.rotation, "value": command.rotation})
+        held = rig.model_copy(update={"weight_on_bit": load, "rotation": turn, "start": "equilibrium"})
+        u, _ = Dynamics(scene.model_copy(update={"rig": held})).unknowns
+        return u.copy()
+
+    return resting
+
+
+def modes(
+    scene: Scene | str | Path,
+    overrides: Overrides | None = None,
+    *,
+    without: Sequence[str] = (),
+    count: int = _modes.COUNT,
+) -> ModeTable:
+    """Damped modes of the string, turning in balance under the final set-points of a scene.
+
+    >>> table = modes("pa6_bench", {"wob": 5, "rps": 2})
+    >>> [(mode.kind, mode.frequency, mode.growth) for mode in table.modes]
+
+    Args:
+        scene: The scene, or its name or file.
+        overrides: Values that replace those of the scene.
+        without: Effects to leave out.
+        count: Modes of each kind.
+
+    Raises:
+        SceneError: The scene cannot be loaded, or an effect of it depends on time.
+        RunError: There is no balance.
+    """
+    own = steady_scene(scene, overrides, without)
+    return _modes.modes(EquationsOfMotion(own), final_command(own), resting_in(own), count)
+
+
+def campbell(
+    scene: Scene | str | Path,
+    overrides: Overrides | None = None,
+    *,
+    speeds: Array,
+    without: Sequence[str] = (),
+    count: int = 6,
+) -> Campbell:
+    """Lateral modes over the speed of rotation [rad/s], shape (p,), and critical speeds.
+
+    Arguments and errors as of `modes`.
+    """
+    own = steady_scene(scene, overrides, without)
+    return _campbell.campbell(EquationsOfMotion(own), own.rig.weight_on_bit.value, np.asarray(speeds, float), count)
+
+
+def growth_map(
+    scene: Scene | str | Path,
+    overrides: Overrides | None = None,
+    *,
+    weights: Array,
+    speeds: Array,
+    without: Sequence[str] = (),
+    progress: Callable[[int], None] | None = None,
+) -> GrowthMap:
+    """Largest growth rate over weights on bit [N], shape (w,), and speeds [rad/s], shape (p,).
+
+    Arguments and errors as of `modes`; `progress` is called with the number of loads done.
+    """
+    own = steady_scene(scene, overrides, without)
+    equations = EquationsOfMotion(own)
+    return _growth_map.growth_map(equations, np.asarray(weights, float), np.asarray(speeds, float), progress)

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin modes`: damped modes, critical speeds and growth rates of a scene."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrides
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from drill_twin.rotordynamics.modes import ModeTable
+
+WithoutOption = Annotated[
+    list[str], typer.Option("--without", metavar="EFFECT", help="Leave an effect of the scene out; repeatable.")
+]
+WeightOption = Annotated[str, typer.Option("--wob", metavar="FORCE", help='Weight on bit, as "40 N".')]
+TurnOption = Annotated[str, typer.Option("--rps", metavar="SPEED", help='Speed, as "2 rev/s"; a bare number is rev/s.')]
+
+
+def modes(
+    scene: SceneArgument,
+    wob: WeightOption = "",
+    rps: TurnOption = "",
+    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    without: WithoutOption = [],  # noqa: B006
+    count: Annotated[int, typer.Option("--count", min=1, max=100, help="Modes of each kind.")] = 6,
+    campbell: Annotated[
+        int, typer.Option("--campbell", metavar="N", min=0, max=1000, help="Campbell diagram over N speeds.")
+    ] = 0,
+    growth: Annotated[
+        int, typer.Option("--map", metavar="N", min=0, max=500, help="Map of growth rates, N loads by N speeds.")
+    ] = 0,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write modes.json and the figures to this folder.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Damped modes of the turning string under its final set-points: frequency, growth, shape.
+
+    Campbell diagram and map go up to twice the speed and the load of the scene. Bow and eccentricity are left out: they
+    excite, and change no mode.
+    """
+    import numpy as np
+
+    from drill_twin.api import rotordynamics
+    from drill_twin.cli.show import err, print_json
+    from drill_twin.cli.show import out as stdout
+    from drill_twin.discretisation.discretise import tubes_of
+    from drill_twin.discretisation.resolution import resolution_of
+    from drill_twin.model.mesh import build_rod
+    from drill_twin.report.figures.style import save
+    from drill_twin.studies.rotordynamics import data, linear_figures
+
+    changes = overrides(change, wob=wob, rps=rps)
+    own = rotordynamics.steady_scene(scene, changes, without)
+    command = rotordynamics.final_command(own)
+    with err().status("computing"):
+        table = rotordynamics.modes(own, count=count)
+        fastest, heaviest = 2.0 * (abs(command.rotation) or 10.0), 2.0 * (abs(command.weight_on_bit) or 1.0)
+        diagram = grown = None
+        if campbell:
+            speeds = np.linspace(0.0, fastest, campbell + 1)[1:]
+            diagram = rotordynamics.campbell(own, speeds=speeds, count=count)
+        if growth:
+            speeds, loads = np.linspace(0.0, fastest, growth + 1)[1:], np.linspace(0.0, heaviest, growth)
+            grown = rotordynamics.growth_map(own, weights=loads, speeds=speeds)
+    result = data.modes_data(table)
+    figures = {
+        "modes": linear_figures.shapes_figure(table, build_rod(tubes_of(own), resolution_of(own)[0]).arc, own.name)
+    }
+    if diagram is not None:
+        result["campbell"], figures["campbell"] = (
+            data.campbell_data(diagram), linear_figures.campbell_figure(diagram, own.name),
+        )  # fmt: skip
+    if grown is not None:
+        result["growth"], figures["growth"] = data.growth_data(grown), linear_figures.growth_figure(grown, own.name)
+    if json:
+        print_json(result)
+    else:
+        stdout().print(_table(table, own.name))
+    if diagram is not None and not json:
+        named = ", ".join(f"{speed / math.tau:.4g} rev/s (mode {mode + 1})" for mode, speed in diagram.critical)
+        stdout().print(f"critical speeds: {named or 'none up to the largest speed'}", markup=False, soft_wrap=True)
+    if out is not None:
+        from drill_twin.cli.folder import make_folder, write_file
+        from drill_twin.studies.json_io import json_text
+
+        make_folder(out)
+        write_file(out / "modes.json", json_text(result))
+        for name, figure in figures.items():
+            save(figure, out / f"{name}.png")
+        err().print(f"{out}: modes.json, {', '.join(f'{name}.png' for name in figures)}", markup=False, soft_wrap=True)
+
+
+def _table(table: ModeTable, name: str) -> Table:
+    from drill_twin.cli.show import grid
+
+    command = table.balance.command
+    rows = []
+    for mode in table.modes:
+        sense = ""
+        if mode.kind == "lateral" and table.on_axis and abs(mode.frequency) > 1e-9:
+            sense = "forward" if mode.frequency * command.rotation >= 0.0 else "backward"
+        rows.append((
+            mode.kind, sense, f"{abs(mode.frequency):.4g}", f"{mode.growth:+.4g}", f"{mode.damping_ratio:.3g}",
+        ))  # fmt: skip
+    place = "on the axis" if table.on_axis else "on the wall"
+    title = (
+        f"{name}: {command.weight_on_bit:g} N, {command.rotation / math.tau:.4g} rev/s, string {place}. "
+        "Frequency in Hz, growth in 1/s (above 0: unstable), damping ratio."
+    )
+    return grid(("mode", "whirl", "frequency", "growth", "damping"), rows, title=title, right=(2, 3, 4))

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Campbell diagram: lateral modes over the speed of rotation, followed by their shapes, and critical speeds."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.errors import RunError
+from drill_twin.rotordynamics.eigenvalues import Pencil, damped_modes
+from drill_twin.rotordynamics.equations import EquationsOfMotion
+from drill_twin.rotordynamics.modes import balance, bit_unknowns, is_vertical
+from drill_twin.rotordynamics.turning_frame import TurningFrame
+from drill_twin.schedule.command import Command
+
+SPARE = 6
+"""Modes computed beyond those asked for, so that none is lost where their order changes."""
+
+
+class Campbell(NamedTuple):
+    """Lateral modes over speeds of rotation; p speeds, m modes."""
+
+    weight_on_bit: float
+    """[N]."""
+    speeds: Array
+    """Speed of rotation [rad/s], shape (p,)."""
+    eigenvalues: ComplexArray
+    """Growth [1/s] and frequency [rad/s], positive in the sense of rotation, shape (p, m)."""
+    critical: tuple[tuple[int, float], ...]
+    """Mode and speed [rad/s] at which its frequency is that of the rotation."""
+
+
+def mac(first: ComplexArray, second: ComplexArray) -> Array:
+    """Modal assurance criterion between the columns of two matrices (Allemang 1982), 0 to 1, shape (m, k)."""
+    scale = np.outer(np.sum(np.abs(first) ** 2, axis=0), np.sum(np.abs(second) ** 2, axis=0))
+    result: Array = np.abs(first.conj().T @ second) ** 2 / np.maximum(scale, 1e-300)
+    return result
+
+
+def campbell(equations: EquationsOfMotion, weight_on_bit: float, speeds: Array, count: int = 6) -> Campbell:
+    """Follow the lateral modes of the string on the axis over the speed of rotation.
+
+    Args:
+        equations: Of a scene with a straight vertical hole.
+        weight_on_bit: [N].
+        speeds: [rad/s], shape (p,), in order.
+        count: Modes, the lowest at the first speed.
+
+    Raises:
+        RunError: The hole is not vertical, or there is no balance.
+    """
+    if not is_vertical(equations):
+        raise RunError(
+            f"{equations.scene.name}: expected a straight vertical hole, in which the string can turn on the axis, "
+            "found an inclined or curved one; `drill-twin modes` gives its modes at one speed"
+        )
+    frame = TurningFrame(equations)
+    values = np.zeros((speeds.size, count), dtype=complex)
+    shapes: ComplexArray | None = None
+    for k, speed in enumerate(speeds):
+        system = balance(equations, Command(weight_on_bit, float(speed))).system
+        pencil = Pencil(*(frame.as_complex(matrix) for matrix in system[1:]))
+        found, vectors = damped_modes(pencil, bit_unknowns(equations, frame))
+        order = np.argsort(np.abs(found))[: count + SPARE]
+        found, vectors = found[order], vectors[frame.at_node][:, order]
+        if shapes is None:
+            chosen = np.arange(count)
+        else:
+            # one shape belongs to two eigenvalues, forward and backward: the nearer of equal shapes
+            scale = np.abs(values[k - 1]).max()
+            apart = np.abs(values[k - 1][:, None] - found[None, :]) / scale
+            chosen = linear_sum_assignment(1.0 - mac(shapes, vectors) + apart)[1]
+        values[k], shapes = found[chosen], vectors[:, chosen]
+    return Campbell(weight_on_bit, speeds, values, critical_speeds(speeds, values))
+
+
+def critical_speeds(speeds: Array, eigenvalues: ComplexArray) -> tuple[tuple[int, float], ...]:
+    """Speeds at which the frequency of a mode equals that of the rotation, by linear interpolation."""
+    found: list[tuple[int, float]] = []
+    ahead = eigenvalues.imag - speeds[:, None]
+    for k, mode in zip(*np.nonzero(ahead[:-1] * ahead[1:] <= 0.0), strict=True):
+        before, after = ahead[k, mode], ahead[k + 1, mode]
+        share = before / (before - after) if before != after else 0.0
+        speed = float(speeds[k] + share * (speeds[k + 1] - speeds[k]))
+        if speed > 0.0 and not any(other == mode and math.isclose(speed, at) for other, at in found):
+            found.append((int(mode), speed))
+    return tuple(found)

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Results of the rotordynamics as plain types for JSON."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from drill_twin.rotordynamics.campbell import Campbell
+from drill_twin.rotordynamics.growth_map import GrowthMap
+from drill_twin.rotordynamics.modes import ModeTable
+
+
+def modes_data(table: ModeTable) -> dict[str, Any]:
+    """Set-points and modes; frequencies in Hz, growth in 1/s."""
+    command = table.balance.command
+    return {
+        "weight_on_bit_n": command.weight_on_bit,
+        "rotation_rev_s": command.rotation / math.tau,
+        "on_axis": table.on_axis,
+        "modes": [
+            {
+                "kind": mode.kind,
+                "frequency_hz": mode.frequency,
+                "growth_per_s": mode.growth,
+                "damping_ratio": mode.damping_ratio,
+                "shape_real": mode.shape.real.tolist(),
+                "shape_imaginary": mode.shape.imag.tolist(),
+            }
+            for mode in table.modes
+        ],
+    }
+
+
+def campbell_data(diagram: Campbell) -> dict[str, Any]:
+    """Frequencies [Hz] and growth [1/s] by speed, then mode; critical speeds [rev/s]."""
+    return {
+        "weight_on_bit_n": diagram.weight_on_bit,
+        "rotation_rev_s": (diagram.speeds / math.tau).tolist(),
+        "frequency_hz": (diagram.eigenvalues.imag / math.tau).tolist(),
+        "growth_per_s": diagram.eigenvalues.real.tolist(),
+        "critical": [{"mode": mode + 1, "rotation_rev_s": speed / math.tau} for mode, speed in diagram.critical],
+    }
+
+
+def growth_data(growth: GrowthMap) -> dict[str, Any]:
+    """Growth [1/s] by load, then speed, and the least loads with growth above zero [N]."""
+    data: dict[str, Any] = {
+        "weight_on_bit_n": growth.weights.tolist(),
+        "rotation_rev_s": (growth.speeds / math.tau).tolist(),
+        "lateral_growth_per_s": growth.lateral.tolist(),
+        "whirl_onset_n": growth.onset(growth.lateral).tolist(),
+    }
+    if growth.torsional is not None:
+        data["torsional_growth_per_s"] = growth.torsional.tolist()
+        data["stick_slip_onset_n"] = growth.onset(growth.torsional).tolist()
+    return data
