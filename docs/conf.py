@@ -54,7 +54,7 @@ def _no_type_in_the_text(
 ) -> None:
     """Keep napoleon from reading the text before the first colon of an attribute's docstring as its type."""
     if what in {"attribute", "data", "property"}:
-        lines.insert(0, "")
+        lines[:0] = ["..", ""]  # an empty comment: a first line without a colon
 
 
 def setup(app: Sphinx) -> None:
