@@ -18,6 +18,7 @@ import numpy as np
 from drill_twin import __version__
 from drill_twin.accuracy.errors import compare
 from drill_twin.accuracy.motion_run import Motion
+from drill_twin.base.json_reader import read_json
 from drill_twin.scene import Scene
 from drill_twin.scene.paths import config_dir
 from drill_twin.solver.kernel_cache import cache_folder
@@ -115,7 +116,7 @@ class ErrorModel:
         Raises:
             ValueError, TypeError, KeyError: It is damaged.
         """
-        data: dict[str, Any] = json.loads(content)
+        data: dict[str, Any] = read_json(content)
         return ErrorModel(**{**data, "points": tuple(Point(**point) for point in data["points"])})
 
 

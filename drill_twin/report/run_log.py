@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import yaml
 
 from drill_twin.base.arrays import Array
+from drill_twin.base.yaml_reader import YamlError, plain_yaml
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.stamps import seconds
@@ -84,8 +84,8 @@ class RunLog:
 def _run_block(text: str) -> dict[str, Any]:
     """Content of the `run` block of a scene text; empty if there is none, or if the text is not YAML."""
     try:
-        data = yaml.safe_load(text)
-    except (yaml.YAMLError, ValueError, RecursionError):
+        data = plain_yaml(text)
+    except YamlError:
         return {}  # the whirl pipeline reports what is wrong with the scene
     run = data.get("run") if isinstance(data, dict) else None
     if not isinstance(run, dict):

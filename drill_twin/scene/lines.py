@@ -5,22 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import yaml
-
+from drill_twin.base.yaml_reader import Place, YamlError, read_yaml
 from drill_twin.errors import SceneError
 
-Path = tuple[str | int, ...]
+Path = Place
 """Place of a value in the data: keys and list indices."""
-
-LARGEST_TEXT = 1_000_000
-DEEPEST_NESTING = 40
-MOST_VALUES = 100_000
-
-_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_SCALARS = {
-    f"tag:yaml.org,2002:{kind}": kind for kind in ("str", "int", "float", "bool", "null", "timestamp", "merge", "value")
-}
-_COLLECTIONS = {"tag:yaml.org,2002:map", "tag:yaml.org,2002:seq"}
 
 
 @dataclass
@@ -36,6 +25,7 @@ class Lines:
     """Places set by an override, not by the text."""
     inherited: dict[Path, str] = field(default_factory=dict)
     """Places taken from the scene named as `base`, with file and line."""
+    _taken: set[Path] = field(default_factory=set)
 
     def order(self, path: Path) -> int:
         """Sort key of a place: its line; overrides come first."""
@@ -64,19 +54,22 @@ class Lines:
 
         A key without a value (`value: ~`) removes that of the base, except for an effect, where it means `on`.
         """
-        self._inherit(self.data, base.data, base, ())
+        self._inherit(self.data, base.data, ())
+        for place in (*base.lines, *base.inherited):
+            if any(place[:length] in self._taken for length in range(1, len(place) + 1)):
+                self.inherited[place] = base.where(place)
+        self._taken.clear()
 
-    def _inherit(self, own: dict[str, Any], below: dict[str, Any], base: "Lines", path: Path) -> None:
+    def _inherit(self, own: dict[str, Any], below: dict[str, Any], path: Path) -> None:
         for key, value in below.items():
             place = (*path, key)
             if key not in own:
                 own[key] = value
-                inside = [other for other in (*base.lines, *base.inherited) if other[: len(place)] == place]
-                self.inherited |= {other: base.where(other) for other in inside}
+                self._taken.add(place)
             elif own[key] is None and not is_effect(place):
                 del own[key]
             elif isinstance(own[key], dict) and isinstance(value, dict):
-                self._inherit(own[key], value, base, place)
+                self._inherit(own[key], value, place)
 
     def _known(self, path: Path) -> Path:
         known = (path[:length] for length in range(len(path), -1, -1))
@@ -95,13 +88,13 @@ def read_lines(text: str, name: str) -> Lines:
     Raises:
         SceneError: Malformed, too large or too deep, duplicate keys, tags, or not a mapping at the top.
     """
-    if len(text) > LARGEST_TEXT:
-        raise SceneError(f"{name}: expected a scene of at most {LARGEST_TEXT} characters, found {len(text)}")
-    root = _compose(text, name)
-    if root is None:
-        raise SceneError(f"{name}: expected keys such as `name`, `string`, `hole`, `rig`, found an empty file")
     result = Lines(name)
-    data = _Reader(result).read(root, ())
+    try:
+        data, result.lines = read_yaml(text, name)
+    except YamlError as error:
+        raise SceneError(str(error)) from None
+    if not result.lines:
+        raise SceneError(f"{name}: expected keys such as `name`, `string`, `hole`, `rig`, found an empty file")
     if not isinstance(data, dict):
         kind = "a list" if isinstance(data, list) else f'the text "{str(data)[:40]}"'
         raise SceneError(f"{result.where(())}: expected keys such as `name`, `string`, `hole`, `rig`, found {kind}")
@@ -114,84 +107,3 @@ def copy_plain(data: Any) -> Any:
     if isinstance(data, Mapping):
         return {str(key): copy_plain(value) for key, value in data.items()}
     return [copy_plain(item) for item in data] if isinstance(data, list | tuple) else data
-
-
-def _compose(text: str, name: str) -> yaml.Node | None:
-    try:
-        depth = 0
-        for event in yaml.parse(text, Loader=_Loader):
-            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-            if depth > DEEPEST_NESTING:
-                place = f"{name}:{event.start_mark.line + 1}" if event.start_mark else name
-                raise SceneError(f"{place}: expected at most {DEEPEST_NESTING} nested blocks, found more")
-        node: yaml.Node | None = yaml.compose(text, Loader=_Loader)
-        return node
-    except yaml.YAMLError as error:
-        raise _malformed(error, name) from None
-
-
-def _malformed(error: yaml.YAMLError, name: str) -> SceneError:
-    mark, begun = getattr(error, "problem_mark", None), getattr(error, "context_mark", None)
-    mark = mark or begun
-    place = f"{name}:{mark.line + 1}: column {mark.column + 1}" if mark else name
-    said = getattr(error, "problem", None) or getattr(error, "reason", None) or " ".join(str(error).split())
-    said = str(said).removeprefix("but ").removeprefix("found ")
-    since = (
-        f" {error.context} from line {begun.line + 1} on" if isinstance(error, yaml.MarkedYAMLError) and begun else ""
-    )
-    return SceneError(
-        f"{place}: expected valid YAML, found: {said}{since}; "
-        "an indent, a tab, a quote or a missing `: ` is the usual cause"
-    )
-
-
-class _Reader:
-    """Conversion of the nodes of one text to plain data."""
-
-    def __init__(self, result: Lines) -> None:
-        self.result = result
-        self.values = 0
-        self.scalars = _Loader("")
-
-    def read(self, node: yaml.Node, path: Path) -> Any:
-        self.result.lines.setdefault(path, node.start_mark.line + 1)
-        self.values += 1
-        if self.values > MOST_VALUES or len(path) > DEEPEST_NESTING:
-            raise self.error(node, "expected a scene, found endless repetition (a YAML alias of itself?)")
-        if isinstance(node, yaml.CollectionNode) and node.tag not in _COLLECTIONS:
-            raise self.error(node, f"expected plain values, found the YAML tag {node.tag}")
-        if isinstance(node, yaml.MappingNode):
-            return self.mapping(node, path)
-        if isinstance(node, yaml.SequenceNode):
-            return [self.read(item, (*path, index)) for index, item in enumerate(node.value)]
-        if node.tag not in _SCALARS:
-            raise self.error(node, f"expected plain values, found the YAML tag {node.tag}")
-        if _SCALARS[node.tag] in {"timestamp", "value", "merge"}:
-            return node.value
-        try:
-            return self.scalars.construct_object(node)
-        except ValueError:
-            return node.value
-
-    def mapping(self, node: yaml.MappingNode, path: Path) -> dict[str, Any]:
-        data: dict[str, Any] = {}
-        for key_node, value_node in node.value:
-            key = self.key(key_node)
-            place = (*path, key)
-            if key in data:
-                raise self.error(
-                    key_node, f"expected each key once, found `{key}` again (first in line {self.result.lines[place]})"
-                )
-            self.result.lines[place] = key_node.start_mark.line + 1
-            data[key] = self.read(value_node, place)
-        return data
-
-    def key(self, node: yaml.Node) -> str:
-        if not isinstance(node, yaml.ScalarNode):
-            raise self.error(node, "expected a name as key, found a list or mapping")
-        if node.tag == "tag:yaml.org,2002:merge":
-            raise self.error(node, "expected keys, found a YAML merge (`<<`); write the values out")
-        return str(node.value)
-
-    def error(self, node: yaml.Node, message: str) -> SceneError:
-        return SceneError(f"{self.result.name}:{node.start_mark.line + 1}: {message}")

@@ -7,8 +7,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from drill_twin.base.yaml_reader import LARGEST_TEXT
 from drill_twin.errors import SceneError
-from drill_twin.scene.lines import LARGEST_TEXT, Lines, copy_plain, read_lines
+from drill_twin.scene.lines import Lines, copy_plain, read_lines
 from drill_twin.scene.overrides import apply_overrides
 from drill_twin.scene.partial import contradictions_of_valid_parts
 from drill_twin.scene.paths import scene_path

@@ -5,8 +5,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-import yaml
-
+from drill_twin.base.yaml_reader import YamlError, plain_yaml
 from drill_twin.errors import SceneError
 from drill_twin.scene.lines import Lines, is_effect
 
@@ -49,9 +48,9 @@ def _expand(key: str, given: float | str) -> tuple[str, float | str]:
 
 def _value(lines: Lines, key: str, text: str) -> Any:
     try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError:
-        raise SceneError(f"{lines.name}: override: {key}: expected a value, found {text!r}") from None
+        return plain_yaml(text)
+    except YamlError:
+        raise SceneError(f"{lines.name}: override: {key}: expected a value, found {text[:100]!r}") from None
 
 
 def _set(lines: Lines, key: str, place: str, value: Any) -> None:

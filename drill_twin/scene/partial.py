@@ -40,9 +40,10 @@ def _valid_effects(data: Any, text: bool) -> Any:
     """Effects of the valid blocks; an invalid block raises UnknownPartError when asked for."""
     if not isinstance(data, dict):
         return UnknownPart()
-    invalid = {key for key, block in data.items() if isinstance(_valid(Effects, {key: block}, text), UnknownPart)}
+    known = {key: block for key, block in data.items() if key in Effects.model_fields}
+    invalid = {key for key, block in known.items() if isinstance(_valid(Effects, {key: block}, text), UnknownPart)}
     valid = Effects.model_validate(
-        {key: block for key, block in data.items() if key not in invalid}, context={"text": text}
+        {key: block for key, block in known.items() if key not in invalid}, context={"text": text}
     )
     return _ValidEffects(valid, invalid)
 

@@ -13,14 +13,17 @@ from drill_twin.errors import SceneError
 from drill_twin.scene.lines import Lines, Path
 from drill_twin.units import Quantity, show
 
+_MOST_EXPLAINED = 100
+"""Problems that are put into words; the others are counted."""
+
 
 def scene_error(found: list[ErrorDetails], lines: Lines, model: type[BaseModel]) -> SceneError:
     """Error with all problems; its message has the first one in the file and the number of others."""
-    places = [tuple(detail["loc"]) for detail in found]
-    causes = [detail for detail, place in zip(found, places, strict=True) if not _has_cause_inside(place, places)]
-    details = sorted(causes, key=lambda detail: (detail["type"] == "missing", lines.order(tuple(detail["loc"]))))
-    messages = tuple(dict.fromkeys(_message(detail, lines, model) for detail in details))
-    more = len(messages) - 1
+    around = {place[:length] for place in map(_place, found) for length in range(len(place))}
+    causes = [detail for detail in found if _place(detail) not in around]  # a list is short as its item is invalid
+    details = sorted(causes, key=lambda detail: (detail["type"] == "missing", lines.order(_place(detail))))
+    messages = tuple(dict.fromkeys(_message(detail, lines, model) for detail in details[:_MOST_EXPLAINED]))
+    more = len(messages) - 1 + len(details[_MOST_EXPLAINED:])
     rest = f" (and {more} more {'problem' if more == 1 else 'problems'}: see `drill-twin check`)" if more else ""
     result = SceneError(messages[0] + rest)
     result.problems = messages
@@ -40,9 +43,8 @@ def nearest(name: str, known: "list[str]") -> str:
     return f', did you mean "{folded[close[0]]}"?' if close else ""
 
 
-def _has_cause_inside(place: Path, places: "list[Path]") -> bool:
-    """True if a problem only follows from another at a place inside it: a list is short as its item is invalid."""
-    return any(len(other) > len(place) and other[: len(place)] == place for other in places)
+def _place(detail: ErrorDetails) -> Path:
+    return tuple(detail["loc"])
 
 
 def _message(detail: ErrorDetails, lines: Lines, model: type[BaseModel]) -> str:

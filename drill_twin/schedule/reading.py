@@ -2,10 +2,12 @@
 """Reading of columns of numbers from CSV and MATLAB files."""
 
 import csv
-import json
 import math
 import subprocess
 import sys
+from array import array
+from collections import Counter
+from collections.abc import Iterable
 from io import BytesIO
 from pathlib import Path
 
@@ -13,12 +15,14 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.base.child_environment import child_environment
+from drill_twin.base.json_reader import read_json
 from drill_twin.errors import TableError
 
 Columns = dict[str, Array]
 """Column name -> its numbers, shape (rows,); a missing value is NaN."""
 
-LARGEST_FILE = 1_000_000_000
+LARGEST_FILE = 200_000_000
+MOST_COLUMNS = 10_000
 _MATLAB = (".mat",)
 _PATIENCE = 60  # s
 _NOT_SUPPORTED = 3
@@ -26,7 +30,9 @@ _LOAD_MATLAB = """
 import io, json, resource, sys
 import numpy as np
 from scipy.io import loadmat
-resource.setrlimit(resource.RLIMIT_AS, (16 << 30, 16 << 30))
+with open("/proc/self/statm") as statm:
+    size = int(statm.read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (size + (1 << 30),) * 2)
 try:
     content = loadmat(sys.argv[1])
     columns = {}
@@ -35,15 +41,20 @@ try:
         is_column = array.size > 1 and array.size == max(array.shape) and array.dtype.kind in "fiu"
         if is_column and not name.startswith("__"):
             columns[name] = array.ravel().astype(np.float64)
+    if sum(column.nbytes for column in columns.values()) > LARGEST:
+        raise ValueError(f"columns of more than {LARGEST} bytes")
     out = io.BytesIO()
     np.savez(out, np.frombuffer(json.dumps(list(columns)).encode(), np.uint8), *columns.values())
 except NotImplementedError:
     sys.exit(3)
+except MemoryError:
+    print("more than 1 GB in it", file=sys.stderr)
+    sys.exit(2)
 except BaseException as error:
-    print(error, file=sys.stderr)
+    print(str(error)[:300], file=sys.stderr)
     sys.exit(2)
 sys.stdout.buffer.write(out.getvalue())
-"""
+""".replace("LARGEST", str(LARGEST_FILE))
 _DELIMITERS = ",;\t|"
 _MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "inf", "-inf", "+inf"}
 
@@ -81,43 +92,49 @@ def _read_matlab(path: Path) -> Columns:
     if done.returncode:
         raise TableError(f"{path}: expected a MAT file, found {said[-200:] or 'a damaged one'}")
     with np.load(BytesIO(done.stdout), allow_pickle=False) as archive:
-        names = json.loads(archive["arr_0"].tobytes())
+        names = read_json(archive["arr_0"].tobytes())
         return {name: archive[f"arr_{place}"] for place, name in enumerate(names, 1)}
 
 
 def _read_csv(path: Path) -> Columns:
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+        with path.open(encoding="utf-8-sig") as stream:
+            return _columns(path, stream)
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise TableError(f"{path}: expected a CSV file in UTF-8, found {error}") from None
-    if "\0" in text:
-        raise TableError(f"{path}: expected a CSV or MAT file, found binary data")
-    rows = [
-        (number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")
-    ]
-    if len(rows) < 2:
-        raise TableError(f"{path}: expected a header and rows of numbers, found {len(rows)} lines")
-    delimiter = _delimiter(rows[0][1])
-    parsed = [
-        (number, [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))])
-        for number, line in rows
-    ]
-    header = parsed[0][1]
-    if all(_number(cell, delimiter) is not None for cell in header):
-        raise TableError(f"{path}:{parsed[0][0]}: expected a header with column names, found numbers")
-    twice = {name for name in header if header.count(name) > 1}
-    if twice:
-        raise TableError(f"{path}:{parsed[0][0]}: expected each column once, found {', '.join(sorted(twice))} again")
-    numbers = np.empty((len(parsed) - 1, len(header)))
-    for index, (line, cells) in enumerate(parsed[1:]):
+
+
+def _columns(path: Path, stream: Iterable[str]) -> Columns:
+    rows = ((number, line) for number, line in enumerate(stream, 1) if line.strip() and not line.startswith("#"))
+    begun, first = next(rows, (0, ""))
+    delimiter = _delimiter(first)
+    header = _cells(path, first, delimiter)
+    if len(header) > MOST_COLUMNS:
+        raise TableError(f"{path}:{begun}: expected at most {MOST_COLUMNS} columns, found {len(header)}")
+    if header and all(_number(cell, delimiter) is not None for cell in header):
+        raise TableError(f"{path}:{begun}: expected a header with column names, found numbers")
+    if twice := sorted(name for name, count in Counter(header).items() if count > 1):
+        raise TableError(f"{path}:{begun}: expected each column once, found {', '.join(twice)[:100]} again")
+    numbers = array("d")
+    for line, text in rows:
+        cells = _cells(path, text, delimiter)
         if len(cells) != len(header):
             raise TableError(f"{path}:{line}: expected {len(header)} values as in the header, found {len(cells)}")
-        for column, cell in enumerate(cells):
+        for name, cell in zip(header, cells, strict=True):
             value = _number(cell, delimiter)
             if value is None:
-                raise TableError(f'{path}:{line}: expected a number in column "{header[column]}", found "{cell[:40]}"')
-            numbers[index, column] = value
-    return {name: numbers[:, column].copy() for column, name in enumerate(header)}
+                raise TableError(f'{path}:{line}: expected a number in column "{name[:40]}", found "{cell[:40]}"')
+            numbers.append(value)
+    if not numbers:
+        raise TableError(f"{path}: expected a header and rows of numbers, found {1 if begun else 0} lines")
+    table = np.frombuffer(numbers).reshape(-1, len(header))
+    return {name: table[:, column].copy() for column, name in enumerate(header)}
+
+
+def _cells(path: Path, line: str, delimiter: str) -> list[str]:
+    if "\0" in line:
+        raise TableError(f"{path}: expected a CSV or MAT file, found binary data")
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
 
 
 def _delimiter(header: str) -> str:

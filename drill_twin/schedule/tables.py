@@ -28,6 +28,7 @@ _WANTED: dict[str, tuple[Dimension, str]] = {
 }
 """Quantity -> its dimension and the pattern of its column's name, if the scene does not give it."""
 
+_MOST_NAMES, _LONGEST_NAME = 20, 60  # in a message
 _UNIT_IN_NAME = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]")
 _UNIT_BY_NAME = {"rpm": "rpm", "rps": "rev/s"}
 
@@ -112,11 +113,11 @@ def read_table(
 
 def _si(file: Path, columns: Columns, name: str, given: Column | None) -> Array:
     dimension, pattern = _WANTED[name]
-    there = ", ".join(columns) or "no column of numbers"
+    there = ", ".join([name[:_LONGEST_NAME] for name in columns][:_MOST_NAMES]) or "no column of numbers"
     if given is None:
         found = [column for column in columns if re.search(pattern, column, re.IGNORECASE)]
         if len(found) != 1:
-            what = f"{len(found)} ({', '.join(found)})" if found else "none"
+            what = f"{len(found)} ({', '.join(found[:3])[:_LONGEST_NAME]})" if found else "none"
             raise TableError(
                 f"{file}: expected one column for {name}, found {what}; name it (`rig.table.{name}`) out of: {there}"
             )
@@ -139,7 +140,8 @@ def _unit_of(file: Path, column: str, name: str) -> str:
         if name == "rotation" and word in column.lower():
             return unit
     raise TableError(
-        f'{file}: expected a unit in the header, such as "{column} [{_WANTED[name][0].unit}]", found "{column}"; '
+        f'{file}: expected a unit in the header, such as "{column[:_LONGEST_NAME]} [{_WANTED[name][0].unit}]", '
+        f'found "{column[:_LONGEST_NAME]}"; '
         f"or give column and unit in `rig.table.{name}`"
     )
 

@@ -8,9 +8,13 @@ state. It replaces the previous one atomically.
 from __future__ import annotations
 
 import json
+import lzma
 import math
 import os
+import stat
+import struct
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from io import BytesIO
@@ -21,6 +25,7 @@ import numpy as np
 
 from drill_twin import __version__
 from drill_twin.base.arrays import Array
+from drill_twin.base.json_reader import read_json
 from drill_twin.errors import CheckpointError, DrillTwinError
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.schedule.command import Command
@@ -29,12 +34,16 @@ from drill_twin.twin.twin import Twin
 
 _FORMAT = 1
 _HEADER = "head"
-_LARGEST_SIZE = 256 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
+_LARGEST_HEADER = 2_000_000  # bytes; the scene takes most of it
+_LARGEST_SIZE = 128 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
 _RENAMED = {f"effects.ledger.{old}": f"effects.ledger.{new}" for old, new in (
     ("books", "entries"), ("course", "gauss"), ("loose", "constrained"),
 )}  # fmt: skip
 """Names of arrays in older files -> their names now."""
-_DAMAGED = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, NotImplementedError, RuntimeError)
+_DAMAGED = (
+    OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, NotImplementedError, RuntimeError,
+    ArithmeticError, MemoryError, struct.error, zlib.error, lzma.LZMAError,
+)  # fmt: skip
 """Raised by zipfile and numpy on damaged files."""
 
 Arrays = Mapping[str, Array]
@@ -96,10 +105,11 @@ class Checkpoint:
             CheckpointError: No such file, a damaged one, or one of another version.
         """
         try:
+            _check_file(Path(path))
             with zipfile.ZipFile(path) as archive:
                 members = _members(archive)
             members = {_RENAMED.get(name, name): array for name, array in members.items()}
-            head = json.loads(members.pop(_HEADER).tobytes())
+            head = read_json(members.pop(_HEADER).tobytes(), largest=_LARGEST_HEADER)
             if head["format"] != _FORMAT or head["version"] != __version__:
                 raise CheckpointError(
                     f"{path}: expected a checkpoint of drill_twin {__version__}, found one of {head['version']}; "
@@ -158,6 +168,15 @@ class Checkpoint:
             f"expected a checkpoint of this scene, {scene.name}, found one of another: line {number} of the resolved "
             f'scene is "{theirs.strip()}" there and "{mine.strip()}" here; load that scene, or start the run afresh'
         )
+
+
+def _check_file(path: Path) -> None:
+    """Refuse what is no file, which reading may wait for without end, and one that is too large."""
+    status = path.stat()
+    if not stat.S_ISREG(status.st_mode):
+        raise ValueError("a folder, a pipe or a device")
+    if status.st_size > _LARGEST_SIZE:
+        raise ValueError(f"{status.st_size} bytes where at most {_LARGEST_SIZE} can be meant")
 
 
 def _members(archive: zipfile.ZipFile) -> dict[str, Array]:

@@ -4,16 +4,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+import stat
+import tempfile
 from pathlib import Path
+from typing import Any
 
-import yaml
-
+from drill_twin.base.yaml_reader import LARGEST_TEXT, YamlError, plain_yaml
 from drill_twin.errors import BagError
+from drill_twin.io.bag.decompression import DAMAGED, decompress_stream
 from drill_twin.io.bag.mcap_file import McapFile
 from drill_twin.io.bag.rosbags_file import RosbagsFile
 
 _SUFFIXES = (".mcap", ".db3", ".zstd")
+_EXPANSION, _EXPANSION_OF_ANY = 50, 64_000_000  # bytes of a decompressed file: per byte, and beyond it
+
+_MOST_LISTED = 1000
 
 BagFile = McapFile | RosbagsFile
 
@@ -31,51 +36,87 @@ def open_files(path: Path) -> tuple[list[BagFile], list[str]]:
     Raises:
         BagError: The path does not exist, cannot be read, or holds no bag.
     """
-    if not path.exists():
-        raise BagError(f"{path}: expected a bag folder or file, found nothing there; check the path")
-    if path.is_file():
+    try:
+        kind = path.stat().st_mode
+    except FileNotFoundError:
+        raise BagError(f"{path}: expected a bag folder or file, found nothing there; check the path") from None
+    except (OSError, ValueError) as error:
+        raise BagError(f"{path}: expected a readable bag, found {_reason(error)}; check the path") from error
+    if not stat.S_ISDIR(kind):
+        if not stat.S_ISREG(kind):
+            raise BagError(f"{path}: expected a bag folder or file, found a pipe or a device; name a file")
         return [_open_file(path)], []
     try:
         files = sorted((file for file in path.iterdir() if file.suffix in _SUFFIXES), key=_natural)
+        if not files:
+            raise BagError(f"{path}: expected a bag (.mcap or .db3) in this folder, found {_inside(path)}")
+        if odd := [file for file in files if not file.is_file()]:
+            raise BagError(f"{odd[0]}: expected a file of the bag, found a folder, a pipe or a broken link")
+        empty = [file for file in files[1:] if not file.stat().st_size]
     except OSError as error:
-        raise BagError(f"{path}: expected a readable bag folder, found {error.strerror or error}") from error
-    if not files:
-        raise BagError(f"{path}: expected a bag (.mcap or .db3) in this folder, found {_inside(path)}")
-    if _needs_rosbags(path, files):
-        return [RosbagsFile(path)], []
-    empty = [file for file in files[1:] if not file.stat().st_size]
-    empty_files = [f"{file.name} is empty: its writer was killed as it began" for file in empty]
-    return [_open_file(file) for file in files if file not in empty], empty_files
+        raise BagError(f"{path}: expected a readable bag folder, found {_reason(error)}") from error
+    damage = [f"{file.name} is empty: its writer was killed as it began" for file in empty]
+    information = _information(path)
+    damage += [f"{name} is missing" for name in _missing(path, information)]
+    compressed = str(information.get("compression_mode", "")).lower() == "message"
+    return [_open_file(file, compressed_messages=compressed) for file in files if file not in empty], damage
 
 
-def _open_file(path: Path) -> BagFile:
-    return RosbagsFile(path) if path.suffix == ".db3" else McapFile(path)
+def _open_file(path: Path, *, compressed_messages: bool = False) -> BagFile:
+    if path.suffix == ".zstd":
+        return _open_compressed(path, compressed_messages=compressed_messages)
+    kind = RosbagsFile if path.suffix == ".db3" else McapFile
+    return kind(path, compressed_messages=compressed_messages)
 
 
-def _needs_rosbags(folder: Path, files: Sequence[Path]) -> bool:
-    """True if the folder must be read through `metadata.yaml`: sqlite3, or compression by rosbag2."""
-    metadata = folder / "metadata.yaml"
-    if any(file.suffix == ".zstd" for file in files):
-        return True
-    if not metadata.exists():
-        return False
-    if any(file.suffix == ".db3" for file in files):
-        return True
+def _open_compressed(path: Path, *, compressed_messages: bool) -> BagFile:
+    """Open a file that rosbag2 compressed as a whole, through a temporary file that lives as long as the reader."""
+    target = tempfile.NamedTemporaryFile(prefix="drill_twin_", suffix=Path(path.stem).suffix)  # noqa: SIM115
     try:
-        mode = yaml.safe_load(metadata.read_text("utf-8"))["rosbag2_bagfile_information"].get("compression_mode", "")
-    except (OSError, yaml.YAMLError, UnicodeError, KeyError, TypeError, AttributeError):
-        return False  # MCAP files describe themselves
-    return str(mode).lower() in {"message", "file"}
+        with path.open("rb") as source:
+            decompress_stream(source, target.file, _EXPANSION * path.stat().st_size + _EXPANSION_OF_ANY)
+        target.flush()
+    except (OSError, *DAMAGED) as error:
+        target.close()
+        raise BagError(f"{path}: expected a file compressed by rosbag2, found {_reason(error)}") from error
+    kind = RosbagsFile if path.stem.endswith(".db3") else McapFile
+    opened = kind(Path(target.name), name=path, compressed_messages=compressed_messages)
+    opened.temporary = target
+    return opened
+
+
+def _information(folder: Path) -> dict[str, Any]:
+    """Content of `metadata.yaml`; empty if it is missing or damaged, since the files describe themselves."""
+    metadata = folder / "metadata.yaml"
+    try:
+        if not metadata.is_file() or metadata.stat().st_size > LARGEST_TEXT:
+            return {}
+        content = plain_yaml(metadata.read_text("utf-8"), metadata.name)
+    except (OSError, UnicodeError, YamlError):
+        return {}
+    information = content.get("rosbag2_bagfile_information") if isinstance(content, dict) else None
+    return information if isinstance(information, dict) else {}
+
+
+def _missing(folder: Path, information: dict[str, Any]) -> list[str]:
+    """Names of files that the metadata lists and the folder lacks."""
+    listed = information.get("relative_file_paths")
+    names = [Path(name).name for name in listed if isinstance(name, str)] if isinstance(listed, list) else []
+    return [name for name in names[:_MOST_LISTED] if not (folder / name).exists()]
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(str(getattr(error, "strerror", None) or error).split())[:200] or "a damaged one"
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
     """Sort key of the files of a split bag: `run_2` before `run_10`."""
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.name)]
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", path.name)]
 
 
 def _inside(path: Path) -> str:
     """Content of a folder that is not a bag, for messages; names a bag one level deeper."""
-    entries = sorted(path.iterdir())
+    entries = sorted(path.iterdir())[:_MOST_LISTED]
     for entry in entries:
         if entry.is_dir() and any(file.suffix in _SUFFIXES for file in entry.iterdir()):
             return f"one a level deeper; name {entry}"

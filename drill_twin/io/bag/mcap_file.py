@@ -10,28 +10,57 @@ import struct
 import zlib
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
-from functools import lru_cache
 from io import SEEK_CUR, BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
-import lz4.frame  # type: ignore[import-untyped]
-import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile, McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 from mcap.writer import MCAP0_MAGIC
-from rosbags.rosbag2.errors import ReaderError
-from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 
 from drill_twin.errors import BagError
-from drill_twin.io.bag.metadata import Qos, RecordedTopic
+from drill_twin.io.bag.decompression import DAMAGED, LARGEST_CHUNK, decompressed, decompressed_message
+from drill_twin.io.bag.metadata import RecordedTopic
+from drill_twin.io.bag.qos import qos_profiles
 
 _RECORD = struct.Struct("<BQ")  # opcode, length
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
-_DAMAGED = (McapError, struct.error, ValueError, zstandard.ZstdError, RuntimeError, OverflowError, MemoryError)
+_DAMAGED = (McapError, struct.error, *DAMAGED)
 """Exceptions of the libraries on damaged bytes."""
+_RECORDS_IN_CHUNKS = {Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE}
+_BLOCKS = {*_RECORDS_IN_CHUNKS, Opcode.CHUNK}
+_EXPANSION, _EXPANSION_OF_ANY = 200, 64_000_000  # bytes of content: per byte of the file, and beyond it
+_MOST_NOTES = 10
+_RECORDS_OF_ANY = 100_000  # beyond one per byte of the file
+
+
+@dataclass
+class _Bounds:
+    """What a file of some size can have recorded; more is a bomb. Recorded motion compresses to a third."""
+
+    file: int
+    """Size of the file [bytes]."""
+    size: int = 0
+    """Bytes of content so far."""
+    records: int = 0
+    """Records so far."""
+
+    def too_large(self, size: int) -> bool:
+        """Check that so many bytes more are too many; they are counted otherwise."""
+        if self.size + size > _EXPANSION * self.file + _EXPANSION_OF_ANY or size > LARGEST_CHUNK:
+            return True
+        self.size += size
+        return False
+
+    def too_many(self) -> bool:
+        """Check the number of records so far."""
+        return self.records > self.file + _RECORDS_OF_ANY
+
+
+class _TooLargeError(Exception):
+    """A chunk that says that it is larger than the bounds."""
 
 
 @dataclass
@@ -47,11 +76,17 @@ class McapFile:
     """Latest time of recording [ns]."""
     damage: list[str] = field(default_factory=list)
     """Sentences on missing or damaged parts; empty for a complete file."""
+    name: Path | None = None
+    """Name in messages, if the file was decompressed from another."""
+    compressed_messages: bool = False
+    """True if rosbag2 compressed each message."""
+    temporary: object = None
+    """Temporary file that `path` names, removed with this reader."""
 
     def __post_init__(self) -> None:
         self._channels: dict[int, str | None] = {}
         self._schemas: dict[int, Schema] = {}
-        self._scanned = False
+        self._scanned, self._notes = False, 0
         for name, stamp, _ in self.messages():
             self.topics[name].count += 1
             self.start = stamp if self.start is None else min(self.start, stamp)
@@ -66,17 +101,25 @@ class McapFile:
         """
         try:
             with self.path.open("rb") as stream:
-                for data in self._record_blocks(stream):
-                    yield from self._messages_in(data, topics)
+                bounds = _Bounds(self.path.stat().st_size)
+                for data in self._record_blocks(stream, bounds):
+                    yield from self._messages_in(data, topics, bounds)
+                    if bounds.too_many():
+                        self._note(f"expands to more than any recording of {bounds.file} bytes; the rest is left out")
+                        return
         except OSError as error:
-            raise BagError(f"{self.path}: expected a readable bag file, found {error.strerror or error}") from error
+            raise BagError(f"{self._title}: expected a readable bag file, found {error.strerror or error}") from error
 
-    def _record_blocks(self, stream: BinaryIO) -> Iterator[bytes]:
+    @property
+    def _title(self) -> Path:
+        return self.name or self.path
+
+    def _record_blocks(self, stream: BinaryIO, bounds: _Bounds) -> Iterator[bytes]:
         """Blocks of records: the content of each chunk, and each record outside of chunks."""
         size = self.path.stat().st_size
         if stream.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
             found = f"{size} bytes that do not start as one" if size else "an empty file"
-            raise BagError(f"{self.path}: expected an MCAP file, found {found}; record the run again")
+            raise BagError(f"{self._title}: expected an MCAP file, found {found}; record the run again")
         opcode, place = 0, stream.tell()
         while opcode != Opcode.FOOTER:
             head = stream.read(_RECORD.size)
@@ -84,39 +127,51 @@ class McapFile:
             if opcode == 0 or stream.tell() + length > size:
                 self._note(f"ends in the middle of a record, at byte {place} of {size}")
                 return
-            if opcode == Opcode.CHUNK:
-                content = _decompressed(stream.read(length))
-                if content is None:
+            if opcode in _BLOCKS and length > LARGEST_CHUNK:
+                self._note(f"has a record of more than {LARGEST_CHUNK} bytes at byte {place}, which is left out")
+                stream.seek(length, SEEK_CUR)
+            elif opcode == Opcode.CHUNK:
+                try:
+                    yield _content(stream.read(length), bounds)
+                except _TooLargeError:
+                    self._note(f"has a chunk at byte {place} larger than any in {size} bytes, which is left out")
+                except _DAMAGED:
                     self._note(f"has a damaged chunk at byte {place}, which is left out")
-                else:
-                    yield content
-            elif opcode in {Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE}:
+            elif opcode in _RECORDS_IN_CHUNKS:
                 yield head + stream.read(length)
             else:
                 stream.seek(length, SEEK_CUR)
             place = stream.tell()
 
-    def _messages_in(self, data: bytes, topics: Collection[str] | None) -> Iterator[tuple[str, int, bytes]]:
+    def _messages_in(
+        self, data: bytes, topics: Collection[str] | None, bounds: _Bounds
+    ) -> Iterator[tuple[str, int, bytes]]:
         place, size, unregistered = 0, len(data), 0
         try:
             while place < size:
                 opcode, length = _RECORD.unpack_from(data, place)
                 start, place = place + _RECORD.size, place + _RECORD.size + length
-                if place > size:
+                if place > size or not opcode:
                     raise EndOfFile
+                bounds.records += 1
+                if bounds.too_many():
+                    return
                 if opcode == Opcode.MESSAGE:
                     channel, _, stamp, _ = _MESSAGE.unpack_from(data, start)
                     name = self._channels.get(channel)
                     if name is None:
                         unregistered += channel not in self._channels
                     elif topics is None or name in topics:
-                        yield name, stamp, data[start + _MESSAGE.size : place]
-                elif opcode in {Opcode.SCHEMA, Opcode.CHANNEL}:
+                        yield name, stamp, self._message(data[start + _MESSAGE.size : place])
+                elif opcode in _RECORDS_IN_CHUNKS:
                     self._register(opcode, ReadDataStream(BytesIO(data[start:place])))
         except _DAMAGED:
             self._note("has damaged records inside a chunk, which are left out")
         if unregistered:
             self._note(f"has {unregistered} messages on topics whose names were lost with a damaged chunk")
+
+    def _message(self, raw: bytes) -> bytes:
+        return decompressed_message(raw) if self.compressed_messages else raw
 
     def _register(self, opcode: int, stream: ReadDataStream) -> None:
         """Register a message definition or a channel; a channel that is not of ROS 2 gets no topic name."""
@@ -139,37 +194,31 @@ class McapFile:
                 definition.name,
                 definition.data.decode("utf-8", "replace"),
                 channel.metadata.get("topic_type_hash", ""),
-                _qos(channel.metadata.get("offered_qos_profiles", "")),
+                qos_profiles(channel.metadata.get("offered_qos_profiles", "")),
             ),
         )
 
     def _note(self, text: str) -> None:
-        if not self._scanned:
-            self.damage.append(f"{self.path.name} {text}")
+        if self._scanned:
+            return
+        self._notes += 1
+        if self._notes <= _MOST_NOTES:
+            self.damage.append(f"{self._title.name} {text}")
+        elif self._notes == _MOST_NOTES + 1:
+            self.damage.append(f"{self._title.name} has more such parts")
 
 
-def _decompressed(record: bytes) -> bytes | None:
-    """Records in a chunk; None if it is damaged."""
-    try:
-        chunk = Chunk.read(ReadDataStream(BytesIO(record)))
-        if chunk.compression == "zstd":
-            data = zstandard.ZstdDecompressor().decompress(chunk.data, chunk.uncompressed_size)
-        elif chunk.compression == "lz4":
-            data = bytes(lz4.frame.decompress(chunk.data))
-        elif chunk.compression:
-            return None
-        else:
-            data = chunk.data
-    except _DAMAGED:
-        return None
-    intact = len(data) == chunk.uncompressed_size and chunk.uncompressed_crc in {0, zlib.crc32(data)}
-    return data if intact else None
+def _content(record: bytes, bounds: _Bounds) -> bytes:
+    """Records in a chunk.
 
-
-@lru_cache(maxsize=64)
-def _qos(text: str) -> tuple[Qos, ...]:
-    """QoS profiles in the format of version 9; empty where another tool wrote another format."""
-    try:
-        return tuple(dict(profile) for profile in dump_qos_v9(parse_qos(text)))
-    except (ReaderError, KeyError, TypeError, AttributeError):
-        return ()
+    Raises:
+        _TooLargeError: It would be larger than the bounds.
+        Exceptions of `_DAMAGED`: It is damaged, or not as large as it says.
+    """
+    chunk = Chunk.read(ReadDataStream(BytesIO(record)))
+    if bounds.too_large(chunk.uncompressed_size):
+        raise _TooLargeError
+    data = decompressed(chunk.compression, chunk.data, chunk.uncompressed_size)
+    if chunk.uncompressed_crc not in {0, zlib.crc32(data)}:
+        raise ValueError("another checksum")
+    return data

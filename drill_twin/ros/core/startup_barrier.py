@@ -25,6 +25,7 @@ from rclpy.qos import DurabilityPolicy
 from rclpy.service import Service
 from std_srvs.srv import Trigger
 
+from drill_twin.base.json_reader import JsonError, read_json
 from drill_twin.errors import RunError
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics.node_topics import NodeTopics
@@ -193,8 +194,8 @@ def missing_readers(node: Node, answer: str) -> str:
         answer: Message of the ready node; one that is not from this package may hold any text, and counts as ready.
     """
     try:
-        counts = json.loads(answer)
-    except json.JSONDecodeError:
+        counts = read_json(answer)
+    except JsonError:
         return ""
     if not isinstance(counts, dict):
         return ""

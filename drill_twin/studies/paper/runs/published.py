@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-import yaml
-
+from drill_twin.base.yaml_reader import YamlError, plain_yaml
 from drill_twin.errors import SceneError
 from drill_twin.scene import config_dir
 
@@ -79,14 +78,14 @@ def published() -> Published:
     """
     file = config_dir() / "paper" / "published.yaml"
     try:
-        data = yaml.safe_load(file.read_text("utf-8"))
+        data = plain_yaml(file.read_text("utf-8"))
         return Published(
             tuple(Number(**{**row, "value": float(row["value"])}) for row in data["bench"]),
             _range({"what": "surge", **data["surge"]}),
             float(data["similarity"]["factor"]),
             tuple(_range(row) for row in data["full_size"]),
         )
-    except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError) as error:
+    except (OSError, YamlError, KeyError, TypeError, ValueError) as error:
         raise SceneError(f"{file}: expected the published numbers of the paper, found {error!r}; reinstall") from error
 
 
