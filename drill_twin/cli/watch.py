@@ -18,9 +18,14 @@ def watch(
         typer.Argument(metavar="[BAG]", help="Bag to play; without one, the running twin (needs ROS 2: rclpy)."),
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: a free one.")] = 8000,
-    host: Annotated[str, typer.Option(help="Address to listen on; any other lets other hosts command.")] = (
-        "127.0.0.1"
-    ),
+    host: Annotated[
+        str,
+        typer.Option(help="Address to listen on; beyond this machine, commands need the token of the printed address."),
+    ] = ("127.0.0.1"),
+    allow_host: Annotated[
+        list[str],
+        typer.Option("--allow-host", metavar="NAME", help="A name by which browsers know this server; repeatable."),
+    ] = [],  # noqa: B006  typer does not change the default
     browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
 ) -> None:
     """Show a run in the browser: the string in the hole, orbits, motion states, and sliders for the set-points.
@@ -28,15 +33,16 @@ def watch(
     A running twin is found by ROS_DOMAIN_ID; set-points go through the rig driver where there is one.
     """
     if bag is not None:
-        _play(bag, host, port, browser=browser)
+        _play(bag, host, port, allow_host, browser=browser)
         return
     from drill_twin.ros.entry_points import start
 
-    arguments = ["--host", host, "--port", str(port), *([] if browser else ["--no-browser"])]
+    names = [word for name in allow_host for word in ("--allow-host", name)]
+    arguments = ["--host", host, "--port", str(port), *names, *([] if browser else ["--no-browser"])]
     raise typer.Exit(start("watch", arguments))
 
 
-def _play(bag: Path, host: str, port: int, *, browser: bool) -> None:
+def _play(bag: Path, host: str, port: int, allowed: list[str], *, browser: bool) -> None:
     from drill_twin.cli.show import err
     from drill_twin.io.bag.files import bag_path
     from drill_twin.live.player import Player
@@ -46,11 +52,13 @@ def _play(bag: Path, host: str, port: int, *, browser: bool) -> None:
         player = Player(bag_path(bag))
     for text in player.damage:
         err().print(text, markup=False, highlight=False)
-    server = PageServer(player.snapshot, player.on_request, host=host, port=port)
+    server = PageServer(player.snapshot, player.on_request, host=host, port=port, allowed_hosts=allowed)
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())
     print(f"{bag} at {server.url}", flush=True)
+    if server.remote_url:
+        print(f"on other machines, to command: {server.remote_url}", flush=True)
     if browser:
         webbrowser.open(server.url)
     over.wait()

@@ -1,38 +1,52 @@
 # SPDX-License-Identifier: Apache-2.0
 """Web server of the live page: sends snapshots over a websocket, and receives requests of the sliders.
 
-It listens on this host alone by default. Connections from pages of other origins are refused, because requests can
-command a rig.
+One thread serves all browsers, a second one makes the snapshots and carries out requests. Clients and their queues are
+bounded; one that does not read is dropped. Requests can command a rig: `Access` decides whose are taken.
 """
 
 from __future__ import annotations
 
+import asyncio
 import json
+import logging
 import math
+import socket
 import threading
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from functools import partial
 from http import HTTPStatus
 from importlib.resources import files
 from typing import Any
+from urllib.parse import urlsplit
 
+from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
-from websockets.sync.server import ServerConnection, serve
 
+from drill_twin.base.json_reader import JsonError, read_json
 from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.live.access import WILDCARDS, Access, is_loopback, url
 
+MOST_CLIENTS = 32
+"""Open pages; the next is answered with 503."""
+MOST_CONNECTIONS = 128  # those that have not asked for anything yet included
 _PERIOD = 0.05  # s, between two snapshots
+_PATIENCE = 2.0  # s; for a client to read a snapshot, to ask after it has connected, and to leave at the end
 _LARGEST_REQUEST = 4096  # bytes
-_LOCAL = {"127.0.0.1", "localhost", "[::1]"}
+_MOST_WAITING = 16  # requests of one client
+_LOG = logging.getLogger(f"{__name__}.websockets")
+_LOG.setLevel(logging.CRITICAL)  # what a client does wrong is no error of this program
 
 RequestHandler = Callable[[Mapping[str, Any]], None]
 """Carries out a request of the page; raises a DrillTwinError, which the page shows."""
 
 
 class PageServer:
-    """Server of the page for any number of browsers."""
+    """Server of the page for a bounded number of browsers."""
 
     def __init__(
         self,
@@ -41,72 +55,106 @@ class PageServer:
         *,
         host: str = "127.0.0.1",
         port: int = 8000,
+        allowed_hosts: Collection[str] = (),
     ) -> None:
         """Start to serve.
 
         Args:
             snapshot: Returns the present state of the page.
-            on_request: Called with each request of the page.
+            on_request: Called with each request of the page, in a thread of the server.
             host: Address to listen on.
             port: Port; 0 takes a free one.
+            allowed_hosts: Names by which browsers may know this server, besides those of this machine.
 
         Raises:
-            RunError: The port is taken.
+            RunError: The port is taken, or the address is none of this machine.
         """
-        self._snapshot, self._on_request, self._host = snapshot, on_request, host
+        self._snapshot, self._on_request, self._access = snapshot, on_request, Access(allowed_hosts)
         self._page = files("drill_twin.live").joinpath("page.html").read_bytes()
-        self._updated = threading.Condition()
-        self._text, self._number, self._closed = "{}", 0, False
-        try:
-            self._server = serve(
-                self._serve_connection,
-                host,
-                port,
-                process_request=self._respond,
-                max_size=_LARGEST_REQUEST,
-                compression=None,
-            )
-        except OSError as error:
-            raise RunError(
-                f"expected a free port for the page, found {host}:{port}: {error.strerror or error}; "
-                "choose another with --port"
-            ) from error
-        self.port: int = self._server.socket.getsockname()[1]
-        self.url = f"http://{'127.0.0.1' if host in {'', '0.0.0.0'} else host}:{self.port}/"  # noqa: S104 - not a bind
-        self._threads = [
-            threading.Thread(target=self._server.serve_forever, name="page", daemon=True),
-            threading.Thread(target=self._update, name="snapshots", daemon=True),
-        ]
-        for thread in self._threads:
-            thread.start()
+        self._clients: set[ServerConnection] = set()
+        self.connections: set[ServerConnection] = set()
+        """Connections, those included that have not asked for anything."""
+        self._text, self._fresh = "{}", asyncio.Event()
+        self._worker = ThreadPoolExecutor(1, thread_name_prefix="snapshots")
+        listener = _listener(host, port)
+        self.port: int = listener.getsockname()[1]
+        self.url = url(host, self.port)
+        """Address of the page on this machine."""
+        self.remote_url = "" if is_loopback(listener.getsockname()[0]) else self._remote_url(host)
+        """Address for other machines, with the token that lets them command; empty if they cannot connect."""
+        self._loop = asyncio.new_event_loop()
+        self._over = asyncio.Event()
+        self._thread = threading.Thread(target=self._run, args=(listener,), name="page", daemon=True)
+        self._thread.start()
+
+    @property
+    def running(self) -> bool:
+        """True until the server has ended."""
+        return self._thread.is_alive()
 
     def close(self) -> None:
-        """Close all connections and stop."""
-        with self._updated:
-            self._closed = True
-            self._updated.notify_all()
-        self._server.shutdown()
-        for thread in self._threads:
-            thread.join(5.0)
+        """Close all connections and stop, within a few seconds whatever the clients do."""
+        with suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(self._over.set)
+        self._thread.join(3.0 * _PATIENCE)
+        self._worker.shutdown(wait=False, cancel_futures=True)
 
-    def _update(self) -> None:
-        """Encode one snapshot for all connections, at a steady rate."""
-        while not self._closed:
-            text = json.dumps(self._snapshot(), allow_nan=False)
-            with self._updated:
-                self._text, self._number = text, self._number + 1
-                self._updated.notify_all()
-            time.sleep(_PERIOD)
+    def _remote_url(self, host: str) -> str:
+        name = socket.gethostname() if host in WILDCARDS else host
+        return f"{url(name, self.port)}?token={self._access.token}"
+
+    def _run(self, listener: socket.socket) -> None:
+        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
+            runner.run(self._serve(listener))
+
+    async def _serve(self, listener: socket.socket) -> None:
+        server = await serve(
+            self._serve_connection,
+            sock=listener,
+            process_request=self._respond,
+            create_connection=partial(_Connection, self),  # type: ignore[arg-type]  # a factory is enough
+            logger=_LOG,
+            max_size=_LARGEST_REQUEST,
+            max_queue=_MOST_WAITING,
+            compression=None,
+            open_timeout=_PATIENCE,
+            close_timeout=_PATIENCE / 2.0,
+        )
+        update = asyncio.create_task(self._update())
+        await self._over.wait()
+        update.cancel()
+        server.close()
+        try:
+            await asyncio.wait_for(asyncio.shield(server.wait_closed()), _PATIENCE)
+        except TimeoutError:
+            for connection in list(self.connections):
+                connection.transport.abort()
+
+    async def _update(self) -> None:
+        """Encode one snapshot for all clients, at a steady rate, while there are any."""
+        while True:
+            if self._clients:
+                self._text = await self._loop.run_in_executor(self._worker, self._encoded)
+                before, self._fresh = self._fresh, asyncio.Event()
+                before.set()
+            await asyncio.sleep(_PERIOD)
+
+    def _encoded(self) -> str:
+        return json.dumps(self._snapshot(), allow_nan=False)
 
     def _respond(self, connection: ServerConnection, request: Request) -> Response | None:
-        host = request.headers.get("Host", "")
-        if self._host in {"127.0.0.1", "localhost", "::1"} and host.rpartition(":")[0] not in _LOCAL:
-            return connection.respond(HTTPStatus.FORBIDDEN, "this page is for this host\n")
-        if request.path == "/live":
-            if request.headers.get("Origin", f"http://{host}") != f"http://{host}":
+        refused = self._access.refusal(request.headers)
+        if refused is not None:
+            return connection.respond(*refused)
+        path = urlsplit(request.path).path
+        if path == "/live":
+            if self._access.is_foreign(request.headers):
                 return connection.respond(HTTPStatus.FORBIDDEN, "only the page of this server may ask\n")
+            if len(self._clients) >= MOST_CLIENTS:
+                return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_CLIENTS} pages are open already\n")
+            self._clients.add(connection)
             return None
-        if request.path != "/":
+        if path != "/":
             return connection.respond(HTTPStatus.NOT_FOUND, "there is one page: /\n")
         headers = Headers(
             {
@@ -114,38 +162,87 @@ class PageServer:
                 "Content-Length": str(len(self._page)),
                 "Cache-Control": "no-store",
                 "X-Frame-Options": "DENY",
+                "Referrer-Policy": "no-referrer",
                 "Connection": "close",
             }
         )
         return Response(HTTPStatus.OK, "OK", headers, self._page)
 
-    def _serve_connection(self, connection: ServerConnection) -> None:
-        """Send each new snapshot, or the newest to a slow browser; handle its requests."""
-        seen = 0
+    async def _serve_connection(self, connection: ServerConnection) -> None:
+        """Send snapshots and handle requests until the client leaves."""
+        sending = asyncio.create_task(self._send_snapshots(connection))
         try:
-            while True:
-                with self._updated:
-                    self._updated.wait_for(lambda: self._closed or self._number != seen)  # noqa: B023 - called at once
-                    text, seen = self._text, self._number
-                    if self._closed:
-                        return
-                connection.send(text)
-                self._handle_requests(connection)
+            await self._handle_requests(connection)
         except ConnectionClosed:
-            return
+            pass
+        finally:
+            sending.cancel()
+            with suppress(asyncio.CancelledError, ConnectionClosed):
+                await sending
 
-    def _handle_requests(self, connection: ServerConnection) -> None:
+    async def _send_snapshots(self, connection: ServerConnection) -> None:
+        """Send each new snapshot, or the newest to a slow browser."""
         while True:
+            await self._fresh.wait()
+            await _send(connection, self._text)
+
+    async def _handle_requests(self, connection: ServerConnection) -> None:
+        peer = connection.remote_address
+        may = self._access.may_command(peer[0] if peer else "", connection.request.path if connection.request else "")
+        async for request in connection:
             try:
-                request = connection.recv(timeout=0)
-            except TimeoutError:
-                return
-            try:
-                self._on_request(_parsed(request))
+                content = _parsed(request)
+                if not may:
+                    raise DrillTwinError("expected the token of this page, found none; open the address with it")
+                await self._loop.run_in_executor(self._worker, self._on_request, content)
                 answer = ""
             except DrillTwinError as error:
                 answer = str(error)
-            connection.send(json.dumps({"error": answer}))
+            await _send(connection, json.dumps({"error": answer}))
+
+    def forget(self, connection: ServerConnection) -> None:
+        """Note that a client is gone."""
+        self._clients.discard(connection)
+
+
+class _Connection(ServerConnection):
+    """Connection that is counted from its first byte to its last."""
+
+    def __init__(self, page: PageServer, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._page = page
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Drop one that is too many."""
+        super().connection_made(transport)
+        self._page.connections.add(self)
+        if len(self._page.connections) > MOST_CONNECTIONS:
+            self.transport.abort()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget the client."""
+        self._page.connections.discard(self)
+        self._page.forget(self)
+        super().connection_lost(exc)
+
+
+async def _send(connection: ServerConnection, text: str) -> None:
+    """Send a text; drop a client that does not read."""
+    try:
+        await asyncio.wait_for(connection.send(text), _PATIENCE)
+    except TimeoutError:
+        connection.transport.abort()
+        raise ConnectionClosed(None, None) from None
+
+
+def _listener(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family, backlog=MOST_CONNECTIONS)
+    except (OSError, UnicodeError, OverflowError, TypeError) as error:
+        said = getattr(error, "strerror", None) or error
+        remedy = "choose another with --port" if not isinstance(error, socket.gaierror) else "choose another --host"
+        raise RunError(f"expected a free port for the page, found {host[:100]}:{port}: {said}; {remedy}") from error
 
 
 def _parsed(request: str | bytes) -> Mapping[str, Any]:
@@ -155,8 +252,8 @@ def _parsed(request: str | bytes) -> Mapping[str, Any]:
         DrillTwinError: Anything else.
     """
     try:
-        content = json.loads(request)
-    except (ValueError, RecursionError) as error:
+        content = read_json(request)
+    except JsonError as error:
         raise DrillTwinError(f"expected JSON from the page, found {request[:40]!r}") from error
     if not isinstance(content, dict) or not all(
         isinstance(value, bool) or (isinstance(value, int | float) and math.isfinite(value))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 import math
-import queue
+import threading
 import time
 import webbrowser
 from collections.abc import Mapping, Sequence
@@ -47,7 +47,8 @@ class LivePage(TwinNode):
         self._sources = Sources()
         self.page_state = PageState(self._sources)
         self._encoder = CommandEncoder()
-        self._requests: queue.Queue[tuple[str, float]] = queue.Queue()
+        self._requests: dict[str, float] = {}  # the newest value of each slider
+        self._requests_lock = threading.Lock()
         self._pending: list[tuple[str, float, Any]] = []
         self._refused = ""
         self._driver = self.create_client(SetParameters, "rig_driver/set_parameters")
@@ -77,13 +78,16 @@ class LivePage(TwinNode):
         for name, value in request.items():
             if name not in _SET_POINTS or isinstance(value, bool):
                 raise DrillTwinError(f"expected a set-point wob or rps, found {name}")
-            self._requests.put((name, float(value)))
+            with self._requests_lock:
+                self._requests[name] = float(value)
 
     def work(self) -> None:
         """Process messages, and send the requested set-points."""
         self.spin_once(0.02)
-        while not self._requests.empty():
-            self._command(*self._requests.get())
+        with self._requests_lock:
+            requests, self._requests = self._requests, {}
+        for name, value in requests.items():
+            self._command(name, value)
         if self._pending:
             self._check_answers()
 
@@ -144,6 +148,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     parser = argparse.ArgumentParser(prog="watch", description=LivePage.PURPOSE)
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (%(default)s)")
     parser.add_argument("--port", type=int, default=8000, help="port of the page; 0: a free one (%(default)s)")
+    parser.add_argument("--allow-host", action="append", default=[], help="name of this server; repeatable")
     parser.add_argument("--no-browser", action="store_true", help="do not open the browser")
     own = list(arguments)
     ros = own[own.index("--ros-args") :] if "--ros-args" in own else []
@@ -152,9 +157,13 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     try:
         with stop.at_once(), readable_refusal():
             node = LivePage(context)
-        server = PageServer(node.snapshot, node.on_request, host=given.host, port=given.port)
+        server = PageServer(
+            node.snapshot, node.on_request, host=given.host, port=given.port, allowed_hosts=given.allow_host
+        )
         try:
             print(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()} at {server.url}", flush=True)
+            if server.remote_url:
+                print(f"on other machines, to command: {server.remote_url}", flush=True)
             if not given.no_browser:
                 webbrowser.open(server.url)
             run_in_order(node, stop)
