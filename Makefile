@@ -30,7 +30,7 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs test test-long faults kills soak fuzz day random-scenes browser bench peers check clean
+.PHONY: help setup setup-test demo docs test test-long faults faults-seeded kills soak fuzz day random-scenes browser bench peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
@@ -39,6 +39,7 @@ help:
 	@echo 'make test-long  soaks and large random samples'
 	@echo 'make faults     faults of a rig, applied to real processes; prints a table of the results'
 	@echo 'make kills      kill -9 of each node, KILLS=50 times, while recording; needs a quiet machine'
+	@echo 'make faults-seeded  small faults put into a copy of the package: each is caught by a test of its room'
 	@echo 'make soak       an hour of all nodes, with checks of memory and file handles'
 	@echo 'make fuzz       10 000 damaged scenes, tables, bags and checkpoints'
 	@echo 'make random-scenes  10 000 random scenes: finite, bounded, repeatable, resumed bit for bit, mirrored'
@@ -132,6 +133,9 @@ faults: setup-test
 
 kills: setup-test
 	@DRILL_TWIN_KILLS=$(KILLS) $(PYTEST) test/ros/test_kills.py -q -s -m long
+
+faults-seeded: setup-test
+	@$(PYTHON) -m benchmarks.faults_seeded --page docs/faults_seeded.md
 
 soak: setup-test
 	@DRILL_TWIN_SOAK=3600 $(PYTEST) test/ros/test_faults.py -q -s -m 'long' -k soak

@@ -38,7 +38,7 @@ def test_every_part_is_on_a_page(printed):
     used = {
         name for page in (DOCS / "reference").glob("*.md") for name in re.findall("printed: (\\w+)", page.read_text())
     }
-    assert used == {"commands", "effect_keys", "nodes", "scene_keys", "topics", "topics_quality"}
+    assert used == {"api", "commands", "effect_keys", "nodes", "scene_keys", "topics", "topics_quality"}
 
 
 def test_topics_and_effects(printed):
@@ -72,9 +72,12 @@ def test_commands_and_parameters(printed):
     assert _keys(text) == wanted | {"record"}
 
 
-def test_every_name_of_the_python_api_is_on_its_page():
-    listed = set(re.findall(r":: drill_twin\.(\w+)$", (DOCS / "reference" / "python_api.md").read_text(), re.MULTILINE))
-    assert listed == set(dt.__all__) - {"__version__"}
+def test_names_of_the_python_api(printed):
+    text = printed("api")
+    assert set(re.findall(r":: drill_twin\.(\w+)$", text, re.MULTILINE)) == set(dt.__all__) - {"__version__"}
+    headings = _headings(text)
+    assert headings[:4] == ["Scenes", "Runs", "Results", "Analysis"]
+    assert headings[-1] == "Errors"
 
 
 def test_the_table_of_diagnostics_has_what_a_run_reports():

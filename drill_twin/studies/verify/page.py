@@ -22,8 +22,10 @@ other; the references are formulas, zeros and tables only. The tolerance covers 
 evaluation, which each case states. `drill-twin verify` runs all cases on your machine and ends with exit code 1 if a
 row misses its tolerance; the tests in `test/studies/verify` run the same cases.
 
-*Form* is the formulation: `spatial` with stretch and torsion, `lateral` without them ([design.md](design.md)). Error
-and tolerance are relative to the expected number; with `abs` they are in its unit.
+*Form* is the formulation: `spatial` with stretch and torsion, `lateral` without them ([design.md](design.md)). Of each
+case and form, *of* is how many numbers were compared; the table has the one nearest to its tolerance, and each one that
+misses it. All of them are in `verification.json` beside this page. Error and tolerance are relative to the expected
+number; with `abs` they are in its unit.
 
 {summary}
 """
@@ -73,24 +75,34 @@ def to_page(checks: Sequence[CaseResult], command: str) -> str:
 
 
 def _table(checks: Sequence[CaseResult]) -> list[str]:
-    """Lines of the table of a case; a reference that all rows share is printed above it."""
-    references = {_reference(row) for check in checks for row in check.rows}
-    shared = len(references) == 1
-    columns = ["number", "form", *([] if shared else ["reference"]), "expected", "computed", "error", "tolerance", ""]
-    lines = [f"Reference: {references.pop()}.\n"] if shared else []
+    """Lines of the table of a case, one for each formulation; its references are printed above it."""
+    references = list(dict.fromkeys(_reference(row) for check in checks for row in check.rows))
+    columns = ["form", "of", "number nearest to its tolerance", "expected", "computed", "error", "tolerance", ""]
+    lines = [f"Reference: {'; '.join(references)}.\n"] if references else []
     lines += [_line(*columns), _line(*["---"] * len(columns))]
-    for check in checks:
-        if check.failure:
-            lines.append(_line(check.case.name, check.case.form, check.failure, *[""] * (len(columns) - 4),
-                               "**miss**"))  # fmt: skip
-        lines += [
-            _line(
-                f"{_variant(check)}{row.what}", check.case.form, *([] if shared else [_reference(row)]),
-                number(row.expected), computed(row), error(row), tolerance(row), "ok" if row.ok else "**miss**",
-            )
-            for row in check.rows
-        ]  # fmt: skip
+    for form, of_form in groupby(
+        sorted(checks, key=lambda check: check.case.form, reverse=True), lambda c: c.case.form
+    ):
+        lines += _lines(form, list(of_form))
     return lines
+
+
+def _lines(form: str, checks: Sequence[CaseResult]) -> list[str]:
+    """Cases that did not run, numbers that miss their tolerance, and else the one that comes nearest to it."""
+    failed = [
+        _line(form, "", check.case.name, check.failure, "", "", "", "**miss**") for check in checks if check.failure
+    ]
+    rows = [(check, row) for check in checks for row in check.rows]
+    missed = [pair for pair in rows if not pair[1].ok]
+    shown = (
+        missed
+        or sorted(rows, key=lambda pair: abs(pair[1].error) / pair[1].tolerance if pair[1].tolerance else 0.0)[-1:]
+    )
+    return failed + [
+        _line(form, str(len(rows)), f"{_variant(check)}{row.what}", number(row.expected), computed(row), error(row),
+              tolerance(row), "ok" if row.ok else "**miss**")
+        for check, row in shown
+    ]  # fmt: skip
 
 
 def _reference(row: Row) -> str:

@@ -116,6 +116,11 @@ def test_a_case_that_cannot_run_is_a_miss() -> None:
     assert "no.such" in found[0].failure
 
 
-def test_cells_of_the_page_keep_their_bars(check: Callable[..., CaseResult]) -> None:
-    assert "F \\| G" in to_page([check(row(-2.0), row(-2.0, reference="H"))], "this")
-    assert "Reference: `F | G` (Euler)" in to_page([check(row(-2.0), row(-2.0))], "this")
+def test_the_page_has_each_reference_and_the_number_nearest_to_its_tolerance(check: Callable[..., CaseResult]) -> None:
+    text = to_page([check(row(-2.0001), row(-2.001, what="a | b"), row(-2.0, reference="H"))], "this")
+    assert "Reference: `F | G` (Euler); `H` (Euler)." in text
+    assert [line for line in text.splitlines() if line.startswith("| lateral")] == [
+        "| lateral | 3 | bit end free: a \\| b | -2 | -2.001 | -5.0e-04 | 0.001 | ok |"
+    ]
+    missed = to_page([check(row(-2.0), row(-3.0), row(-4.0))], "this")
+    assert missed.count("**miss**") == 2

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Names of the public Python API, in sections by the module that defines them, for autodoc."""
+
+from __future__ import annotations
+
+import inspect
+
+import drill_twin
+
+SECTIONS = {
+    "Scenes": ("drill_twin.api.scenes", "drill_twin.scene"),
+    "Runs": ("drill_twin.api.simulation",),
+    "Results": ("drill_twin.api.result",),
+    "Analysis": ("drill_twin.api.whirl", "drill_twin.whirl"),
+}
+"""Titles of sections, and where their names are defined; others have that of their module."""
+_SERIES = [f"drill_twin.io.bag.series.{name}" for name in ("MarkSeries", "PoseSeries", "RigSeries", "CommandSeries")]
+_OPTIONS = {
+    "Scene": ("exclude-members: model_config, name, description, provenance",),
+    "State": ("exclude-members: of",),
+    "Result": ("inherited-members:", "exclude-members: recording"),
+    "StoppedError": ("exclude-members: with_message, with_traceback, add_note",),
+}
+
+
+def api() -> str:
+    """A section for each group of names; the errors come last."""
+    sections: dict[str, list[str]] = {title: [] for title in SECTIONS}
+    errors = []
+    for name in drill_twin.__all__:
+        value = getattr(drill_twin, name)
+        if inspect.isclass(value) and issubclass(value, Exception):
+            errors.append(_directive("autoexception", name))
+        elif not isinstance(value, str):
+            kind = "autoclass" if inspect.isclass(value) else "autofunction"
+            sections.setdefault(_title(value.__module__), []).append(_directive(kind, name))
+    sections["Results"] += [f".. autoclass:: {name}" for name in _SERIES]
+    sections["Errors"] = errors
+    return "\n".join(
+        f"## {title}\n\n```{{eval-rst}}\n{chr(10).join(lines)}\n```\n" for title, lines in sections.items()
+    )
+
+
+def _title(module: str) -> str:
+    for title, places in SECTIONS.items():
+        if any(module == place or module.startswith(f"{place}.") for place in places):
+            return title
+    return module.rpartition(".")[2].replace("_", " ").capitalize()
+
+
+def _directive(kind: str, name: str) -> str:
+    return "\n".join([f".. {kind}:: drill_twin.{name}", *(f"   :{option}" for option in _OPTIONS.get(name, ()))])
