@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         override,
         read_bag,
         scene_names,
+        whirl_states,
         write_scene,
     )
 
@@ -78,6 +79,7 @@ __all__ = [
     "override",
     "read_bag",
     "scene_names",
+    "whirl_states",
     "write_scene",
 ]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Modes, critical speeds and growth rates of a scene without a run."""
+"""Modes, critical speeds, growth rates and steady whirl of a scene without a run."""
 
 from __future__ import annotations
 
@@ -14,10 +14,12 @@ from drill_twin.errors import SceneError
 from drill_twin.rotordynamics import campbell as _campbell
 from drill_twin.rotordynamics import growth_map as _growth_map
 from drill_twin.rotordynamics import modes as _modes
+from drill_twin.rotordynamics import whirl_states as _whirl_states
 from drill_twin.rotordynamics.campbell import Campbell
 from drill_twin.rotordynamics.equations import EquationsOfMotion, without
 from drill_twin.rotordynamics.growth_map import GrowthMap
 from drill_twin.rotordynamics.modes import ModeTable, Resting
+from drill_twin.rotordynamics.whirl_states import WhirlState
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 
@@ -122,3 +124,32 @@ def growth_map(
     own = steady_scene(scene, overrides, without)
     equations = EquationsOfMotion(own)
     return _growth_map.growth_map(equations, np.asarray(weights, float), np.asarray(speeds, float), progress)
+
+
+def whirl_states(
+    scene: Scene | str | Path,
+    overrides: Overrides | None = None,
+    *,
+    without: Sequence[str] = (),
+    random_starts: int = _whirl_states.RANDOM_STARTS,
+    seed: int = _whirl_states.SEED,
+) -> tuple[WhirlState, ...]:
+    """Steady whirl states under the final set-points of a scene, with their stability, by falling whirl speed.
+
+    >>> lateral = {"effects.torsion": "off", "effects.stretch": "off"}
+    >>> for state in whirl_states("pa6_calibrated", {"wob": 40, "rps": 6.5, **lateral}):
+    ...     print(state.kind, state.frequency, state.ratio, state.is_stable)
+
+    Args:
+        scene: The scene, or its name or file.
+        overrides: Values that replace those of the scene.
+        without: Effects to leave out.
+        random_starts: Random first shapes of the search, besides the lowest modes.
+        seed: Of the random shapes.
+
+    Raises:
+        SceneError: The scene cannot be loaded, or no steady whirl can exist in it.
+    """
+    own = steady_scene(scene, overrides, without)
+    equations = EquationsOfMotion(own)
+    return _whirl_states.whirl_states(equations, final_command(own), random_starts=random_starts, seed=seed)

@@ -21,6 +21,7 @@ from drill_twin.cli.studies.hard import hard
 from drill_twin.cli.studies.paper import calibrate, paper
 from drill_twin.cli.studies.verify import verify
 from drill_twin.cli.watch import watch
+from drill_twin.cli.whirl_states import whirl_states
 
 app = typer.Typer(
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]demo[/], "
@@ -54,6 +55,7 @@ app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
 app.command(rich_help_panel=_RUN)(watch)
 app.command(rich_help_panel=_RUN)(modes)
+app.command(rich_help_panel=_RUN)(whirl_states)
 app.command(rich_help_panel=_STUDY)(cost)
 app.command(rich_help_panel=_STUDY)(effects)
 app.command(rich_help_panel=_STUDY)(verify)

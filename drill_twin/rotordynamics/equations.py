@@ -138,6 +138,7 @@ class EquationsOfMotion:
 
     def on_axis(self, command: Command) -> tuple[Array, Array]:
         """Position and velocity of the string on the axis of the hole, turning; rows of seven, shape (n + 1, 7)."""
+        self._state.u[:] = 0.0
         set_initial_state(self._state, self.model, self.scene, command.weight_on_bit)
         u, v = self._state.u.copy(), np.zeros_like(self._state.v)
         v[:, SPIN] = command.rotation

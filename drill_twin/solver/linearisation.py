@@ -23,7 +23,7 @@ from drill_twin.solver.lateral.linear_solver import NODE as LATERAL_NODE
 from drill_twin.solver.spatial.linear_solver import NODE as SPATIAL_NODE
 from drill_twin.solver.state import State
 
-SHORT, LONG = 1e-6, 1e-4
+SHORT, LONG = 1e-6, 2e-5
 """Half steps of the instant [s]: of the residual SHORT, of the damping LONG, of mass and stiffness both."""
 MASS, DAMPING, STIFFNESS = 0, 1, 2
 

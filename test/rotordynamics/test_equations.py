@@ -45,6 +45,13 @@ def test_residual_on_the_axis_is_zero_without_imperfections(equations):
     assert not equations.evaluate(COMMAND, u, v, np.zeros_like(u)).residual.any()
 
 
+def test_the_axis_is_the_axis_after_any_evaluation(equations):
+    u, _ = equations.on_axis(COMMAND)
+    equations.evaluate(COMMAND, *whirling(equations))
+    again, _ = equations.on_axis(COMMAND)
+    assert (again == u).all()
+
+
 def test_equations_look_the_same_from_every_direction(equations):
     frame = TurningFrame(equations)
     u, v, a = whirling(equations)

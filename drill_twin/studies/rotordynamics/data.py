@@ -9,6 +9,7 @@ from typing import Any
 from drill_twin.rotordynamics.campbell import Campbell
 from drill_twin.rotordynamics.growth_map import GrowthMap
 from drill_twin.rotordynamics.modes import ModeTable
+from drill_twin.rotordynamics.whirl_states import WhirlState
 
 
 def modes_data(table: ModeTable) -> dict[str, Any]:
@@ -55,3 +56,22 @@ def growth_data(growth: GrowthMap) -> dict[str, Any]:
         data["torsional_growth_per_s"] = growth.torsional.tolist()
         data["stick_slip_onset_n"] = growth.onset(growth.torsional).tolist()
     return data
+
+
+def state_data(state: WhirlState) -> dict[str, Any]:
+    """A steady whirl: set-points, frequency [Hz], growth [1/s], contact, shape in the turning frame [m]."""
+    command = state.whirl.command
+    return {
+        "weight_on_bit_n": command.weight_on_bit,
+        "rotation_rev_s": command.rotation / math.tau,
+        "kind": state.kind,
+        "frequency_hz": state.frequency,
+        "ratio": state.ratio,
+        "stable": state.is_stable,
+        "growth_per_s": state.growth,
+        "growth_frequency_hz": state.growth_frequency,
+        "slip": state.slip,
+        "touching": state.touching,
+        "x_m": state.whirl.u[:, 0].tolist(),
+        "y_m": state.whirl.u[:, 1].tolist(),
+    }

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Steady whirl states under one command: all that the search finds, each with its stability."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.errors import SceneError
+from drill_twin.rotordynamics.equations import EquationsOfMotion
+from drill_twin.rotordynamics.modes import is_vertical
+from drill_twin.rotordynamics.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
+from drill_twin.rotordynamics.steady_whirl import MARGIN, TurningEquations, Whirl
+from drill_twin.schedule.command import Command
+
+RANDOM_STARTS = 2
+SEED = 1
+SAME_SPEED, SAME_SHAPE = 1e-4, 1e-3
+"""Two states are one if their whirl speeds differ by less than this share of the rotation, and their radii by less than
+this share of the clearance."""
+ROLLING = 1e-2
+"""Largest slip of a rolling string, over the speed of its surface."""
+
+
+@dataclass(frozen=True, eq=False)
+class WhirlState:
+    """A steady whirl and its stability."""
+
+    whirl: Whirl
+    spectrum: ComplexArray
+    """Eigenvalues in the turning frame [rad/s], fastest growth first."""
+    slip: float
+    """Slip of the contact point farthest from the axis, over the speed of the string's surface [-]; 0: it rolls."""
+    touching: float
+    """Share of the string's length that touches the wall [-]."""
+
+    @property
+    def frequency(self) -> float:
+        """Whirl frequency [Hz], positive in the sense of rotation."""
+        return self.whirl.omega / math.tau
+
+    @property
+    def ratio(self) -> float:
+        """Whirl speed over the rotation [-]."""
+        return self.whirl.omega / self.whirl.command.rotation
+
+    @property
+    def growth(self) -> float:
+        """Growth of the fastest disturbance [1/s]; negative: all decay."""
+        return float(self.spectrum[0].real)
+
+    @property
+    def growth_frequency(self) -> float:
+        """Frequency of that disturbance in the turning frame [Hz]; 0: it grows without oscillation."""
+        return float(abs(self.spectrum[0].imag)) / math.tau
+
+    @property
+    def is_stable(self) -> bool:
+        """True if every disturbance decays, to the accuracy of the computation."""
+        return self.growth < MARGIN * abs(self.whirl.command.rotation)
+
+    @property
+    def kind(self) -> str:
+        """Sense of the whirl, and whether the string rolls."""
+        if abs(self.slip) < ROLLING:
+            return "backward rolling" if self.ratio < 0.0 else "forward rolling"
+        return "backward" if self.ratio < 0.0 else "forward"
+
+
+def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
+    """Raise where no steady whirl exists.
+
+    Raises:
+        SceneError: An inclined or curved hole, no wall, or no rotation.
+    """
+    name = equations.scene.name
+    if not is_vertical(equations):
+        raise SceneError(
+            f"{name}: expected a straight vertical hole, found an inclined or curved one, in which no steady whirl "
+            "exists: a string that whirls meets another force in every direction; run it (drill-twin run)"
+        )
+    if not hasattr(equations.parameters, "wall"):
+        raise SceneError(f"{name}: expected the effect wall, found none: nothing limits a whirl; see drill-twin modes")
+    if command.rotation == 0.0:
+        raise SceneError(f"{name}: expected a rotation other than 0, found none; give one, such as --rps 2")
+
+
+def whirl_states(
+    equations: EquationsOfMotion, command: Command, *, random_starts: int = RANDOM_STARTS, seed: int = SEED
+) -> tuple[WhirlState, ...]:
+    """Steady whirl states, by falling whirl speed.
+
+    Args:
+        equations: Of a scene with a wall in a straight vertical hole.
+        command: Weight on bit and rotation.
+        random_starts: Random first shapes, besides the lowest modes.
+        seed: Of the random shapes.
+
+    Raises:
+        SceneError: No steady whirl can exist in the scene.
+    """
+    check_whirls(equations, command)
+    turning = TurningEquations(equations)
+    friction = getattr(equations.parameters, "wall_friction", None)
+    real = friction.creep if friction is not None else SOFT_CREEP
+    found: list[Whirl] = []
+    try:
+        set_creep(turning, max(SOFT_CREEP, real))
+        search = ShapeSearch(turning, command)
+        for start in search.starts(seed, random_starts):
+            set_creep(turning, max(SOFT_CREEP, real))
+            for guess in list(search.crossings(search.family(start))):
+                set_creep(turning, max(SOFT_CREEP, real))
+                whirl = turning.newton(guess)
+                whirl = stiffen_friction(turning, whirl, real) if whirl is not None else None
+                if whirl is not None and _is_new(whirl, found, turning.clearance):
+                    found.append(whirl)
+        set_creep(turning, real)
+        return tuple(state_of(turning, whirl) for whirl in sorted(found, key=lambda one: -one.omega))
+    finally:
+        set_creep(turning, real)
+
+
+def _is_new(whirl: Whirl, others: list[Whirl], clearance: float) -> bool:
+    if float(whirl.radius.max()) < 0.9 * clearance:
+        return False
+    rotation = abs(whirl.command.rotation)
+    return not any(
+        abs(whirl.omega - other.omega) < SAME_SPEED * rotation
+        and float(np.abs(whirl.radius - other.radius).max()) < SAME_SHAPE * clearance
+        for other in others
+    )
+
+
+def state_of(turning: TurningEquations, whirl: Whirl) -> WhirlState:
+    """A steady whirl with its stability and contact."""
+    model = turning.equations.model
+    nodal_clearance = np.interp(model.rod.arc, model.places, model.wellbore.clearance)
+    depth = whirl.radius - nodal_clearance
+    deepest = int(np.argmax(depth))
+    surface = float(np.interp(model.rod.arc[deepest], model.places, model.contact_radius)) * whirl.command.rotation
+    slip = (whirl.omega * float(whirl.radius[deepest]) + surface) / surface
+    return WhirlState(whirl, turning.spectrum(whirl), slip, _touching(depth, model.rod.arc))
+
+
+def _touching(depth: Array, arc: Array) -> float:
+    share: float = float(np.sum(np.diff(arc) * 0.5 * ((depth[:-1] > 0.0).astype(float) + (depth[1:] > 0.0)))) / arc[-1]
+    return share

@@ -1,0 +1,114 @@
+"""Steady whirl states of the bench, against their equations and against the simulation in time."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from drill_twin.api import load_scene
+from drill_twin.cli.app import app
+from drill_twin.errors import SceneError
+from drill_twin.rotordynamics.equations import EquationsOfMotion
+from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
+from drill_twin.rotordynamics.turning_frame import quarter_turn
+from drill_twin.rotordynamics.whirl_states import whirl_states
+from drill_twin.schedule.command import Command
+from drill_twin.twin.dynamics import Dynamics
+
+FAST = Command(40.0, 6.5 * math.tau)
+
+
+@pytest.fixture(scope="module")
+def fast(bench):
+    equations = EquationsOfMotion(bench)
+    return equations, whirl_states(equations, FAST, random_starts=0)
+
+
+def departure(scene, state, seconds, push=0.0):
+    """Times, distance from the state over the clearance, and angle of the whirl, in a simulation that begins on it."""
+    dynamics = Dynamics(scene)
+    parameters = dynamics.parameters
+    parameters.bow.moment[:] = parameters.eccentricity.imbalance[:] = parameters.eccentricity.inertia[:] = 0.0
+    u, v, _ = state.whirl.motion
+    start, clearance = u[:, 0] + 1j * u[:, 1], float(dynamics.model.wellbore.clearance.min())
+    command = state.whirl.command
+    dynamics.begin(u * (1.0 + push), v, command)
+    found = []
+    for _ in range(round(seconds / 0.01)):
+        assert dynamics.advance(np.array([command.weight_on_bit, command.rotation]), 0.01, step=1e-3)
+        now = dynamics.unknowns[0][:, 0] + 1j * dynamics.unknowns[0][:, 1]
+        turn = np.vdot(start, now)
+        found.append((dynamics.time, np.abs(now - start * turn / abs(turn)).max() / clearance, np.angle(turn)))
+    times, apart, angle = np.array(found).T
+    return times, apart, np.unwrap(angle)
+
+
+def test_a_state_is_an_equilibrium_in_its_frame(fast):
+    equations, states = fast
+    assert any(state.is_stable for state in states)
+    for state in states:
+        residual = equations.evaluate(FAST, *state.whirl.motion).residual
+        assert np.abs(residual).max() < 1e-8
+        assert state.whirl.radius.max() > 0.99 * float(equations.model.wellbore.clearance.min())
+
+
+def test_the_turn_of_the_whole_shape_is_neutral(fast):
+    equations, states = fast
+    turning = TurningEquations(equations)
+    system, whirl = turning.at(states[0].whirl), states[0].whirl
+    turned = turning.frame.values(quarter_turn(whirl.u))
+    matrix = turning.stiffness(system, whirl.omega)
+    assert np.abs(matrix @ turned).max() < 1e-4 * (np.abs(matrix) @ np.abs(turned)).max()
+
+
+def test_newton_finds_a_state_again_from_near(fast):
+    equations, states = fast
+    state = next(state for state in states if state.is_stable)
+    near = Whirl(FAST, state.whirl.u, state.whirl.omega * 1.001)
+    again = TurningEquations(equations).newton(near)
+    assert again is not None
+    assert again.omega == pytest.approx(state.whirl.omega, rel=1e-9)
+
+
+def test_the_simulation_stays_on_a_stable_state_and_turns_at_its_speed(bench, fast):
+    state = next(state for state in fast[1] if state.is_stable)
+    times, apart, angle = departure(bench, state, 3.0)
+    assert apart.max() < 1e-3
+    assert (angle[-1] - angle[0]) / (times[-1] - times[0]) == pytest.approx(state.whirl.omega, rel=1e-4)
+
+
+@pytest.mark.long
+def test_the_simulation_leaves_an_unstable_state_at_the_computed_rate():
+    """20 N on a guided bit: a Hopf instability, slow enough to be measured over a decade and more."""
+    held = {"string.bit_end": "guided", "effects.bit_friction.coefficient": "0", "numerics.elements": "16"}
+    scene = load_scene("pa6_calibrated", {**held, "effects.stretch": "off", "effects.torsion": "off"})
+    found = whirl_states(EquationsOfMotion(scene), Command(20.0, 2.0 * math.tau))
+    state = next(state for state in found if state.ratio < 0.6)
+    assert not state.is_stable
+    times, apart, _ = departure(scene, state, 14.0)
+    grows = (apart > 1e-4) & (apart < 5e-3)
+    rate = np.polyfit(times[grows], np.log(apart[grows]), 1)[0]
+    assert rate == pytest.approx(state.growth, rel=0.03)
+
+
+def test_a_state_on_the_command_line(tmp_path):
+    """The states as JSON; their figure."""
+    form = ["--set", "effects.stretch=off", "--set", "effects.torsion=off", "--set", "numerics.elements=12"]
+    arguments = ["whirl-states", "pa6_bench", "--wob", "40 N", "--rps", "6.5", "--starts", "0", "--json"]
+    said = CliRunner().invoke(app, [*arguments, "--out", str(tmp_path), *form])
+    assert said.exit_code == 0, said.output
+    found = json.loads(said.stdout)
+    assert found
+    assert all(state["rotation_rev_s"] == pytest.approx(6.5) for state in found)
+    assert json.loads((tmp_path / "states.json").read_text()) == found
+    assert (tmp_path / "states.png").stat().st_size > 10_000
+
+
+def test_scenes_without_a_steady_whirl_are_told(bench):
+    hole = bench.hole.model_copy(update={"inclination": 0.5})
+    with pytest.raises(SceneError, match="in which no steady whirl exists"):
+        whirl_states(EquationsOfMotion(bench.model_copy(update={"hole": hole})), FAST)
+    with pytest.raises(SceneError, match="expected a rotation other than 0"):
+        whirl_states(EquationsOfMotion(bench), Command(40.0, 0.0))
