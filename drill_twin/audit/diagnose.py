@@ -12,7 +12,7 @@ import numpy as np
 from drill_twin.audit.energy import element_unknowns
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import as_python
-from drill_twin.effects import effect_module
+from drill_twin.effects import effect_module, function_name
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
 from drill_twin.model.section import RESULTANTS
@@ -63,8 +63,8 @@ def _load_on_element(parameters: Any, rod: Rod, name: str, e: int, at: Evaluatio
     for p in range(2):
         strain, here = _sample(rod, e, p, at)
         load, stiff, out = np.zeros(4), np.zeros((4, 4)), np.zeros(RESULTANTS)
-        if hasattr(module, "distributed_load"):
-            as_python(module.distributed_load)(parameters, rod, here, 0.5 * at.step, load, stiff)
+        if function := function_name(name, "distributed_load"):
+            as_python(getattr(module, function))(parameters, rod, here, 0.5 * at.step, load, stiff)
         if hasattr(module, "section_stress"):
             as_python(module.section_stress)(parameters, rod, strain, 0.5 * at.step, out)
         share = 0.5 * rod.length[e]

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.base.arrays import Array
-from drill_twin.effects import effect_module
+from drill_twin.effects import function_name, key_of
 from drill_twin.model.mesh import Rod
 from drill_twin.model.section import RESULTANTS
 from drill_twin.solver.kernel_cache import load_generated
@@ -40,7 +40,7 @@ def {name}_distributed_load(rounds, parameters, rod, p, h2, load, stiff):
                 g // 2, g, 0.0, p[g, 0], p[g, 1], p[g, 2], p[g, 3], p[g, 4], p[g, 5], 0.0, 0.0, 0.0, p[g, 6], p[g, 7],
                 p[g, 8], p[g, 9], p[g, 10], 0.0, p[g, 11], p[g, 12], k == 0, float(k),
             )
-            of_{name}.distributed_load(parameters, rod, here, h2, load, stiff)
+            of_{name}.{function}(parameters, rod, here, h2, load, stiff)
 """
 _SECTION = """
 {import_line}
@@ -54,7 +54,7 @@ def {name}_section_stress(rounds, parameters, rod, p, h2, resultants):
                 g // 2, g, 1.0, p[g, 6], p[g, 7], p[g, 8], 0.0, p[g, 0], p[g, 1], 0.0, p[g, 3], p[g, 4], 0.0, 2.0, 0.0,
                 0.0, p[g, 10], 0.0, 0.0, 0.0, p[g, 9], p[g, 11], p[g, 12],
             )
-            of_{name}.section_stress(parameters, rod, strain, h2, resultants)
+            of_{name}.{function}(parameters, rod, strain, h2, resultants)
 """
 _END = """
 {import_line}
@@ -63,7 +63,7 @@ _END = """
 @entry_kernel
 def {name}_end_load(rounds, parameters, rod, command, h2, u, v, ends):
     for k in range(rounds):
-        of_{name}.end_load(parameters, rod, command, 0.0, h2, u, v, v, ends)
+        of_{name}.{function}(parameters, rod, command, 0.0, h2, u, v, v, ends)
 """
 
 
@@ -78,18 +78,18 @@ class EffectTimer:
         """Compile the loops, or load them from the kernel cache.
 
         Args:
-            effects: As for `build_kernel`.
+            effects: As for `drill_twin.solver.kernel_codegen.build_kernel`.
             parameters: Of the kernel; copied, since some effects have memory there.
             rod: The string, n elements.
         """
         templates = list(zip(_TIMED, (_POINT, _SECTION, _END), strict=True))
         parts = [
-            text.format(name=name, import_line=import_line(name, f"of_{name}"))
+            text.format(name=key_of(name), function=function, import_line=import_line(name, f"of_{key_of(name)}"))
             for hook, text in templates
             for name in effects
-            if _has(name, hook)
+            if (function := function_name(name, hook))
         ]
-        self.effects = tuple(name for name in effects if any(_has(name, hook) for hook in _TIMED))
+        self.effects = tuple(key_of(name) for name in effects if any(function_name(name, hook) for hook in _TIMED))
         text = _HEAD + "".join(parts)
         self._module = load_generated("effect_timing", text, type(parameters).__module__, packages=packages_of(effects))
         self._parameters, self._rod = deepcopy(parameters), rod
@@ -117,12 +117,8 @@ class EffectTimer:
         return sum(
             _time_per_round(getattr(self._module, f"{effect}_{hook}"), rounds, (*model, *arguments[hook]))
             for hook in _TIMED
-            if _has(effect, hook)
+            if function_name(effect, hook)
         )
-
-
-def _has(effect: str, hook: str) -> bool:
-    return hasattr(effect_module(effect), hook)
 
 
 def _time_per_round(loop: Any, rounds: int, arguments: tuple[Any, ...]) -> float:

@@ -50,4 +50,5 @@ def as_python(function: Any) -> Callable[..., Any]:
     source = function.py_func
     known = {name: source.__globals__.get(name) for name in source.__code__.co_names}
     called = {name: as_python(value) for name, value in known.items() if isinstance(value, Dispatcher)}
-    return FunctionType(source.__code__, {**source.__globals__, **called}, source.__name__, source.__defaults__)
+    named = {**source.__globals__, **called}
+    return FunctionType(source.__code__, named, source.__name__, source.__defaults__, source.__closure__)

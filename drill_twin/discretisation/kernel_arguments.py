@@ -6,7 +6,7 @@ from typing import Any
 
 from drill_twin.discretisation.drive import make_drive
 from drill_twin.discretisation.initial_state import axial_weight
-from drill_twin.effects import effect_module
+from drill_twin.effects import effect_module, with_variant
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
 
@@ -21,6 +21,11 @@ def form_of(scene: Scene) -> str:
 def effects_of(scene: Scene) -> tuple[str, ...]:
     """Keys of the effects with compiled functions, in the order of the registry."""
     return tuple(name for name in scene.effect_names if hasattr(effect_module(name), "parameters"))
+
+
+def variants_of(scene: Scene) -> tuple[str, ...]:
+    """The same keys, each with the variant that its block asks for: what a kernel is generated from."""
+    return tuple(with_variant(name, getattr(scene.effects, name)) for name in effects_of(scene))
 
 
 def parameters_of(kernel: ModuleType, scene: Scene, model: DiscreteModel, *more: Any) -> Any:

@@ -54,9 +54,25 @@ EFFECTS: dict[str, type[EffectConfig]] = {key: config for key, (_, config) in _F
 """Key in a scene file -> its config: those of this package by name, then those of other packages."""
 
 
-def effect_module(key: str) -> ModuleType:
-    """The module of an effect, by its key in the scene."""
-    return _FOUND[key][0]
+def effect_module(effect: str) -> ModuleType:
+    """The module of an effect, by its key in the scene, with or without a variant."""
+    return _FOUND[key_of(effect)][0]
 
 
-__all__ = ["EFFECTS", "GROUP", "EffectConfig", "effect_module"]
+def key_of(effect: str) -> str:
+    """Key in the scene of an effect with a variant: `wall_friction` of `wall_friction:arctan`."""
+    return effect.partition(":")[0]
+
+
+def with_variant(key: str, config: EffectConfig) -> str:
+    """Key of an effect in a kernel: that of the scene, with the variant that the block asks for."""
+    return f"{key}:{config.variant}" if config.variant else key
+
+
+def function_name(effect: str, hook: str) -> str:
+    """Name of an effect's compiled function in its module, for the variant if it has one of its own; "" if none."""
+    module, (_, _, variant) = effect_module(effect), effect.partition(":")
+    return next((name for name in (f"{hook}_{variant}", hook) if hasattr(module, name)), "")
+
+
+__all__ = ["EFFECTS", "GROUP", "EffectConfig", "effect_module", "function_name", "key_of", "with_variant"]

@@ -55,6 +55,14 @@ class EffectConfig(BaseModel):
     disabled_for_static: ClassVar[tuple[str, ...]] = ()
     """Fields set to zero in the search for the static equilibrium: excitation and friction."""
 
+    @property
+    def variant(self) -> str:
+        """Suffix of the compiled functions this block calls for, where there are several; "" for the default ones.
+
+        The choice is made when the kernel is generated, so that the others cost nothing.
+        """
+        return ""
+
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:  # noqa: ARG002, the subclasses use it
         """Yield the contradictions with the rest of the scene, whose parts are valid by themselves.
 

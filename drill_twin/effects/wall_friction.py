@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Friction of the string on the wall, on the slip velocity of the contact point including the spin."""
 
-from typing import Annotated, Any, ClassVar, NamedTuple
+from collections.abc import Callable
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
+from pydantic import model_validator
 
 from drill_twin.base.arrays import Array, Pair, Triple
 from drill_twin.base.jit import kernel
@@ -12,32 +14,51 @@ from drill_twin.effects.wall import Contact, contact_force
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
-from drill_twin.units import Dimensionless, InverseSpeed, Within
+from drill_twin.units import Dimensionless, InverseSpeed, Within, refuse, show
 
 Quad = tuple[float, float, float, float]
 
 
 class WallFriction(EffectConfig):
-    """Friction force mu N v / sqrt(v^2 + c^2) / (1 + delta |v|), c = pi / (2 xi), against the slip velocity v.
+    """Friction force mu(v) N sign(v) against the slip velocity v, mu(v) = mu_d + (mu - mu_d) / (1 + delta |v|).
 
-    The paper's Eq. 10 has 2/pi arctan(xi v) in place of v / sqrt(v^2 + c^2). Slope at zero slip and limits are the
-    same; at v = c the paper's is 0.64 of the limit and this one 0.71, at v = 10 c 0.96 and 0.995.
+    sign(v) is v / sqrt(v^2 + c^2), c = pi / (2 xi), or 2/pi arctan(xi v) as in the paper's Eq. 10. Slope at zero slip
+    and limits are the same; at v = c arctan gives 0.64 and the other 0.71, at v = 10 c 0.96 and 0.995.
     """
 
     requires: ClassVar[tuple[str, ...]] = ("wall",)
     energy_class = "heat"
-    disabled_for_static = ("coefficient",)
+    disabled_for_static = ("coefficient", "sliding")
 
     coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
     """Friction coefficient mu at low slip speed [-]."""
     decay: Annotated[InverseSpeed, Within(at_least="0 s/m", at_most="1e4 s/m")] = 0.0
     """Decrease of friction with slip speed, delta [s/m]; 0 = Coulomb."""
+    sliding: Annotated[Dimensionless, Within(at_least="0", at_most="5")] = 0.0
+    """Friction coefficient at high slip speed, mu_d [-], which `decay` leads to; not above `coefficient`."""
     accuracy: Annotated[InverseSpeed, Within(at_least="1 s/m", at_most="1e12 s/m")] = 1e6
     """Steepness xi of the regularised sign at zero slip [s/m]."""
+    sign: Literal["root", "arctan"] = "root"
+    """Regularised sign of the slip: `root` v / sqrt(v^2 + c^2); `arctan` 2/pi arctan(xi v), as the paper has it."""
+
+    @model_validator(mode="after")
+    def _sticks_harder_than_it_slides(self) -> Self:
+        if self.sliding > self.coefficient:
+            raise refuse(
+                f"expected `sliding` not above `coefficient` ({self.coefficient:g}), found {show(self.sliding)}"
+            )
+        return self
+
+    @property
+    def variant(self) -> str:
+        """The law, by what it adds to the default one."""
+        return "_".join((("arctan",) if self.sign == "arctan" else ()) + (("sliding",) if self.sliding > 0.0 else ()))
 
 
 class Parameters(NamedTuple):
-    """Coefficient, decay with slip [s/m], slip below which the contact sticks [m/s], and the last Newton iterate."""
+    """Coefficient, decay with slip [s/m], slip below which the contact sticks [m/s], the last Newton iterate, and the
+    coefficient at high slip.
+    """  # in this order: LLVM joins loads of neighbours, and with that the last bits of the result change
 
     coefficient: float
     decay: float
@@ -45,25 +66,39 @@ class Parameters(NamedTuple):
     memory: (
         Array  # per Gauss point: slip across and along, its smoothed size, dual across and along, iteration; (2 n, 6)
     )
+    sliding: float
 
 
 def parameters(block: WallFriction, model: DiscreteModel) -> Parameters:
     """Compute the creep from the initial slope of the paper's arctan: 2 xi / pi = 1 / creep."""
     memory = np.zeros((model.places.size, 6))
     memory[:, 5] = -1.0
-    return Parameters(block.coefficient, block.decay, np.pi / (2.0 * block.accuracy), memory)
+    return Parameters(block.coefficient, block.decay, np.pi / (2.0 * block.accuracy), memory, block.sliding)
 
 
 @kernel
-def dual_variable(memory: Array, fresh: bool, count: float, across: float, along: float, size: float) -> Pair:
+def arctan_size(law: Parameters, slip: float) -> Pair:
+    """Size by which the slip s is divided for the paper's sign [m/s], and that size times its slope over s [-]."""
+    steep = 0.5 * np.pi * slip / law.creep
+    if steep < 1e-4:
+        return law.creep, np.pi * np.pi / 6.0
+    sign = 2.0 / np.pi * np.arctan(steep)
+    return slip / sign, (1.0 - slip / (law.creep * (1.0 + steep * steep) * sign)) / (sign * sign)
+
+
+@kernel
+def dual_variable(
+    memory: Array, fresh: bool, count: float, across: float, along: float, size: float, bend: float
+) -> Pair:
     """Dual variable of the primal-dual Newton method: direction and share of the friction limit, norm at most 1.
 
     Newton's method oscillates at the kink of s / |s|. With ``dual |s| = s``, linearised in both unknowns, it converges
-    (Chan, Golub and Mulet 1999); the dual follows from the last iteration's slip alone.
+    (Chan, Golub and Mulet 1999); the dual follows from the last iteration's slip alone. `bend` is the size
+    times its slope over the slip, 1 for the square root.
     """
     dx, dy = 0.0, 0.0
     if not fresh and memory[5] == count - 1.0:
-        change = (memory[0] * (across - memory[0]) + memory[1] * (along - memory[1])) / memory[2]
+        change = bend * (memory[0] * (across - memory[0]) + memory[1] * (along - memory[1])) / memory[2]
         dx = (across - memory[3] * change) / memory[2]
         dy = (along - memory[4] * change) / memory[2]
         long = np.sqrt(dx * dx + dy * dy)
@@ -87,44 +122,61 @@ def row(
     stiff[i, 3] += (slip[0] * own[0] + slip[1] * own[1]) * round_[3]
 
 
-@kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Add friction against the slip of the contact point, v.c + r psi_dot around and v.t along the hole (paper Eq. 10).
+def bind(*, arctan: bool = False, sliding: bool = False) -> Callable[..., None]:
+    """The load for one law; the branches of the others leave no machine code."""
 
-    mu N s / sqrt(s^2 + creep^2) / (1 + delta s), with t the hole's axis, n the outward normal and c = t x n. The
-    paper's 2/pi arctan(xi s) has the same limits and the same slope at zero slip.
-    """
-    at = contact_force(parameters.wall, here, h2)
-    if at.force > 0.0:
-        law = parameters.wall_friction
-        r = parameters.wall.lever[here.place]
-        tx, ty, tz = at.tx, at.ty, at.tz
-        cx, cy, cz = ty * at.nz - tz * at.ny, tz * at.nx - tx * at.nz, tx * at.ny - ty * at.nx
-        around = cx * here.vx + cy * here.vy + cz * here.vz + r * here.spin_rate
-        along = tx * here.vx + ty * here.vy + tz * here.vz
-        slip = np.sqrt(around * around + along * along)
-        size = np.sqrt(slip * slip + law.creep * law.creep)
-        falling = 1.0 + law.decay * slip
-        limit = law.coefficient / falling
-        st, sz = around / size, along / size
-        ft, fz = -limit * at.force * st, -limit * at.force * sz
-        load[0] += ft * cx + fz * tx
-        load[1] += ft * cy + fz * ty
-        load[2] += ft * cz + fz * tz
-        load[3] += r * ft
-        dt, dz = dual_variable(law.memory[here.place], here.fresh, here.iteration, around, along, size)
-        scale = limit * at.force / size
-        tt, zz = scale * (1.0 - dt * st), scale * (1.0 - dz * sz)
-        mixed = -0.5 * scale * (dt * sz + dz * st)
-        # the limit decreases with slip (without a branch; negligible within the creep)
-        fall = limit * at.force * law.decay / (falling * max(slip, law.creep))
-        tt, zz, mixed = tt - fall * st * around, zz - fall * sz * along, mixed - fall * st * along
-        # friction depends on the normal force: unsymmetric
-        tn, zn = limit * at.slope * st, limit * at.slope * sz
-        tc, zc, nc = limit * at.swing * st, limit * at.swing * sz, h2 * ft / at.radius
-        # rows of the force along x, y, z and of the couple about the axis, with lever r
-        swung = (tc, zc, nc)
-        row(stiff, 0, at, (cx, tx, at.nx), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
-        row(stiff, 1, at, (cy, ty, at.ny), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
-        row(stiff, 2, at, (cz, tz, at.nz), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
-        row(stiff, 3, at, (r, 0.0, 0.0), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+    @kernel
+    def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+        """Add friction against the slip of the contact point, v.c + r psi_dot around and v.t along the hole.
+
+        mu(s) N sign(s) (paper Eq. 10), with t the hole's axis, n the outward normal and c = t x n.
+        """
+        at = contact_force(parameters.wall, here, h2)
+        if at.force > 0.0:
+            law = parameters.wall_friction
+            r = parameters.wall.lever[here.place]
+            tx, ty, tz = at.tx, at.ty, at.tz
+            cx, cy, cz = ty * at.nz - tz * at.ny, tz * at.nx - tx * at.nz, tx * at.ny - ty * at.nx
+            around = cx * here.vx + cy * here.vy + cz * here.vz + r * here.spin_rate
+            along = tx * here.vx + ty * here.vy + tz * here.vz
+            slip = np.sqrt(around * around + along * along)
+            if arctan:
+                size, bend = arctan_size(law, slip)
+            else:
+                size, bend = np.sqrt(slip * slip + law.creep * law.creep), 1.0
+            falling = 1.0 + law.decay * slip
+            if sliding:
+                excess = (law.coefficient - law.sliding) / falling
+                limit = law.sliding + excess
+            else:
+                excess = limit = law.coefficient / falling
+            st, sz = around / size, along / size
+            ft, fz = -limit * at.force * st, -limit * at.force * sz
+            load[0] += ft * cx + fz * tx
+            load[1] += ft * cy + fz * ty
+            load[2] += ft * cz + fz * tz
+            load[3] += r * ft
+            dt, dz = dual_variable(law.memory[here.place], here.fresh, here.iteration, around, along, size, bend)
+            scale = limit * at.force / size
+            tt, zz = scale * (1.0 - bend * dt * st), scale * (1.0 - bend * dz * sz)
+            mixed = -0.5 * bend * scale * (dt * sz + dz * st)
+            # the limit decreases with slip (without a branch; negligible within the creep)
+            fall = excess * at.force * law.decay / (falling * max(slip, law.creep))
+            tt, zz, mixed = tt - fall * st * around, zz - fall * sz * along, mixed - fall * st * along
+            # friction depends on the normal force: unsymmetric
+            tn, zn = limit * at.slope * st, limit * at.slope * sz
+            tc, zc, nc = limit * at.swing * st, limit * at.swing * sz, h2 * ft / at.radius
+            # rows of the force along x, y, z and of the couple about the axis, with lever r
+            swung = (tc, zc, nc)
+            row(stiff, 0, at, (cx, tx, at.nx), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+            row(stiff, 1, at, (cy, ty, at.ny), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+            row(stiff, 2, at, (cz, tz, at.nz), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+            row(stiff, 3, at, (r, 0.0, 0.0), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+
+    return distributed_load
+
+
+distributed_load = bind()
+distributed_load_arctan = bind(arctan=True)
+distributed_load_sliding = bind(sliding=True)
+distributed_load_arctan_sliding = bind(arctan=True, sliding=True)

@@ -17,7 +17,7 @@ from drill_twin.base.arrays import Array
 from drill_twin.discretisation.boundary_conditions import BoundaryConditions
 from drill_twin.discretisation.discretise import axis_at, discretise, tubes_of
 from drill_twin.discretisation.initial_state import set_initial_state
-from drill_twin.discretisation.kernel_arguments import LATERAL, effects_of, form_of, parameters_of
+from drill_twin.discretisation.kernel_arguments import LATERAL, form_of, parameters_of, variants_of
 from drill_twin.discretisation.resolution import resolution_of
 from drill_twin.errors import SceneError
 from drill_twin.model.mesh import SPIN, build_rod
@@ -111,7 +111,7 @@ class EquationsOfMotion:
         rod = build_rod(tubes_of(scene), elements)
         self.model = discretise(scene, rod)
         hole = "straight" if self.model.wellbore.axis is None else "curved"
-        self._kernel = build_linearisation(effects_of(scene), self.form, hole)
+        self._kernel = build_linearisation(variants_of(scene), self.form, hole)
         self.parameters = parameters_of(self._kernel, scene, self.model)
         count = rod.length.size
         self._work: Any = make_lateral_workspace(count) if self.form == LATERAL else make_workspace(count)

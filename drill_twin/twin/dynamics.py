@@ -12,7 +12,7 @@ from drill_twin.base.arrays import Array
 from drill_twin.discretisation.boundary_conditions import BoundaryConditions
 from drill_twin.discretisation.discretise import axis_at, discretise, tubes_of
 from drill_twin.discretisation.initial_state import set_initial_state
-from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL, effects_of, form_of, parameters_of
+from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL, effects_of, form_of, parameters_of, variants_of
 from drill_twin.discretisation.resolution import newton_place, resolution_of
 from drill_twin.effects import effect_module
 from drill_twin.model.mesh import Rod, build_rod
@@ -42,6 +42,7 @@ class Dynamics:
         form: Formulation: "spatial", or "lateral" for a scene with neither stretch nor torsion.
         hole: "straight" or "curved".
         effects: Keys of the effects in the kernel, in the order of their parameters.
+        variants: The same, each with the variant that its block asks for.
         parameters: Parameters of drive and effects, and the ledger of an audit.
         step: Nominal time step [s].
         command: Set-points last reached: weight on bit [N], rotation [rad/s].
@@ -64,9 +65,9 @@ class Dynamics:
         self.model, self.form = discretise(scene, rod), form_of(scene)
         self.boundary_conditions = BoundaryConditions.of(scene)
         self.hole = "straight" if self.model.wellbore.axis is None else "curved"
-        self.effects = effects_of(scene)
+        self.effects, self.variants = effects_of(scene), variants_of(scene)
         audit = scene.numerics.audit == "energy"
-        self.kernel = build_kernel(self.effects, self.form, self.hole, audit=audit)
+        self.kernel = build_kernel(self.variants, self.form, self.hole, audit=audit)
         ledger = [make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_constrained)] if audit else []
         parameters = parameters_of(self.kernel, scene, self.model, *ledger)
         self._constrained = self.boundary_conditions.constrained(scene.string.bit_end)
@@ -172,7 +173,7 @@ class Dynamics:
 
     def effect_timer(self) -> Callable[[str], float]:
         """Make a function that measures an effect's time per Newton iteration in the current state [s], by its key."""
-        timer = EffectTimer(self.parameters._fields[1:], self.parameters, self.rod)
+        timer = EffectTimer(self.variants, self.parameters, self.rod)
 
         def seconds_of(effect: str) -> float:
             if effect not in timer.effects:

@@ -30,7 +30,7 @@ def failure_report(
         for time, command in ((dynamics.time + 0.5 * step, dynamics.command), (dynamics.time + seconds, target))
     ]
     kept = dynamics.memory_block.copy()  # evaluation may change the state of an effect
-    effect, doing = diagnose(dynamics.parameters, dynamics.rod, dynamics.effects, moments)
+    effect, doing = diagnose(dynamics.parameters, dynamics.rod, dynamics.variants, moments)
     dynamics.memory_block[:] = kept
     kind = "finite" if "no number" in doing else found.kind
     remedy = REMEDIES["fold in a hole" if kind == "fold" and dynamics.wall is not None else kind]

@@ -11,9 +11,10 @@ import pytest
 from hole_scenes import ON_THE_WALL, bend, with_parts
 
 from drill_twin.base.jit import as_python
-from drill_twin.effects import wall, wall_friction
+from drill_twin.effects import function_name, wall, wall_friction, with_variant
+from drill_twin.errors import SceneError
 from drill_twin.model.point import Point
-from drill_twin.scene import Scene
+from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.scenes import DIAMETER, LINE_MASS
 from drill_twin.twin.twin import Twin
@@ -26,7 +27,7 @@ class Both(NamedTuple):
     wall_friction: wall_friction.Parameters
 
 
-friction_load = as_python(wall_friction.distributed_load)
+LAWS = [{"decay": 1.0}, {"sign": "arctan", "decay": 1.0}, {"decay": 20.0, "sliding": 0.2}]
 
 
 def scene_of(hole: str, friction: dict[str, float]) -> Scene:
@@ -46,6 +47,8 @@ def made(scene: Scene) -> tuple[Both, Twin]:
 
 def evaluate(both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, h2: float = H2) -> tuple[np.ndarray, ...]:
     """Load and tangent after two iterations at the same state, over a step or at an instant; rates of x, y, z, spin."""
+    law = with_variant("wall_friction", twin.scene.effects.wall_friction)
+    friction_load = as_python(getattr(wall_friction, function_name(law, "distributed_load")))
     for count in range(2):
         load, stiff = np.zeros(4), np.zeros((4, 4))
         seen = dict.fromkeys(Point._fields, 0.0) | dict(zip("xyz", place, strict=True))
@@ -96,11 +99,41 @@ def test_the_law_near_zero_slip_is_the_documented_one(ratio: float) -> None:
     assert load[:3] @ t == pytest.approx(-mu * 1e7 * 1e-4**1.5 * ratio / np.hypot(ratio, 1.0), rel=1e-9)
 
 
+@pytest.mark.parametrize("ratio", [1e-6, 0.1, 1.0, 10.0])
+def test_the_arctan_is_the_papers(ratio: float) -> None:
+    """2/pi arctan(xi v) of the paper's Eq. 10, near zero slip too."""
+    mu, steepness = 0.3, 10.0
+    both, twin = made(scene_of("straight", {"coefficient": mu, "accuracy": steepness, "sign": "arctan"}))
+    place, (_, t, _) = on_the_wall(twin, 1e-4, 0.7)
+    slip = ratio * np.pi / (2.0 * steepness)
+    load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), h2=0.0)
+    expected = -mu * 1e7 * 1e-4**1.5 * 2.0 / np.pi * np.arctan(steepness * slip)
+    assert load[:3] @ t == pytest.approx(expected, rel=1e-7)
+
+
+@pytest.mark.parametrize(("slip", "coefficient"), [(1e-3, 0.5), (0.01, 0.35), (10.0, 0.2003)])
+def test_friction_falls_to_that_of_sliding(slip: float, coefficient: float) -> None:
+    """mu_d + (mu - mu_d) / (1 + delta v): half of the excess is gone at v = 1 / delta."""
+    friction = {"coefficient": 0.5, "sliding": 0.2, "decay": 100.0 if slip > 1e-3 else 1e-3}
+    both, twin = made(scene_of("straight", friction))
+    place, (_, t, _) = on_the_wall(twin, 1e-4, 0.7)
+    load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), h2=0.0)
+    assert load[:3] @ t == pytest.approx(-coefficient * 1e7 * 1e-4**1.5, rel=1e-4)
+
+
+def test_friction_that_slides_harder_than_it_sticks_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"expected `sliding` not above `coefficient` \(0\.2\), found 0\.3"):
+        load_scene(
+            "pa6_bench", overrides={"effects.wall_friction.coefficient": 0.2, "effects.wall_friction.sliding": 0.3}
+        )
+
+
 @pytest.mark.parametrize("hole", ["straight", "curved"])
+@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("slip", [(0.3, 0.4), (1e-7, 2e-7), (0.05, 0.0)])
-def test_the_tangent_is_the_derivative(hole: str, slip: tuple[float, float]) -> None:
+def test_the_tangent_is_the_derivative(hole: str, law: dict, slip: tuple[float, float]) -> None:
     """Minus d load / d v minus h2 d load / d u, to 1e-3 of its largest entry, sliding and sticking, moving outward."""
-    both, twin = made(scene_of(hole, {"coefficient": 0.3, "decay": 1.0}))
+    both, twin = made(scene_of(hole, {"coefficient": 0.3, **law}))
     place, (c, t, n) = on_the_wall(twin, 2e-4, -1.1)
     spin, r = 3.0, DIAMETER / 2
     rate = np.append((slip[0] - r * spin) * c + slip[1] * t + 0.01 * n, spin)
