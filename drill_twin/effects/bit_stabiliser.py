@@ -146,7 +146,7 @@ def end_load(
     bit[2, 7] += fz
     bit[6, 7] += arm * ft
     fresh = memory[6] != time or memory[7] != h2
-    dt, dz = dual_variable(memory, fresh, memory[5] + 1.0, slip, along, size)
+    dt, dz = dual_variable(memory, fresh, memory[5] + 1.0, slip, along, size, 1.0)
     memory[6], memory[7] = time, h2
     # friction depends on the normal force: unsymmetric
     scale = law.friction * at.force / size
