@@ -2,7 +2,7 @@
 """The public Python API, re-exported by `drill_twin`: scenes, runs, results, analysis (docs/api.md)."""
 
 from drill_twin.api.result import Cost, Result, read_bag
-from drill_twin.api.rotordynamics import campbell, growth_map, modes, whirl_states
+from drill_twin.api.rotordynamics import branches, campbell, growth_map, modes, whirl_states
 from drill_twin.api.scenes import build_scene, check_scene, load_scene, override, scene_names, write_scene
 from drill_twin.api.simulation import Simulation, State
 from drill_twin.api.whirl import Whirl, analyze
@@ -41,6 +41,7 @@ __all__ = [
     "TableError",
     "Whirl",
     "analyze",
+    "branches",
     "build_scene",
     "campbell",
     "check_scene",

@@ -11,14 +11,17 @@ import numpy as np
 from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.base.arrays import Array
 from drill_twin.errors import SceneError
+from drill_twin.rotordynamics import branches as _branches
 from drill_twin.rotordynamics import campbell as _campbell
 from drill_twin.rotordynamics import growth_map as _growth_map
 from drill_twin.rotordynamics import modes as _modes
 from drill_twin.rotordynamics import whirl_states as _whirl_states
+from drill_twin.rotordynamics.branches import Branch
 from drill_twin.rotordynamics.campbell import Campbell
 from drill_twin.rotordynamics.equations import EquationsOfMotion, without
 from drill_twin.rotordynamics.growth_map import GrowthMap
 from drill_twin.rotordynamics.modes import ModeTable, Resting
+from drill_twin.rotordynamics.steady_whirl import TurningEquations
 from drill_twin.rotordynamics.whirl_states import WhirlState
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
@@ -153,3 +156,57 @@ def whirl_states(
     own = steady_scene(scene, overrides, without)
     equations = EquationsOfMotion(own)
     return _whirl_states.whirl_states(equations, final_command(own), random_starts=random_starts, seed=seed)
+
+
+def branches(
+    scene: Scene | str | Path,
+    overrides: Overrides | None = None,
+    *,
+    over: str,
+    low: float,
+    high: float,
+    without: Sequence[str] = (),
+    random_starts: int = _whirl_states.RANDOM_STARTS,
+) -> tuple[Branch, ...]:
+    """Branches of steady whirl through the states at the final set-points, one for each branch found.
+
+    Args:
+        scene: The scene, or its name or file.
+        overrides: Values that replace those of the scene.
+        over: `load` [N], `speed` [rad/s], or a key of the scene in SI, such as `effects.wall_friction.coefficient`.
+        low: Least value.
+        high: Largest value.
+        without: Effects to leave out.
+        random_starts: As in `whirl_states`.
+
+    Raises:
+        SceneError: The scene cannot be loaded, no steady whirl can exist in it, or its value is outside the range.
+    """
+    own = steady_scene(scene, overrides, without)
+    equations, command = EquationsOfMotion(own), final_command(own)
+    turning = TurningEquations(equations)
+    makers = {"load": _branches.load_of, "speed": _branches.speed_of}
+    if over in makers:
+        parameter = makers[over](turning, command, low, high)
+        value = {"load": command.weight_on_bit, "speed": command.rotation}[over]
+    else:
+        parameter, value = _branches.key_of(turning, command, over, low, high), _number(own, over)
+    if not low < value < high:
+        raise SceneError(
+            f"{own.name}: expected a range of {over} around its value {value:g}, found {low:g} to {high:g}"
+        )
+    found: list[Branch] = []
+    for state in _whirl_states.whirl_states(equations, command, random_starts=random_starts):
+        if not any(_branches.passes(one, state, value) for one in found):
+            found.append(_branches.branch(parameter, state.whirl, value))
+    return tuple(found)
+
+
+def _number(scene: Scene, key: str) -> float:
+    """Value of a number of a scene."""
+    inside: object = scene
+    for part in key.split("."):
+        inside = getattr(inside, part, None)
+    if not isinstance(inside, int | float) or isinstance(inside, bool):
+        raise SceneError(f"{scene.name}: expected load, speed or the key of a number of the scene, found {key}")
+    return float(inside)

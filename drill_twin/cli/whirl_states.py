@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from drill_twin.rotordynamics.whirl_states import WhirlState
+    from drill_twin.scene import Scene
+    from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
 
 
 def whirl_states(
@@ -28,8 +30,19 @@ def whirl_states(
         int,
         typer.Option("--starts", metavar="N", min=0, max=100, help="Random first shapes, besides four modes."),
     ] = 2,
+    over: Annotated[
+        str,
+        typer.Option(
+            "--over",
+            metavar="KEY=LOW:HIGH",
+            help='Follow each state over "load=5:80" [N], "speed=1:8" [rev/s], or a key of the scene in SI.',
+        ),
+    ] = "",
+    simulate: Annotated[
+        int, typer.Option("--simulate", metavar="N", min=0, help="With --over: N runs in time beside the branches.")
+    ] = 0,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write states.json and states.png to this folder.")
+        Path | None, typer.Option("--out", metavar="DIR", help="Write the results and their figures to this folder.")
     ] = None,
     json: JsonOption = False,
 ) -> None:
@@ -46,6 +59,9 @@ def whirl_states(
     from drill_twin.studies.rotordynamics.whirl_figures import states_figure
 
     own = rotordynamics.steady_scene(scene, overrides(change, wob=wob, rps=rps), without)
+    if over:
+        _follow(own, over, starts, simulate, out, json=json)
+        return
     with err().status("searching"):
         found = rotordynamics.whirl_states(own, random_starts=starts)
     if json:
@@ -90,3 +106,79 @@ def _table(states: Sequence[WhirlState], name: str) -> Table:
     )
     columns = ("whirl", "frequency", "ratio", "", "growth", "at", "slip", "on wall")
     return grid(columns, rows, title=title, right=(1, 2, 4, 5, 6, 7))
+
+
+def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | None, *, json: bool) -> None:
+    """Branches over a number: table or JSON, and the figure."""
+    from drill_twin.api import rotordynamics
+    from drill_twin.cli.show import err, grid, print_json
+    from drill_twin.cli.show import out as stdout
+    from drill_twin.studies.rotordynamics.data import branch_data, run_data
+    from drill_twin.studies.rotordynamics.whirl_figures import LABELS, branches_figure
+
+    key, low, high = _range(over)
+    label, unit = LABELS.get(key, (key, 1.0))
+    with err().status("following"):
+        found = rotordynamics.branches(scene, over=key, low=low * unit, high=high * unit, random_starts=starts)
+    runs = _simulated(scene, key, low * unit, high * unit, simulate)
+    data = {"branches": [branch_data(one) for one in found], "simulated": [run_data(value, run) for value, run in runs]}
+    if json:
+        print_json(data)
+    else:
+        rows = [
+            (
+                str(number + 1), f"{one.values.min() / unit:.4g} to {one.values.max() / unit:.4g}",
+                f"{min(s.ratio for s in one.states):+.3f} to {max(s.ratio for s in one.states):+.3f}",
+                f"{100.0 * sum(s.is_stable for s in one.states) / len(one.states):.0f} %",
+                ", ".join(f"{one.values[k] / unit:.4g}" for k in one.folds) or "none",
+                ", ".join(f"{one.values[k] / unit:.4g}" for k in one.hopf) or "none", "; ".join(one.ends),
+            )
+            for number, one in enumerate(found)
+        ]  # fmt: skip
+        columns = ("branch", label, "ratio", "points stable", "folds", "Hopf points", "ends (low, high side)")
+        stdout().print(grid(columns, rows, title=f"{scene.name}: branches of steady whirl"))
+        for value, run in runs:
+            steady = "steady" if run.is_steady else f"irregular, scatter {run.scatter:.2g}"
+            line = f"simulated at {value / unit:.4g}: {run.frequency:+.4f} Hz, ratio {run.ratio:+.4f}, {steady}"
+            stdout().print(line, markup=False, soft_wrap=True)
+    if out is not None:
+        from drill_twin.cli.folder import make_folder, write_file
+        from drill_twin.report.figures.style import save
+        from drill_twin.studies.json_io import json_text
+
+        make_folder(out)
+        write_file(out / "branches.json", json_text(data))
+        if found:
+            dots = [(value, run.frequency, run.ratio) for value, run in runs]
+            save(branches_figure(found, scene.name, dots), out / "branches.png")
+        err().print(f"{out}: branches.json{', branches.png' if found else ''}", markup=False, soft_wrap=True)
+
+
+def _simulated(scene: Scene, key: str, low: float, high: float, count: int) -> list[tuple[float, SimulatedWhirl]]:
+    """Runs in time at values inside the range, ends left out."""
+    from drill_twin.errors import SceneError
+    from drill_twin.studies.rotordynamics.simulated import simulated_whirl, with_command
+
+    if count and key not in {"load", "speed"}:
+        raise SceneError(f"--simulate: expected --over load or speed, found {key}")
+    load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
+    runs = []
+    for k in range(count):
+        value = low + (high - low) * (k + 0.5) / count
+        own = with_command(scene, value if key == "load" else load, value if key == "speed" else turn)
+        runs.append((value, simulated_whirl(own)))
+    return runs
+
+
+def _range(over: str) -> tuple[str, float, float]:
+    from drill_twin.errors import SceneError
+
+    key, _, span = over.partition("=")
+    low, _, high = span.partition(":")
+    try:
+        first, last = float(low), float(high)
+    except ValueError:
+        first = last = 0.0
+    if not (key and first < last):
+        raise SceneError(f'--over: expected KEY=LOW:HIGH such as "load=5:80", found "{over}"')
+    return key.strip(), first, last

@@ -7,6 +7,9 @@ and may be negative: the sum of T(h) and T(-h) is 2 C, their difference 2 (M / h
 h separates M from K. What a formulation evaluates between the ends of a step (wall, stretch) is then its value at the
 instant, up to h^2.
 
+The time loop can do with a simplified tangent where Newton's method converges with it; that of the bit's friction
+leaves out the change of its coefficient with the slide. So the damping at the bit is taken from differences.
+
 Friction in a primal-dual form has its exact tangent when the dual variable has converged: the second of two builds at
 one place.
 """
@@ -20,11 +23,14 @@ from drill_twin.model.mesh import Rod
 from drill_twin.solver.interface import Formulation
 from drill_twin.solver.lateral import formulation as lateral
 from drill_twin.solver.lateral.linear_solver import NODE as LATERAL_NODE
+from drill_twin.solver.spatial import formulation as spatial
 from drill_twin.solver.spatial.linear_solver import NODE as SPATIAL_NODE
 from drill_twin.solver.state import State
 
 SHORT, LONG = 1e-6, 2e-5
 """Half steps of the instant [s]: of the residual SHORT, of the damping LONG, of mass and stiffness both."""
+CHANGE = 1e-6
+"""Change of a velocity of the bit for the differences [m/s, 1/s, rad/s]."""
 MASS, DAMPING, STIFFNESS = 0, 1, 2
 
 
@@ -54,16 +60,16 @@ def spatial_right(work: Any, i: int, k: int) -> float:
 
 def bind_lateral(form: Formulation) -> Callable[..., None]:
     """The equations at an instant in the lateral form."""
-    return _bind(form, LATERAL_NODE, lateral_right, lateral.begin)
+    return _bind(form, LATERAL_NODE, lateral.column, lateral_right)
 
 
 def bind_spatial(form: Formulation) -> Callable[..., None]:
     """The equations at an instant in the spatial form."""
-    return _bind(form, SPATIAL_NODE, spatial_right, form.begin)
+    return _bind(form, SPATIAL_NODE, spatial.column, spatial_right)
 
 
-def _bind(form: Formulation, count: int, right: Any, begin: Any) -> Callable[..., None]:
-    build = form.build
+def _bind(form: Formulation, count: int, column: Any, right: Any) -> Callable[..., None]:
+    begin, build = form.begin, form.build
 
     @kernel
     def add_blocks(work: Any, out: Array, factor: float) -> None:
@@ -92,7 +98,7 @@ def _bind(form: Formulation, count: int, right: Any, begin: Any) -> Callable[...
         tangents: Array,
     ) -> None:
         """Fill `residual`, shape (n + 1, count), and `tangents`, shape (3, n + 1, count, 3 count): mass, damping,
-        stiffness; rows and columns of constrained unknowns are without meaning.
+        stiffness; rows and columns of constrained unknowns are without meaning. `v` is changed and restored.
         """
         tangents[:] = 0.0
         number = 0.0
@@ -119,5 +125,21 @@ def _bind(form: Formulation, count: int, right: Any, begin: Any) -> Callable[...
                     add_blocks(work, tangents[MASS], -odd * LONG * short2 / whole)
                     add_blocks(work, tangents[STIFFNESS], odd * LONG / whole)
                     add_blocks(work, tangents[DAMPING], 0.5)
+
+        for c in range(count):
+            speed = v[0, column(c)]
+            for k in range(count):
+                tangents[DAMPING, 0, k, count + c] = 0.0
+            for sign in range(2):
+                way = 0.5 if sign == 0 else -0.5
+                v[0, column(c)] = speed + 2.0 * way * CHANGE
+                for _ in range(2):
+                    set_instant(state, u, v, a, LONG)
+                    begin(work)
+                    build(parameters, rod, work, constrained, state, 0.0, LONG, False, number)
+                    number += 1.0
+                for k in range(count):
+                    tangents[DAMPING, 0, k, count + c] += way / CHANGE * right(work, 0, k)
+            v[0, column(c)] = speed
 
     return evaluate

@@ -12,12 +12,13 @@ COMMAND = Command(40.0, 12.0)
 
 
 def whirling(equations, omega=-3.0, size=1.001):
-    """The string bent onto the wall, in whirl: position, velocity, acceleration."""
+    """The string bent onto the wall, its bit off the axis, in whirl: position, velocity, acceleration."""
     u, v = equations.on_axis(COMMAND)
     arc, clearance = equations.model.rod.arc, float(equations.model.wellbore.clearance.min())
     wave = np.pi / arc[-1]
     u[:, 0] += size * clearance * np.sin(wave * arc) ** 2
     u[:, 3] += size * clearance * wave * np.sin(2.0 * wave * arc)
+    u[0, 0] += 0.3 * clearance
     turned = quarter_turn(u)
     return u, v + omega * turned, omega**2 * quarter_turn(turned)
 

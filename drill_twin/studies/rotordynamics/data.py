@@ -6,10 +6,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from drill_twin.rotordynamics.branches import Branch
 from drill_twin.rotordynamics.campbell import Campbell
 from drill_twin.rotordynamics.growth_map import GrowthMap
 from drill_twin.rotordynamics.modes import ModeTable
 from drill_twin.rotordynamics.whirl_states import WhirlState
+from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
 
 
 def modes_data(table: ModeTable) -> dict[str, Any]:
@@ -75,3 +77,25 @@ def state_data(state: WhirlState) -> dict[str, Any]:
         "x_m": state.whirl.u[:, 0].tolist(),
         "y_m": state.whirl.u[:, 1].tolist(),
     }
+
+
+def branch_data(branch: Branch) -> dict[str, Any]:
+    """Frequencies [Hz], ratios, growth [1/s] along a branch, its folds and Hopf points, and why it ends; SI values."""
+    return {
+        "parameter": branch.parameter,
+        "values": branch.values.tolist(),
+        "frequency_hz": [state.frequency for state in branch.states],
+        "ratio": [state.ratio for state in branch.states],
+        "growth_per_s": [state.growth for state in branch.states],
+        "stable": [state.is_stable for state in branch.states],
+        "kind": [state.kind for state in branch.states],
+        "folds": [float(branch.values[k]) for k in branch.folds],
+        "hopf": [float(branch.values[k]) for k in branch.hopf],
+        "ends": list(branch.ends),
+    }
+
+
+def run_data(value: float, run: SimulatedWhirl) -> dict[str, Any]:
+    """Whirl of a run in time at a value of the parameter (SI)."""
+    numbers = {"frequency_hz": run.frequency, "ratio": run.ratio, "scatter": run.scatter, "steady": run.is_steady}
+    return {"value": value, **numbers}

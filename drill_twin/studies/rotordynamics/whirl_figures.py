@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of steady whirl: shapes of the states at one command."""
+"""Figures of steady whirl: shapes of the states at one command, and branches over a parameter."""
 
 from __future__ import annotations
 
@@ -8,14 +8,18 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from drill_twin.discretisation.discretise import tubes_of
 from drill_twin.model.mesh import build_rod
-from drill_twin.report.figures.style import BLUE, GREY, VERMILION, blank, head, styled
+from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, blank, head, styled
+from drill_twin.rotordynamics.branches import Branch
 from drill_twin.rotordynamics.whirl_states import WhirlState
 from drill_twin.scene import Scene
 
 MOST_STATES = 5
+LABELS = {"load": ("weight on bit [N]", 1.0), "speed": ("rotation [rev/s]", math.tau)}
+"""Label of a parameter, and its unit in SI."""
 
 
 def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
@@ -49,3 +53,57 @@ def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
         panels[0, 0].legend(["x", "y"], loc="upper left", fontsize=8)
         panels[1, 0].set_ylabel("y [mm]; dot: bit")
     return figure
+
+
+def branches_figure(
+    branches: Sequence[Branch], name: str, simulated: Sequence[tuple[float, float, float]] = ()
+) -> Figure:
+    """Whirl frequency and ratio over the parameter: stable drawn through, unstable dashed, folds, Hopf points marked.
+
+    Args:
+        branches: In one parameter.
+        name: Of the scene.
+        simulated: Values of the parameter with frequency [Hz] and ratio of the simulation in time, as dots.
+    """
+    parameter = branches[0].parameter
+    label, unit = LABELS.get(parameter, (parameter, 1.0))
+    with styled():
+        figure = blank(5.0)
+        head(figure, f"{name}: steady whirl over {label.split(' [')[0]}")
+        panels = figure.subplots(1, 2)
+        figure.subplots_adjust(left=0.075, right=0.97, top=0.8, bottom=0.12, wspace=0.24)
+        for number, one in enumerate(branches):
+            colour = MARK_COLOURS[number % len(MARK_COLOURS)]
+            stable = np.array([state.is_stable for state in one.states])
+            values = one.values / unit
+            for panel, of in zip(panels, ("frequency", "ratio"), strict=True):
+                seen = np.array([getattr(state, of) for state in one.states])
+                panel.plot(values, seen, color=colour, linestyle=(0, (2, 2)), linewidth=1.0)
+                panel.plot(values, np.where(stable, seen, np.nan), color=colour, linewidth=2.2)
+                panel.plot(values[list(one.folds)], seen[list(one.folds)], "s", color=INK, markersize=5, zorder=4)
+                panel.plot(values[list(one.hopf)], seen[list(one.hopf)], "D", color=VERMILION, markersize=5, zorder=4)
+                for end, reason in zip((0, -1), one.ends, strict=True):
+                    if "Newton" in reason:
+                        panel.plot(values[end], seen[end], "x", color=INK, markersize=7, zorder=4)
+        for column, panel in enumerate(panels):
+            if simulated:
+                points = np.array(simulated)
+                panel.plot(points[:, 0] / unit, points[:, 1 + column], "o", color=GREY, markersize=4, zorder=5)
+            panel.set_xlabel(label)
+        panels[0].set_ylabel("whirl frequency [Hz]")
+        panels[1].set_ylabel("whirl over rotation [-]")
+        figure.legend(handles=_signs(simulated=bool(simulated)), loc="upper left", bbox_to_anchor=(0.06, 0.925), ncol=6,
+                      fontsize=8.5)  # fmt: skip
+    return figure
+
+
+def _signs(*, simulated: bool) -> list[Line2D]:
+    signs = [
+        Line2D([], [], color=BLUE, linewidth=2.2, label="stable"),
+        Line2D([], [], color=BLUE, linestyle=(0, (2, 2)), label="unstable"),
+        Line2D([], [], color=INK, marker="s", linestyle="", markersize=5, label="fold"),
+        Line2D([], [], color=VERMILION, marker="D", linestyle="", markersize=5, label="Hopf point"),
+        Line2D([], [], color=INK, marker="x", linestyle="", label="Newton's method did not converge"),
+    ]
+    dots = [Line2D([], [], color=GREY, marker="o", linestyle="", markersize=4, label="simulation in time")]
+    return signs + (dots if simulated else [])

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whirl speed of a simulation in time, to be compared with steady states."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.scene import Scene
+from drill_twin.scene.load import build_scene
+from drill_twin.schedule import Command, Schedule
+from drill_twin.twin.twin import Twin
+
+LAST = 1.0 / 3.0
+"""Share of the run, at its end, that is measured."""
+WINDOWS = 5
+STEADY = 0.02
+"""Largest scatter of the whirl speed between windows, over the rotation, of a steady whirl."""
+
+
+class SimulatedWhirl(NamedTuple):
+    """Mean whirl at the end of a run."""
+
+    command: Command
+    frequency: float
+    """Mean whirl frequency of the mark with the largest radius [Hz]."""
+    ratio: float
+    """Over the rotation [-]."""
+    scatter: float
+    """Standard deviation of the frequency between windows, over the rotation [-]."""
+
+    @property
+    def is_steady(self) -> bool:
+        """True if the whirl speed is the same in all windows."""
+        return self.scatter < STEADY
+
+
+def with_command(scene: Scene, weight: float, rotation: float) -> Scene:
+    """The scene with other final set-points [N], [rad/s]."""
+    values: dict[str, float | str] = {"rig.weight_on_bit.value": weight, "rig.rotation.value": rotation}
+    return build_scene(scene.model_dump(mode="json", exclude_none=True), name=scene.name, overrides=values)
+
+
+def simulated_whirl(scene: Scene) -> SimulatedWhirl:
+    """Run a scene to its end, and measure the whirl over its last third.
+
+    Raises:
+        RunError: The motion could not be followed.
+    """
+    twin, schedule, frame = Twin(scene), Schedule.from_scene(scene), 1.0 / scene.numerics.frame_rate
+    count = round(schedule.duration / frame)
+    first = int(count * (1.0 - LAST))
+    places = []
+    for k in range(1, count + 1):
+        seen = twin.advance(schedule.at(k * frame), frame)
+        if k >= first:
+            places.append(seen.marks.centre[:, 0] + 1j * seen.marks.centre[:, 1])
+    path = np.array(places)
+    mark = int(np.argmax(np.mean(np.abs(path), axis=0)))
+    angle = np.unwrap(np.angle(path[:, mark]))
+    edges = np.linspace(0, angle.size - 1, WINDOWS + 1).astype(int)
+    rates = np.diff(angle[edges]) / (np.diff(edges) * frame)
+    mean = float((angle[-1] - angle[0]) / ((angle.size - 1) * frame))
+    command = Command(scene.rig.weight_on_bit.value, scene.rig.rotation.value)
+    return SimulatedWhirl(command, mean / math.tau, mean / command.rotation, float(rates.std()) / abs(command.rotation))
