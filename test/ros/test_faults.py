@@ -132,6 +132,28 @@ def test_a_recorder_that_is_killed_is_followed_by_one_that_misses_nothing(bench)
 
 
 @pytest.mark.long
+@pytest.mark.fault("bag file truncated while recording", "the recorder goes on in a new file, says so, and ends with 1")
+def test_a_bag_file_that_is_truncated_is_noticed(bench):
+    simulator = bench.start("simulator", wait_for_command=False)
+    recorder = bench.start("recorder", bag=str(bench.folder / "bag_0"))
+    bench.until_status("recorder", lambda status: int(status.values["messages"]) > 300)
+    with (bench.folder / "bag_0" / "bag_0.mcap").open("r+b") as stream:
+        stream.truncate(5000)
+    status = bench.until_status("recorder", lambda status: status.values["files"] == "2")
+    before = int(status.values["messages"])
+    bench.until_status("recorder", lambda status: int(status.values["messages"]) > before + 300)
+    assert simulator.end() == 0
+    assert recorder.end() == 1
+    assert "found it cut to" in recorder.text
+    assert "going on in" in recorder.text
+    assert "Traceback" not in recorder.text
+    bag = Bag(bench.folder / "bag_0")
+    assert bag.damage
+    assert "name: pa6_bench" in bag.scene()
+    assert sum(1 for _ in bag.messages((RIG_STATE,))) > 50
+
+
+@pytest.mark.long
 @pytest.mark.fault("bag folder removed while recording", "the recorder ends with the reason; the others run on")
 def test_a_bag_folder_that_is_removed_is_noticed(bench):
     states = bench.collect(RIG_STATE)

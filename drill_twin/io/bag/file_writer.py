@@ -6,12 +6,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from mcap.writer import CompressionType, Writer
 
 from drill_twin import __version__
 from drill_twin.errors import BagError
+from drill_twin.io.bag.checked_stream import CheckedStream
 from drill_twin.io.bag.chunk_indices import pack_indices
 from drill_twin.io.bag.metadata import RecordedTopic, to_yaml
 
@@ -37,8 +38,8 @@ class FileWriter:
         self.start: int | None = None
         self.end = 0
         self.count = 0
-        self._stream = path.open("xb")
-        self._writer = Writer(self._stream, chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
+        self._stream = CheckedStream(path)
+        self._writer = Writer(cast("Any", self._stream), chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
         pack_indices(self._writer)
         self._writer.start(profile="ros2", library=f"drill_twin {__version__}")
         self._channels: dict[str, int] = {}
@@ -78,8 +79,18 @@ class FileWriter:
         """Close the open chunk and pass it to the operating system."""
         try:
             self._writer.flush()  # type: ignore[no-untyped-call]
+            self._stream.flush()
         except OSError as error:
             raise self.broken(error) from error
+
+    def change(self) -> str:
+        """Another program's change of the file since its last flush, in words; empty if there is none."""
+        return self._stream.change()
+
+    def abandon(self) -> None:
+        """Close the file as it is; it can be read as far as it goes."""
+        with suppress(OSError):
+            self._stream.close()
 
     def finish(self, information: Mapping[str, Any]) -> None:
         """Close the file; `information` is rosbag2's metadata of the bag."""

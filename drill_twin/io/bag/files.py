@@ -59,7 +59,17 @@ def open_files(path: Path) -> tuple[list[BagFile], list[str]]:
     information = _information(path)
     damage += [f"{name} is missing" for name in _missing(path, information)]
     compressed = str(information.get("compression_mode", "")).lower() == "message"
-    return [_open_file(file, compressed_messages=compressed) for file in files if file not in empty], damage
+    opened: list[BagFile] = []
+    unreadable: list[BagError] = []
+    for file in files:
+        if file not in empty:
+            try:
+                opened.append(_open_file(file, compressed_messages=compressed))
+            except BagError as error:
+                unreadable.append(error)
+    if not opened:
+        raise unreadable[0]
+    return opened, [*damage, *(f"left out: {error}" for error in unreadable)]
 
 
 def _open_file(path: Path, *, compressed_messages: bool = False) -> BagFile:

@@ -25,6 +25,7 @@ FLUSH_INTERVAL = 0.1
 """Longest time of data in an open chunk [s], which kill -9 would lose."""
 
 _NANOSECONDS = 1e9
+_LATCHED = frozenset(name for name, topic in TOPICS.items() if topic.latched)
 
 
 class BagWriter:
@@ -64,6 +65,9 @@ class BagWriter:
         self._topics = {topic.name: topic for topic in described}
         self._files = [_first_file(self.folder, self._topics.values())]
         self._closed = False
+        self._latched: dict[str, tuple[int, bytes]] = {}  # the last messages, without which a new file says little
+        self.damage: list[str] = []
+        """Sentences on files that another program changed while they were recorded."""
         self.flush()
 
     @property
@@ -120,6 +124,8 @@ class BagWriter:
             if self._is_full(stamp):
                 self._begin_next()
             recorded.count += 1
+            if topic in _LATCHED:
+                self._latched[topic] = stamp, raw
             self._files[-1].write(topic, stamp, raw, recorded.count)
             self.flush_if_due()
         except BagError:
@@ -138,25 +144,35 @@ class BagWriter:
     def flush(self) -> None:
         """Pass all messages so far to the operating system; kill -9 no longer loses them.
 
+        Where another program has cut, replaced or removed the file, the recording goes on in a new one.
+
         Raises:
             BagError: The file cannot be written.
         """
         try:
             self._files[-1].flush()
+            self._flushed = time.monotonic()
+            if change := self._files[-1].change():
+                self._go_on_after(change)
         except BagError:
             self._closed = True
             raise
-        self._flushed = time.monotonic()
 
     def close(self) -> None:
         """Finish the file and write `metadata.yaml`; a second call has no effect.
 
         Raises:
-            BagError: The file cannot be written.
+            BagError: The file cannot be written, or another program changed one of the bag meanwhile.
         """
         if self._closed:
             return
+        self.flush()
         self._closed = True
+        self._finish()
+        if self.damage:
+            raise BagError(f"{'; '.join(self.damage)}; what is still there can be read")
+
+    def _finish(self) -> None:
         information = self._information()
         self._files[-1].finish(information)
         try:
@@ -165,6 +181,17 @@ class BagWriter:
             unfinished.replace(self.folder / "metadata.yaml")
         except OSError as error:
             raise self._files[-1].broken(error) from error
+
+    def _go_on_after(self, change: str) -> None:
+        file = self._files[-1]
+        found = f"{file.path}: expected the bag that is being recorded, {change}"
+        file.abandon()
+        if not self.folder.is_dir():
+            raise BagError(f"{found}; record again")
+        self.damage.append(f"{found}: up to {file.count} messages are lost")
+        self._open_next()
+        for topic, (stamp, raw) in self._latched.items():
+            self._files[-1].write(topic, stamp, raw, self._topics[topic].count)
 
     def _is_full(self, stamp: int) -> bool:
         file = self._files[-1]
@@ -175,6 +202,9 @@ class BagWriter:
 
     def _begin_next(self) -> None:
         self._files[-1].finish(self._information())
+        self._open_next()
+
+    def _open_next(self) -> None:
         stem = self._files[0].path.stem
         if not re.search(r"_\d+$", self.folder.name):
             stem = self.folder.name

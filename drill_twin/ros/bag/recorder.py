@@ -15,7 +15,6 @@ from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
 from drill_twin.ros.core.topics.raw_subscriptions import Received
 
@@ -48,7 +47,7 @@ class Recorder(TwinNode):
     ) -> None:
         super().__init__(context, values, other_parameters)
         self._bag: BagWriter | None = None
-        self._existence_check_due = Tick(1.0)
+        self._told = 0  # sentences on changes of the bag by other programs
         self._broken = False  # a bag that failed once is not written to again, so that the first error is reported
 
     def open(self) -> None:
@@ -93,14 +92,9 @@ class Recorder(TwinNode):
             return
         with self._writing():
             self._bag.flush_if_due()
-        if self._existence_check_due.due():
-            self._check_exists(self._bag)
-
-    def _check_exists(self, bag: BagWriter) -> None:
-        """Refuse to go on with a removed file: writing to it raises no error, and all is lost when it is closed."""
-        if not bag.file.exists():
-            self._broken = True
-            raise RunError(f"{bag.file}: expected the bag that is being recorded, found it removed; record again")
+        for text in self._bag.damage[self._told :]:
+            self.get_logger().error(f"{text}; going on in {self._bag.file}")
+        self._told = len(self._bag.damage)
 
     def close(self) -> None:
         """Record what is still arriving, and finish the bag."""
@@ -110,10 +104,10 @@ class Recorder(TwinNode):
             if not self._broken:
                 self.drain(_QUIET)
                 self.publish_diagnostics()
-                self._check_exists(self._bag)
         finally:
-            if self._bag.file.exists():
-                self._bag.close()
+            if not self._broken:
+                with self._writing():
+                    self._bag.close()
         count = sum(self._bag.counts.values())
         lost = ", ".join(f"{number} of {topic}" for topic, number in self.topics.dropped.items())
         log = self.get_logger().warning if lost else self.get_logger().info
@@ -139,6 +133,8 @@ class Recorder(TwinNode):
             "lost": str(lost),
             **{f"lost {topic}": str(number) for topic, number in self.topics.dropped.items()},
         }
+        if self._bag and self._bag.damage:
+            return Status(self.NAME, Level.ERROR, self._bag.damage[-1], values)
         if lost:
             return Status(self.NAME, Level.WARN, f"{lost} messages were lost", values)
         return Status(self.NAME, Level.OK, f"{values['messages']} messages recorded", values)
