@@ -1,11 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Errors for the user: each message names the place, expected, found and remedy."""
+"""Errors for the user: each message names the place, expected, found and remedy; text of unknown origin in them."""
 
 from typing import Self
 
 
+def printable(text: str, *, keep: str = "\n") -> str:
+    r"""Text in which each control character, format character (bidirectional marks) or surrogate is written out.
+
+    ESC becomes `\x1b`, U+202E `\u202e`: a name in a bag cannot move the cursor, change the title of a window, or
+    reverse the order of what follows.
+
+    Args:
+        text: The text.
+        keep: Characters that stay although they are not printable.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        letter if letter.isprintable() or letter in keep else letter.encode("unicode_escape").decode("ascii")
+        for letter in text
+    )
+
+
 class DrillTwinError(Exception):
     """Base of all errors that the user can correct; the command line prints it on one line."""
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(printable(message))
 
 
 class SceneError(DrillTwinError):

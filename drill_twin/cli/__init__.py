@@ -11,12 +11,15 @@ import os
 import sys
 from collections.abc import Sequence
 
+from drill_twin.base.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
 from drill_twin.cli import interrupt
+from drill_twin.errors import printable
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and end the process with its exit code."""
     interrupt.install()
+    open_closed_streams()
     try:
         code = run_command(list(sys.argv[1:] if arguments is None else arguments))
         sys.stdout.flush()
@@ -37,11 +40,16 @@ def run_command(arguments: Sequence[str]) -> int:
 
 
 def _run_command(arguments: Sequence[str]) -> int:
+    from drill_twin.errors import DrillTwinError, StoppedError
+
+    try:
+        refuse_too_little_memory()
+    except DrillTwinError as error:
+        return _fail(str(error), code=1)
     from typer.main import get_command
 
     from drill_twin.cli.app import app
     from drill_twin.cli.options import renamed
-    from drill_twin.errors import DrillTwinError, StoppedError
 
     try:
         code = get_command(app).main(renamed(arguments) or ["--help"], prog_name="drill-twin", standalone_mode=False)
@@ -49,6 +57,10 @@ def _run_command(arguments: Sequence[str]) -> int:
         return _fail(str(error), code=1)
     except DrillTwinError as error:
         return _fail(str(error))
+    except BrokenPipeError:
+        raise
+    except (OSError, MemoryError) as error:
+        return _fail(error_text(error), code=1)
     except Exception as error:
         if not hasattr(error, "format_message"):  # usage errors have one in every version of typer and click
             raise
@@ -59,5 +71,5 @@ def _run_command(arguments: Sequence[str]) -> int:
 
 
 def _fail(message: str, code: int = 2) -> int:
-    print(f"drill-twin: error: {' '.join(message.split())}", file=sys.stderr)
+    print(f"drill-twin: error: {printable(' '.join(message.split()))}", file=sys.stderr)
     return code

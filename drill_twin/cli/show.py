@@ -8,20 +8,31 @@ from typing import Any
 
 from rich import box
 from rich.console import Console
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
+from drill_twin.errors import printable
 from drill_twin.studies.json_io import json_text
+
+
+class _PrintableConsole(Console):
+    """Console that writes control characters out, whichever name of a bag they come from."""
+
+    def _render_buffer(self, buffer: Iterable[Segment]) -> str:
+        return super()._render_buffer(
+            segment if segment.control else Segment(printable(segment.text), segment.style) for segment in buffer
+        )
 
 
 def out() -> Console:
     """Console for results, on stdout."""
-    return Console(highlight=False)
+    return _PrintableConsole(highlight=False)
 
 
 def err() -> Console:
     """Console for progress and remarks, on stderr."""
-    return Console(stderr=True, highlight=False)
+    return _PrintableConsole(stderr=True, highlight=False)
 
 
 def print_json(value: Any) -> None:
@@ -34,7 +45,7 @@ def pairs(rows: Iterable[tuple[str, str]]) -> Table:
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
     table.add_column(style="bold", no_wrap=True)
     for name, value in rows:
-        table.add_row(Text(name), Text(value))
+        table.add_row(*(Text(printable(cell, keep="")) for cell in (name, value)))
     return table
 
 
@@ -44,7 +55,7 @@ def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = 
     for number, column in enumerate(columns):
         table.add_column(column, justify="right" if number in right else "left", overflow="fold")
     for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
+        table.add_row(*(Text(printable(cell, keep="")) for cell in row))
     return table
 
 

@@ -16,7 +16,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.base.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
+from drill_twin.errors import DrillTwinError, RunError, printable
 from drill_twin.ros.core.stop_request import Stopped, StopRequest
 
 NODES = {
@@ -55,8 +56,10 @@ def start(name: str, arguments: Sequence[str] | None = None) -> int:
     """Run a node or a program of this package until it ends or is asked to; returns the exit code."""
     stop = StopRequest()
     stop.install()
+    open_closed_streams()
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
+        refuse_too_little_memory()
         with stop.at_once():
             target = load(name)
         if name in NODES:
@@ -73,6 +76,9 @@ def start(name: str, arguments: Sequence[str] | None = None) -> int:
     except DrillTwinError as error:
         print(f"{name}: error: {error}", file=sys.stderr, flush=True)
         return 1 if isinstance(error, RunError) else 2
+    except (OSError, MemoryError) as error:
+        print(f"{name}: error: {printable(error_text(error))}", file=sys.stderr, flush=True)
+        return 1
     return 0
 
 

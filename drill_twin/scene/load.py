@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from drill_twin.base.standard_streams import error_text
 from drill_twin.base.yaml_reader import LARGEST_TEXT
 from drill_twin.errors import SceneError
 from drill_twin.scene.lines import Lines, copy_plain, read_lines
@@ -16,6 +17,7 @@ from drill_twin.scene.paths import scene_path
 from drill_twin.scene.problems import scene_error
 from drill_twin.scene.schema import Scene
 
+_TABLE_FILE = ("rig", "table", "file")
 DEEPEST_BASE = 8
 """Longest chain of scenes based on one another."""
 
@@ -33,7 +35,7 @@ def load_scene(scene: str | Path, *, overrides: Mapping[str, str] | None = None)
         SceneError: No such file, not YAML, or not a scene; with file, line, key, expected and found.
     """
     path = scene_path(scene)
-    return _build(read_lines(_read(path), str(path)), overrides, folder=path.resolve().parent)
+    return _build(read_lines(_read(path), str(path)), overrides, folder=path.parent)
 
 
 def parse_scene(text: str, *, name: str = "scene", overrides: Mapping[str, str] | None = None) -> Scene:
@@ -44,7 +46,7 @@ def parse_scene(text: str, *, name: str = "scene", overrides: Mapping[str, str] 
     """
     lines = read_lines(text, name)
     lines.data.pop("run", None)
-    return _build(lines, overrides, folder=Path.cwd())
+    return _build(lines, overrides, folder=Path())
 
 
 def build_scene(
@@ -60,7 +62,7 @@ def build_scene(
     Raises:
         SceneError: As `load_scene`.
     """
-    return _build(Lines(name, copy_plain(data)), overrides, folder=Path.cwd(), text=False)
+    return _build(Lines(name, copy_plain(data)), overrides, folder=Path(), text=False)
 
 
 def _read(path: Path) -> str:
@@ -69,10 +71,10 @@ def _read(path: Path) -> str:
         if size > LARGEST_TEXT:
             raise SceneError(f"{path}: expected a scene of at most {LARGEST_TEXT} bytes, found {size}")
         return path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise SceneError(f"{path}: expected text in UTF-8, found byte {error.object[error.start]:#04x}") from None
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
 def _build(lines: Lines, overrides: Mapping[str, float | str] | None, *, folder: Path, text: bool = True) -> Scene:
@@ -97,13 +99,20 @@ def _inherit(lines: Lines, folder: Path, depth: int = 0) -> None:
     if depth == DEEPEST_BASE:
         raise SceneError(f"{place}: base: expected at most {DEEPEST_BASE} scenes based on each other, found more")
     try:
-        path = scene_path(folder / name if (folder / name).is_file() else name)
+        path = scene_path(folder / name if _is_file(folder / name) else name)
     except SceneError as error:
         raise SceneError(f"{place}: base: {error}") from None
     base = read_lines(_read(path), str(path))
-    _inherit(base, path.resolve().parent, depth + 1)
-    _anchor_table(base, path.resolve().parent)
+    _inherit(base, path.parent, depth + 1)
+    _anchor_table(base, path.parent)
     lines.inherit(base)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # too long, a loop
+        return False
 
 
 def _anchor_table(lines: Lines, folder: Path) -> None:
@@ -112,5 +121,9 @@ def _anchor_table(lines: Lines, folder: Path) -> None:
     table = rig.get("table") if isinstance(rig, dict) else None
     file = table.get("file") if isinstance(table, dict) else None
     if isinstance(table, dict) and isinstance(file, str) and file:
-        base = Path.cwd() if ("rig", "table", "file") in lines.overridden else folder
-        table["file"] = str((base / Path(file).expanduser()).resolve())
+        base = Path() if ("rig", "table", "file") in lines.overridden else folder
+        try:
+            table["file"] = str((base / Path(file).expanduser()).resolve())
+        except (OSError, RuntimeError, ValueError) as error:  # a loop of links, ~nobody, NUL
+            found = f"{file[:100]!r} ({error_text(error)[:200]})"
+            raise SceneError(f"{lines.where(_TABLE_FILE)}: rig.table.file: expected a path, found {found}") from None

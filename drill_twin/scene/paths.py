@@ -43,21 +43,27 @@ def scene_path(scene: str | Path) -> Path:
         SceneError: No such file; the installed scenes are listed.
     """
     path = Path(scene)
-    if path.is_file():
-        return path
+    try:
+        if path.is_file():
+            return path
+    except OSError as error:
+        raise SceneError(f"{str(scene)[:100]}: cannot be read: {error.strerror}") from None
     known = presets()
     for named in (known, hard_scenes()):
         if str(scene) in named:
             return named[str(scene)]
     if path.is_dir():
         raise SceneError(f"{scene}: expected a scene file, found a folder")
+    if path.exists():
+        raise SceneError(f"{scene}: expected a scene file, found a pipe or a device")
     for suffix in _SUFFIXES:
-        if path.suffix not in _SUFFIXES and path.with_name(path.name + suffix).is_file():
+        if path.name and path.suffix not in _SUFFIXES and path.with_name(path.name + suffix).is_file():
             return path.with_name(path.name + suffix)
-    close = get_close_matches(str(scene), known, n=1)
+    close = get_close_matches(str(scene)[:200], known, n=1)
     hint = f', did you mean "{close[0]}"?' if close else ""
     raise SceneError(
-        f"{scene}: no such scene file{hint}; expected a path or one of the installed scenes: {', '.join(known)}"
+        f"{str(scene)[:200]}: no such scene file{hint}; "
+        f"expected a path or one of the installed scenes: {', '.join(known)}"
     )
 
 

@@ -3,6 +3,7 @@
 
 import csv
 import math
+import stat
 import subprocess
 import sys
 from array import array
@@ -65,10 +66,17 @@ def read_columns(path: Path) -> Columns:
     Raises:
         TableError: No such file, not a table, or a cell that is not a number (with its line).
     """
-    if not path.is_file():
-        what = "a folder" if path.is_dir() else "nothing there"
+    try:
+        kind = path.stat()
+    except FileNotFoundError:
+        raise TableError(f"{path}: expected a CSV or MAT file, found nothing there") from None
+    except (OSError, ValueError) as error:
+        found = getattr(error, "strerror", None) or error
+        raise TableError(f"{str(path)[:200]}: expected a CSV or MAT file, found {found}") from None
+    if not stat.S_ISREG(kind.st_mode):
+        what = "a folder" if stat.S_ISDIR(kind.st_mode) else "a pipe or a device"
         raise TableError(f"{path}: expected a CSV or MAT file, found {what}")
-    size = path.stat().st_size
+    size = kind.st_size
     if size == 0 or size > LARGEST_FILE:
         raise TableError(f"{path}: expected a table of up to {LARGEST_FILE} bytes, found {size} bytes")
     return _read_matlab(path) if path.suffix.lower() in _MATLAB else _read_csv(path)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from statistics import median_low
 
+from drill_twin.errors import printable
 from drill_twin.io.messages.stamps import NANOSECONDS
 
 _FAR = NANOSECONDS  # least time [ns] between a stray stamp and those around it
@@ -31,7 +32,7 @@ class SkippedMessages:
         """Count messages at a simulated time [s]."""
         self._counts[topic] = self._counts.get(topic, 0) + count
         if topic not in self._first:
-            text = "".join(letter if letter.isprintable() else " " for letter in str(reason))
+            text = printable(str(reason), keep="")
             self._first[topic] = (time, text if len(text) <= _LONGEST_REASON else text[:_LONGEST_REASON] + "...")
 
     def sentences(self) -> list[str]:
