@@ -138,7 +138,7 @@ def run_motion(
         contact=contact[taken],
         clearance=np.array([info.clearance for info in infos]),
         onset=np.nan if found.onset_s is None else found.onset_s,
-        frequency=np.nan if found.whirl_frequency_hz is None else found.whirl_frequency_hz,
+        frequency=np.nan if found.mode_frequency_hz is None else found.mode_frequency_hz,
         cost=float(spent.sum()) / (k * period),
         frame_p95=float(np.quantile(spent[taken], 0.95)),
         spent=spent[taken],

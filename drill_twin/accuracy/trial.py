@@ -79,7 +79,7 @@ def run_trial(scene: Scene, seed: int | None = None) -> Trial:
     found = analyzer.summary()
     return Trial(
         found.onset_s,
-        found.whirl_frequency_hz,
+        found.mode_frequency_hz,
         float(np.mean(radii)),
         float(np.mean(contact)),
         spent / schedule.duration,

@@ -3,11 +3,16 @@
 
 from __future__ import annotations
 
+import math
+
 from drill_twin.discretisation.discretise import survey_of
 from drill_twin.io.messages.geometry import StringGeometry
 from drill_twin.scene import Scene
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import MarkInfo
+
+INCLINED = 0.002
+"""Sine of the inclination, 0.1 degrees, from which a string falls to the low side of the hole."""
 
 
 def string_geometry(twin: Twin) -> StringGeometry:
@@ -36,6 +41,7 @@ def mark_infos(scene: Scene) -> list[MarkInfo]:
             on=mark.on,
             wall_offset=scene.outer_radius_at(mark.distance_from_bit),
             clearance=scene.clearance_at(mark.distance_from_bit),
+            inclined=math.sin(scene.inclination_at(mark.distance_from_bit)) > INCLINED,
         )
         for mark in scene.string.marks
     ]

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -14,7 +14,16 @@ from drill_twin import __version__
 from drill_twin.report.figures import CAPTIONS, OVER_TIME
 from drill_twin.report.interactive import plotly_packed, view_data
 from drill_twin.report.recording import Recording
-from drill_twin.report.text import NOT_VALIDATED, findings, limitations, millimetres, provenance
+from drill_twin.report.text import (
+    NOT_VALIDATED,
+    findings,
+    interval,
+    irregular,
+    limitations,
+    millimetres,
+    provenance,
+    transient,
+)
 
 _UNROLLED = (
     "The hole is curved and drawn straight: x and y are the distances from its axis, z is minus the measured depth."
@@ -68,19 +77,34 @@ def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mappin
 
 
 def _cards(summary: Mapping[str, Any]) -> str:
-    def card(value: float | None, form: str, name: str, none: str = "none") -> str:
+    def card(value: float | str | None, form: str, name: str, none: str = "none") -> str:
         return f"<div><b>{none if value is None else form.format(value)}</b><span>{escape(name)}</span></div>"
 
     radii = {mark: radius for mark, radius in summary["max_radius_m"].items() if radius is not None}
     widest = max(radii, key=lambda mark: radii[mark], default=None)
     return (
         '<div class="cards">'
-        + card(summary["onset_s"], "{:.2f} s", "onset of whirl")
-        + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", "whirl, positive = forward")
-        + card(summary["precession_ratio"], "{:+.2f}", "precession / rotation")
+        + _motion_cards(summary, card)
         + f"<div><b>{millimetres(radii[widest]) if widest else 'none'}</b><span>largest radius, {widest}</span></div>"
         + card(summary["realtime_factor"], "{:.2g}", "real-time factor", "unknown")
         + "</div>"
+    )
+
+
+def _motion_cards(summary: Mapping[str, Any], card: Callable[..., str]) -> str:
+    """What lasts, the onset, and the frequency where there is a single one."""
+    ended = transient(summary)
+    onset = f"onset of a transient, ended at {summary['whirl_end_s']:.2f} s" if ended else "onset of whirl"
+    cards = card(summary["lasting_motion"], "{}", "motion that lasts", "unknown") + card(
+        summary["onset_s"], "{:.2f} s", onset
+    )
+    if irregular(summary):
+        return cards + card(interval(summary) or None, "{}", "irregular whirl, over windows", "irregular")
+    of = " of the transient" if ended else ""
+    return (
+        cards
+        + card(summary["whirl_frequency_hz"], "{:+.2f} Hz", f"whirl{of}, positive = forward")
+        + card(summary["precession_ratio"], "{:+.2f}", f"precession / rotation{of}, most frequent")
     )
 
 

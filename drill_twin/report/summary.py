@@ -13,6 +13,7 @@ import numpy as np
 
 from drill_twin.io.bag.reader import Bag
 from drill_twin.report.loads import loads
+from drill_twin.report.precession import precession
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.twin.frame import COUNTS
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
@@ -32,9 +33,13 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
     Returns:
         By key; times in simulated seconds:
 
-        * `onset_s`, `onset_mark`, `onset_confidence`: the onset of whirl; None where there was none.
-        * `whirl_frequency_hz`: dominant whirl after the onset [Hz], positive = the sense of rotation, at
-          `frequency_mark`; `precession_ratio`: the same over the rotation, `rotation_rev_s`.
+        * `onset_s`, `onset_mark`, `onset_confidence`: the onset of whirl; None where there was none. `whirl_end_s`:
+          time since which the string whirls no more, where the whirl was a transient.
+        * `lasting_motion`: state of the string for most of the second half of the time since the onset.
+        * `whirl_frequency_hz`: most frequent precession after the onset [Hz], positive = the sense of rotation, at
+          `frequency_mark`; `precession_ratio`: the same over the rotation, `rotation_rev_s`. None for irregular motion,
+          which has no single frequency.
+        * `whirl_frequency_interval_hz`, `window_rev`, `spectrum_lines`, `ratios`: `drill_twin.report.precession`.
         * `max_radius_m`: largest distance of the centre line from the hole's axis by mark [m].
         * `motion`, `mark_motion`: timelines of the motion states, each with start and end, criterion and confidence.
         * `whirl_observable`: whether the bag has positions of marks.
@@ -73,6 +78,9 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "whirl_frequency_hz": found.whirl_frequency_hz,
         "precession_ratio": found.precession_ratio,
         "frequency_mark": found.frequency_mark,
+        "lasting_motion": found.lasting_motion,
+        "whirl_end_s": found.whirl_end_s,
+        **precession(bag),
         "rotation_rev_s": found.rotation_rev_s,
         "max_radius_m": found.max_radius_m,
         "clearance_m": {mark.name: mark.clearance for mark in bag.places},

@@ -6,9 +6,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from drill_twin.whirl import MotionState
+
 Summary = Mapping[str, Any]
 Row = tuple[str, str]
 
+_OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
+"""States that only the string has, by its shape."""
 _STRETCHES = 5
 """Most periods of stick-slip with a row of their own."""
 
@@ -33,9 +37,12 @@ def findings(summary: Summary) -> Iterator[Row]:
         yield from _loads(summary)
         yield from _bit(summary)
         return
+    yield "motion that lasts", _lasting(summary)
     yield "onset of whirl", _onset(summary)
     yield "whirl frequency", _frequency(summary)
-    yield "precession / rotation", _number(summary["precession_ratio"], "{:+.3f}")
+    if summary["spectrum_lines"]:
+        yield "lines of the spectrum", _lines(summary)
+    yield "precession / rotation", _ratio(summary)
     yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", _radius(value, summary["clearance_m"].get(mark))
@@ -110,20 +117,71 @@ def limitations(summary: Summary) -> list[str]:
     return lines
 
 
+def transient(summary: Summary) -> bool:
+    """True where the string whirled and does so no more."""
+    return summary["onset_s"] is not None and summary["whirl_end_s"] is not None
+
+
+def irregular(summary: Summary) -> bool:
+    """True where the motion that lasts is irregular whirl, which has no single frequency."""
+    return summary["onset_s"] is not None and summary["lasting_motion"] == MotionState.IRREGULAR.value
+
+
+def _lasting(summary: Summary) -> str:
+    """State that lasts, with that of the marks where the string has a state of its own."""
+    state = _text(summary["lasting_motion"])
+    if state not in _OF_THE_STRING or not summary["mark_motion"]:
+        return state
+    marks = sorted({periods[-1]["state"] for periods in summary["mark_motion"].values() if periods})
+    return f"{state}, the shape of the string (its marks at the end: {', '.join(marks)})"
+
+
 def _onset(summary: Summary) -> str:
     if summary["onset_s"] is None:
         return "none found"
+    ended = f"; a transient: no whirl since {summary['whirl_end_s']:.2f} s" if transient(summary) else ""
     return (
-        f"{summary['onset_s']:.2f} s, first at {summary['onset_mark']} (confidence {summary['onset_confidence']:.2f})"
+        f"{summary['onset_s']:.2f} s, first at {summary['onset_mark']} "
+        f"(confidence {summary['onset_confidence']:.2f}){ended}"
     )
 
 
+def interval(summary: Summary) -> str:
+    """Interval of the precession over windows as text; empty where the whirl is too short for two."""
+    found = summary["whirl_frequency_interval_hz"]
+    return "" if found is None else f"{found[0]:+.2f} to {found[1]:+.2f} Hz"
+
+
 def _frequency(summary: Summary) -> str:
-    frequency = summary["whirl_frequency_hz"]
+    frequency, mark = summary["whirl_frequency_hz"], summary["frequency_mark"]
+    over = interval(summary)
+    if over:
+        over = f"{over} over windows of {summary['window_rev']:g} revolutions"
+    if irregular(summary):
+        return f"no single one, the motion is irregular{f': {over}, at {mark}' if over else ''}"
     if frequency is None:
         return "none"
+    while_it_lasted = ", while it lasted" if transient(summary) else ""
     sense = "forward" if frequency > 0.0 else "backward"
-    return f"{frequency:+.3f} Hz ({sense}), at {summary['frequency_mark']}"
+    return f"{frequency:+.3f} Hz ({sense}), at {mark}{while_it_lasted}{f'; {over}' if over else ''}"
+
+
+def _lines(summary: Summary) -> str:
+    """Lines of the spectrum, highest first."""
+    lines = (f"{line['frequency_hz']:+.2f} Hz ({millimetres(line['radius_m'])})" for line in summary["spectrum_lines"])
+    return f"{', '.join(lines)}, at {summary['frequency_mark']}"
+
+
+def _ratio(summary: Summary) -> str:
+    """Precession over rotation, each number with its meaning."""
+    names = {"mode": "most frequent", "line": "highest line of the spectrum", "mean": "mean weighted by the radius"}
+    left_out = {"mode"} if irregular(summary) else set()
+    found = [
+        f"{value:+.3f} ({names[kind]})"
+        for kind, value in summary["ratios"].items()
+        if value is not None and kind not in left_out
+    ]
+    return ", ".join(found) or "unknown"
 
 
 def _radius(value: float | None, clearance: float | None) -> str:

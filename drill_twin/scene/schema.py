@@ -3,6 +3,7 @@
 
 from typing import Annotated, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from drill_twin.scene.blocks.effects import Effects
@@ -73,6 +74,13 @@ class Scene(Part):
         """Lateral distance of the centred string from the wall at an arc length from the bit [m]."""
         depth = max(self.length - distance_from_bit, 0.0)
         return self.hole.radius_at(depth) - self.outer_radius_at(distance_from_bit)
+
+    def inclination_at(self, distance_from_bit: float) -> float:
+        """Angle of the hole from the vertical at an arc length from the bit [rad], linear between two stations."""
+        if not self.hole.survey:
+            return self.hole.inclination
+        depth, inclination, _ = self.hole.stations
+        return float(np.interp(max(self.length - distance_from_bit, 0.0), depth, inclination))
 
     @property
     def least_clearance(self) -> float:

@@ -31,7 +31,8 @@ class MotionState(Enum):
     AT_REST = "at rest"
     """The rotation is slower than `rest_rotation`."""
     FIXED_AXIS = "rotation about a fixed axis"
-    """No whirl: the asynchronous part is below `onset_radius` or constant, and there is no synchronous onset. A bowed
+    """No whirl: the asynchronous part is below `onset_radius` or stands (`standing_ratio`), and there is no synchronous
+    onset. A bowed
     string that spins about its bent shape has this state, whether centred or lying on one side."""
     FORWARD_WHIRL = "forward whirl"
     """Regular whirl in the sense of rotation, synchronous whirl (ratio 1) included. In contact it can only slide, never
@@ -64,6 +65,18 @@ class Criteria:
     """Onset: duration for which the radius stays above its threshold [rev]."""
     least_swept_angle: float = math.radians(30.0)
     """Onset: smallest angle swept by the asynchronous part since it crossed, in the frames of hole and string [rad]."""
+    settling_angle: float = math.radians(90.0)
+    """Onset: smallest angle swept in the hole where it is inclined, or where the precession is slower than
+    `settling_ratio`. A string that settles, on the low side or where friction pushes it up the wall, sweeps less [rad].
+    """
+    settling_ratio: float = 1.0 / 24.0
+    """Onset: precession over rotation below which `settling_angle` is needed."""
+    standing_ratio: float = 1.0 / 144.0
+    """Rotation about a fixed axis: precession over rotation of a displaced string below this, 15 degrees in
+    `sweep_window`; the string stands, whatever the sign of the rest."""
+    falling_time: float = 2.0
+    """Onset: duration from the first rotation during which a string in an inclined hole may fall to its low side
+    [rev]."""
     sweep_window: float = 6.0
     """Onset: duration within which that angle is swept; otherwise offset or bow have changed, and are estimated anew. A
     whirl that has not swept it in this duration has ended [rev]."""

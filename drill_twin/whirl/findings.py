@@ -142,9 +142,10 @@ class Summary:
     mark_onset_s: dict[str, float | None]
     """Time at which each mark's radius crossed its threshold [s]."""
     whirl_frequency_hz: float | None
-    """Dominant whirl after the onset [Hz], positive = forward; at `frequency_mark`."""
+    """Most frequent precession after the onset [Hz], positive = forward, at `frequency_mark`; None where the motion
+    that lasts is irregular and has no single one."""
     precession_ratio: float | None
-    """The same frequency over the rotation."""
+    """Most frequent ratio of precession to rotation (the mode, weighted by the power of the motion); None as above."""
     frequency_mark: str | None
     """Mark with the largest whirl relative to its clearance, whose frequency is reported."""
     max_radius_m: dict[str, float | None]
@@ -163,6 +164,15 @@ class Summary:
     """Counts of good and bad samples."""
     notes: tuple[str, ...]
     """Limits of these findings, as sentences."""
+    lasting_motion: MotionState | None = None
+    """State of the string for most of the second half of the time since the onset, or of the record without one."""
+    whirl_end_s: float | None = None
+    """Time since which the string has not whirled any more [s]: the whirl was a transient; None where it whirls at the
+    end of the record, or never did."""
+    mode_frequency_hz: float | None = None
+    """`whirl_frequency_hz`, for irregular motion too: there it depends on the length of the record [Hz]."""
+    mode_ratio: float | None = None
+    """`precession_ratio`, for irregular motion too."""
     observable: bool = True
     """False if there were no positions of marks, so that whirl is not observable."""
 

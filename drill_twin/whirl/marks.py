@@ -34,6 +34,8 @@ class MarkInfo:
     radius of any mark; 0 where it is unknown."""
     clearance: float
     """Radial clearance: displacement of the centre line at which the string touches the wall [m]."""
+    inclined: bool = False
+    """True where the hole is inclined, so that the string falls to its low side first; unknown counts as not."""
 
     def __post_init__(self) -> None:
         if self.on not in {"wall", "centre"}:

@@ -9,7 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import Quality, Summary
+from drill_twin.whirl.motion.lasting import lasting_motion, whirl_end
 from drill_twin.whirl.motion.stick_slip import StickSlip
 from drill_twin.whirl.orbit.dominant_precession import DominantPrecession
 from drill_twin.whirl.sample_bins import BINS, Bin
@@ -63,20 +65,28 @@ class RunStatistics:
         """The findings of the run so far."""
         mark, ratio, precession = self._dominant.peak() or (None, None, None)
         timelines = estimator.motion.hysteresis.timelines
+        motion, onset = timelines[-1].periods, estimator.onset
+        end = estimator.origin + (self._last.time if self._last is not None else 0.0)
+        lasting = lasting_motion(motion, estimator.origin if onset is None else onset.time_s, end)
+        single = lasting is not MotionState.IRREGULAR
         unseen = [name for name, radius in zip(names, self.largest.tolist(), strict=True) if not math.isfinite(radius)]
         return Summary(
-            onset=estimator.onset,
+            onset=onset,
             mark_onset_s=dict(zip(names, estimator.crossed, strict=True)),
-            whirl_frequency_hz=precession,
-            precession_ratio=ratio,
+            whirl_frequency_hz=precession if single else None,
+            precession_ratio=ratio if single else None,
             frequency_mark=None if mark is None else names[mark],
             max_radius_m=dict(zip(names, _finite(self.largest), strict=True)),
             rotation_rev_s=self._turns / self._seconds if self._seconds > 0.0 else None,
-            motion=timelines[-1].periods,
+            motion=motion,
             mark_motion={name: timeline.periods for name, timeline in zip(names, timelines[:-1], strict=True)},
             stick_slip=tuple(bit.periods),
             bit=bit.motion,
             quality=quality,
+            lasting_motion=lasting,
+            whirl_end_s=whirl_end(motion),
+            mode_frequency_hz=precession,
+            mode_ratio=ratio,
             notes=_notes(quality, timelines[-1].dropped, estimator.criteria.fewest_samples, unseen),
         )
 

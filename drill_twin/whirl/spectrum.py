@@ -18,6 +18,8 @@ from drill_twin.whirl.marks import AnalysisError
 
 FEWEST = 16
 """Fewest samples of a spectrum."""
+LEAST_LINE = 0.1
+"""Least radius of a line that is listed, over that of the highest."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,20 @@ class Spectrum:
             if bend < 0.0:
                 frequency += 0.5 * (left - right) / bend * float(self.frequency[1] - self.frequency[0])
         return Peak(frequency, float(self.radius[at]))
+
+    def lines(self, count: int) -> list[Peak]:
+        """Highest lines, highest first: local maxima, two widths apart and off zero, a tenth of the highest or more."""
+        inner = self.radius[1:-1]
+        highest = (inner > self.radius[:-2]) & (inner >= self.radius[2:])
+        places = np.flatnonzero(highest & (np.abs(self.frequency[1:-1]) > 1.5 * self.resolution)) + 1
+        found: list[Peak] = []
+        for at in places[np.argsort(-self.radius[places])].tolist():
+            line = self.peak(float(self.frequency[at - 1]), float(self.frequency[at + 1]))
+            if line is None or len(found) == count or (found and line.radius < LEAST_LINE * found[0].radius):
+                break
+            if all(abs(line.frequency - other.frequency) > 2.0 * self.resolution for other in found):
+                found.append(line)
+        return found
 
     def forward(self, *, beside: float | None = None) -> Peak | None:
         """Highest line at positive frequencies, except at `beside` [Hz] (the rotation) and at zero."""

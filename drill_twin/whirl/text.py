@@ -7,6 +7,9 @@ from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.orbit.orbit import Orbit
 from drill_twin.whirl.orbit.string_shape import StringShape
 
+FEW_DIGITS = 0.1
+"""Ratio from which two decimals are enough."""
+
 
 def criterion_text(
     state: MotionState, orbit: Orbit, shape: StringShape, criteria: Criteria, mark: int, row: int, ratio: float
@@ -23,7 +26,9 @@ def criterion_text(
         ratio: Precession over rotation.
     """
     whirl, synchronous = float(orbit.radius[0, mark]), float(orbit.synchronous[mark])
-    orbit_text = f"radius {100 * float(orbit.radius[row, mark]):.0f} % of the clearance, ratio {ratio:+.2f}"
+    sense = "forward" if ratio > 0.0 else "backward"
+    digits = 2 if abs(ratio) >= FEW_DIGITS else 3
+    orbit_text = f"radius {100 * float(orbit.radius[row, mark]):.0f} % of the clearance, ratio {ratio:+.{digits}f}"
     match state:
         case MotionState.NOT_OBSERVABLE if orbit.aliased:
             return (
@@ -36,20 +41,21 @@ def criterion_text(
             return f"rotation {abs(orbit.recent_rotation):.3f} rev/s below {criteria.rest_rotation} rev/s"
         case MotionState.FIXED_AXIS if not orbit.known:
             return "rotation has begun, less than a revolution seen"
+        case MotionState.FIXED_AXIS if row == 0 and abs(ratio) < criteria.standing_ratio:
+            return f"{orbit_text}: displaced, and stands there (slower than {criteria.standing_ratio:.3f})"
         case MotionState.FIXED_AXIS:
             return f"asynchronous radius {100 * whirl:.1f} %, synchronous {100 * synchronous:.1f} % of the clearance"
         case MotionState.IRREGULAR:
             coherence, unevenness = float(orbit.coherence[row, mark]), float(orbit.unevenness[row, mark])
             return f"{orbit_text}, coherence {coherence:.2f}, unevenness {unevenness:.2f}"
         case MotionState.SPIRAL:
-            return f"{orbit_text}, planarity {shape.planarity:.2f} below {criteria.planar}"
+            return f"{orbit_text} ({sense}), a helix: planarity {shape.planarity:.2f} below {criteria.planar}"
         case MotionState.SECOND_BENDING:
             return (
-                f"{orbit_text}, planarity {shape.planarity:.2f}, marks on both sides, "
+                f"{orbit_text} ({sense}), planarity {shape.planarity:.2f}, marks on both sides, "
                 f"{shape.second_lobe:.2f} of the largest"
             )
         case _:
-            sense = "forward" if ratio > 0.0 else "backward"
             contact = float(orbit.contact[mark])
             slides = contact > criteria.contact_fraction and state is not MotionState.ROLLING
             sliding = ", sliding along the wall" if slides else ""

@@ -38,7 +38,7 @@ class WhirlEstimator:
         self.separation = RunoutSeparation(marks, criteria)
         self.history = History(m)
         self.orbit = Orbit(self._clearance, criteria)
-        self.detector = OnsetDetector(self._clearance, criteria)
+        self.detector = OnsetDetector(self._clearance, np.array([mark.inclined for mark in marks]), criteria)
         self._synchronous = SynchronousOnsetDetector(self._clearance, criteria)
         self.motion = MotionClassifier(marks, criteria)
         self.shape = StringShape(marks, criteria)

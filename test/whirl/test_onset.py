@@ -165,6 +165,6 @@ def test_string_that_is_thrown_out_and_turns_later_has_whirled_since(wait):
 
 
 def test_orbit_that_creeps_round():
-    """0.006 of the rotation: 30 degrees take 14 revolutions."""
-    moved = motion(clock(100, 30), bow=0.02, whirl=growth(8.0, 0.05, 2.0, 0.006))
+    """0.011 of the rotation: 90 degrees take 23 revolutions."""
+    moved = motion(clock(100, 30), bow=0.02, whirl=growth(8.0, 0.05, 2.0, 0.011))
     assert_found(moved.with_noise(0.002, 5))

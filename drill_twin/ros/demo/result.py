@@ -3,9 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from drill_twin.errors import BagError, RunError
 
@@ -40,29 +39,15 @@ def draw_report(out: Path, console: Console) -> None:
     from rich.table import Table
 
     from drill_twin.report import build_report
+    from drill_twin.report.text import findings
 
     with console.status("drawing the report"):
         build_report(out / "bag_0", out)
     summary = json.loads((out / "summary.json").read_text("utf-8"))
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    for name, value in _findings(summary):
+    for name, value in findings(summary):
         table.add_row(name, value)
     console.print(table)
     console.print(
         f"[bold]{out / 'report.html'}[/]  (bag: {out / 'bag_0'}, figures: {out}/*.png, {out / 'summary.json'})"
     )
-
-
-def _findings(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Names and texts of the printed findings."""
-
-    def number(key: str, form: str) -> str:
-        value = summary.get(key)
-        return "none" if value is None else form.format(value)
-
-    yield "onset of whirl", number("onset_s", "{:.2f} s")
-    yield "whirl frequency", number("whirl_frequency_hz", "{:+.3f} Hz")
-    yield "precession ratio", number("precession_ratio", "{:+.3f}")
-    for mark, radius in (summary.get("max_radius_m") or {}).items():
-        yield f"largest radius at {mark}", "none" if radius is None else f"{radius * 1e3:.1f} mm"
-    yield "real-time factor", number("realtime_factor", "{:.2f}")

@@ -65,8 +65,8 @@ class MotionClassifier:
         marks = [*range(self._every.size), reference]
         began = [*began, min((start for start in began if start is not None), default=None)]
         starts = [
-            self._start(mark, held, estimate, start, orbit.lag, time)
-            for mark, held, estimate, start in zip(marks, self.hysteresis.states, estimates, began, strict=True)
+            self._start(subject, marks[subject], estimate, start, orbit.lag, time)
+            for subject, (estimate, start) in enumerate(zip(estimates, began, strict=True))
         ]
         changed, settled = self.hysteresis.update(estimates, starts, orbit.lag, time, revolutions)
         for subject in (*changed, *settled):
@@ -89,11 +89,14 @@ class MotionClassifier:
         return reference
 
     def _start(
-        self, mark: int, held: MotionState, estimate: MotionState, began: float | None, lag: float, time: float
+        self, subject: int, mark: int, estimate: MotionState, began: float | None, lag: float, time: float
     ) -> float | None:
         """Start of the estimated state [s], where it is known better than from the hysteresis."""
+        held = self.hysteresis.states[subject]
         if held in NO_WHIRL:
-            return None if estimate in NO_WHIRL else began
+            # A whirl that began before the string stood still does not begin again at its first begin.
+            known = estimate not in NO_WHIRL and began is not None and began > self.hysteresis.entered(subject)
+            return began if known else None
         if estimate is MotionState.IRREGULAR:
             return max(float(self._irregularity.rose[mark]), time - LONGEST_DELAY * lag) - lag
         if held is MotionState.IRREGULAR and estimate not in NO_WHIRL:
@@ -139,7 +142,8 @@ class MotionClassifier:
         if abs(orbit.recent_rotation) < self._criteria.rest_rotation:
             return [MotionState.AT_REST] * self._every.size
         hidden = np.ones_like(orbit.seen) if orbit.aliased else ~orbit.seen
-        flags = (hidden, whirls, self._irregularity.active, self._in_contact & self._rolls, ratio > 0.0)
+        turns = whirls & ~(np.abs(ratio) < self._criteria.standing_ratio)
+        flags = (hidden, whirls, self._irregularity.active, turns, self._in_contact & self._rolls, ratio > 0.0)
         return [_state(*mark) for mark in zip(*(flag.tolist() for flag in flags), strict=True)]
 
     def _of_string(self, reference: MotionState) -> MotionState:
@@ -157,7 +161,7 @@ def _latched(flag: Mask, on: Mask, off: Mask) -> Mask:
     return result
 
 
-def _state(hidden: bool, whirl: bool, irregular: bool, rolling: bool, forward: bool) -> MotionState:
+def _state(hidden: bool, whirl: bool, irregular: bool, turns: bool, rolling: bool, forward: bool) -> MotionState:
     """The state of a mark that rotates."""
     if hidden:
         return MotionState.NOT_OBSERVABLE
@@ -165,6 +169,8 @@ def _state(hidden: bool, whirl: bool, irregular: bool, rolling: bool, forward: b
         return MotionState.FIXED_AXIS
     if irregular:
         return MotionState.IRREGULAR
+    if not turns:
+        return MotionState.FIXED_AXIS
     if rolling:
         return MotionState.ROLLING
     return MotionState.FORWARD_WHIRL if forward else MotionState.REVERSE_WHIRL

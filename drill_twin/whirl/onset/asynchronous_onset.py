@@ -2,15 +2,18 @@
 """Detection of the onset of asynchronous whirl on the stream.
 
 A mark whirls if the radius of its asynchronous part stays above its threshold for one revolution and sweeps at least
-30 degrees meanwhile, in the frames of hole and string. The threshold is 5 % of the clearance, or 4.5 times the noise
-that is left after averaging over at most half a revolution, if that is larger. The reported time is that at which the
-radius first crossed 5 %, found backwards (`threshold_crossing`).
+30 degrees meanwhile, in the frames of hole and string. In a hole known to be inclined, or where it precesses at less
+than 1/24 of the rotation, it must sweep 90 degrees: a string that settles at another place, as one that friction pushes
+up the low side, sweeps less. The threshold is 5 % of the clearance, or 4.5 times the noise that is left after averaging
+over at most half a revolution, if that is larger. The reported time is that at which the radius first crossed 5 %,
+found backwards (`threshold_crossing`).
 
 A radius that has not swept 30 degrees in six revolutions is a changed offset or bow: the separation is restarted, and
 so is the detection. A displaced string that begins to precess within these six revolutions has whirled since it was
 displaced; so has one that stays displaced and sweeps 30 degrees about its former position within 28 revolutions, or
 until another mark is detected. In the first six revolutions the steady position is not known (in an inclined hole the
-string falls to the low side): a radius that crosses then must sweep the angle about the hole's axis.
+string falls to the low side): a radius that crosses then must sweep the angle about the hole's axis, in a hole
+known to be inclined what happens in the first two revolutions is the fall.
 
 False alarms: white noise of standard deviation s per axis (after averaging) is above 4.5 s with probability
 exp(-4.5^2 / 2) = 4e-5, and must be so in each of the two or more independent averages of a revolution, which gives less
@@ -62,7 +65,7 @@ class _Displacement:
 class OnsetDetector:
     """Detector of asynchronous whirl of each mark, of its begin and its end."""
 
-    def __init__(self, clearance: Array, criteria: Criteria) -> None:
+    def __init__(self, clearance: Array, inclined: Mask, criteria: Criteria) -> None:
         m = clearance.size
         self._criteria = criteria
         self._clearance = clearance
@@ -71,7 +74,10 @@ class OnsetDetector:
         """Noise of the bins."""
         self._candidates: list[_Candidate | None] = [None] * m
         self._displaced: list[_Displacement | None] = [None] * m
+        self._inclined: list[bool] = inclined.tolist()
+        self._falling: set[int] = set(np.flatnonzero(inclined).tolist())  # to the low side, in the first revolutions
         self._valid_from = [0] * m  # bin from which the present steady position is valid
+        self._rate: Array = np.zeros(m)
         self.moved: list[int] = []
         """Marks whose steady position was found to have changed with the newest bin."""
         self.active: Mask = np.zeros(m, bool)
@@ -90,17 +96,19 @@ class OnsetDetector:
             rate: Rate of the asynchronous part [rad/s], shape (m,).
             coherence: Its coherence, shape (m,).
         """
-        self.moved = []
+        self.moved, self._rate = [], rate
         if history.length < 4:
             self._candidates = [None] * len(self._candidates)
             self._displaced = [None] * len(self._displaced)
             return []
         averaged = self._averaged
         averaged.update(history, rate, self.active)
+        if self._falling and history.revolutions[history.newest(1).start] > self._criteria.falling_time:
+            self._land(history)
         whirls: dict[int, _Displacement] = {}
         marks = zip(averaged.radius.tolist(), averaged.threshold.tolist(), averaged.release.tolist(), strict=True)
         for mark, (radius, threshold, release) in enumerate(marks):
-            if self.began[mark] is not None:
+            if self.began[mark] is not None or mark in self._falling:
                 continue
             whirl = self._confirm(mark, radius, threshold, release, history, separation)
             if self._displaced[mark] is not None:
@@ -147,6 +155,13 @@ class OnsetDetector:
         ]
         return min(times, default=math.inf)
 
+    def _land(self, history: History) -> None:
+        """End the fall of the marks in an inclined hole: where they lie now is their steady position."""
+        for mark in self._falling:
+            self._valid_from[mark] = history.count
+        self.moved += self._falling
+        self._falling = set()
+
     def _confirm(
         self, mark: int, radius: float, threshold: float, release: float, history: History, separation: RunoutSeparation
     ) -> _Displacement | None:
@@ -167,9 +182,10 @@ class OnsetDetector:
         swept = _swept(history, mark, since, complex(separation.arm[mark]) if early else None)
         position = complex(separation.offset[mark]), complex(separation.synchronous[mark])
         valid_from = self._valid_from[mark]
-        if swept.smallest >= criteria.least_swept_angle:
+        if self._whirls(swept, mark, history):
             return _Displacement(candidate, *position, valid_from)
-        if elapsed > criteria.sweep_window:
+        turns = swept.smallest >= criteria.least_swept_angle  # as yet too slowly
+        if elapsed > (criteria.longest_sweep_window if turns else criteria.sweep_window):
             if not early and self._displaced[mark] is None:
                 position = steady_position(history, mark, since, history.count - valid_from) or position
                 self._displaced[mark] = _Displacement(candidate, *position, valid_from)
@@ -197,7 +213,7 @@ class OnsetDetector:
         if whirling:
             return displaced
         swept = SweptAngle(vector, history.angle[window], half)
-        return displaced if swept.smallest >= self._criteria.least_swept_angle else None
+        return displaced if self._whirls(swept, mark, history) else None
 
     def _start_whirl(
         self,
@@ -245,6 +261,17 @@ class OnsetDetector:
         range_ = np.minimum(np.ptp(in_hole, axis=0), np.ptp(in_string, axis=0))
         constant: Mask = (range_ < criteria.least_swept_angle) & (revolutions[0] > self.detected)
         return constant
+
+    def _whirls(self, swept: SweptAngle, mark: int, history: History) -> bool:
+        """Check that the vector of a mark orbits, and does not settle at another place."""
+        criteria = self._criteria
+        if swept.smallest < criteria.least_swept_angle:
+            return False
+        window = history.newest(history.bins_in(criteria.orbit_window))
+        angle, time = history.angle[window], history.time[window]
+        precession = abs(float(self._rate[mark])) * float(time[-1] - time[0])
+        slow = precession < criteria.settling_ratio * abs(float(angle[-1] - angle[0]))
+        return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.settling_angle
 
     def _early(self, candidate: _Candidate) -> bool:
         """True if a candidate crossed before the string's steady position was known."""

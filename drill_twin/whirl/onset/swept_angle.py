@@ -14,8 +14,9 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
 
-SLOWEST = math.radians(1.5)
-"""Smallest angle that a steady precession sweeps in each half of the window [rad]."""
+SLOWEST_IN_HOLE, SLOWEST_IN_STRING = math.radians(7.5), math.radians(1.5)
+"""Smallest angles that a steady precession sweeps in each half of the window, in the frames of hole and string [rad].
+In the hole less is drift: the string settles at another place."""
 
 
 class SweptAngle:
@@ -36,16 +37,21 @@ class SweptAngle:
         self._string = _by_halves(vector * np.exp(-1j * rotation), angle - rotation, half)
 
     @property
+    def in_hole(self) -> float:
+        """Angle swept in the frame of the hole [rad]."""
+        return abs(self._hole[0] + self._hole[1])
+
+    @property
     def smallest(self) -> float:
         """Smaller one of the angles swept in the two frames [rad]."""
-        return min(abs(self._hole[0] + self._hole[1]), abs(self._string[0] + self._string[1]))
+        return min(self.in_hole, abs(self._string[0] + self._string[1]))
 
     @property
     def steady(self) -> bool:
         """True if the vector turns in one sense in both halves and both frames, however slowly."""
         return all(
-            first * second > 0.0 and min(abs(first), abs(second)) > SLOWEST
-            for first, second in (self._hole, self._string)
+            first * second > 0.0 and min(abs(first), abs(second)) > slowest
+            for (first, second), slowest in ((self._hole, SLOWEST_IN_HOLE), (self._string, SLOWEST_IN_STRING))
         )
 
 

@@ -135,8 +135,8 @@ def measure(done: Run, spectrum_of: str = "mark_2") -> Measured:
         line = float(frequency[int(np.argmax(height))]) if height.size else None
     return Measured(
         found.onset_s,
-        found.whirl_frequency_hz,
-        found.precession_ratio,
+        found.mode_frequency_hz,
+        found.mode_ratio,
         line,
         _largest(done.point, done.names),
         _largest(done.centre, done.names),

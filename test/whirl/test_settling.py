@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A string that settles at another place, on the low side of an inclined hole above all, does not whirl."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from kinematics import BENCH, MARKS, clock, growth, motion, play
+
+from drill_twin.whirl import MotionState
+
+INCLINED = replace(BENCH, inclined=True)
+
+
+def climb(time, begin, end, angle, radius=0.95):
+    """A string on the wall at `radius` of the clearance that friction pushes up by `angle` [deg]."""
+    share = np.clip((time - begin) / (end - begin), 0.0, 1.0)
+    smooth = share * share * (3.0 - 2.0 * share)
+    return radius * np.exp(1j * np.radians(angle) * smooth) * (1.0 - np.exp(-time / 0.1))
+
+
+def still(analyzer):
+    summary = analyzer.summary()
+    assert summary.onset is None, summary.onset
+    assert summary.lasting_motion is MotionState.FIXED_AXIS
+    assert summary.whirl_end_s is None
+    assert {period.state for period in summary.motion} <= {MotionState.AT_REST, MotionState.FIXED_AXIS}
+
+
+@pytest.mark.parametrize(("begin", "end"), [(4.0, 9.0), (5.0, 12.0), (9.0, 14.0)])
+def test_friction_pushes_the_string_up_the_wall_as_the_torque_rises(begin, end):
+    """As at 60 degrees of inclination, where whirl was found at 0.01 of the rotation."""
+    time = clock(100, 30)
+    moved = motion(time, marks=(INCLINED,), bow=0.01, offset=climb(time, begin, end, 50.0)[:, None])
+    still(play(moved.with_noise(0.002, 1))[0])
+
+
+def test_slow_climb_of_a_string_whose_inclination_is_not_known():
+    time = clock(100, 30)
+    moved = motion(time, bow=0.01, offset=climb(time, 6.0, 13.0, 50.0)[:, None])
+    still(play(moved.with_noise(0.002, 2))[0])
+
+
+def test_whirl_after_the_fall_to_the_low_side_is_dated_to_when_it_leaves_it():
+    time = clock(100, 20)
+    rest = 0.9 * (1.0 - np.exp(-time / 0.1))
+    whirl = growth(8.0, 0.05, 2.0, 0.5, limit=0.5)
+    moved = motion(time, marks=(INCLINED,), bow=0.02, offset=rest[:, None], whirl=whirl)
+    analyzer, _ = play(moved.with_noise(0.003, 3))
+    assert analyzer.summary().onset.time_s == pytest.approx(moved.true_onset(), abs=0.25)
+
+
+def test_displaced_string_that_stands_is_not_called_whirl():
+    """A whirl that comes to a stop at a place: no forward or reverse whirl at a ratio of 0 afterwards."""
+    time = clock(100, 40)
+
+    def whirl(_time, angle):
+        stop = np.interp(14.0, time, angle)
+        turned = np.where(angle < stop, 0.4 * angle, 0.4 * stop + 0.3 * (1.0 - np.exp(-(angle - stop) / 60.0)))
+        return 0.5 / (1.0 + np.exp(-3.0 * (time - 7.0))) * np.exp(1j * turned)
+
+    analyzer, found = play(motion(time, bow=0.02, whirl=whirl).with_noise(0.003, 4))
+    called = {f.motion for f in found if f.time_s > 17.0}
+    assert called == {MotionState.FIXED_AXIS}
+    summary = analyzer.summary()
+    assert summary.onset is not None
+    assert summary.lasting_motion is MotionState.FIXED_AXIS
+    assert summary.whirl_end_s == pytest.approx(14.5, abs=1.5)
+
+
+def test_irregular_motion_has_no_single_frequency():
+    rng = np.random.default_rng(4)
+    lines = list(zip(rng.uniform(-1.5, 2.5, 6), rng.uniform(0.0, 6.0, 6), strict=True))
+
+    def wander(time, angle):
+        total = sum(np.exp(1j * (ratio * angle + phase)) for ratio, phase in lines)
+        return 0.2 * total / (1.0 + np.exp(-3.0 * (time - 5.0)))
+
+    summary = play(motion(clock(100, 25), marks=MARKS[:1], whirl=wander).with_noise(0.005, 5))[0].summary()
+    assert summary.lasting_motion is MotionState.IRREGULAR
+    assert summary.whirl_frequency_hz is None
+    assert summary.precession_ratio is None
+    assert summary.mode_frequency_hz is not None
