@@ -80,6 +80,7 @@ class PageState:
         self._motion = {"state": "", "criterion": ""}
         self._onset: dict[str, Any] | None = None
         self._simulator = {"factor": "", "text": ""}
+        self._starting = ""  # name of the simulator while it compiles or is not configured
 
     def update(self, topic: str, raw: bytes) -> None:
         """Decode a message; one that cannot be used is skipped and counted."""
@@ -164,8 +165,11 @@ class PageState:
         for status in decode_diagnostics(raw)[1]:
             if self._sources is not None:
                 self._sources.report(status)
+            if "compiling" in status.values:
+                self._starting = status.name
+                self._simulator = {"factor": "", "text": status.text}
             if "realtime_factor" in status.values:
-                values = status.values
+                values, self._starting = status.values, ""
                 self._simulator = {
                     "factor": values.get("realtime_factor_last_second", values["realtime_factor"]),
                     "text": values.get("pace", "") if status.level == Level.OK else status.text,
@@ -188,17 +192,20 @@ class PageState:
                 "ages": {},
                 "graph": [],
             }
-            return picture if self._sources is None else _without_old_values(picture, self._sources)
+            return picture if self._sources is None else _without_old_values(picture, self._sources, self._starting)
 
 
-def _without_old_values(picture: dict[str, Any], sources: Sources) -> dict[str, Any]:
-    """Add the ages of the sources, and take away what is gone."""
+def _without_old_values(picture: dict[str, Any], sources: Sources, starting: str) -> dict[str, Any]:
+    """Add the ages of the sources, and take away what is gone; a simulator that is `starting` has no frames as yet."""
     ages = {source: sources.age(source) for source in ("simulator", "analyzer")}
     gone = {source for source, age in ages.items() if age is not None and age > GONE}
     picture |= {"ages": ages, "graph": sources.nodes()}
     if "simulator" in gone:
         text = f"no data of the simulator for {ages['simulator']:.0f} s"
         picture |= {"time": None, "nodes": [], "trail": {}, "rig": {}, "simulator": {"factor": "", "text": text}}
+    if starting:
+        text = next((row["text"] for row in picture["graph"] if row["name"] == starting), "the simulator has ended")
+        picture["simulator"] = {"factor": "", "text": text}
     if "analyzer" in gone:
         text = f"no findings of the analyzer for {ages['analyzer']:.0f} s"
         picture |= {"motion": {"state": "", "criterion": text}, "onset": None}
