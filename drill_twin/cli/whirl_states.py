@@ -138,7 +138,7 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
         columns = ("branch", label, "ratio", "points stable", "folds", "Hopf points", "ends (low, high side)")
         stdout().print(grid(columns, rows, title=f"{scene.name}: branches of steady whirl"))
         for value, run in runs:
-            steady = "steady" if run.is_steady else f"irregular, scatter {run.scatter:.2g}"
+            steady = "steady" if run.is_steady else f"not steady, shape changes by {run.change:.2g} clearances"
             line = f"simulated at {value / unit:.4g}: {run.frequency:+.4f} Hz, ratio {run.ratio:+.4f}, {steady}"
             stdout().print(line, markup=False, soft_wrap=True)
     if out is not None:
@@ -149,7 +149,7 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
         make_folder(out)
         write_file(out / "branches.json", json_text(data))
         if found:
-            dots = [(value, run.frequency, run.ratio) for value, run in runs]
+            dots = [(value, run.frequency, run.ratio, run.is_steady) for value, run in runs]
             save(branches_figure(found, scene.name, dots), out / "branches.png")
         err().print(f"{out}: branches.json{', branches.png' if found else ''}", markup=False, soft_wrap=True)
 

@@ -97,5 +97,5 @@ def branch_data(branch: Branch) -> dict[str, Any]:
 
 def run_data(value: float, run: SimulatedWhirl) -> dict[str, Any]:
     """Whirl of a run in time at a value of the parameter (SI)."""
-    numbers = {"frequency_hz": run.frequency, "ratio": run.ratio, "scatter": run.scatter, "steady": run.is_steady}
-    return {"value": value, **numbers}
+    numbers = {"frequency_hz": run.frequency, "ratio": run.ratio, "scatter": run.scatter, "change": run.change}
+    return {"value": value, "steady": run.is_steady, **numbers}

@@ -17,7 +17,8 @@ LAST = 1.0 / 3.0
 """Share of the run, at its end, that is measured."""
 WINDOWS = 5
 STEADY = 0.02
-"""Largest scatter of the whirl speed between windows, over the rotation, of a steady whirl."""
+"""Of a steady whirl: largest scatter of the whirl speed between windows, over the rotation, and largest change of the
+shape, over the clearance."""
 
 
 class SimulatedWhirl(NamedTuple):
@@ -31,10 +32,13 @@ class SimulatedWhirl(NamedTuple):
     scatter: float
     """Standard deviation of the frequency between windows, over the rotation [-]."""
 
+    change: float
+    """Root mean square of the motion of the marks in the frame of that whirl, the largest, over the clearance [-]."""
+
     @property
     def is_steady(self) -> bool:
-        """True if the whirl speed is the same in all windows."""
-        return self.scatter < STEADY
+        """True if the whirl speed is the same in all windows, and the shape turns with it unchanged."""
+        return max(self.scatter, self.change) < STEADY
 
 
 def with_command(scene: Scene, weight: float, rotation: float) -> Scene:
@@ -64,4 +68,7 @@ def simulated_whirl(scene: Scene) -> SimulatedWhirl:
     rates = np.diff(angle[edges]) / (np.diff(edges) * frame)
     mean = float((angle[-1] - angle[0]) / ((angle.size - 1) * frame))
     command = Command(scene.rig.weight_on_bit.value, scene.rig.rotation.value)
-    return SimulatedWhirl(command, mean / math.tau, mean / command.rotation, float(rates.std()) / abs(command.rotation))
+    turned = path * np.exp(-1j * angle)[:, None]
+    change = float(np.sqrt(np.mean(np.abs(turned - turned.mean(axis=0)) ** 2, axis=0)).max()) / scene.least_clearance
+    scatter = float(rates.std()) / abs(command.rotation)
+    return SimulatedWhirl(command, mean / math.tau, mean / command.rotation, scatter, change)

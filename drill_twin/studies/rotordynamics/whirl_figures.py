@@ -56,14 +56,15 @@ def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
 
 
 def branches_figure(
-    branches: Sequence[Branch], name: str, simulated: Sequence[tuple[float, float, float]] = ()
+    branches: Sequence[Branch], name: str, simulated: Sequence[tuple[float, float, float, bool]] = ()
 ) -> Figure:
     """Whirl frequency and ratio over the parameter: stable drawn through, unstable dashed, folds, Hopf points marked.
 
     Args:
         branches: In one parameter.
         name: Of the scene.
-        simulated: Values of the parameter with frequency [Hz] and ratio of the simulation in time, as dots.
+        simulated: Values of the parameter with frequency [Hz] and ratio of the simulation in time, and whether that is
+            steady: full dots, else open ones.
     """
     parameter = branches[0].parameter
     label, unit = LABELS.get(parameter, (parameter, 1.0))
@@ -88,11 +89,13 @@ def branches_figure(
         for column, panel in enumerate(panels):
             if simulated:
                 points = np.array(simulated)
-                panel.plot(points[:, 0] / unit, points[:, 1 + column], "o", color=GREY, markersize=4, zorder=5)
+                for steady, fill in ((True, GREY), (False, "white")):
+                    own = points[points[:, 3] == steady]
+                    panel.plot(own[:, 0] / unit, own[:, 1 + column], "o", color=GREY, mfc=fill, markersize=5, zorder=5)
             panel.set_xlabel(label)
         panels[0].set_ylabel("whirl frequency [Hz]")
         panels[1].set_ylabel("whirl over rotation [-]")
-        figure.legend(handles=_signs(simulated=bool(simulated)), loc="upper left", bbox_to_anchor=(0.06, 0.925), ncol=6,
+        figure.legend(handles=_signs(simulated=bool(simulated)), loc="upper left", bbox_to_anchor=(0.06, 0.925), ncol=7,
                       fontsize=8.5)  # fmt: skip
     return figure
 
@@ -103,7 +106,10 @@ def _signs(*, simulated: bool) -> list[Line2D]:
         Line2D([], [], color=BLUE, linestyle=(0, (2, 2)), label="unstable"),
         Line2D([], [], color=INK, marker="s", linestyle="", markersize=5, label="fold"),
         Line2D([], [], color=VERMILION, marker="D", linestyle="", markersize=5, label="Hopf point"),
-        Line2D([], [], color=INK, marker="x", linestyle="", label="Newton's method did not converge"),
+        Line2D([], [], color=INK, marker="x", linestyle="", label="no convergence"),
     ]
-    dots = [Line2D([], [], color=GREY, marker="o", linestyle="", markersize=4, label="simulation in time")]
+    dots = [
+        Line2D([], [], color=GREY, mfc=fill, marker="o", linestyle="", markersize=5, label=label)
+        for fill, label in ((GREY, "simulated, steady"), ("white", "simulated, not steady"))
+    ]
     return signs + (dots if simulated else [])
