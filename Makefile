@@ -41,7 +41,7 @@ help:
 	@echo 'make kills      kill -9 of each node, KILLS=50 times, while recording; needs a quiet machine'
 	@echo 'make faults-seeded  small faults put into a copy of the package: each is caught by a test of its room'
 	@echo 'make soak       an hour of all nodes, with checks of memory and file handles'
-	@echo 'make fuzz       10 000 damaged scenes, tables, bags and checkpoints'
+	@echo 'make fuzz       10 000 damaged scenes, tables, bags and checkpoints, 12 000 truncations and flips, bombs'
 	@echo 'make random-scenes  10 000 random scenes: finite, bounded, repeatable, resumed bit for bit, mirrored'
 	@echo 'make day        a day of simulated rotation'
 	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
@@ -141,7 +141,7 @@ soak: setup-test
 	@DRILL_TWIN_SOAK=3600 $(PYTEST) test/ros/test_faults.py -q -s -m 'long' -k soak
 
 fuzz: setup-test
-	@DRILL_TWIN_FUZZ=10000 $(PYTHON) -m pytest test/fuzz -q -s
+	@DRILL_TWIN_FUZZ=10000 DRILL_TWIN_DAMAGE=12000 $(PYTHON) -m pytest test/fuzz -q -s -m 'long or not long'
 
 random-scenes: setup-test
 	@DRILL_TWIN_SCENES=10000 $(PYTHON) -m pytest test/studies/stress/test_random_scenes.py -q -m 'long or not long'

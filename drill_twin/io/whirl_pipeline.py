@@ -77,6 +77,7 @@ class WhirlPipeline:
         self._without_rig, self._without_marks = RIG_STATE in lacks, MARKS_STATE in lacks
         self.bit_only = BitOnlyAnalyzer() if self._without_marks else None
         self._text: str | None = None
+        self._refused: tuple[str, DrillTwinError] | None = None  # the last scene that is none, not to parse it again
         self._analyzer: Analyzer | None = None
         self._encoder: FindingsEncoder | None = None
         self._mark_reader = MarkReader(())
@@ -154,7 +155,13 @@ class WhirlPipeline:
     def _on_scene(self, text: str) -> list[Message]:
         if text == self._text:  # the latched message once more
             return []
-        scene = parse_scene(text, name=TWIN_SCENE)
+        if self._refused is not None and text == self._refused[0]:
+            raise self._refused[1]
+        try:
+            scene = parse_scene(text, name=TWIN_SCENE)
+        except DrillTwinError as error:
+            self._refused = text, error
+            raise
         self._text = text
         if self.runs:  # waiting samples belong to the run before
             self._clear()

@@ -22,12 +22,13 @@ from rclpy.parameter import Parameter as RosParameter
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
-from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_COMMAND
+from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
 from drill_twin.live.page_state import INPUTS, PageState
 from drill_twin.live.sources import GONE, Sources
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.core.topics.scene_gate import SceneGate
 from drill_twin.ros.deployment.security import readable_refusal
 from drill_twin.schedule.command import Command
 
@@ -55,7 +56,9 @@ class LivePage(TwinNode):
 
     def open(self) -> None:
         """Create the topics."""
-        for topic in INPUTS:
+        self._scenes = SceneGate(partial(self.page_state.update, TWIN_SCENE))
+        self.topics.subscribe(TWIN_SCENE, lambda raw, _: self._scenes.take(bytes(raw)), depth=1, latched=True)
+        for topic in (topic for topic in INPUTS if topic != TWIN_SCENE):
             latched = TOPICS[topic].latched
             self.topics.subscribe(
                 topic, partial(self._on_message, topic), depth=1 if latched else _DEPTH, latched=latched
@@ -84,6 +87,7 @@ class LivePage(TwinNode):
     def work(self) -> None:
         """Process messages, and send the requested set-points."""
         self.spin_once(0.02)
+        self._scenes.work()
         with self._requests_lock:
             requests, self._requests = self._requests, {}
         for name, value in requests.items():

@@ -112,6 +112,21 @@ def test_a_split_bag_of_another_recorder_gives_the_same_findings_under_our_names
         assert payloads(again, topic) == payloads(eager_bag, topic), topic
 
 
+def test_a_replay_leaves_out_what_no_node_could_use_and_says_so(bench, small_bag, tmp_path):
+    rows = list(Bag(small_bag).messages())
+    stamp = rows[-1][1]
+    odd = [(RIG_STATE, stamp, b"\0\1\0\0rubbish"), (RIG_STATE, stamp, b""), (MARKS_STATE, 2**62, rows[-1][2])]
+    with BagWriter(tmp_path / "odd_0") as bag:
+        for row in (*rows, *odd):
+            bag.write(*row)
+    replayer = bench.start("replayer", bag=str(tmp_path / "odd_0"), rate=10.0)
+    bench.until(lambda: replayer.code is not None, 60.0, "the end of the replay")
+    assert replayer.code == 0, replayer.text
+    assert "left out: 2 messages on /rig/state could not be used, the first at" in replayer.text
+    assert "left out: 1 message on /marks/state not usable" in replayer.text
+    assert "Traceback" not in replayer.text
+
+
 def test_a_replay_keeps_its_time(bench, eager_bag):
     times = []
     bench.subscribe(RIG_STATE, lambda _: times.append(time.monotonic()))

@@ -24,6 +24,7 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Parameter, Value
+from drill_twin.ros.core.topics.scene_gate import SceneGate
 
 if TYPE_CHECKING:
     from drill_twin.io.whirl_pipeline import WhirlPipeline
@@ -62,11 +63,13 @@ class Analyzer(TwinNode):
         from drill_twin.scene import load_scene
 
         scene = load_scene(self.settings.marks_scene) if self.settings.marks_scene else None
-        pipeline = self._pipeline = WhirlPipeline(scene)
+        pipeline = WhirlPipeline(scene)
+        self._scenes = SceneGate(lambda raw: self._on_message(pipeline, TWIN_SCENE, raw, {}))
+        self._pipeline = pipeline
         for topic in (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET):
             self.topics.advertise(topic)
         self._publish(pipeline.start())
-        self.topics.subscribe(TWIN_SCENE, partial(self._on_message, pipeline, TWIN_SCENE))
+        self.topics.subscribe(TWIN_SCENE, lambda raw, _: self._scenes.take(bytes(raw)))
         self._inputs = [
             self.topics.subscribe(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH)
             for topic in (MARKS_STATE, RIG_STATE)
@@ -92,6 +95,11 @@ class Analyzer(TwinNode):
     def _publish(self, messages: Iterable[tuple[str, bytes]]) -> None:
         for topic, raw in messages:
             self.topics.publish(topic, raw)
+
+    def work(self) -> None:
+        """Process messages, and the scene that waits for its turn."""
+        super().work()
+        self._scenes.work()
 
     # --- end and health -------------------------------------------------------------------------------------------
 
@@ -124,6 +132,7 @@ class Analyzer(TwinNode):
             "unpaired": str(pipeline.unpaired),
             "malformed": str(pipeline.malformed),
             "runs": str(pipeline.runs),
+            "scenes_put_off": str(self._scenes.put_off),
         }
         if pipeline.trouble:
             return Status(self.NAME, Level.ERROR, pipeline.trouble, values)

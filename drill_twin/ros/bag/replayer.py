@@ -9,15 +9,21 @@ from typing import ClassVar
 
 from rclpy.context import Context
 
+from drill_twin.errors import MessageError
+from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.type_store import deserialize
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
 from drill_twin.ros.core.stop_request import StopRequest
 
 _DISCOVERY = 0.6  # s; longest discovery of a running node
 _LONGEST_WAIT = 0.05  # s
+_DAY = 86400.0  # s
+_LONGEST = 365.0 * _DAY
+"""Length of a recording [s]; a message later than that has a damaged time, for which a replay would wait."""
 _ACKNOWLEDGE = 50  # messages; half of what a publisher keeps
 
 
@@ -64,6 +70,8 @@ class Replayer(TwinNode):
         super().__init__(context, values, other_parameters)
         self._over = False
         self._sent = 0
+        self._skipped = SkippedMessages()
+        self._repeating = False
 
     def open(self) -> None:
         """Open the bag and create its topics."""
@@ -102,7 +110,10 @@ class Replayer(TwinNode):
         # The scene is published first, before its time: an analyzer is only ready once it knows the marks.
         self._scene_sent = TWIN_SCENE in self._topics
         if self._scene_sent:
-            self.topics.publish(TWIN_SCENE, next(raw for _, _, raw in self._bag.messages([TWIN_SCENE])))
+            scenes = (raw for _, _, raw in self._bag.messages([TWIN_SCENE]))
+            first = next((raw for raw in scenes if self._usable(TWIN_SCENE, 0.0, raw)), None)
+            if first is not None:
+                self.topics.publish(TWIN_SCENE, first)
         discovered = time.monotonic() + _DISCOVERY
         while not stop and (time.monotonic() < discovered or self.barrier.unmatched_readers()):
             self.spin_once(0.05)
@@ -123,6 +134,8 @@ class Replayer(TwinNode):
                     self._scene_sent = False
                     continue
                 passed = (stamp - self._bag.start) * 1e-9
+                if not self._usable(topic, passed, raw):
+                    continue
                 if self._clock_period and passed >= clock_due:
                     self.topics.publish(CLOCK_TOPIC, self._clock_message.fill(stamp))
                     clock_due = passed + self._clock_period * (self.settings.rate or 1.0)
@@ -137,7 +150,19 @@ class Replayer(TwinNode):
                 if not self._sent % 50:
                     self.spin_once(0.0)
                     yield
-            self._over = not self.settings.loop
+            self._over, self._repeating = not self.settings.loop, True
+
+    def _usable(self, topic: str, passed: float, raw: bytes) -> bool:
+        """Check a message; one that no node could use is left out and counted, once a bag."""
+        try:
+            if passed > _LONGEST:
+                raise MessageError(f"recorded {passed / _DAY:.0f} days after the first message")
+            deserialize(raw, TOPICS[topic].type_name)
+        except MessageError as error:
+            if not self._repeating:
+                self._skipped.add(topic, passed, error)
+            return False
+        return True
 
     @property
     def finished(self) -> bool:
@@ -149,8 +174,13 @@ class Replayer(TwinNode):
         if self._sent:
             self.topics.flush()
             self.get_logger().info(f"{self._sent} messages replayed")
+        for text in self._skipped.sentences():
+            self.get_logger().warning(f"left out: {text}")
 
     def health(self) -> Status:
         """Progress of the replay."""
         values = {"bag": self.settings.bag, "rate": f"{self.settings.rate:g}", "messages": str(self._sent)}
+        values["left_out"] = str(len(self._skipped))
+        if self._skipped:
+            return Status(self.NAME, Level.WARN, f"{len(self._skipped)} messages left out", values)
         return Status(self.NAME, Level.OK, f"{self._sent} of {self._bag.message_count} messages replayed", values)
