@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.base.arrays import Array
-from drill_twin.errors import DrillTwinError, MessageError
+from drill_twin.errors import DrillTwinError, MessageError, printable
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array, read_string
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
@@ -45,6 +45,8 @@ INPUTS = (
 """Topics that the page shows."""
 _TRAIL = 400  # most positions of a mark between two snapshots
 _LARGEST = 1e6  # m
+_MOST_MARKS, _MOST_NODES = 200, 20_000
+_LONGEST_TEXT = 300
 
 
 class PageState:
@@ -98,6 +100,8 @@ class PageState:
             _check_positions(poses.position)
             self._time = seconds(poses.stamp)
             nodes = poses.position
+            if len(nodes) > _MOST_NODES:
+                raise MessageError(f"expected at most {_MOST_NODES} positions, found {len(nodes)}")
             if self._hole is not None:
                 nodes = along_hole(self._hole, nodes[None])[0]
             self._nodes = nodes.round(6).tolist()
@@ -118,19 +122,21 @@ class PageState:
         elif topic == WHIRL_MOTION:
             for motion in decode_motion(raw)[1]:
                 if motion.subject == STRING_LEVEL:
-                    self._motion = {"state": motion.state, "criterion": motion.criterion}
+                    self._motion = {"state": _short(motion.state), "criterion": _short(motion.criterion)}
                 else:
-                    self._mark(motion.subject)["motion"] = motion.state
+                    self._mark(motion.subject)["motion"] = _short(motion.state)
         elif topic == WHIRL_ONSET:
             onset = decode_onset(raw)[1]
-            self._onset = None if onset is None else {"time": _number(onset.time), "mark": onset.mark}
+            self._onset = None if onset is None else {"time": _number(onset.time), "mark": _short(onset.mark)}
         elif topic == DIAGNOSTICS:
             self._on_diagnostics(raw)
         elif topic == TWIN_SCENE:
             self._on_scene(raw)
 
     def _mark(self, name: str) -> dict[str, Any]:
-        return self._marks.setdefault(name, {"name": name})
+        if name not in self._marks and len(self._marks) >= _MOST_MARKS:
+            raise MessageError(f"expected at most {_MOST_MARKS} marks, found another")
+        return self._marks.setdefault(name, {"name": _short(name)})
 
     def _on_marks(self, raw: bytes) -> None:
         state = self._marks_reader(raw)
@@ -171,8 +177,8 @@ class PageState:
             if "realtime_factor" in status.values:
                 values, self._starting = status.values, ""
                 self._simulator = {
-                    "factor": values.get("realtime_factor_last_second", values["realtime_factor"]),
-                    "text": values.get("pace", "") if status.level == Level.OK else status.text,
+                    "factor": _short(values.get("realtime_factor_last_second", values["realtime_factor"])),
+                    "text": _short(values.get("pace", "") if status.level == Level.OK else status.text),
                 }
 
     def snapshot(self) -> dict[str, Any]:
@@ -219,6 +225,11 @@ def _check_positions(positions: Array) -> None:
     """Raise MessageError for positions that cannot be drawn."""
     if not (np.abs(positions) < _LARGEST).all():
         raise MessageError(f"expected positions within {_LARGEST:g} m, found a larger or a missing one")
+
+
+def _short(text: str) -> str:
+    """A text for the page, of bounded length and without control characters."""
+    return printable(text[:_LONGEST_TEXT], keep="")
 
 
 def _number(value: float) -> float | None:

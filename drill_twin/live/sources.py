@@ -5,9 +5,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+from drill_twin.errors import printable
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, WHIRL_STATE
 
@@ -16,6 +17,7 @@ STALE, GONE = 1.0, 3.0
 _STREAMS = {STRING_POSES: "simulator", MARKS_STATE: "simulator", RIG_STATE: "simulator", WHIRL_STATE: "analyzer"}
 _LATE = 0.6  # s; diagnostics come once a second, so one that is younger than a stale value and this is not late
 _FORGOTTEN = 60.0  # s
+_MOST_NODES, _LONGEST_NAME, _LONGEST_TEXT = 200, 100, 1000
 
 
 @dataclass
@@ -42,7 +44,13 @@ class Sources:
         if "ended" in status.values:
             self._reports.pop(status.name, None)
         else:
-            self._reports[status.name] = _Report(status, self._clock())
+            name = printable(status.name[:_LONGEST_NAME], keep="")
+            text = printable(status.text[:_LONGEST_TEXT], keep="")
+            values = {key: value for key, value in status.values.items() if key == "state"}
+            self._reports.pop(name, None)
+            self._reports[name] = _Report(replace(status, name=name, text=text, values=values), self._clock())
+            if len(self._reports) > _MOST_NODES:
+                del self._reports[next(iter(self._reports))]  # the one not heard for longest
 
     def age(self, source: str) -> float | None:
         """Age of the values of `simulator` or `analyzer` [s]; None before the first.
