@@ -90,18 +90,22 @@ def growth_time(tubes: list[Tube], compression: float) -> float:
     return float(2.0 * np.sqrt(least) / max(compression, 1e-9))
 
 
-def newton_place(tolerance: float, rod: Rod, wall: Wall | None) -> float:
+def newton_place(tolerance: float, rod: Rod, wall: Wall | None, blades: float = 0.0) -> float:
     """Newton tolerance for positions [m].
 
-    A share of the string's radius, and with a stiff wall at most a share of the depth of a slow impact: a larger error
-    there changes the energy.
+    A share of the string's radius, and with a stiff wall or stabiliser at most a share of the depth of a slow impact: a
+    larger error there changes the energy.
 
     Args:
         tolerance: Share of the radius, `numerics.tolerance`.
         rod: Meshed string.
         wall: Law of the wall; None if the scene lists none.
+        blades: Stiffness of the stabiliser at the bit [N/m]; 0 without one.
     """
     place = tolerance * float(rod.outer_radius.min())
+    if blades > 0.0:  # K d^2 = m v^2 for the mass at the bit's node
+        mass = 0.5 * float(rod.line_mass[0] * rod.length[0])
+        place = min(place, OF_DEPTH * IMPACT * math.sqrt(mass / blades))
     if wall is None:
         return place
     return min(place, OF_DEPTH * impact_depth(wall, float(rod.line_mass.min()), IMPACT))

@@ -78,8 +78,12 @@ class Dynamics:
         self.parameters, self._state, self.command, self.counters = memory
         self.too_many_halvings = False
         self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
+        blades = getattr(parameters, "bit_stabiliser", None)
         self._control = state.StepControl(
-            self.step, newton_place(scene.tolerance, rod, self.wall), scene.tolerance, DEFAULT_HALVINGS
+            self.step,
+            newton_place(scene.tolerance, rod, self.wall, getattr(blades, "stiffness", 0.0)),
+            scene.tolerance,
+            DEFAULT_HALVINGS,
         )
         self._set_initial_state()
 

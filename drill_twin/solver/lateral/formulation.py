@@ -175,14 +175,19 @@ def bind(effects: Effects) -> Formulation:
             state.place[end, SPIN] = state.u[last, SPIN] + h2 * state.trial[last, SPIN]
         work.ends[:] = 0.0
         end_load(parameters, rod, work.command, time, h2, state.place, state.trial, state.v, work.ends)
+        bit = work.ends[BIT]
+        at_bit = abs(bit[X, X] - bit[Y, Y]) + abs(bit[X, Y] + bit[Y, X])  # contact resists in one direction
         # pushed up at the bit, or down at the top with the string's weight added on the way
         tension = work.ends[BIT, 2, RESIDUAL]
         if work.ends[TOP, 2, RESIDUAL] != 0.0 or constrained[0, 2]:
             tension = work.axial[WEIGHT] - work.ends[TOP, 2, RESIDUAL]
         full = outdated(work.reuse, h2, fresh)
         for _ in range(2):
-            added = assemble(
-                parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v, tension, full
+            added = (
+                assemble(
+                    parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v, tension, full
+                )
+                + at_bit
             )
             same = abs(added - work.reuse[ADDED]) <= CHANGE * abs(work.reuse[ADDED])
             if not same:
