@@ -15,6 +15,7 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.report.loads import loads
 from drill_twin.report.precession import precession
 from drill_twin.report.recording import Recording, read_recording
+from drill_twin.report.wall_depth import soft_wall, wall_depth
 from drill_twin.twin.frame import COUNTS
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
 
@@ -47,6 +48,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           the highest line in the spectrum of its speed.
         * `loads`: `mean`, `min` and `max` of weight on bit, hookload and drag [N] and of the torques of top drive and
           bit [N m] (`drill_twin.report.loads`).
+        * `wall`: the largest penetration of the wall, its place and time, and that at rest under the largest weight on
+          bit (`drill_twin.report.wall_depth`).
         * `realtime_factor`: simulated over wall time; `physics_speed`: simulated time over the time spent computing
           the motion. None where not recorded.
         * `steps`, `cut_steps`, `loose_steps`: time steps taken, how often one was halved, and how many were taken while
@@ -66,7 +69,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
     elif isinstance(bag, Bag):
         bag = Recording(bag)
     found, run, log = bag.summary, bag.log.info, bag.log
-    onset = found.onset
+    onset, wall = found.onset, wall_depth(bag)
     summary = {
         "scene": bag.scene.name if bag.scene_known else None,
         "whirl_observable": found.observable,
@@ -90,6 +93,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
         "loads": loads(bag),
+        "wall": wall,
         "realtime_factor": log.realtime_factor,
         "physics_speed": log.physics_speed,
         **{key: log.steps.get(key) for key in COUNTS},
@@ -107,7 +111,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "quality": found.quality._asdict(),
         "truncated": bag.bag.truncated,
         "damage": bag.bag.damage,
-        "notes": [*found.notes, *_notes(bag)],
+        "notes": [*found.notes, *_notes(bag), *soft_wall(wall)],
         "live": {
             "onset_s": bag.live.onset.time if bag.live.onset else None,
             "messages": bag.live.messages,

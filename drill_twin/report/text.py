@@ -46,9 +46,20 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", _radius(value, summary["clearance_m"].get(mark))
+    yield from _wall(summary)
     yield from _loads(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield from _bit(summary)
+
+
+def _wall(summary: Summary) -> Iterator[Row]:
+    """Row on the penetration of the wall."""
+    found = summary.get("wall")
+    if found and found["deepest_m"] > 0.0:
+        share = f"{found['deepest_m'] / found['clearance_m']:.1%} of the clearance"
+        at_rest = "" if found["static_m"] is None else f"; its load at rest gives {millimetres(found['static_m'])}"
+        place = f"{found['distance_from_bit_m']:.4g} m from the bit at {found['time_s']:.2f} s"
+        yield "deepest in the wall", f"{millimetres(found['deepest_m'])} ({share}), {place}{at_rest}"
 
 
 def _loads(summary: Summary) -> Iterator[Row]:

@@ -16,6 +16,10 @@ from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, 
 from drill_twin.report import read_recording, summarise
 from drill_twin.report.summary import timeline, to_json
 from drill_twin.report.text import findings, provenance
+from drill_twin.runner import Session
+from drill_twin.scene import load_scene
+from drill_twin.schedule import Schedule
+from drill_twin.twin.twin import Twin
 from drill_twin.whirl import MotionPeriod, MotionState
 
 KEYS = {
@@ -53,6 +57,35 @@ def test_hookload_torque_and_drag_of_a_run(bench_run):
     rows = dict(findings(summarise(recording)))
     assert {"hookload", "drag", "torque of the top drive", "torque on the bit"} <= set(rows)
     assert rows["hookload"].endswith(" N")
+
+
+def test_depth_in_a_soft_wall_beside_that_at_rest(tmp_path):
+    """The largest of all frames, to the sampling of the poses; at rest (q / K)^(2/3) of a helix and the weight."""
+    scene = load_scene("hard/wall_1e3")
+    found = summarise(Session(scene).run(tmp_path / "bag_0").bag)
+    twin, schedule, period = Twin(scene), Schedule.from_scene(scene), 1.0 / scene.numerics.frame_rate
+    deepest = max(
+        twin.advance(schedule.at((k + 1) * period), period).wall_depth
+        for k in range(round(scene.rig.duration / period))
+    )
+    wall = found["wall"]
+    assert wall["deepest_m"] == pytest.approx(deepest, rel=0.05)
+    section = scene.string.sections[0]
+    weight = section.mass_per_length * 9.81 * scene.length
+    clearance, bending = scene.clearance_at(0.0), section.youngs_modulus * np.pi * section.outer_diameter**4 / 64.0
+    load = max(abs(scene.rig.weight_on_bit.value), abs(scene.rig.weight_on_bit.initial))
+    pressed = (load + weight) ** 2 * clearance / (4.0 * bending) + section.mass_per_length * 9.81
+    assert wall["static_m"] == pytest.approx((pressed / 1e3) ** (2.0 / 3.0), rel=1e-6)
+    assert wall["clearance_m"] == pytest.approx(clearance)
+    assert "of the clearance" in dict(findings(found))["deepest in the wall"]
+    assert any(note.startswith("the wall is soft") for note in found["notes"]) == (deepest > 0.1 * clearance)
+    assert deepest > 0.1 * clearance
+
+
+def test_without_contact_no_depth_is_told(summary):
+    assert summary["wall"]["deepest_m"] == 0.0
+    assert "deepest in the wall" not in dict(findings(summary))
+    assert not any("soft" in note for note in summary["notes"])
 
 
 def test_is_plain_json_and_comes_back_equal(summary):
