@@ -42,8 +42,8 @@ help:
 	@echo 'make faults-seeded  small faults put into a copy of the package: each is caught by a test of its room'
 	@echo 'make soak       an hour of all nodes, with checks of memory and file handles'
 	@echo 'make fuzz       10 000 damaged scenes, tables, bags and checkpoints, 12 000 truncations and flips, bombs'
-	@echo 'make random-scenes  10 000 random scenes: finite, bounded, repeatable, resumed bit for bit, mirrored'
-	@echo 'make day        a day of simulated rotation'
+	@echo 'make random-scenes  10 000 random scenes: finite, in the hole, energy accounted for; goes on where it was broken off'
+	@echo 'make day        a day of simulated rotation; goes on where it was broken off'
 	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
 	@echo 'make bench      speed of the kernel: by effect, by elements, and against earlier runs'
 	@echo 'make peers      drill_twin beside PyElastica, Exudyn and MuJoCo (installs them; half an hour)'
@@ -144,10 +144,10 @@ fuzz: setup-test
 	@DRILL_TWIN_FUZZ=10000 DRILL_TWIN_DAMAGE=12000 $(PYTHON) -m pytest test/fuzz -q -s -m 'long or not long'
 
 random-scenes: setup-test
-	@DRILL_TWIN_SCENES=10000 $(PYTHON) -m pytest test/studies/stress/test_random_scenes.py -q -m 'long or not long'
+	@nice $(PYTHON) test/studies/stress/campaign.py --scenes 10000
 
 day: setup-test
-	@DRILL_TWIN_DAY=1 $(PYTHON) -m pytest test/studies/stress/test_hard_scenes.py -q -k day
+	@nice $(PYTHON) test/studies/stress/day.py
 
 browser: setup-test
 	@$(PYTEST) test/ros/test_live_page.py -q -m 'long or not long'

@@ -57,13 +57,20 @@ class StateBounds:
             load: Weight on bit [N].
             step: Time step [s].
         """
-        power = 1.0 if wall.linear else 1.5
         impact = impact_depth(wall, self.line_mass, speed)
+        return float(DEPTH_MARGIN * (impact + self.static_depth(wall, load)) + speed * step)
+
+    def static_depth(self, wall: Wall, load: float) -> float:
+        """Penetration at rest under a load [m], of a helix pressed on the wall over its whole length.
+
+        Args:
+            wall: Law of the wall.
+            load: Weight on bit [N].
+        """
+        power = 1.0 if wall.linear else 1.5
         axial = abs(load) + self.weight
-        load_depth = ((axial**2 * self.flexibility + axial * self.curvature + self.line_load) / wall.stiffness) ** (
-            1.0 / power
-        )
-        return float(DEPTH_MARGIN * (impact + load_depth) + speed * step)
+        pressed = axial**2 * self.flexibility + axial * self.curvature + self.line_load
+        return float((pressed / wall.stiffness) ** (1.0 / power))
 
 
 def bounds_of(scene: Scene, model: DiscreteModel, *, lateral: bool) -> StateBounds:

@@ -34,6 +34,9 @@ LARGEST_STRAIN = 0.5
 ENERGY_SHARE = 0.2
 """Largest change of the energy residual in a frame over the scale of the balance, with an audit [-]."""
 
+FOLDING = 0.2
+"""1 - t_z in a straight hole, a lean of 37 degrees, above which a string that has no solution is said to fold."""
+
 SHARE, GOOD = 0, 1  # indices into StepGuard.memory: share of the nominal step, good frames since it was halved
 
 
@@ -59,7 +62,8 @@ class StepGuard:
         self._model, self._wall = model, wall
         self._block = self._saved = np.zeros(0, dtype=np.uint8)
         self._extremes = np.zeros(state_check.EXTREMES)
-        self._speed = 0.0
+        self._speed = self._lean = 0.0
+        self._lean_at = 0
 
     @property
     def share(self) -> float:
@@ -74,7 +78,8 @@ class StepGuard:
         """Save the current state, with node rows u and v, as the last good one."""
         np.copyto(self._saved, self._block)
         state_check.check_state(self._model.rod, u, v, self._extremes)
-        self._speed = float(self._extremes[state_check.SPEED])
+        self._speed, self._lean = float(self._extremes[state_check.SPEED]), float(self._extremes[state_check.LEAN])
+        self._lean_at = int(self._extremes[state_check.LEAN_AT])
 
     def exhausted(self, found: Violation, tries: int) -> bool:
         """True if a frame with this violation is not to be retried after so many tries."""
@@ -165,8 +170,17 @@ class StepGuard:
         return Violation(
             "newton", node,
             f"{why}; fastest was {self._at(node)}, {np.hypot(u[node, 0], u[node, 1]):.3g} m off the axis at "
-            f"{np.linalg.norm(v[node, :3]):.3g} m/s",
+            f"{np.linalg.norm(v[node, :3]):.3g} m/s{self._folding()}",
         )  # fmt: skip
+
+    def _folding(self) -> str:
+        """Lean of the last good state, where a string in a straight hole was about to fold."""
+        if self._lean <= FOLDING or self._model.wellbore.axis is not None:
+            return ""
+        angle = np.degrees(np.arccos(1.0 - self._lean))
+        return (
+            f"; before, the string at {self._at(self._lean_at)} leaned {angle:.0f} degrees from the upright: it folds"
+        )
 
     def energy_drift(self, energy: EnergyBalance, grown: float) -> Violation | None:
         """Check the energy balance of a frame; returns its violation, if any.
@@ -181,7 +195,7 @@ class StepGuard:
         return Violation(
             "energy", node,
             f"{abs(grown):.3g} J were {'gained' if grown > 0.0 else 'lost'} that nothing accounts for, of "
-            f"{energy.scale:.3g} J on the move; fastest was {self._at(node)}",
+            f"{energy.scale:.3g} J on the move; fastest was {self._at(node)}{self._folding()}",
         )  # fmt: skip
 
     def _at(self, node: int) -> str:

@@ -2,9 +2,9 @@
 """Hard scenes are followed, no deeper into the wall than its law explains; what goes wrong is told."""
 
 import json
-import os
 from dataclasses import replace
 
+import day
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -61,16 +61,29 @@ def test_a_long_run_is_in_order(name):
     assert result.interventions == 0
 
 
-@pytest.mark.skipif("DRILL_TWIN_DAY" not in os.environ, reason="a day of rotation: make day")
-def test_a_day_of_rotation_is_in_order():
-    scene = load_scene("hard/steady_hour", overrides={"duration": "86400"})
-    twin, found = Twin(scene), RunStatistics()
-    schedule = Schedule.from_scene(scene)
-    for k in range(864_000):
-        found.add(twin.advance(schedule.at(0.1 * (k + 1)), 0.1))
-    case = next(case for case in stress.all_hard_cases() if case.name == "steady_hour[spatial]")
-    allowed = allowed_depth(twin, found.speed) + 0.5 * twin.step_size * found.speed
-    assert verdict_on(case, found, "", allowed) == "ok"
+def test_a_day_broken_off_and_continued_is_the_same_day(tmp_path, monkeypatch):
+    """Three hours of four seconds; the end of the third is lost, after its line was written."""
+    expected = day.run(tmp_path / "whole", 3, 4.0)
+    assert [hour.verdict for hour in expected] == ["ok"] * 3
+    with monkeypatch.context() as patch:
+        patch.setattr(day.Checkpoint, "save", once_or_twice(day.Checkpoint.save))
+        with pytest.raises(KeyboardInterrupt):
+            day.run(tmp_path / "part", 3, 4.0)
+    assert day.table(day.run(tmp_path / "part", 3, 4.0)) == day.table(expected)
+    assert (tmp_path / "part" / "day.jsonl").read_bytes() == (tmp_path / "whole" / "day.jsonl").read_bytes()
+
+
+def once_or_twice(save):
+    """The method, which is broken off at its third call."""
+    calls = []
+
+    def replaced(*arguments):
+        calls.append(arguments)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        save(*arguments)
+
+    return replaced
 
 
 def test_steps_taken_loosely_are_counted_and_told():
