@@ -31,6 +31,7 @@ class Poison:
     provides: ClassVar[tuple[str, ...]] = ()
     disabled_for_static: ClassVar[tuple[str, ...]] = ()
     energy_class: ClassVar[str] = "any"
+    variant: ClassVar[str] = ""
 
     def check_against(self, _: Any) -> tuple[()]:
         return ()
