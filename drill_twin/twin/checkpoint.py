@@ -34,6 +34,7 @@ from drill_twin.twin.twin import Twin
 
 _FORMAT = 1
 _HEADER = "head"
+_ZIP = b"PK\x03\x04"
 _LARGEST_HEADER = 2_000_000  # bytes; the scene takes most of it
 _LARGEST_SIZE = 128 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
 _RENAMED = {f"effects.ledger.{old}": f"effects.ledger.{new}" for old, new in (
@@ -83,18 +84,19 @@ class Checkpoint:
             "scene": self.scene,
         }
         content: dict[str, Any] = {_HEADER: np.frombuffer(json.dumps(head).encode(), np.uint8), **self.arrays}
-        unfinished = target.with_name(f"{target.name}.tmp")
         try:
+            _refuse_other_file(target)
+            unfinished = target.with_name(f"{target.name}.tmp")
             target.parent.mkdir(parents=True, exist_ok=True)
             with unfinished.open("wb") as stream:
                 np.savez(stream, **content)
                 stream.flush()
                 os.fsync(stream.fileno())
             unfinished.replace(target)
-        except OSError as error:
+        except (OSError, ValueError) as error:
+            found = getattr(error, "strerror", None) or error
             raise CheckpointError(
-                f"{target}: expected a place for the checkpoint, found {error.strerror or error}; "
-                "free it or name another"
+                f"{target}: expected a place for the checkpoint, found {found}; free it or name another"
             ) from error
 
     @classmethod
@@ -168,6 +170,18 @@ class Checkpoint:
             f"expected a checkpoint of this scene, {scene.name}, found one of another: line {number} of the resolved "
             f'scene is "{theirs.strip()}" there and "{mine.strip()}" here; load that scene, or start the run afresh'
         )
+
+
+def _refuse_other_file(path: Path) -> None:
+    """Refuse to replace what is no checkpoint: anyone in the ROS graph may name the file."""
+    if not path.exists():
+        return
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise ValueError("a folder, a pipe or a device there")
+    with path.open("rb") as stream:
+        start = stream.read(len(_ZIP))
+    if start and start != _ZIP:
+        raise ValueError("another file there, which is not replaced")
 
 
 def _check_file(path: Path) -> None:

@@ -3,6 +3,7 @@
 
 import io
 import json
+import os
 import zipfile
 
 import numpy as np
@@ -171,3 +172,18 @@ def test_a_place_that_cannot_be_written_is_said_and_the_older_one_stays(kept, tm
     again.save(tmp_path / "run.npz")
     assert Checkpoint.load(tmp_path / "run.npz").time == 9.0
     assert not list(tmp_path.glob("*.tmp"))
+
+
+@pytest.mark.parametrize("place", ["letter.txt", "folder", "pipe", ".", "", "a\0b", "x" * 5000])
+def test_a_checkpoint_replaces_no_other_file(kept, place, tmp_path, monkeypatch):
+    """Whoever can set a parameter of the simulator names the file."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "letter.txt").write_text("Dear all", "utf-8")
+    (tmp_path / "folder").mkdir()
+    os.mkfifo("pipe")
+    checkpoint = Checkpoint.load(kept[0])
+    with pytest.raises(CheckpointError, match="expected a place for the checkpoint, found"):
+        checkpoint.save(place)
+    assert (tmp_path / "letter.txt").read_text("utf-8") == "Dear all"
+    checkpoint.save("new.npz")
+    checkpoint.save("new.npz")
