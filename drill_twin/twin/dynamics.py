@@ -16,6 +16,7 @@ from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL, effects
 from drill_twin.discretisation.resolution import newton_place, resolution_of
 from drill_twin.effects import effect_module
 from drill_twin.model.mesh import Rod, build_rod
+from drill_twin.rotordynamics.whirl_start import start_in_whirl
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.solver import state
@@ -57,7 +58,7 @@ class Dynamics:
         Raises:
             SceneError: The scene asks for an accuracy instead of elements and a step.
             TableError: Elements or step are to be chosen for a record that cannot be used.
-            RunError: No equilibrium was found to start from.
+            RunError: No equilibrium or steady whirl was found to start from.
         """
         self.scene = scene
         elements, self.step = resolution_of(scene)
@@ -91,6 +92,8 @@ class Dynamics:
         set_initial_state(self._state, self.model, self.scene, float(self.command[0]))
         if self.scene.rig.start == "equilibrium":
             start_in_equilibrium(self, Dynamics)
+        elif self.scene.rig.start == "whirl-state":
+            self.begin(*start_in_whirl(self.scene))
         for name in self.scene.effect_names:
             module = effect_module(name)
             if hasattr(module, "initial_state"):

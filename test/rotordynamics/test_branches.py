@@ -47,6 +47,7 @@ def test_points_of_a_branch_are_states(turning, state):
     assert again.omega == pytest.approx(found.states[0].whirl.omega, rel=1e-6)
 
 
+@pytest.mark.long
 def test_any_number_of_the_scene_is_a_parameter(turning, state):
     key = "effects.wall_friction.coefficient"
     found = branch(key_of(turning, FAST, key, 0.20, 0.21), state.whirl, 0.205)

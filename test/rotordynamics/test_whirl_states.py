@@ -7,15 +7,19 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from drill_twin.api import load_scene
+from drill_twin.api import load_scene, override
 from drill_twin.cli.app import app
-from drill_twin.errors import SceneError
+from drill_twin.errors import RunError, SceneError
+from drill_twin.rotordynamics import whirl_start
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
 from drill_twin.rotordynamics.turning_frame import quarter_turn
 from drill_twin.rotordynamics.whirl_states import whirl_states
+from drill_twin.schedule import Schedule
 from drill_twin.schedule.command import Command
+from drill_twin.studies.rotordynamics.simulated import simulated_whirl, with_command
 from drill_twin.twin.dynamics import Dynamics
+from drill_twin.twin.twin import Twin
 
 FAST = Command(40.0, 6.5 * math.tau)
 
@@ -80,6 +84,26 @@ def test_the_simulation_stays_on_a_stable_state_and_turns_at_its_speed(bench, fa
 
 
 @pytest.mark.long
+def test_a_run_that_begins_in_a_whirl_keeps_its_speed_with_bow_and_eccentricity(bench, fast):
+    state = max((one for one in fast[1] if one.is_stable), key=lambda one: one.ratio)
+    scene = override(bench, {"rig.start": "whirl-state", "wob": 40.0, "rps": 6.5, "duration": 4.0})
+    twin, schedule, angles = Twin(scene), Schedule.from_scene(scene), []
+    assert schedule.at(0.0) == FAST
+    for k in range(1, 401):
+        twin.advance(schedule.at(0.01 * k), 0.01)
+        angles.append(math.atan2(*twin.unknowns[0][5, [1, 0]]))
+    speed = (np.unwrap(angles)[-1] - angles[0]) / 3.99
+    assert speed == pytest.approx(state.whirl.omega, rel=0.01)
+
+
+def test_a_start_in_a_whirl_needs_one(bench, monkeypatch):
+    monkeypatch.setattr(whirl_start, "whirl_states", lambda *_: ())
+    scene = override(bench, {"rig.start": "whirl-state", "wob": 0.0, "rps": 1.0})
+    with pytest.raises(RunError, match="expected a steady whirl at 0 N and 1 rev/s, found none"):
+        Dynamics(scene)
+
+
+@pytest.mark.long
 def test_the_simulation_leaves_an_unstable_state_at_the_computed_rate():
     """20 N on a guided bit: a Hopf instability, slow enough to be measured over a decade and more."""
     held = {"string.bit_end": "guided", "effects.bit_friction.coefficient": "0", "numerics.elements": "16"}
@@ -91,6 +115,18 @@ def test_the_simulation_leaves_an_unstable_state_at_the_computed_rate():
     grows = (apart > 1e-4) & (apart < 5e-3)
     rate = np.polyfit(times[grows], np.log(apart[grows]), 1)[0]
     assert rate == pytest.approx(state.growth, rel=0.03)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("weight", "turns"), [(20.0, 4.0), (60.0, 2.0), (60.0, 6.5), (150.0, 4.0)])
+def test_a_run_from_the_axis_ends_on_a_stable_state(weight, turns):
+    """Guided bit, with bow and eccentricity: the whirl speed of the run is that of a stable state."""
+    held = {"string.bit_end": "guided", "effects.bit_friction.coefficient": "0", "numerics.elements": "16"}
+    scene = load_scene("pa6_calibrated", {**held, "effects.stretch": "off", "effects.torsion": "off"})
+    run = simulated_whirl(with_command(scene, weight, turns * math.tau))
+    assert run.is_steady
+    found = whirl_states(EquationsOfMotion(scene), Command(weight, turns * math.tau), random_starts=1)
+    assert min(abs(state.ratio - run.ratio) for state in found if state.is_stable) < 2e-3
 
 
 def test_a_state_on_the_command_line(tmp_path):

@@ -114,10 +114,11 @@ class Rig(Part):
     """Top drive."""
     duration: Annotated[Time, Within(above="0 s", at_most="1e6 s")]
     """Simulated time [s]."""
-    start: Literal["axis", "equilibrium"] = "axis"
+    start: Literal["axis", "equilibrium", "whirl-state"] = "axis"
     """Initial state. `axis`: the string on the axis of the hole, at rest, set-points from their `initial`.
     `equilibrium`: the set-points hold their `value` from the first instant; the string is in static equilibrium under
-    that weight, twisted by the resisting torques, and rotates rigidly."""
+    that weight, twisted by the resisting torques, and rotates rigidly. `whirl-state`: the set-points hold their `value`
+    too; the string is in a steady whirl, a stable one if there is one (`drill-twin whirl-states`)."""
     table: RecordedTable | None = None
     """Recorded table of the set-points of shape `table`."""
 
@@ -127,10 +128,10 @@ class Rig(Part):
             shape = getattr(self, key).shape
             if shape == "table" and self.table is None:
                 raise refuse_at((key, "shape"), 'expected `rig.table` with shape "table", found none')
-            if shape == "table" and self.start == "equilibrium":
+            if shape == "table" and self.start != "axis":
                 raise refuse_at(
                     ("start",),
-                    f'expected "axis" with a recorded `{key}`, found "equilibrium": a record has no final value',
+                    f'expected "axis" with a recorded `{key}`, found "{self.start}": a record has no final value',
                 )
         return self
 
@@ -138,4 +139,4 @@ class Rig(Part):
     def first(self) -> tuple[float, float]:
         """Weight on bit [N] and speed of the top drive [rad/s] at the first instant; 0 for recorded ones."""
         load, turn = self.weight_on_bit, self.rotation
-        return (load.value, turn.value) if self.start == "equilibrium" else (load.initial, turn.initial)
+        return (load.value, turn.value) if self.start != "axis" else (load.initial, turn.initial)
