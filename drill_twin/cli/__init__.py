@@ -15,6 +15,8 @@ from drill_twin.base.standard_streams import error_text, open_closed_streams, re
 from drill_twin.cli import interrupt
 from drill_twin.errors import printable
 
+_LONGEST_MESSAGE = 3000
+
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and end the process with its exit code."""
@@ -71,5 +73,7 @@ def _run_command(arguments: Sequence[str]) -> int:
 
 
 def _fail(message: str, code: int = 2) -> int:
-    print(f"drill-twin: error: {printable(' '.join(message.split()))}", file=sys.stderr)
+    text = printable(" ".join(message.split()))
+    shown = text if len(text) <= _LONGEST_MESSAGE else f"{text[:_LONGEST_MESSAGE]}..."
+    print(f"drill-twin: error: {shown}", file=sys.stderr)
     return code

@@ -18,6 +18,7 @@ SHORTHANDS = {
 """Short name -> its key and the unit of a bare number."""
 
 _BARE = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
+_LONGEST_KEY, _LONGEST_INDEX = 300, 9  # characters, digits
 _INDEX = re.compile(r"\[(\w+)\]")
 
 
@@ -34,6 +35,10 @@ def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:
         chosen = dict.fromkeys(("numerics.elements", "numerics.step", "numerics.tolerance"), "auto")
         overrides = {**chosen, **overrides}
     for key, given in overrides.items():
+        if len(key) > _LONGEST_KEY:
+            raise SceneError(
+                f"{lines.name}: override: expected a key of at most {_LONGEST_KEY} characters, found {len(key)}"
+            )
         place, value = _expand(key, given)
         _set(lines, key, place, _value(lines, key, value) if isinstance(value, str) else value)
 
@@ -83,7 +88,7 @@ def _item(inside: Any, part: str) -> str | int | None:
     if isinstance(inside, dict):
         return part
     if isinstance(inside, list):
-        if part.isdecimal() and int(part) < len(inside):
+        if part.isdecimal() and len(part) <= _LONGEST_INDEX and int(part) < len(inside):
             return int(part)
         names = [item.get("name") if isinstance(item, dict) else None for item in inside]
         return names.index(part) if part in names else None

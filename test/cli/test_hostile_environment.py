@@ -8,7 +8,7 @@ from io import StringIO
 
 import pytest
 
-from drill_twin.cli import show
+from drill_twin.cli import run_command, show
 from drill_twin.errors import BagError, DrillTwinError, SceneError, StoppedError, TableError, printable
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.skipped import SkippedMessages
@@ -109,3 +109,22 @@ def test_names_of_a_bag_do_not_reach_the_terminal_as_they_are():
     text = stream.getvalue()
     assert r"\x1b" in text
     assert text.replace("\n", "").isprintable()
+
+
+@pytest.mark.parametrize(
+    "key", ["9" * 5000, f"string.sections[{'9' * 5000}]", "string.sections[\u00b2].length", "x." * 5000]
+)
+def test_keys_of_overrides_that_cannot_be(key, capsys):
+    assert run_command(["check", "pa6_bench", "--set", f"{key}=1"]) == 2
+    said = capsys.readouterr().err
+    assert "error:" in said
+    assert len(said) < 3100
+
+
+@pytest.mark.parametrize("text", ["9" * 5000, "-1", "\u00b2", "1e5"])
+def test_domains_that_cannot_be(text, monkeypatch):
+    from drill_twin.ros.deployment import discovery
+
+    monkeypatch.setenv("ROS_DOMAIN_ID", text)
+    with pytest.raises(DrillTwinError, match="ROS_DOMAIN_ID"):
+        discovery.prepare()
