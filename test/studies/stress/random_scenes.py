@@ -4,8 +4,9 @@
 The schema takes what a machine of any size may have, 1 cm to 20 km of string and 1 N to 100 MN. Drawn independently,
 such numbers would nearly all be nonsense (a kilometre of thread under a meganewton), so they are drawn as multiples of
 what the string itself gives: its length, buckling load, first frequency, weight and clearance. `FIELDS` has an entry
-for every quantity of every block, and a test holds it to that. Not drawn: surveyed holes (kernels of their own),
-records of rigs, a bit that cuts under a weight set at the top, a bending moment at the bit, slopes at a held end.
+for every quantity of every block, and a test holds it to that. Not drawn: surveyed holes and variants of the wall's
+friction (kernels of their own), records of rigs, a bit that cuts under a weight set at the top, a bending moment at the
+bit, slopes at a held end.
 """
 
 import math
@@ -177,6 +178,8 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
         "coefficient": or_zero(1e-3, 2.0),
         "decay": or_zero(1e-3, 100.0),
         "accuracy": log(1e3, 1e8),
+        "sliding": just(0.0),
+        "sign": just("root"),
     },
     "rock_floor": {
         "stiffness": lambda s: log(1e3 * s.load / s.length, min(1e7 * s.load / s.length, 1e12)),
