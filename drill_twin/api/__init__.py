@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The public Python API, re-exported by `drill_twin`: scenes, runs, results, analysis (docs/api.md)."""
 
+from drill_twin.api.recorded_run import Rerun, rerun
 from drill_twin.api.result import Cost, Result, read_bag
 from drill_twin.api.rotordynamics import branches, campbell, growth_map, modes, whirl_states
 from drill_twin.api.scenes import build_scene, check_scene, load_scene, override, scene_names, write_scene
@@ -30,6 +31,7 @@ __all__ = [
     "MessageError",
     "MotionState",
     "Onset",
+    "Rerun",
     "Result",
     "RunError",
     "Scene",
@@ -50,6 +52,7 @@ __all__ = [
     "modes",
     "override",
     "read_bag",
+    "rerun",
     "scene_names",
     "whirl_states",
     "write_scene",

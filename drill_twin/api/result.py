@@ -205,7 +205,12 @@ class Result(Plots):
 
 
 def read_bag(
-    path: str | Path, *, scene: Scene | None = None, begin: float = -math.inf, end: float = math.inf
+    path: str | Path,
+    *,
+    scene: Scene | None = None,
+    begin: float = -math.inf,
+    end: float = math.inf,
+    namespace: str | None = None,
 ) -> Result:
     """Open a bag, or the bag in the folder of a run, and analyse it.
 
@@ -214,11 +219,12 @@ def read_bag(
         scene: The scene of the run, where the bag does not hold it.
         begin: Samples before this time are left out [s].
         end: Samples after this time are left out [s].
+        namespace: Namespace of the twin, as "/rig2", where the bag holds several.
 
     Raises:
-        BagError: Not a bag of this package, or nothing in it that could be analysed.
+        BagError: Not a bag of this package, nothing in it that could be analysed, or several twins without a choice.
     """
-    selection = Selection(begin=begin, end=end)
+    selection = Selection(begin=begin, end=end, namespace=namespace)
     result = Result(open_bag(bag_path(path), selection), scene, selection)
     _ = result.recording
     return result

@@ -183,6 +183,14 @@ class Simulation:
             self._advance(command)
         return self._advance(command)
 
+    def follow(self, command: Command) -> State:
+        """Run on by a frame, at whose end a command holds: weight on bit [N] and speed of the top drive [rad/s].
+
+        Raises:
+            RunError: The motion could not be followed; `result` gives what came before.
+        """
+        return self._advance(command)
+
     def result(self) -> Result:
         """All that was recorded so far, and its analysis; the run can go on afterwards.
 

@@ -11,6 +11,7 @@ from drill_twin import __version__
 from drill_twin.cli.bags import analyze, report
 from drill_twin.cli.load import load
 from drill_twin.cli.modes import modes
+from drill_twin.cli.rerun import rerun
 from drill_twin.cli.ros import demo, replay, topics
 from drill_twin.cli.run import run
 from drill_twin.cli.scenes import check, scenes, schema
@@ -53,6 +54,7 @@ _RUN, _STUDY, _SCENE, _ROS = "Simulate and analyse", "Studies", "Scenes", "ROS"
 app.command(rich_help_panel=_RUN)(run)
 app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
+app.command(rich_help_panel=_RUN)(rerun)
 app.command(rich_help_panel=_RUN)(watch)
 app.command(rich_help_panel=_RUN)(modes)
 app.command(rich_help_panel=_RUN)(whirl_states)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drill_twin.cli.options import BagArgument, JsonOption, ReplaceOption, SceneOption
+from drill_twin.cli.options import BagArgument, JsonOption, NamespaceOption, ReplaceOption, SceneOption
 from drill_twin.errors import BagError
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ def analyze(
             "--rim", metavar="LENGTH", help="Outer radius of the string at these marks, if they are on its surface."
         ),
     ] = "",
+    namespace: NamespaceOption = "",
 ) -> None:
     """Find onset, frequencies and motion states of whirl in a bag, and stick-slip of the bit.
 
@@ -69,7 +70,8 @@ def analyze(
     if out is not None:
         check_new(out, replace=replace)
     with err().status("analysing the bag"):
-        summary = summarise(_recording(bag, scene, _selection(marks, begin, end, topics, clearance, rim)))
+        selection = _selection(marks, begin, end, topics, clearance, rim, namespace)
+        summary = summarise(_recording(bag, scene, selection))
     if out is not None:
         write_file(out, to_json(summary))
     if json:
@@ -88,6 +90,7 @@ def report(
     scene: SceneOption = "",
     replace: ReplaceOption = False,
     json: JsonOption = False,
+    namespace: NamespaceOption = "",
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
     from drill_twin.cli.show import err, print_json
@@ -96,8 +99,10 @@ def report(
     existing = folder / "report.html"
     if existing.exists() and not replace:
         raise BagError(f"{existing}: expected none yet, found one; choose another folder with --out, or --replace")
+    from drill_twin.report.selection import Selection
+
     with err().status("analysing the bag"):
-        recording = _recording(bag, scene)
+        recording = _recording(bag, scene, Selection(namespace=namespace or None))
     files = draw(recording, folder)
     if json:
         figures = {name: str(path) for name, path in files.figures.items()}
@@ -132,13 +137,15 @@ def _recording(bag: Path, scene: str, selection: Selection | None = None) -> Rec
     return read_recording(bag, load_scene(scene) if scene else None, selection)
 
 
-def _selection(marks: list[str], begin: float, end: float, topics: list[str], clearance: str, rim: str) -> Selection:
+def _selection(
+    marks: list[str], begin: float, end: float, topics: list[str], clearance: str, rim: str, namespace: str
+) -> Selection:
     """The part of a bag that the options name.
 
     Raises:
         BagError: The value of an option is invalid.
     """
-    from drill_twin.io.bag.remapped import parse_remappings
+    from drill_twin.io.bag.topic_names import parse_remappings
     from drill_twin.report.selection import Selection
     from drill_twin.units import UnitError, parse
     from drill_twin.units.dimension import LENGTH
@@ -153,7 +160,7 @@ def _selection(marks: list[str], begin: float, end: float, topics: list[str], cl
         except UnitError as error:
             raise BagError(f"{option}: {error}") from error
     chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
-    return Selection(chosen, begin, end, names, lengths[0], lengths[1] or 0.0)
+    return Selection(chosen, begin, end, names, namespace or None, lengths[0], lengths[1] or 0.0)
 
 
 def print_marks(summary: Mapping[str, Any]) -> None:

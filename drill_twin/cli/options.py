@@ -28,6 +28,9 @@ SetOption = Annotated[
     ),
 ]
 SceneOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Scene of a bag that contains none.")]
+NamespaceOption = Annotated[
+    str, typer.Option("--namespace", metavar="NS", help="Namespace of the twin, as /rig2, where a bag holds several.")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, and nothing else, on stdout.")]
 ReplaceOption = Annotated[bool, typer.Option("--replace", help="Replace an existing result of drill-twin.")]
 

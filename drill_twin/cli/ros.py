@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from drill_twin.cli.options import BagArgument, JsonOption
+from drill_twin.cli.options import BagArgument, JsonOption, NamespaceOption
 
 
 def demo(context: typer.Context) -> None:
@@ -40,13 +40,17 @@ def replay(
         list[str], typer.Option("--wait-for", metavar="NODE", help="Start when this node is ready; repeatable.")
     ] = [],  # noqa: B006
     loop: Annotated[bool, typer.Option("--loop", help="Start again at the end.")] = False,
+    namespace: NamespaceOption = "",
 ) -> None:
-    """Publish a bag again over DDS, with /clock, at any rate: the replayer node. Needs ROS 2 (rclpy)."""
+    """Publish a bag again over DDS, with /clock, at any rate: the replayer node. Needs ROS 2 (rclpy).
+
+    Topics have their recorded names, with the namespace that they were recorded in.
+    """
     from drill_twin.ros.entry_points import start
 
     given = {
         "bag": str(bag), "rate": rate, "loop": loop, "map": " ".join(names), "leave_out": " ".join(leave_out),
-        "wait_for": " ".join(wait_for),
+        "wait_for": " ".join(wait_for), "twin": namespace,
     }  # fmt: skip
     arguments = [argument for name, value in given.items() for argument in ("-p", f"{name}:={dumps(value)}")]
     raise typer.Exit(start("replayer", ["--ros-args", *arguments]))

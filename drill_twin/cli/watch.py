@@ -11,6 +11,8 @@ from typing import Annotated
 
 import typer
 
+from drill_twin.cli.options import NamespaceOption
+
 
 def watch(
     bag: Annotated[
@@ -27,29 +29,32 @@ def watch(
         typer.Option("--allow-host", metavar="NAME", help="A name by which browsers know this server; repeatable."),
     ] = [],  # noqa: B006  typer does not change the default
     browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
+    namespace: NamespaceOption = "",
 ) -> None:
     """Show a run in the browser: the string in the hole, orbits, motion states, and sliders for the set-points.
 
     A running twin is found by ROS_DOMAIN_ID; set-points go through the rig driver where there is one.
     """
     if bag is not None:
-        _play(bag, host, port, allow_host, browser=browser)
+        _play(bag, host, port, allow_host, namespace or None, browser=browser)
         return
     from drill_twin.ros.entry_points import start
 
     names = [word for name in allow_host for word in ("--allow-host", name)]
     arguments = ["--host", host, "--port", str(port), *names, *([] if browser else ["--no-browser"])]
+    if namespace:
+        arguments += ["--ros-args", "-r", f"__ns:=/{namespace.strip('/')}"]
     raise typer.Exit(start("watch", arguments))
 
 
-def _play(bag: Path, host: str, port: int, allowed: list[str], *, browser: bool) -> None:
+def _play(bag: Path, host: str, port: int, allowed: list[str], namespace: str | None, *, browser: bool) -> None:
     from drill_twin.cli.show import err
     from drill_twin.io.bag.files import bag_path
     from drill_twin.live.player import Player
     from drill_twin.live.server import PageServer
 
     with err().status("reading the bag"):
-        player = Player(bag_path(bag))
+        player = Player(bag_path(bag), namespace)
     for text in player.damage:
         err().print(text, markup=False, highlight=False)
     server = PageServer(player.snapshot, player.on_request, host=host, port=port, allowed_hosts=allowed)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from drill_twin.io.messages.stamps import NANOSECONDS
-from drill_twin.io.messages.topics import WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
+from drill_twin.io.messages.topics import FRAME_ID, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import (
     STRING_LEVEL,
     Motion,
@@ -22,12 +22,15 @@ from drill_twin.whirl.findings import Findings
 BIT = "bit"
 """Name under which `/whirl/motion` reports the rotation of the bit: steady, torsional vibration, stick-slip."""
 
+_LONGEST_FRAME = 255  # letters; a longer name of a frame is not copied into every message
+
 
 class FindingsEncoder:
     """Encodes findings: `/whirl/state` for each, `/whirl/motion` on change and once a simulated second."""
 
     def __init__(self, marks: Sequence[MarkInfo]) -> None:
-        self._state = WhirlStateEncoder([mark.name for mark in marks])
+        self._names = [mark.name for mark in marks]
+        self._state, self._frame_id = WhirlStateEncoder(self._names), FRAME_ID
         self._motion: tuple[object, ...] = ()
         self._motion_due = -1
         self.onset_announced = False
@@ -44,9 +47,11 @@ class FindingsEncoder:
         whirl = Motion(STRING_LEVEL, BitMotion.UNKNOWN.value, NOT_OBSERVABLE)
         return WHIRL_MOTION, encode_motion(stamp, [whirl, Motion(BIT, bit.motion.value, bit.criterion)])
 
-    def messages(self, findings: Findings) -> Iterator[tuple[str, bytes]]:
-        """Topics and bytes of the messages for these findings."""
+    def messages(self, findings: Findings, frame_id: str = FRAME_ID) -> Iterator[tuple[str, bytes]]:
+        """Topics and bytes of the messages for these findings, in the frame of the samples."""
         stamp = findings.stamp_ns
+        if frame_id != self._frame_id and len(frame_id) <= _LONGEST_FRAME:
+            self._state, self._frame_id = WhirlStateEncoder(self._names, frame_id), frame_id
         yield (
             WHIRL_STATE,
             self._state.encode(stamp, findings.orbit_radius, findings.precession, findings.ratio, findings.confidence),
@@ -54,11 +59,12 @@ class FindingsEncoder:
         motion = (findings.motion, findings.bit, *findings.state)
         if motion != self._motion or stamp >= self._motion_due:
             self._motion, self._motion_due = motion, stamp - stamp % NANOSECONDS + NANOSECONDS
-            yield WHIRL_MOTION, encode_motion(stamp, _motions(findings))
+            yield WHIRL_MOTION, encode_motion(stamp, _motions(findings), self._frame_id)
         if findings.onset is not None and not self.onset_announced:
             self.onset_announced = True
             onset = findings.onset
-            yield WHIRL_ONSET, encode_onset(stamp, OnsetMessage(onset.time_s, onset.mark, onset.confidence))
+            message = OnsetMessage(onset.time_s, onset.mark, onset.confidence)
+            yield WHIRL_ONSET, encode_onset(stamp, message, self._frame_id)
 
 
 def _motions(findings: Findings) -> list[Motion]:

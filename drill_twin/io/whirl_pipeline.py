@@ -221,7 +221,7 @@ class WhirlPipeline:
         top_speed, bit_speed = sample.speeds
         known_spin = self._known_spin(spin)
         self.findings = self._analyzer.push(sample.stamp, position, known_spin, top_speed, force, bit_speed)
-        yield from self._encoder.messages(self.findings)
+        yield from self._encoder.messages(self.findings, sample.marks.frame_id)
         if self._time_went_back(sample):
             behind = list(self._behind)
             yield from self._start_run(self.scene)

@@ -69,13 +69,17 @@ def _frame_stamps(messages: Sequence[Message]) -> dict[int, int]:
 class Player:
     """Seekable playback of a bag, in a thread of its own; a page that opens starts it shortly before the onset."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, namespace: str | None = None) -> None:
         """Open a bag.
+
+        Args:
+            path: Bag folder or file.
+            namespace: Namespace of the twin; None: the only one.
 
         Raises:
             BagError: It is not a bag.
         """
-        bag = Bag(path)
+        bag = Bag(path, namespace=namespace)
         self.damage = bag.damage
         """Sentences on missing or damaged parts of the bag."""
         self._messages = list(in_simulated_time(bag.messages(INPUTS)))

@@ -12,7 +12,6 @@ from pathlib import Path
 
 from drill_twin.errors import MessageError
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.remapped import RemappedBag
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
 from drill_twin.whirl import MarkInfo
@@ -30,6 +29,8 @@ class Selection:
     """Latest stamp [s]."""
     topics: Mapping[str, str] = field(default_factory=dict)
     """Names of the contract by the bag's names."""
+    namespace: str | None = None
+    """Namespace of the twin; None: the only one in the bag."""
     clearance: float | None = None
     """Clearance of the marks [m], for a bag without a scene."""
     rim: float = 0.0
@@ -51,7 +52,7 @@ def open_bag(path: Path, selection: Selection) -> Bag:
     Raises:
         BagError: It is not a bag, or lacks a topic of the selection.
     """
-    return RemappedBag(path, selection.topics) if selection.topics else Bag(path)
+    return Bag(path, names=selection.topics, namespace=selection.namespace)
 
 
 def missing_topics(bag: Bag) -> list[str]:

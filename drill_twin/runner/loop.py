@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 from drill_twin.discretisation.notes import notes_on
 from drill_twin.errors import RunError
@@ -58,7 +59,14 @@ class RunLoop:
     """
 
     def __init__(
-        self, scene: Scene, period: float, sink: Sink, *, pace: str = "fast", time_effects: bool = False
+        self,
+        scene: Scene,
+        period: float,
+        sink: Sink,
+        *,
+        pace: str = "fast",
+        time_effects: bool = False,
+        frame_prefix: str = "",
     ) -> None:
         """Build the twin; compiles its kernel where `drill_twin.runner.compile_kernel` has not.
 
@@ -68,12 +76,14 @@ class RunLoop:
             sink: Takes the messages.
             pace: realtime, fast or lockstep, for the description of the run.
             time_effects: Whether the cost of each effect is measured for the diagnostics.
+            frame_prefix: Put before the names of the frames of messages and tf.
 
         Raises:
             DrillTwinError: The scene cannot be run (as `Twin`).
         """
         self.scene, self.period = scene, period
         self._sink, self._pace, self._time_effects = sink, pace, time_effects
+        self._frame_prefix = frame_prefix
         self.first = Command(*scene.rig.first)
         """Set-points at the start."""
         self.timing = RunTiming()
@@ -94,7 +104,7 @@ class RunLoop:
     @property
     def geometry(self) -> StringGeometry:
         """Sizes of string and hole for markers and tf."""
-        return string_geometry(self.twin)
+        return replace(string_geometry(self.twin), frame_prefix=self._frame_prefix)
 
     def announce(self) -> None:
         """Send the description of the run and its time: of a new run, or of one resumed from a checkpoint."""

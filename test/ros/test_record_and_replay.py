@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import pytest
 
+import drill_twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.decode import JointStateReader, read_clock
@@ -239,3 +240,9 @@ def test_the_onset_reaches_who_joins_late(bench, eager_bag, payloads):
     bench.until(lambda: bool(late))
     assert bytes(late[-1]) == payloads(eager_bag, WHIRL_ONSET)[-1]
     assert analyzer.end() == 0
+
+
+def test_a_bag_in_lockstep_is_computed_again_bit_for_bit(small_bag):
+    both = drill_twin.rerun(small_bag)
+    assert both.commands.source == RIG_COMMAND
+    assert both.identical

@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from drill_twin.errors import BagError
 from drill_twin.io.bag.files import BagFile, open_files
 from drill_twin.io.bag.metadata import RecordedTopic
+from drill_twin.io.bag.topic_names import choose_namespace, is_of_another_twin, recorded_names
 from drill_twin.io.messages.decode import read_string
-from drill_twin.io.messages.topics import GENERIC, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.topics import DIAGNOSTICS, GENERIC, TOPICS, TWIN_SCENE
 
 
 class Bag:
@@ -18,25 +19,33 @@ class Bag:
 
     Attributes:
         path: Bag folder or file.
-        topics: Topics by name.
+        topics: Topics by name; those of a twin in a namespace have their names without it.
+        namespace: Namespace of the twin, as "/rig2"; "" for the root.
         start: Earliest time of recording [ns].
         end: Latest time of recording [ns].
         damage: Sentences on missing or damaged parts; the rest of the bag can be read.
     """
 
-    def __init__(self, path: str | Path) -> None:
+    namespace = ""
+
+    def __init__(
+        self, path: str | Path, *, names: Mapping[str, str] | None = None, namespace: str | None = None
+    ) -> None:
         """Open a bag folder or a single file.
 
         Args:
             path: Bag folder, `.mcap` or `.db3` file.
+            names: Names of the contract by the bag's names, for a bag that has others.
+            namespace: Namespace of the twin to read; None: the only one.
 
         Raises:
-            BagError: Nothing is there, it is not a bag, it has no messages, or none on a topic of the contract.
+            BagError: Nothing is there, it is not a bag, it has no messages, or none on a topic of the contract; it
+                holds several twins and none was chosen; or `names` does not fit it.
         """
         self.path = Path(path)
         self._files, empty_files = open_files(self.path)
         self.damage: list[str] = [*(text for file in self._files for text in file.damage), *empty_files]
-        self.topics: dict[str, RecordedTopic] = _merged(self._files)
+        self._open_topics(_merged(self._files), names or {}, namespace)
         starts = [file.start for file in self._files if file.start is not None]
         ends = [file.end for file in self._files if file.end is not None]
         if not starts:
@@ -61,10 +70,12 @@ class Bag:
         Args:
             topics: Names of topics to read; by default all.
         """
-        held = (name for file in self._files for name in file.topics)
-        wanted = frozenset(held if topics is None else topics) - self._other_type
+        wanted = {self._recorded[name] for name in (self.topics if topics is None else topics) if name in self.topics}
+        ours = {recorded: name for name, recorded in self._recorded.items()}
         for file in self._files:
-            yield from file.messages(wanted)
+            for recorded, stamp, raw in file.messages(wanted):
+                if recorded != DIAGNOSTICS or not is_of_another_twin(raw, self.namespace):
+                    yield ours[recorded], stamp, raw
 
     def last(self, topic: str) -> bytes | None:
         """CDR of the last message on a topic; None without messages."""
@@ -87,6 +98,14 @@ class Bag:
     def _because(self) -> str:
         return f" ({'; '.join(self.damage)})" if self.damage else ""
 
+    def _open_topics(self, found: Mapping[str, RecordedTopic], names: Mapping[str, str], namespace: str | None) -> None:
+        where = str(self.path)
+        unnamed = {name: topic for name, topic in found.items() if name not in names}
+        self.namespace = choose_namespace(unnamed, namespace, where)
+        self._recorded = recorded_names(found, names, self.namespace, where)
+        ours = {recorded: name for name, recorded in self._recorded.items()}
+        self.topics: dict[str, RecordedTopic] = {ours[name]: topic for name, topic in found.items() if name in ours}
+
     def _check_topics(self) -> None:
         others = {
             name: topic
@@ -99,7 +118,6 @@ class Bag:
                 f"expected {name} as {TOPICS[name].type_name}, found {topic.type_name}: "
                 f"its {topic.count} messages are left out"
             )
-        self._other_type = frozenset(others)
         if not any(name in TOPICS and name not in GENERIC and topic.count for name, topic in self.topics.items()):
             found = ", ".join(f"{name} ({topic.type_name})" for name, topic in sorted(self.topics.items()))
             raise BagError(

@@ -12,7 +12,7 @@ from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.stamps import header_stamp, unpack_stamp
-from drill_twin.io.messages.topics import CLOCK, FLOAT64, JOINT_STATE, POSE_ARRAY, STRING
+from drill_twin.io.messages.topics import CLOCK, FLOAT64, FRAME_ID, JOINT_STATE, POSE_ARRAY, STRING
 from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN, SPARE_BYTES, deserialize
 
 _COUNT = struct.Struct("<I")
@@ -31,6 +31,8 @@ class JointState:
     position: Array
     velocity: Array
     effort: Array
+    frame_id: str = FRAME_ID
+    """Frame of the header."""
 
     def index(self, name: str) -> int:
         """Index of a joint among the names.
@@ -55,6 +57,7 @@ class JointStateReader:
     def __init__(self) -> None:
         self._length = -1
         self._names: tuple[str, ...] = ()
+        self._frame_id = FRAME_ID
         self._text = slice(0, 0)  # frame, names and the position's length
         self._text_bytes = b""
         self._gaps: list[tuple[slice, bytes]] = []
@@ -69,27 +72,27 @@ class JointStateReader:
         """
         if len(raw) == self._length and raw[self._text] == self._text_bytes and self._gaps_agree(raw):
             arrays = [np.frombuffer(raw, np.float64, count, offset).copy() for count, offset in self._places]
-            return JointState(unpack_stamp(raw), self._names, *arrays)
-        state, frame_id = _decoded(raw)
-        self._keep_layout(raw, state, frame_id)
+            return JointState(unpack_stamp(raw), self._names, arrays[0], arrays[1], arrays[2], self._frame_id)
+        state = _decoded(raw)
+        self._keep_layout(raw, state)
         return state
 
     def _gaps_agree(self, raw: bytes) -> bool:
         return raw[:_STAMP] == CDR_LITTLE_ENDIAN and all(raw[gap] == expected for gap, expected in self._gaps)
 
-    def _keep_layout(self, raw: bytes, state: JointState, frame_id: str) -> None:
+    def _keep_layout(self, raw: bytes, state: JointState) -> None:
         """Keep the layout if its template gives exactly these bytes."""
-        layout = (state.names, frame_id, state.position.size, state.velocity.size, state.effort.size)
+        layout = (state.names, state.frame_id, state.position.size, state.velocity.size, state.effort.size)
         if layout == self._refused or not state.position.size:
             return
         template = JointStateTemplate(
-            state.names, velocity=bool(state.velocity.size), effort=bool(state.effort.size), frame_id=frame_id
+            state.names, velocity=bool(state.velocity.size), effort=bool(state.effort.size), frame_id=state.frame_id
         )
         if template.fill(state.stamp, state.position, state.velocity, state.effort) != raw:
             self._refused = layout
             return
         self._places = [(size, offset) for size, offset in template.places]
-        self._names = state.names
+        self._names, self._frame_id = state.names, state.frame_id
         self._length = len(raw)
         start, end = _FRAME_ID, self._places[0][1]
         self._text, self._text_bytes = slice(start, end), raw[start:end]
@@ -113,11 +116,11 @@ def read_joint_state(raw: bytes) -> JointState:
     Raises:
         MessageError: Not a JointState.
     """
-    return _decoded(raw)[0]
+    return _decoded(raw)
 
 
-def _decoded(raw: bytes) -> tuple[JointState, str]:
-    """JointState and the name of its frame, decoded by rosbags."""
+def _decoded(raw: bytes) -> JointState:
+    """JointState, decoded by rosbags."""
     content = deserialize(raw, JOINT_STATE)
     names = tuple(content.name)
     arrays = [np.array(values, np.float64) for values in (content.position, content.velocity, content.effort)]
@@ -126,7 +129,7 @@ def _decoded(raw: bytes) -> tuple[JointState, str]:
             raise MessageError(
                 f"expected a JointState with no or {len(names)} values of {label}, one a name, found {values.size}"
             )
-    return JointState(header_stamp(content), names, *arrays), content.header.frame_id
+    return JointState(header_stamp(content), names, arrays[0], arrays[1], arrays[2], content.header.frame_id)
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,11 +36,12 @@ class TwinEncoder:
     def __init__(self, geometry: StringGeometry) -> None:
         self._geometry = geometry
         self._marks = len(geometry.mark_names)
-        self._poses = PoseArrayTemplate(geometry.node_count)
+        self._poses = PoseArrayTemplate(geometry.node_count, geometry.frame_id)
         self._quaternions = np.empty((geometry.node_count, 4))
-        self._mark_state = JointStateTemplate([f"{name}/{axis}" for name in geometry.mark_names for axis in MARK_AXES])
+        joints = [f"{name}/{axis}" for name in geometry.mark_names for axis in MARK_AXES]
+        self._mark_state = JointStateTemplate(joints, frame_id=geometry.frame_id)
         self._mark_values = np.zeros((3, self._marks, len(MARK_AXES)))
-        self._rig = JointStateTemplate(RIG_JOINTS)
+        self._rig = JointStateTemplate(RIG_JOINTS, frame_id=geometry.frame_id)
         self._clock = ClockTemplate()
         self._exaggeration = default_exaggeration(geometry)
         self._markers: MarkerArrayTemplate | None = None

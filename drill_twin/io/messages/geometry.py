@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.model.wellbore import Axis
 from drill_twin.model.wellbore_coordinates import from_hole_coordinates, offsets, transverse_axes
 
@@ -38,6 +39,13 @@ class StringGeometry:
     """Distances of the nodes from the bit [m], shape (n + 1,); needed in a curved hole."""
     axis_at: Callable[[Array], Axis] | None = None
     """Axis of a curved hole at measured depths [m]; None where it is straight."""
+    frame_prefix: str = ""
+    """Put before the names of all frames, so that two twins can share a tf tree."""
+
+    @property
+    def frame_id(self) -> str:
+        """Frame of the messages."""
+        return self.frame_prefix + FRAME_ID
 
 
 def default_exaggeration(geometry: StringGeometry) -> float:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from drill_twin.base.arrays import Array
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.geometry import ExaggeratedGeometry, StringGeometry
-from drill_twin.io.messages.topics import FRAME_ID, MARKER_ARRAY
+from drill_twin.io.messages.topics import MARKER_ARRAY
 from drill_twin.io.messages.type_store import message
 
 Colour = tuple[float, float, float, float]
@@ -47,18 +47,21 @@ class MarkerArrayTemplate:
         self._drawn_geometry = ExaggeratedGeometry(geometry, exaggeration)
         self._half_force = geometry.contact_force
         nodes, marks = geometry.node_count, len(geometry.mark_names)
+        frame_id = geometry.frame_id
         line, centres = sentinels(3 * nodes, 1), sentinels(3 * marks, 2)
         spots, colours = sentinels(3 * nodes, 3), sentinels(4 * nodes, 4, np.float32)
         thickness = 2.0 * exaggeration * geometry.outer_radius
         mark_size = max(1.5 * thickness, 0.01 * geometry.length)
         markers = [
-            _marker("string", 0, _LINE_STRIP, _STEEL, (thickness, 0.0, 0.0), points=line),
+            _marker(frame_id, "string", 0, _LINE_STRIP, _STEEL, (thickness, 0.0, 0.0), points=line),
             *_hole(geometry, self._drawn_geometry, exaggeration),
             *(
-                _marker("marks", i, _SPHERE, _MARKS[i % len(_MARKS)], (mark_size,) * 3, position=centre)
+                _marker(frame_id, "marks", i, _SPHERE, _MARKS[i % len(_MARKS)], (mark_size,) * 3, position=centre)
                 for i, centre in enumerate(centres.reshape(marks, 3))
             ),
-            _marker("contacts", 0, _SPHERE_LIST, _STEEL, (1.2 * thickness,) * 3, points=spots, colours=colours),
+            _marker(
+                frame_id, "contacts", 0, _SPHERE_LIST, _STEEL, (1.2 * thickness,) * 3, points=spots, colours=colours
+            ),
             _label(geometry, exaggeration),
         ]
         self._template = Template(message(MARKER_ARRAY, markers=markers), MARKER_ARRAY)
@@ -97,20 +100,28 @@ def _hole(geometry: StringGeometry, drawn_geometry: ExaggeratedGeometry, exagger
     depths = {0.0, length, *(length - distance for distance in geometry.mark_distances)}
     if geometry.axis_at is None:
         middle = np.array((0.0, 0.0, -0.5 * length))
-        wall = _marker("hole", 0, _CYLINDER, _ROCK, (2.0 * radius, 2.0 * radius, length), position=middle)
+        wall = _marker(
+            geometry.frame_id, "hole", 0, _CYLINDER, _ROCK, (2.0 * radius, 2.0 * radius, length), position=middle
+        )
     else:
         along = np.linspace(0.0, length, _JOINTS)
         depths |= set(along.tolist())
         centres = geometry.axis_at(along).centre
-        wall = _marker("hole", 0, _LINE_STRIP, _ROCK, (2.0 * radius, 0.0, 0.0), points=centres.ravel())
+        wall = _marker(
+            geometry.frame_id, "hole", 0, _LINE_STRIP, _ROCK, (2.0 * radius, 0.0, 0.0), points=centres.ravel()
+        )
     rings = drawn_geometry.rings(np.array(sorted(depths)))
-    return [wall, _marker("hole", 1, _LINE_LIST, _RING, (0.05 * radius, 0.0, 0.0), points=rings.ravel())]
+    return [
+        wall,
+        _marker(geometry.frame_id, "hole", 1, _LINE_LIST, _RING, (0.05 * radius, 0.0, 0.0), points=rings.ravel()),
+    ]
 
 
 def _label(geometry: StringGeometry, exaggeration: float) -> Any:
     """Text that states the factor of lateral exaggeration."""
     size = 0.04 * geometry.length
     return _marker(
+        geometry.frame_id,
         "text",
         0,
         _TEXT,
@@ -122,6 +133,7 @@ def _label(geometry: StringGeometry, exaggeration: float) -> Any:
 
 
 def _marker(
+    frame_id: str,
     space: str,
     number: int,
     kind: int,
@@ -139,7 +151,7 @@ def _marker(
     empty = message("sensor_msgs/msg/CompressedImage", header=_plain_header(), format="", data=np.zeros(0, np.uint8))
     return message(
         "visualization_msgs/msg/Marker",
-        header=sentinel_header(FRAME_ID),
+        header=sentinel_header(frame_id),
         ns=space,
         id=number,
         type=kind,

@@ -36,17 +36,18 @@ class Transform(NamedTuple):
     """Unit quaternion x y z w, shape (4,)."""
 
 
-def hole_transform(inclination: float) -> Transform:
+def hole_transform(inclination: float, prefix: str = "") -> Transform:
     """Pose of the hole in `map`: its axis is inclined [rad] so that +x of the hole is the low side."""
     half = 0.5 * inclination
-    return Transform(MAP, FRAME_ID, np.zeros(3), np.array((0.0, np.sin(half), 0.0, np.cos(half))))
+    return Transform(prefix + MAP, prefix + FRAME_ID, np.zeros(3), np.array((0.0, np.sin(half), 0.0, np.cos(half))))
 
 
 class StringTransforms:
     """Poses of the bit and of the marks of one string, in the hole."""
 
     def __init__(self, geometry: StringGeometry) -> None:
-        self._names = (BIT, *geometry.mark_names)
+        self._hole = geometry.frame_id
+        self._names = [geometry.frame_prefix + name for name in (BIT, *geometry.mark_names)]
         self._true = ExaggeratedGeometry(geometry, 1.0)
         distances = geometry.node_distances
         nodes = np.linspace(0.0, geometry.length, geometry.node_count) if distances is None else distances
@@ -60,7 +61,7 @@ class StringTransforms:
         spin = np.concatenate((frame.spin[:1], frame.marks.spin))
         places = np.concatenate((frame.positions[:1], self._true.marks(frame.marks.position)))
         turns = orientation(tangents, spin, np.empty((spin.size, 4)))
-        return [Transform(FRAME_ID, *row) for row in zip(self._names, places, turns, strict=True)]
+        return [Transform(self._hole, *row) for row in zip(self._names, places, turns, strict=True)]
 
 
 class TransformsTemplate:

@@ -74,10 +74,9 @@ class OnsetMessage:
 class WhirlStateEncoder:
     """Encoder of `/whirl/state` for marks with fixed names."""
 
-    def __init__(self, marks: Sequence[str]) -> None:
-        self._template = JointStateTemplate(
-            [f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS], velocity=False, effort=False
-        )
+    def __init__(self, marks: Sequence[str], frame_id: str = FRAME_ID) -> None:
+        names = [f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS]
+        self._template = JointStateTemplate(names, velocity=False, effort=False, frame_id=frame_id)
         self._values = np.empty((len(marks), len(WHIRL_SCALARS)))
 
     def encode(
@@ -122,7 +121,7 @@ def read_whirl_state(state: JointState) -> WhirlState:
     return WhirlState(state.stamp, marks, *values.T)
 
 
-def encode_motion(stamp: int, motions: Sequence[Motion]) -> bytes:
+def encode_motion(stamp: int, motions: Sequence[Motion], frame_id: str = FRAME_ID) -> bytes:
     """CDR of `/whirl/motion` at a stamp [ns]."""
     return encode_diagnostics(
         stamp,
@@ -136,7 +135,7 @@ def encode_motion(stamp: int, motions: Sequence[Motion]) -> bytes:
             )
             for motion in motions
         ],
-        FRAME_ID,
+        frame_id,
     )
 
 
@@ -155,13 +154,13 @@ def decode_motion(raw: bytes) -> tuple[int, list[Motion]]:
     return stamp, motions
 
 
-def encode_onset(stamp: int, onset: OnsetMessage | None) -> bytes:
+def encode_onset(stamp: int, onset: OnsetMessage | None, frame_id: str = FRAME_ID) -> bytes:
     """CDR of `/whirl/onset` at a stamp [ns]; None before the onset."""
     if onset is None:
-        return encode_diagnostics(stamp, [Status(_ONSET, Level.OK, _NONE_YET)], FRAME_ID)
+        return encode_diagnostics(stamp, [Status(_ONSET, Level.OK, _NONE_YET)], frame_id)
     text = f"whirl began at {onset.time:.2f} s at {onset.mark}, confidence {onset.confidence:.2f}"
     values = {"time": exact(onset.time), "mark": onset.mark, "confidence": exact(onset.confidence)}
-    return encode_diagnostics(stamp, [Status(_ONSET, Level.WARN, text, values, onset.mark)], FRAME_ID)
+    return encode_diagnostics(stamp, [Status(_ONSET, Level.WARN, text, values, onset.mark)], frame_id)
 
 
 def decode_onset(raw: bytes) -> tuple[int, OnsetMessage | None]:

@@ -6,14 +6,16 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, ClassVar
 
 from rclpy.context import Context
 
 from drill_twin.errors import BagError, RunError
+from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import TOPICS
+from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
 from drill_twin.ros.core.topics.raw_subscriptions import Received
@@ -47,6 +49,7 @@ class Recorder(TwinNode):
     ) -> None:
         super().__init__(context, values, other_parameters)
         self._bag: BagWriter | None = None
+        self._namespace = self.get_namespace().rstrip("/")
         self._told = 0  # sentences on changes of the bag by other programs
         self._broken = False  # a bag that failed once is not written to again, so that the first error is reported
 
@@ -59,19 +62,29 @@ class Recorder(TwinNode):
             )
         bag = self._bag = BagWriter(
             self.settings.bag or time.strftime("bags/%Y%m%d_%H%M%S_0"),
-            topics=topics,
+            topics=[self._described(topic) for topic in topics],
+            custom_data={"namespace": self._namespace} if self._namespace else None,
             largest=self.settings.max_bagfile_size * 1e6,
             longest=self.settings.max_bagfile_duration,
         )
         self._inputs = [self.topics.subscribe(topic, self._writer_of(bag, topic), depth=_DEPTH) for topic in topics]
         self.get_logger().info(f"recording {len(topics)} topics to {bag.folder}")
 
+    def _described(self, topic: str) -> RecordedTopic:
+        """Topic in the namespace of this node; a renaming of one topic is not recorded, so that it is found."""
+        return replace(contract_topic(topic), name=self._recorded_name(topic))
+
+    def _recorded_name(self, topic: str) -> str:
+        return topic if topic == DIAGNOSTICS else self._namespace + topic
+
     def _writer_of(self, bag: BagWriter, topic: str) -> Received:
+        name = self._recorded_name(topic)
+
         def write(raw: bytes, info: Mapping[str, Any]) -> None:
             if self._broken:
                 return
             with self._writing():
-                bag.write(topic, info["received_timestamp"], raw)
+                bag.write(name, info["received_timestamp"], raw)
 
         return write
 

@@ -53,6 +53,12 @@ class Replayer(TwinNode):
             "",
             "topics of the bag that have other names than ours, as /camera/marks=/marks/state, separated by spaces",
         ),
+        Parameter("twin", "", 'namespace of the twin in the bag, as /rig2, where it holds several; "": the only one'),
+        Parameter(
+            "keep_namespace",
+            True,
+            "whether to publish in the namespace that was recorded, if this node has none of its own; else in its own",
+        ),
         Parameter(
             "leave_out", "", "topics not to replay, as /whirl/state /whirl/motion /whirl/onset for a new analysis"
         ),
@@ -75,12 +81,16 @@ class Replayer(TwinNode):
 
     def open(self) -> None:
         """Open the bag and create its topics."""
-        from drill_twin.io.bag.remapped import RemappedBag, parse_remappings
+        from drill_twin.io.bag.reader import Bag
+        from drill_twin.io.bag.topic_names import parse_remappings
 
         settings = self.settings
         if not settings.bag:
             raise ParameterError("parameter bag: expected the path of a bag, found none; add -p bag:=PATH")
-        self._bag = RemappedBag(settings.bag, parse_remappings(settings.map.split(), "parameter map"))
+        names = parse_remappings(settings.map.split(), "parameter map")
+        self._bag = Bag(settings.bag, names=names, namespace=settings.twin or None)
+        if settings.keep_namespace and self.get_namespace() == "/":
+            self.topics.prefix = self._bag.namespace
         self._topics = self._chosen()
         for topic in self._topics:
             if topic != DIAGNOSTICS:  # every node has its publisher
@@ -117,7 +127,9 @@ class Replayer(TwinNode):
         discovered = time.monotonic() + _DISCOVERY
         while not stop and (time.monotonic() < discovered or self.barrier.unmatched_readers()):
             self.spin_once(0.05)
-        self.barrier.wait_for(self.settings.wait_for, self.settings.wait_timeout, stop)
+        prefix = f"{self.topics.prefix}/" if self.topics.prefix else ""
+        names = " ".join(prefix + name for name in self.settings.wait_for.split())
+        self.barrier.wait_for(names, self.settings.wait_timeout, stop)
         self._steps = self._play()
         super().run(stop)
 

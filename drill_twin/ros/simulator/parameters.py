@@ -25,6 +25,12 @@ PARAMETERS = (
     ),
     Parameter("duration", 0.0, "simulated time after which the node ends; 0: runs until stopped", "s", 0.0, 1e6),
     Parameter(
+        "frame_prefix",
+        "",
+        "put before the names of the frames of messages and tf, for twins that share a tf tree",
+        such_as="rig2/",
+    ),
+    Parameter(
         "autostart", True, "whether to configure and activate itself; else a lifecycle manager does (ros2 lifecycle)"
     ),
     Parameter("wait_for_command", True, "whether simulated time stands still until the first good command"),

@@ -50,7 +50,14 @@ class Simulation:
             # The clock is latched, so that a driver which returns during a run learns the time at once.
             node.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
         period = 1.0 / frame_rate
-        self.loop = RunLoop(scene, period, node.topics.publish, pace=node.settings.pace, time_effects=True)
+        self.loop = RunLoop(
+            scene,
+            period,
+            node.topics.publish,
+            pace=node.settings.pace,
+            time_effects=True,
+            frame_prefix=node.settings.frame_prefix,
+        )
         self.commands = CommandSubscriptions(node, scene, self.loop.first, lambda: self.loop.twin.time)
         self.pacer = Pacer(period)
         self.checkpoints = CheckpointWriter()

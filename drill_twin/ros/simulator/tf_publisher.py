@@ -43,7 +43,7 @@ class TfPublisher:
         self._fixed = node.create_publisher(kind, "tf_static", latched)
         self._transforms = StringTransforms(geometry)
         self._template: TransformsTemplate | None = None
-        hole = hole_transform(inclination)
+        hole = hole_transform(inclination, geometry.frame_prefix)
         self._fixed.publish(TransformsTemplate([hole[:2]]).fill(0, [hole]))
 
     def publish(self, frame: Frame) -> None:

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Transforms for tf2: positions and orientations of bit and marks, and the bytes of the message."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from drill_twin.io.messages.decode import read_pose_array
+from drill_twin.io.messages.decode import read_joint_state, read_pose_array
 from drill_twin.io.messages.encode import TwinEncoder
+from drill_twin.io.messages.topics import MARKER_ARRAY
 from drill_twin.io.messages.transforms import TF_TYPE, StringTransforms, TransformsTemplate, hole_transform
 from drill_twin.io.messages.type_store import deserialize
 
@@ -59,3 +62,16 @@ def test_the_bytes_are_a_message_of_tf(make_frame, make_geometry):
         place, turn = read.transform.translation, read.transform.rotation
         assert [place.x, place.y, place.z] == one.translation.tolist()
         assert [turn.x, turn.y, turn.z, turn.w] == one.rotation.tolist()
+
+
+def test_frames_of_a_prefix_are_those_of_the_messages(make_geometry, make_frame):
+    """Two twins can then share a tf tree: every frame and every header has the prefix."""
+    geometry, frame = replace(make_geometry(11), frame_prefix="rig2/"), make_frame(nodes=11)
+    encoder = TwinEncoder(geometry)
+    for raw in (encoder.marks(frame), encoder.rig_state(frame)):
+        assert read_joint_state(raw).frame_id == "rig2/hole"
+    markers = deserialize(encoder.markers(frame), MARKER_ARRAY).markers
+    assert {marker.header.frame_id for marker in markers} == {"rig2/hole"}
+    transforms = [hole_transform(0.3, geometry.frame_prefix), *StringTransforms(geometry).at(frame)]
+    assert {one.parent for one in transforms} == {"rig2/map", "rig2/hole"}
+    assert all(one.child.startswith("rig2/") for one in transforms)

@@ -31,6 +31,8 @@ class NodeTopics:
     def __init__(self, node: Node, subscriptions: RawSubscriptions) -> None:
         self.publishers: dict[str, Publisher] = {}
         """Publishers by topic of the contract."""
+        self.prefix = ""
+        """Namespace of the topics that are advertised from now on, as "/rig2"; empty: the node's."""
         self._node = node
         self._subscriptions = subscriptions
         self._group = ManualCallbackGroup()
@@ -42,7 +44,7 @@ class NodeTopics:
         offered = quality(row, depth=row.publisher_depth, latched=latched)
         with readable_overrides(topic):
             publisher = self._node.create_publisher(
-                message_class(row), relative(topic), offered, qos_overriding_options=OVERRIDABLE
+                message_class(row), relative(topic, self.prefix), offered, qos_overriding_options=OVERRIDABLE
             )
         self.publishers[topic] = publisher
         return publisher

@@ -11,9 +11,14 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from drill_twin.io.messages.topics import DIAGNOSTICS, Topic
 
 
-def relative(topic: str) -> str:
-    """Topic name relative to the node's namespace, so that two twins can share a domain; `/diagnostics` is global."""
-    return topic if topic == DIAGNOSTICS else topic.lstrip("/")
+def relative(topic: str, namespace: str = "") -> str:
+    """Topic name relative to the node's namespace, so that two twins can share a domain; `/diagnostics` is global.
+
+    A namespace given as "/rig2" stands in place of the node's.
+    """
+    if topic == DIAGNOSTICS:
+        return topic
+    return namespace + topic if namespace else topic.lstrip("/")
 
 
 def message_class(topic: Topic) -> Any:

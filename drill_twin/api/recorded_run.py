@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A recorded run computed again: the commands of a bag, with the numbers of its scene or with others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from drill_twin.api.result import Result, read_bag
+from drill_twin.api.scenes import Overrides, as_scene, override
+from drill_twin.api.simulation import Simulation
+from drill_twin.errors import ArgumentError, RunError
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.stamps import NANOSECONDS, unpack_stamp
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
+from drill_twin.runner.recorded_commands import RecordedCommands, recorded_commands
+from drill_twin.scene import Scene
+from drill_twin.schedule import Command, Schedule
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_OF_THE_BAG = ("wob", "rps", "duration", "rig.weight_on_bit", "rig.rotation", "rig.table", "rig.duration")
+_FRAMES = (RIG_STATE, MARKS_STATE, STRING_POSES)
+
+
+@dataclass(frozen=True, eq=False)
+class Rerun:
+    """A recorded run beside the same commands computed again."""
+
+    recorded: Result
+    """The bag."""
+    computed: Result
+    """The run with the commands of the bag."""
+    commands: RecordedCommands
+    """Those commands."""
+    stopped: str = ""
+    """Why the computed run ended before the recorded one; empty where it did not."""
+
+    @cached_property
+    def same_frames(self) -> int:
+        """Number of frames, from the first on, whose messages equal the recorded ones bit for bit."""
+        recorded, computed = (_frames(result.recording.bag) for result in (self.recorded, self.computed))
+        count = 0
+        for stamp, messages in recorded.items():
+            if any(computed.get(stamp, {}).get(topic) != raw for topic, raw in messages.items()):
+                break
+            count += 1
+        return count
+
+    @property
+    def identical(self) -> bool:
+        """True where every recorded frame was computed again bit for bit."""
+        return self.same_frames == len(_frames(self.recorded.recording.bag))
+
+    @cached_property
+    def largest_difference(self) -> float:
+        """Largest distance between recorded and computed positions of a mark [m]; nan without marks in both."""
+        recorded, computed = self.recorded.marks, self.computed.marks
+        _, first, second = np.intersect1d(recorded.stamp, computed.stamp, return_indices=True)
+        if not first.size or recorded.position.shape[1:] != computed.position.shape[1:]:
+            return float("nan")
+        return float(np.nanmax(np.linalg.norm(recorded.position[first] - computed.position[second], axis=-1)))
+
+    def table(self) -> list[tuple[str, str, str]]:
+        """Quantity, recorded value and computed value, as text with units."""
+        from drill_twin.report.comparison import comparison
+
+        return comparison(self.recorded.summary, self.computed.summary)
+
+    def plot(self) -> Figure:
+        """Figure of both runs over time: distance of the marks from the axis, hookload, torque, speed of the bit."""
+        from drill_twin.report.comparison import draw_comparison
+
+        return draw_comparison(self.recorded.recording, self.computed.recording)
+
+
+def rerun(
+    bag: str | Path,
+    overrides: Overrides | None = None,
+    *,
+    scene: Scene | str | Path | None = None,
+    namespace: str | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Rerun:
+    """Compute a recorded run again, under the commands of the bag.
+
+    Without overrides the frames of a bag are computed again bit for bit, if it was recorded in lockstep or without ROS
+    by the same version on the same kind of processor. In real time a command may have come a frame late: the runs then
+    differ by what that changes, and after the onset of whirl, where motion is chaotic, by more.
+
+    Args:
+        bag: Folder of a run or a bag, or a bag file.
+        overrides: Values that replace those of the scene, but no set-points: those are the bag's.
+        scene: The scene, where the bag holds none.
+        namespace: Namespace of the twin, where the bag holds several.
+        progress: Called with the simulated time and that at the end [s] after each frame.
+
+    Raises:
+        ArgumentError: An override is a set-point.
+        BagError: Not a bag of this package, without a scene where none is given, or without rig states.
+        SceneError: An override does not fit the scene.
+    """
+    for key in overrides or {}:
+        if any(key == fixed or key.startswith(f"{fixed}.") for fixed in _OF_THE_BAG):
+            raise ArgumentError(
+                f"{key}: expected a key that the bag does not decide, found one of the set-points, which are those "
+                "of the bag; to change them, run the scene itself"
+            )
+    recorded = read_bag(bag, scene=None if scene is None else as_scene(scene), namespace=namespace)
+    described = recorded.scene
+    commands = recorded_commands(recorded.recording.bag, _plan(described))
+    described = override(described, {"numerics.frame_rate": NANOSECONDS / commands.period, **(overrides or {})})
+    simulation = Simulation(described)
+    end, stopped = len(commands.commands) * commands.period / NANOSECONDS, ""
+    try:
+        for command in commands.commands:
+            simulation.follow(command)
+            if progress is not None:
+                progress(simulation.time, end)
+    except RunError as error:
+        if simulation.state is None:
+            raise
+        stopped = str(error)
+    return Rerun(recorded, simulation.result(), commands, stopped)
+
+
+def _plan(scene: Scene) -> Callable[[float], Command]:
+    """Set-points of a scene over time; those at its start where it plays a table, which may not be there any more."""
+    if scene.rig.table is not None:
+        return lambda _: Command(*scene.rig.first)
+    return Schedule.from_scene(scene).at
+
+
+def _frames(bag: Bag) -> dict[int, dict[str, bytes]]:
+    """Messages of each frame by stamp [ns] and topic, without the zeros with which DDS fills them up."""
+    frames: dict[int, dict[str, bytes]] = {}
+    for topic, _, raw in bag.messages(_FRAMES):
+        frames.setdefault(unpack_stamp(raw), {})[topic] = raw.rstrip(b"\0")
+    return frames

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin rerun`: the commands of a bag, computed again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import (
+    BagArgument,
+    JsonOption,
+    NamespaceOption,
+    ReplaceOption,
+    SceneOption,
+    SetOption,
+    overrides,
+)
+
+if TYPE_CHECKING:
+    from drill_twin.api.recorded_run import Rerun
+
+
+def rerun(
+    bag: BagArgument,
+    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="DIR", help="New folder of the result.", show_default="beside the bag: BAG_rerun"
+        ),
+    ] = None,
+    scene: SceneOption = "",
+    namespace: NamespaceOption = "",
+    replace: ReplaceOption = False,
+    json: JsonOption = False,
+) -> None:
+    """Run the commands of a bag again, with other numbers, and show both runs: a table, a figure, the new bag.
+
+    Without --set the frames of the bag come again: bit for bit where its commands came in lockstep, else with the
+    difference that is printed.
+    """
+    from drill_twin.api.recorded_run import rerun as run_again
+    from drill_twin.cli.bags import default_folder
+    from drill_twin.cli.folder import new_folder, write_file
+    from drill_twin.cli.show import err, grid, print_json
+    from drill_twin.cli.show import out as console
+    from drill_twin.studies.json_io import json_text
+
+    changes = overrides(change)
+    folder = out or default_folder(bag).with_name(f"{default_folder(bag).name.removesuffix('_report')}_rerun")
+    moved = new_folder(folder, replace=replace)
+    if moved:
+        err().print(f"the older result is now {moved}", markup=False, soft_wrap=True)
+    with err().status("reading the bag") as status:
+        both = run_again(
+            bag,
+            changes,
+            scene=scene or None,
+            namespace=namespace or None,
+            progress=lambda now, end: status.update(f"computing: {now:.1f} of {end:g} s"),
+        )
+        status.update("drawing")
+        both.computed.to_bag(folder / "bag_0")
+        both.plot().savefig(folder / "comparison.png", dpi=130)
+    found = content(both, changes)
+    write_file(folder / "rerun.json", json_text(found))
+    if json:
+        print_json(found)
+    else:
+        rows = both.table()
+        console().print(grid(("", "recorded", "computed again"), rows))
+        console().print(agreement(both, changes), soft_wrap=True, markup=False)
+    err().print(f"{folder}: bag_0, comparison.png, rerun.json", markup=False, soft_wrap=True)
+
+
+def agreement(both: Rerun, changes: dict[str, str]) -> str:
+    """Sentence on how far both runs agree."""
+    source = f"commands from {both.commands.source}"
+    if both.commands.known_from:
+        source += f" (before {both.commands.known_from:.2f} s, which the bag does not hold, those of the scene)"
+    if both.stopped:
+        return f"{source}; the computed run stopped early: {both.stopped}"
+    if both.identical:
+        return f"{source}; all {both.same_frames} frames are the same, bit for bit"
+    begin = f"; the first {both.same_frames} frames are the same" if both.same_frames else ""
+    difference = both.largest_difference
+    far = "" if difference != difference else f", the marks differ by {1e3 * difference:.3g} mm at most"  # noqa: PLR0124
+    because = "" if changes else (
+        "; without --set that comes of commands that reached the simulator a frame late, of another version, processor "
+        "or checkpoint, or of numbers that the scene of the bag does not have"
+    )  # fmt: skip
+    return f"{source}{begin}{far}{because}"
+
+
+def content(both: Rerun, changes: dict[str, str]) -> dict[str, object]:
+    """Content of `rerun.json`."""
+    return {
+        "bag": str(both.recorded.path),
+        "set": changes,
+        "commands": both.commands.source,
+        "commands_known_from_s": both.commands.known_from,
+        "identical": both.identical,
+        "same_frames": both.same_frames,
+        "largest_difference_m": both.largest_difference,
+        "stopped": both.stopped or None,
+        "recorded": both.recorded.summary,
+        "computed": both.computed.summary,
+    }
