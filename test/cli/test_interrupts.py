@@ -14,8 +14,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-from conftest import environment
 
+PACKAGE = Path(__file__).resolve().parents[2]
 LONG = int(os.environ.get("DRILL_TWIN_SIGNALS", "15"))
 CLI = ("-m", "drill_twin.cli")
 COMMANDS = (
@@ -25,6 +25,12 @@ COMMANDS = (
     (*CLI, "verify", "--only", "tension", "--workers", "2"),
 )
 NODES = tuple(("-m", "drill_twin.ros", name) for name in ("simulator", "rig_driver", "analyzer", "recorder"))
+
+
+def environment():
+    """The environment of a child that finds this source tree."""
+    path = os.pathsep.join(filter(None, (str(PACKAGE), os.environ.get("PYTHONPATH"))))
+    return dict(os.environ, PYTHONPATH=path, PYTHONUNBUFFERED="1")
 
 
 def catches(pid, number):
