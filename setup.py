@@ -24,6 +24,8 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (SHARE, ["package.xml"]),
+        (f"{SHARE}/bin", ["resource/bin/drill-twin"]),
+        (f"{SHARE}/hook", ["resource/hook/drill_twin_path.dsv"]),  # named in colcon.pkg
         *config_files(),
     ],
     python_requires=">=3.11",

@@ -13,6 +13,8 @@ from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 PACKAGE = "drill_twin"
+IN_NAMESPACE = [("/clock", "clock"), ("/tf", "tf"), ("/tf_static", "tf_static")]
+"""Global names of ROS that each twin has in its own namespace."""
 
 ARGUMENTS = (
     DeclareLaunchArgument("bag", description="Bag to replay: a folder, or a .mcap or .db3 file."),
@@ -25,6 +27,9 @@ ARGUMENTS = (
         description="Topics of the bag with other names than ours: /camera/marks=/marks/state, separated by spaces.",
     ),
     DeclareLaunchArgument(
+        "twin", default_value="", description="Namespace of the twin in the bag, where it holds several: /rig2."
+    ),
+    DeclareLaunchArgument(
         "loop", default_value="false", choices=["true", "false"], description="Begin again at the end."
     ),
     DeclareLaunchArgument(
@@ -34,6 +39,17 @@ ARGUMENTS = (
         description="Analyse afresh; the recorded findings are then left out.",
     ),
     DeclareLaunchArgument("namespace", default_value="", description="Namespace of all nodes and topics."),
+    DeclareLaunchArgument(
+        "use_sim_time",
+        default_value="false",
+        choices=["true", "false"],
+        description="Whether the clock of the nodes is /clock, in the namespace; the twin goes by stamps in any case.",
+    ),
+    DeclareLaunchArgument(
+        "params_file",
+        default_value=PathJoinSubstitution([FindPackageShare(PACKAGE), "launch", "no_parameters.yaml"]),
+        description="Parameter file (YAML) for all nodes; what it gives goes before the other arguments.",
+    ),
 )
 
 
@@ -49,6 +65,8 @@ def generate_launch_description() -> LaunchDescription:
             "map": ParameterValue(LaunchConfiguration("map"), value_type=str),
             "loop": ParameterValue(LaunchConfiguration("loop"), value_type=bool),
             "leave_out": ParameterValue(left_out, value_type=str),
+            "twin": ParameterValue(LaunchConfiguration("twin"), value_type=str),
+            "keep_namespace": False,
         },
     )
     nodes = [_node("analyzer", {}, condition=IfCondition(analyze)), replayer]
@@ -70,6 +88,10 @@ def _end_with_error(event: ProcessExited, context: LaunchContext) -> None:
         raise RuntimeError(f"{event.process_name} ended with exit code {event.returncode}, so the launch ends")
 
 
+def _clock() -> dict[str, object]:
+    return {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)}
+
+
 def _node(executable: str, parameters: dict[str, object], **more: object) -> Node:
     defaults = PathJoinSubstitution([FindPackageShare(PACKAGE), "nodes", f"{executable}.yaml"])
     return Node(
@@ -77,7 +99,8 @@ def _node(executable: str, parameters: dict[str, object], **more: object) -> Nod
         executable=executable,
         name=executable,
         namespace=LaunchConfiguration("namespace"),
-        parameters=[defaults, parameters],
+        parameters=[defaults, {**parameters, **_clock()}, LaunchConfiguration("params_file")],
+        remappings=IN_NAMESPACE,
         output="screen",
         sigterm_timeout="10",
         **more,

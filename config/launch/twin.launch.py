@@ -13,6 +13,8 @@ from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 PACKAGE = "drill_twin"
+IN_NAMESPACE = [("/clock", "clock"), ("/tf", "tf"), ("/tf_static", "tf_static")]
+"""Global names of ROS that each twin has in its own namespace."""
 
 ARGUMENTS = (
     DeclareLaunchArgument(
@@ -43,8 +45,22 @@ ARGUMENTS = (
     DeclareLaunchArgument(
         "checkpoint", default_value="", description="File that keeps the state; a new start goes on from it."
     ),
+    DeclareLaunchArgument(
+        "frame_prefix", default_value="", description='Put before the names of all frames, as "rig2/"; none if empty.'
+    ),
     DeclareLaunchArgument("rviz", default_value="false", choices=["true", "false"], description="Open RViz beside it."),
     DeclareLaunchArgument("namespace", default_value="", description="Namespace of all nodes and topics."),
+    DeclareLaunchArgument(
+        "use_sim_time",
+        default_value="false",
+        choices=["true", "false"],
+        description="Whether the clock of the nodes is /clock, in the namespace; the twin goes by stamps in any case.",
+    ),
+    DeclareLaunchArgument(
+        "params_file",
+        default_value=PathJoinSubstitution([FindPackageShare(PACKAGE), "launch", "no_parameters.yaml"]),
+        description="Parameter file (YAML) for all nodes; what it gives goes before the other arguments.",
+    ),
 )
 
 
@@ -61,6 +77,7 @@ def generate_launch_description() -> LaunchDescription:
         "pace": _text("pace"),
         "duration": duration,
         "checkpoint": _text("checkpoint"),
+        "frame_prefix": _text("frame_prefix"),
     }
     simulator = _node("simulator", state)
     driver = {
@@ -86,6 +103,8 @@ def generate_launch_description() -> LaunchDescription:
                 executable="rviz2",
                 name="rviz2",
                 namespace=LaunchConfiguration("namespace"),
+                parameters=[_clock()],
+                remappings=IN_NAMESPACE,
                 arguments=["-d", PathJoinSubstitution([FindPackageShare(PACKAGE), "views", "twin.rviz"])],
                 condition=IfCondition(LaunchConfiguration("rviz")),
             ),
@@ -108,6 +127,10 @@ def _text(argument: str) -> ParameterValue:
     return ParameterValue(LaunchConfiguration(argument), value_type=str)
 
 
+def _clock() -> dict[str, object]:
+    return {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)}
+
+
 def _node(executable: str, parameters: dict[str, object], **more: object) -> Node:
     defaults = PathJoinSubstitution([FindPackageShare(PACKAGE), "nodes", f"{executable}.yaml"])
     return Node(
@@ -115,7 +138,8 @@ def _node(executable: str, parameters: dict[str, object], **more: object) -> Nod
         executable=executable,
         name=executable,
         namespace=LaunchConfiguration("namespace"),
-        parameters=[defaults, parameters],
+        parameters=[defaults, {**parameters, **_clock()}, LaunchConfiguration("params_file")],
+        remappings=IN_NAMESPACE,
         output="screen",
         sigterm_timeout="10",
         **more,

@@ -9,6 +9,7 @@ import typer
 
 from drill_twin import __version__
 from drill_twin.cli.bags import analyze, report
+from drill_twin.cli.doctor import doctor
 from drill_twin.cli.load import load
 from drill_twin.cli.modes import modes
 from drill_twin.cli.rerun import rerun
@@ -75,4 +76,5 @@ app.command(
 )(demo)
 app.command(rich_help_panel=_ROS)(replay)
 app.command(rich_help_panel=_ROS)(load)
+app.command(rich_help_panel=_ROS)(doctor)
 app.command(rich_help_panel=_ROS)(topics)

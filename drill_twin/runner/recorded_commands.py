@@ -59,7 +59,8 @@ def recorded_commands(bag: Bag, planned: Callable[[float], Command]) -> Recorded
             f"{bag.path}: expected frames on {RIG_STATE} to run again, found {len(stamps)}; record that topic too"
         )
     period = round(float(np.median(np.diff(stamps))))
-    known = min((stamp for stamp in (*reading.stamped, *stamps) if stamp > 0), default=period)
+    commanded = [stamp for stamp, command in (reading.held | reading.stamped).items() if command and stamp > 0]
+    known = min(commanded, default=stamps[-1] + period)
     commands, last = [], planned(0.0)
     for frame in range(1, round(stamps[-1] / period) + 1):
         stamp = frame * period
@@ -79,10 +80,12 @@ class _Reading:
     by_driver: bool
     by_hand: bool
     stamped: dict[int, Command] = field(default_factory=dict)
-    held: dict[int, Command] = field(default_factory=dict)
+    held: dict[int, Command | None] = field(default_factory=dict)
+    """None before the first command."""
     _commands: JointStateReader = field(default_factory=JointStateReader)
     _states: JointStateReader = field(default_factory=JointStateReader)
     _last: int = -1
+    _heard: bool = False
 
     @property
     def source(self) -> str:
@@ -110,7 +113,7 @@ class _Reading:
             command.weight_on_bit if math.isfinite(command.weight_on_bit) else self.now.weight_on_bit,
             command.rotation if math.isfinite(command.rotation) else self.now.rotation,
         )
-        self.now = given
+        self.now, self._heard = given, True
         if stamp is not None:
             self.stamped[stamp] = given
 
@@ -122,7 +125,7 @@ class _Reading:
         if not (self.by_driver or self.by_hand) and state.effort.size and state.velocity.size:
             bit, drive = state.effort[state.index("bit")], state.velocity[state.index("top_drive")]
             self._on_command(Command(float(bit), float(drive)))
-        self.held[state.stamp] = self.now
+        self.held[state.stamp] = self.now if self._heard else None
 
 
 def _count(bag: Bag, topic: str) -> int:

@@ -84,7 +84,7 @@ def test_the_code_of_the_documentation_runs(tmp_path):
     blocks = re.findall(
         r"^```python\n(.*?)^```", (ROOT / "docs" / "api.md").read_text("utf-8"), re.MULTILINE | re.DOTALL
     )
-    assert len(blocks) == 5
+    assert len(blocks) == 6
     said = run("-c", "\n".join(blocks), cwd=tmp_path, PYTHONPATH=str(ROOT))
     assert said.splitlines()[-1].startswith("8.0")
     assert (tmp_path / "rod.yaml").exists()

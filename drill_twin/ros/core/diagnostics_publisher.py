@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from rclpy.node import Node
 
+from drill_twin import __version__
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.core.topics.node_topics import NodeTopics
@@ -41,7 +42,7 @@ class DiagnosticsPublisher:
             self._log(status.text)
         name = self._node.get_fully_qualified_name().lstrip("/")
         twin = f"drill_twin{self._node.get_namespace().rstrip('/')}"
-        named = replace(status, name=name, hardware_id=twin, values={**status.values, **queues})
+        named = replace(status, name=name, hardware_id=twin, values={**status.values, **queues, "version": __version__})
         self._publisher.publish(encode_diagnostics(self._node.get_clock().now().nanoseconds, [named]))
 
     def _log(self, text: str) -> None:

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of the running nodes in the domain: who publishes what, with which quality of service, clock and version."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from drill_twin import __version__
+from drill_twin.errors import MessageError
+from drill_twin.io.messages.decode import read_clock
+from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics
+from drill_twin.io.messages.topics import (
+    CLOCK_TOPIC,
+    DIAGNOSTICS,
+    RPS_COMMAND,
+    TOPICS,
+    WOB_COMMAND,
+)
+from drill_twin.ros.core.topics.node_topics import NOT_NAMED_YET
+from drill_twin.ros.core.topics.rclpy_topics import message_class, quality
+from drill_twin.ros.doctor.check import Check, Verdict
+
+NODES, TOPIC_SECTION, CLOCKS = "nodes", "topics", "clocks"
+NAME = "doctor"
+_SEVERAL = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # topics that several nodes may publish
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """A publisher or a reader of a topic."""
+
+    node: str
+    type_name: str
+    quality: str
+
+    @classmethod
+    def of(cls, info: TopicEndpointInfo) -> Endpoint:
+        """Describe an endpoint of the graph."""
+        profile = info.qos_profile
+        reliable = "reliable" if profile.reliability == ReliabilityPolicy.RELIABLE else "best effort"
+        latched = ", latched" if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL else ""
+        return cls(f"{info.node_namespace.rstrip('/')}/{info.node_name}", info.topic_type, reliable + latched)
+
+
+@dataclass(frozen=True)
+class Observed:
+    """What was seen in the domain."""
+
+    nodes: Sequence[str]
+    publishers: dict[str, list[Endpoint]]
+    readers: dict[str, list[Endpoint]]
+    statuses: dict[str, Status]
+    """Diagnostics by full name of the node."""
+    clocks: dict[str, list[tuple[float, int]]]
+    """Wall time [s] and simulated time [ns] of each message, by topic."""
+
+
+def observe(node: Node, spin_once: Callable[[float], None], seconds: float) -> Observed:
+    """Listen to the domain for a time [s]."""
+    statuses: dict[str, Status] = {}
+    clocks: dict[str, list[tuple[float, int]]] = {}
+
+    def on_diagnostics(raw: bytes) -> None:
+        try:
+            found = decode_diagnostics(bytes(raw))[1]
+        except MessageError:
+            return
+        statuses.update({f"/{status.name}": status for status in found})
+
+    def on_clock(topic: str, raw: bytes) -> None:
+        try:
+            clocks.setdefault(topic, []).append((time.monotonic(), read_clock(bytes(raw))))
+        except MessageError:
+            return
+
+    row = TOPICS[DIAGNOSTICS]
+    node.create_subscription(message_class(row), DIAGNOSTICS, on_diagnostics, quality(row), raw=True)
+    listening: set[str] = set()
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        for topic, types in node.get_topic_names_and_types():
+            if topic.endswith(CLOCK_TOPIC) and TOPICS[CLOCK_TOPIC].type_name in types and topic not in listening:
+                listening.add(topic)
+                node.create_subscription(
+                    message_class(TOPICS[CLOCK_TOPIC]),
+                    topic,
+                    partial(on_clock, topic),
+                    quality(TOPICS[CLOCK_TOPIC], depth=100),
+                    raw=True,
+                )
+        spin_once(0.05)
+    own = node.get_fully_qualified_name()
+    names = sorted(f"{space.rstrip('/')}/{name}" for name, space in node.get_node_names_and_namespaces())
+    topics = [topic for topic, _ in node.get_topic_names_and_types() if _contract(topic)]
+    return Observed(
+        [name for name in names if name != own],
+        {topic: _others(node.get_publishers_info_by_topic(topic), own) for topic in topics},
+        {topic: _others(node.get_subscriptions_info_by_topic(topic), own) for topic in topics},
+        {name: status for name, status in statuses.items() if status.hardware_id.startswith("drill_twin")},
+        clocks,
+    )
+
+
+def graph_checks(seen: Observed) -> Iterator[Check]:
+    """Checks of the nodes, the topics and the clocks."""
+    if not seen.nodes:
+        yield Check(NODES, "nodes", "none in this domain", Verdict.NOTE, "ros2 launch drill_twin twin.launch.py")
+        return
+    yield from _nodes(seen)
+    for topic in sorted(seen.publishers):
+        yield from _topic(topic, seen.publishers[topic], seen.readers[topic])
+    for topic, times in sorted(seen.clocks.items()):
+        yield _clock(topic, times, seen)
+
+
+def _nodes(seen: Observed) -> Iterator[Check]:
+    for name, count in Counter(seen.nodes).items():
+        if count > 1:
+            remedy = "end one of them, or give it a namespace: -r __ns:=/rig2"
+            yield Check(NODES, name, f"{count} nodes of this name", Verdict.PROBLEM, remedy)
+    for name, status in sorted(seen.statuses.items()):
+        other = status.values.get("version", "")
+        if other and other != __version__:
+            remedy = f"install the same version everywhere; this command is of {__version__}"
+            yield Check(NODES, name, f"drill_twin {other}", Verdict.PROBLEM, remedy)
+        elif status.level == Level.OK:
+            yield Check(NODES, name, f"drill_twin {other or 'of unknown version'}: {status.text}")
+        else:
+            yield Check(NODES, name, status.text, Verdict.PROBLEM, "see the log of the node, and docs/rig.md")
+    silent = [name for name in dict.fromkeys(seen.nodes) if name not in seen.statuses]
+    if silent:
+        yield Check(NODES, "others", ", ".join(silent))
+
+
+def _topic(topic: str, publishers: list[Endpoint], readers: list[Endpoint]) -> Iterator[Check]:
+    row = TOPICS[_contract(topic)]
+    found = f"{_list(publishers) or 'no publisher'} -> {_list(readers) or 'no reader'}"
+    wrong = [end for end in (*publishers, *readers) if end.type_name != row.type_name]
+    if wrong:
+        remedy = f"use {row.type_name}, or another name: -r {topic.lstrip('/')}:=OTHER"
+        yield Check(TOPIC_SECTION, topic, f"{wrong[0].type_name} of {wrong[0].node}", Verdict.PROBLEM, remedy)
+    elif len({end.node for end in publishers}) > 1 and row.name not in _SEVERAL:
+        remedy = "end one, or give it a namespace"
+        yield Check(TOPIC_SECTION, topic, f"several publishers: {_list(publishers)}", Verdict.PROBLEM, remedy)
+    elif mismatch := _mismatch(publishers, readers):
+        yield Check(TOPIC_SECTION, topic, *mismatch)
+    else:
+        yield Check(TOPIC_SECTION, topic, found)
+
+
+def _mismatch(publishers: list[Endpoint], readers: list[Endpoint]) -> tuple[str, Verdict, str] | None:
+    """What was found, verdict and remedy for the first pair that DDS does not connect; None without one."""
+    for reader in readers:
+        for publisher in publishers:
+            for word, weaker in (("reliable", "best effort"), ("latched", "")):
+                if word in reader.quality and word not in publisher.quality:
+                    offered = weaker or "not latched"
+                    return (
+                        f"{reader.node} asks for {word}, {publisher.node} offers {offered}: nothing arrives",
+                        Verdict.PROBLEM,
+                        f"let {publisher.node} publish {word}, or {reader.node} ask for less (qos_overrides)",
+                    )
+    return None
+
+
+def _clock(topic: str, times: list[tuple[float, int]], seen: Observed) -> Check:
+    source = _list(seen.publishers.get(topic, []))
+    first, last = times[0], times[-1]
+    found = f"{last[1] * 1e-9:.2f} s, by {source or 'unknown'}"
+    if last[0] - first[0] < 0.2:
+        return Check(CLOCKS, topic, f"{found}: stands still")
+    if any(late < early for (_, early), (_, late) in pairwise(times)):
+        remedy = "one simulator or replay a namespace; a loop or a reset steps back too"
+        return Check(CLOCKS, topic, f"{found}: steps back", Verdict.PROBLEM, remedy)
+    factor = (last[1] - first[1]) * 1e-9 / (last[0] - first[0])
+    return Check(CLOCKS, topic, f"{found}: {factor:.2f} x real time")
+
+
+def _contract(topic: str) -> str:
+    """Topic of the contract that a full name stands for, in any namespace; empty where there is none."""
+    return next((name for name in TOPICS if topic.endswith(name) and (name != DIAGNOSTICS or topic == name)), "")
+
+
+def _others(infos: Sequence[TopicEndpointInfo], own: str) -> list[Endpoint]:
+    ends = (Endpoint.of(info) for info in infos)
+    return [end for end in ends if end.node not in {own, NOT_NAMED_YET}]
+
+
+def _list(ends: Sequence[Endpoint]) -> str:
+    return ", ".join(dict.fromkeys(f"{end.node} ({end.quality})" for end in ends))

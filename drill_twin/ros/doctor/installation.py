@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of this machine: Python, packages, ROS, cache of compiled kernels, clock, browser; works without ROS."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import os
+import platform
+import shutil
+import sys
+import webbrowser
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from pathlib import Path
+
+from drill_twin import __version__
+from drill_twin.errors import DrillTwinError
+from drill_twin.ros.doctor.check import Check, Verdict
+
+INSTALLED, ROS, MACHINE = "installed", "ROS 2", "machine"
+DISTRO = "jazzy"
+_SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  that of Fast DDS
+_LEAST_SHARED_MEMORY = 64 * 2**20  # bytes
+_TIME_ERROR = 5  # of adjtimex(2): the clock is not synchronised
+_TIMEX_BYTES = 512  # more than struct timex has on any machine
+
+
+def installation() -> Iterator[Check]:
+    """Checks of the packages and of the machine."""
+    yield Check(INSTALLED, "drill_twin", f"{__version__} in {Path(__file__).parents[2]}")
+    yield _python()
+    for name in ("numpy", "numba", "scipy", "rosbags", "mcap", "matplotlib"):
+        yield _package(name)
+    yield from _kernel_cache()
+    yield _browser()
+    yield _clock()
+    yield _shared_memory()
+
+
+def ros_present() -> bool:
+    """True where rclpy is installed; whether it can be loaded is a check of its own."""
+    return find_spec("rclpy") is not None
+
+
+def ros_installation() -> Iterator[Check]:
+    """Checks of ROS and of the variables that decide who finds whom."""
+    distro = os.environ.get("ROS_DISTRO", "")
+    if not ros_present():
+        yield Check(
+            ROS,
+            "rclpy",
+            "not installed: simulation, analysis, reports and the page of a bag work; nodes, replay and load do not",
+            Verdict.NOTE,
+            "for the nodes: source /opt/ros/jazzy/setup.bash, or run make setup",
+        )
+        return
+    yield _rclpy()
+    yield _distro(distro)
+    yield _middleware()
+    for package, purpose in (("tf2_msgs", "tf"), ("simulation_interfaces", "standard services")):
+        there = find_spec(package) is not None
+        yield Check(ROS, package, "installed" if there else f"not installed: the simulator has no {purpose}")
+    yield from _domain()
+    yield from _discovery()
+
+
+def _python() -> Check:
+    found = f"{platform.python_version()}, {sys.executable}"
+    if platform.python_version_tuple()[:2] not in {("3", "11"), ("3", "12")}:
+        return Check(INSTALLED, "python", found, Verdict.NOTE, "tested with 3.11 and 3.12 only")
+    return Check(INSTALLED, "python", found)
+
+
+def _package(name: str) -> Check:
+    try:
+        importlib.import_module(name)
+        return Check(INSTALLED, name, version(name))
+    except PackageNotFoundError:
+        return Check(INSTALLED, name, "of unknown version")
+    except ImportError as error:
+        remedy = f"run make setup, or pip install {name} into {sys.prefix}"
+        if name == "numba" and "NumPy" in str(error):
+            remedy = 'pip install "numpy<2" beside a sourced ROS 2 Jazzy, as the README says'
+        return Check(INSTALLED, name, f"cannot be loaded: {error}", Verdict.PROBLEM, remedy)
+
+
+def _kernel_cache() -> Iterator[Check]:
+    try:
+        from drill_twin.solver.kernel_cache import permanent_folder
+
+        folder = permanent_folder()
+    except (ImportError, DrillTwinError) as error:
+        yield Check(INSTALLED, "compiled kernels", str(error), Verdict.PROBLEM, "name another DRILL_TWIN_CACHE")
+        return
+    if folder is None:
+        yield Check(
+            INSTALLED,
+            "compiled kernels",
+            "no folder of your own can be written to: each process compiles for a minute",
+            Verdict.PROBLEM,
+            "make ~/.cache/drill_twin your own (mode 0700), or name a folder with DRILL_TWIN_CACHE",
+        )
+        return
+    files = [file for file in folder.rglob("*") if file.is_file()]
+    size = sum(file.stat().st_size for file in files) / 1e6
+    yield Check(INSTALLED, "compiled kernels", f"{folder}: {len(files)} files, {size:.0f} MB")
+    free = shutil.disk_usage(folder).free
+    if free < 1e9:
+        yield Check(INSTALLED, "disk", f"{free / 1e6:.0f} MB free at {folder}", Verdict.PROBLEM, "free a gigabyte")
+
+
+def _browser() -> Check:
+    try:
+        return Check(MACHINE, "browser", getattr(webbrowser.get(), "name", "") or "found")
+    except webbrowser.Error:
+        remedy = "open the address that drill-twin watch prints in a browser elsewhere"
+        return Check(MACHINE, "browser", "none", Verdict.NOTE, remedy)
+
+
+def _clock() -> Check:
+    """The clock matters where nodes run on several machines: diagnostics and bags have its stamps."""
+    if sys.platform != "linux":
+        return Check(MACHINE, "clock", "synchronisation unknown")
+    if ctypes.CDLL(None).adjtimex(ctypes.create_string_buffer(_TIMEX_BYTES)) != _TIME_ERROR:
+        return Check(MACHINE, "clock", "synchronised")
+    shared = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() in {"SUBNET", "SYSTEM_DEFAULT"}
+    remedy = "install and start chrony or systemd-timesyncd on each machine" if shared else ""
+    return Check(MACHINE, "clock", "not synchronised", Verdict.PROBLEM if shared else Verdict.NOTE, remedy)
+
+
+def _shared_memory() -> Check:
+    if not _SHARED_MEMORY.is_dir():
+        return Check(MACHINE, "shared memory", "none: DDS uses the network interface of this host", Verdict.NOTE)
+    free = shutil.disk_usage(_SHARED_MEMORY).free
+    left = sum(1 for file in _SHARED_MEMORY.iterdir() if file.name.startswith("fastrtps"))
+    found = f"{free / 2**20:.0f} MB free, {left} files of Fast DDS"
+    if free < _LEAST_SHARED_MEMORY:
+        remedy = "run fastdds shm clean, or export FASTDDS_BUILTIN_TRANSPORTS=UDPv4"
+        return Check(MACHINE, "shared memory", found, Verdict.PROBLEM, remedy)
+    return Check(MACHINE, "shared memory", found)
+
+
+def _rclpy() -> Check:
+    try:
+        rclpy = importlib.import_module("rclpy")
+    except ImportError as error:
+        remedy = "start a new shell; source one ROS only, and no virtual environment with ROS wheels beside it"
+        return Check(ROS, "rclpy", f"cannot be loaded: {' '.join(str(error).split())}", Verdict.PROBLEM, remedy)
+    place = Path(rclpy.__file__ or "").parent
+    try:
+        found = f"{version('rclpy')}, {place}"
+    except PackageNotFoundError:
+        found = str(place)
+    sourced = os.environ.get("AMENT_PREFIX_PATH", "")
+    if "site-packages" in place.parts and "/opt/ros" in sourced:
+        remedy = "use the one of /opt/ros: rm -rf .venv, then make setup in the shell that has sourced ROS"
+        return Check(ROS, "rclpy", f"{found}, of the wheels, beside a sourced ROS", Verdict.PROBLEM, remedy)
+    return Check(ROS, "rclpy", found)
+
+
+def _distro(distro: str) -> Check:
+    if distro and distro != DISTRO:
+        remedy = f"source /opt/ros/{DISTRO}/setup.bash; nodes of different distributions need not understand each other"
+        return Check(ROS, "distribution", distro, Verdict.PROBLEM, remedy)
+    return Check(ROS, "distribution", distro or f"{DISTRO}, not sourced")
+
+
+def _middleware() -> Check:
+    try:
+        found = importlib.import_module("rclpy.utilities").get_rmw_implementation_identifier()
+    except Exception as error:  # noqa: BLE001  rclpy raises RuntimeError and classes of its own
+        wanted = os.environ.get("RMW_IMPLEMENTATION", "")
+        remedy = f"install {wanted.replace('_', '-')}, or unset RMW_IMPLEMENTATION" if wanted else "install an RMW"
+        return Check(ROS, "middleware", " ".join(str(error).split()), Verdict.PROBLEM, remedy)
+    if found == "rmw_fastrtps_cpp":
+        return Check(ROS, "middleware", found)
+    remedy = "all nodes need the same; the discovery profile and the tests of this package are for rmw_fastrtps_cpp"
+    return Check(ROS, "middleware", found, Verdict.NOTE, remedy)
+
+
+def _domain() -> Iterator[Check]:
+    from drill_twin.ros.deployment.discovery import HIGHEST_DOMAIN, domain_of_environment
+
+    try:
+        domain = domain_of_environment()
+    except DrillTwinError as error:
+        yield Check(ROS, "domain", str(error), Verdict.PROBLEM, "export ROS_DOMAIN_ID=0")
+        return
+    if domain is not None and domain > HIGHEST_DOMAIN:
+        remedy = f"choose one up to {HIGHEST_DOMAIN}: other programs may have the ports of this one"
+        yield Check(ROS, "domain", str(domain), Verdict.NOTE, remedy)
+    else:
+        yield Check(ROS, "domain", "0" if domain is None else str(domain))
+
+
+def _discovery() -> Iterator[Check]:
+    given = os.environ
+    if given.get("ROS_LOCALHOST_ONLY") == "1":
+        yield Check(
+            ROS,
+            "discovery",
+            "ROS_LOCALHOST_ONLY=1 goes before ROS_AUTOMATIC_DISCOVERY_RANGE",
+            Verdict.NOTE,
+            "unset ROS_LOCALHOST_ONLY; it is deprecated",
+        )
+    else:
+        server = f", server {given['ROS_DISCOVERY_SERVER']}" if given.get("ROS_DISCOVERY_SERVER") else ""
+        yield Check(ROS, "discovery", given.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST (our default)") + server)
+    for name in ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE"):
+        if (file := given.get(name)) and not Path(file).is_file():
+            yield Check(ROS, "DDS profile", f"{name}={file} is no file", Verdict.PROBLEM, f"unset {name}")
+    if given.get("ROS_SECURITY_STRATEGY", "").lower() == "enforce":
+        from drill_twin.ros.deployment.security import refuse_unsecured
+
+        try:
+            refuse_unsecured()
+            yield Check(ROS, "security", "enforced")
+        except DrillTwinError as error:
+            yield Check(ROS, "security", str(error), Verdict.PROBLEM, "see docs on security")

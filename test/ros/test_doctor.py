@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin doctor`: a healthy twin has no problem, and each fault put in is found with its remedy."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+
+from drill_twin.ros.doctor.installation import ros_installation
+
+
+def _doctor(bench, *arguments, **environment):
+    """Exit code, and the checks by section and name."""
+    process = bench.command(
+        "doctor", [sys.executable, "-m", "drill_twin.cli", "doctor", "--json", *arguments], **environment
+    )
+    bench.until(lambda: process.code is not None, what="the doctor")
+    text = process.text
+    found = json.loads(text[text.index("{") :])
+    assert found["ok"] == (process.code == 0), text
+    return process.code, {(check["section"], check["name"]): check for check in found["checks"]}
+
+
+def test_a_running_twin_is_described_and_faults_are_named(bench):
+    simulator = bench.start("simulator", wait_for_command=False)
+    bench.until_status("simulator", lambda status: status.values.get("frames", "0") != "0")
+    code, checks = _doctor(bench, "--seconds", "4")
+    assert code == 0, checks
+    assert checks["nodes", "/simulator"]["found"].startswith("drill_twin 0.")
+    assert checks["topics", "/rig/state"]["found"].startswith("/simulator (reliable)")
+    assert "x real time" in checks["clocks", "/clock"]["found"]
+
+    weak = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node = bench.node
+    ends = [
+        node.create_publisher(JointState, "/rig/command", weak),
+        node.create_publisher(Float64, "/rig/state", 10),
+        node.create_subscription(JointState, "/marks/state", lambda _: None, latched),
+    ]
+    code, checks = _doctor(bench, "--seconds", "4")
+    assert code == 1
+    assert "asks for reliable, /test offers best effort" in checks["topics", "/rig/command"]["found"]
+    assert "std_msgs/msg/Float64 of /test" in checks["topics", "/rig/state"]["found"]
+    assert "/test asks for latched, /simulator offers not latched" in checks["topics", "/marks/state"]["found"]
+    assert all(check["remedy"] for check in checks.values() if check["verdict"] == "problem")
+    assert ends
+    assert simulator.end() == 0
+
+
+def test_a_domain_that_is_none_and_a_missing_profile_are_problems(bench, tmp_path):
+    missing = str(tmp_path / "missing.xml")
+    code, checks = _doctor(bench, ROS_DOMAIN_ID="900", FASTRTPS_DEFAULT_PROFILES_FILE=missing)
+    assert code == 1
+    assert "found '900'" in checks["ROS 2", "domain"]["found"]
+    assert missing in checks["ROS 2", "DDS profile"]["found"]
+    assert not any(section == "nodes" for section, _ in checks)
+
+
+@pytest.mark.parametrize(("variable", "value"), [("ROS_DISTRO", "kilted"), ("RMW_IMPLEMENTATION", "rmw_none_cpp")])
+def test_another_distribution_or_a_missing_middleware_is_a_problem(variable, value):
+    code = (
+        "from drill_twin.ros.doctor.installation import ros_installation\n"
+        "print([check.found for check in ros_installation() if check.verdict == 'problem'])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=dict(os.environ, **{variable: value}),
+    )
+    assert value in done.stdout, done.stdout + done.stderr
+
+
+def test_without_ros_it_says_so_and_nothing_is_wrong(monkeypatch):
+    monkeypatch.setattr("drill_twin.ros.doctor.installation.ros_present", lambda: False)
+    (check,) = ros_installation()
+    assert check.verdict == "note"
+    assert "not installed" in check.found
+    assert "make setup" in check.remedy
