@@ -58,7 +58,7 @@ def show(checks: list[Check]) -> None:
             title=section, title_justify="left", title_style="bold", show_header=False, box=None, pad_edge=False
         )
         table.add_column(no_wrap=True)
-        table.add_column(overflow="fold", max_width=24)
+        table.add_column(overflow="fold", max_width=28)
         table.add_column(overflow="fold")
         for check in members:
             table.add_row(Text(check.verdict.value, styles[check.verdict]), Text(check.name), Text(check.found))

@@ -10,6 +10,7 @@ from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.messages.topics import GENERIC, MARKS_STATE, RIG_STATE, TOPICS
 
 _HARDWARE = "drill_twin"
+_NAMED = 8  # namespaces in an error
 
 
 def parse_remappings(pairs: Iterable[str], option: str) -> dict[str, str]:
@@ -54,7 +55,8 @@ def choose_namespace(topics: Mapping[str, RecordedTopic], wanted: str | None, wh
         BagError: The bag holds several twins and none was chosen, or not the one that was.
     """
     found = twin_namespaces(topics)
-    names = ", ".join(namespace or "/" for namespace in found)
+    names = ", ".join(namespace or "/" for namespace in found[:_NAMED])
+    names += f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
     if wanted is None:
         if len(found) > 1:
             raise BagError(
