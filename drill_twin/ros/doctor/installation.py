@@ -7,7 +7,9 @@ import ctypes
 import importlib
 import os
 import platform
+import re
 import shutil
+import subprocess
 import sys
 import webbrowser
 from collections.abc import Iterator
@@ -16,6 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from drill_twin import __version__
+from drill_twin.base.child_environment import child_environment
 from drill_twin.errors import DrillTwinError
 from drill_twin.ros.doctor.check import Check, Verdict
 
@@ -23,6 +26,7 @@ INSTALLED, ROS, MACHINE = "installed", "ROS 2", "machine"
 DISTRO = "jazzy"
 _SHARED_MEMORY = Path("/dev/shm")  # noqa: S108  that of Fast DDS
 _LEAST_SHARED_MEMORY = 64 * 2**20  # bytes
+_PROBE_TIME = 60.0  # s
 _TIME_ERROR = 5  # of adjtimex(2): the clock is not synchronised
 _TIMEX_BYTES = 512  # more than struct timex has on any machine
 
@@ -56,9 +60,13 @@ def ros_installation() -> Iterator[Check]:
             "for the nodes: source /opt/ros/jazzy/setup.bash, or run make setup",
         )
         return
-    yield _rclpy()
+    middleware, error = _middleware()
     yield _distro(distro)
-    yield _middleware()
+    if error:  # loading it here would end this process
+        yield _broken(error)
+        return
+    yield _rclpy()
+    yield _known_middleware(middleware)
     for package, purpose in (("tf2_msgs", "tf"), ("simulation_interfaces", "standard services")):
         there = find_spec(package) is not None
         yield Check(ROS, package, "installed" if there else f"not installed: the simulator has no {purpose}")
@@ -142,19 +150,43 @@ def _shared_memory() -> Check:
     return Check(MACHINE, "shared memory", found)
 
 
-def _rclpy() -> Check:
+def _middleware() -> tuple[str, str]:
+    """Name of the middleware, and the error with which rclpy ends; in a child, since it ends the whole process."""
+    code = "from rclpy.utilities import get_rmw_implementation_identifier as name; print(name())"
     try:
-        rclpy = importlib.import_module("rclpy")
-    except ImportError as error:
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            timeout=_PROBE_TIME,
+            check=False,
+            env=child_environment(),
+        )
+    except subprocess.TimeoutExpired:
+        return "", f"no answer within {_PROBE_TIME:g} s"
+    if done.returncode == 0:
+        return done.stdout.strip(), ""
+    lines = [line for line in done.stderr.splitlines() if line.strip()]
+    said = lines[-1].strip() if lines else f"exit code {done.returncode}"
+    return "", re.sub(r"^(\[[^]]*\] ?)+: |, at \S+:\d+$", "", said)
+
+
+def _broken(error: str) -> Check:
+    if wanted := os.environ.get("RMW_IMPLEMENTATION", ""):
+        remedy = f"install ros-{DISTRO}-{wanted.replace('_', '-')}, or unset RMW_IMPLEMENTATION (it is {wanted})"
+    else:
         remedy = "start a new shell; source one ROS only, and no virtual environment with ROS wheels beside it"
-        return Check(ROS, "rclpy", f"cannot be loaded: {' '.join(str(error).split())}", Verdict.PROBLEM, remedy)
+    return Check(ROS, "rclpy", f"cannot be loaded: {error}", Verdict.PROBLEM, remedy)
+
+
+def _rclpy() -> Check:
+    rclpy = importlib.import_module("rclpy")
     place = Path(rclpy.__file__ or "").parent
     try:
         found = f"{version('rclpy')}, {place}"
     except PackageNotFoundError:
         found = str(place)
-    sourced = os.environ.get("AMENT_PREFIX_PATH", "")
-    if "site-packages" in place.parts and "/opt/ros" in sourced:
+    if "site-packages" in place.parts and "/opt/ros" in os.environ.get("AMENT_PREFIX_PATH", ""):
         remedy = "use the one of /opt/ros: rm -rf .venv, then make setup in the shell that has sourced ROS"
         return Check(ROS, "rclpy", f"{found}, of the wheels, beside a sourced ROS", Verdict.PROBLEM, remedy)
     return Check(ROS, "rclpy", found)
@@ -167,13 +199,7 @@ def _distro(distro: str) -> Check:
     return Check(ROS, "distribution", distro or f"{DISTRO}, not sourced")
 
 
-def _middleware() -> Check:
-    try:
-        found = importlib.import_module("rclpy.utilities").get_rmw_implementation_identifier()
-    except Exception as error:  # noqa: BLE001  rclpy raises RuntimeError and classes of its own
-        wanted = os.environ.get("RMW_IMPLEMENTATION", "")
-        remedy = f"install {wanted.replace('_', '-')}, or unset RMW_IMPLEMENTATION" if wanted else "install an RMW"
-        return Check(ROS, "middleware", " ".join(str(error).split()), Verdict.PROBLEM, remedy)
+def _known_middleware(found: str) -> Check:
     if found == "rmw_fastrtps_cpp":
         return Check(ROS, "middleware", found)
     remedy = "all nodes need the same; the discovery profile and the tests of this package are for rmw_fastrtps_cpp"
