@@ -26,8 +26,8 @@ def doctor(
 ) -> None:
     """Check the installation and the running nodes: versions, topics, quality of service, clocks; says what to do.
 
-    Works without ROS too, and says so; the nodes of ROS_DOMAIN_ID are checked where ROS 2 (rclpy) is there. Exit code 1
-    when something is wrong.
+    Works without ROS too, and says so; the nodes of ROS_DOMAIN_ID are checked where rclpy is there. Exit code 1 when
+    something is wrong.
     """
     from drill_twin.cli.show import err, print_json
     from drill_twin.ros.doctor.check import Verdict
