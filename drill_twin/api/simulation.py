@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from drill_twin.api.compile_progress import CompileProgress
 from drill_twin.api.quantity import Quantity, in_si
 from drill_twin.api.result import Result
 from drill_twin.api.scenes import Overrides, as_scene
@@ -87,6 +88,8 @@ class Simulation:
     def __init__(self, scene: Scene | str | Path, overrides: Overrides | None = None) -> None:
         """Prepare a run; compiles the effects of the scene, which takes about a minute the first time.
 
+        The compilation is done in a child process, with a line of progress on standard error; Ctrl-C ends it.
+
         Args:
             scene: The scene, or its name or file.
             overrides: Values that replace those of the scene.
@@ -101,7 +104,11 @@ class Simulation:
 
             self.scene = resolve(self.scene).scene
         self._period = round(NANOSECONDS / self.scene.numerics.frame_rate)
-        compile_kernel(self.scene, self.frame_time)
+        progress = CompileProgress()
+        try:
+            compile_kernel(self.scene, self.frame_time, progress)
+        finally:
+            progress.end()
         self._bag = MemoryBag(f"run of {self.scene.name}")
         self._run = Run(self.scene, self._bag)
         self._reported = -1

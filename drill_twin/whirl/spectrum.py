@@ -105,8 +105,6 @@ def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = 
     Raises:
         AnalysisError: Fewer than 16 finite samples, or times that do not rise.
     """
-    from scipy import signal  # imported here since it takes two seconds
-
     good = np.isfinite(time) & np.isfinite(z.real) & np.isfinite(z.imag)
     time, z = np.asarray(time, float)[good], np.asarray(z, complex)[good]
     if time.size < FEWEST:
@@ -118,6 +116,8 @@ def two_sided_spectrum(time: Array, z: ComplexArray, *, segment: float | None = 
     rate = (time.size - 1) / (time[-1] - time[0])
     length = time.size if segment is None else min(time.size, max(FEWEST, round(segment * rate)))
     padded = 2 ** math.ceil(math.log2(2 * length))
+    from scipy import signal  # imported where it is needed, since it takes two seconds
+
     frequency, power = signal.welch(
         even,
         rate,
