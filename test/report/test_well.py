@@ -60,3 +60,14 @@ def test_tracks_are_those_of_the_last_pose(known_bag):
         assert panel.get_lines()[0].get_ydata() == pytest.approx([0.0, 5.0])
         assert panel.get_xlabel() == unit
         assert panel.yaxis_inverted()
+
+
+def test_section_of_a_straight_hole_is_not_the_mirror_of_its_track(known_bag):
+    recording = read_recording(known_bag)
+    section, across, *_ = draw("well", recording).axes
+    outline = next(patch for patch in section.patches if patch.get_label() == "string").get_xy()
+    line = across.get_lines()[-1]
+    track = np.interp(2.5, line.get_ydata(), line.get_xdata())
+    seen = outline[np.abs(outline[:, 1] - 2.5) < 0.02, 0].mean()
+    assert np.sign(seen) == np.sign(track)
+    assert abs(track) > 1.0

@@ -21,6 +21,8 @@ from drill_twin.report.string_curve import VERTICAL, inclination, low_side
 
 _WIDE = 0.05
 """Radius of the hole in the section as drawn, over the size of the well."""
+_LEGEND = 24.0
+"""Height of the legend between section and title, however flat the section is [points]."""
 _POINTS = 800
 _KILO = 5000.0
 """Force [N] or torque [N m] from which the unit is kN or kN m."""
@@ -38,7 +40,8 @@ def well(recording: Recording) -> Figure:
     inclined = bool(np.abs(low).max() > VERTICAL)
     offset = _offset(recording, depth)
     along = (offset * np.conj(_directions(low))).real
-    _section(figure.add_axes((0.07, 0.09, 0.24, 0.775)), inclination(scene, depth), depth, hole, pipe, along)
+    right = -1.0 if inclined else 1.0  # the low side of a hole that builds to the right is on its left
+    _section(figure.add_axes((0.07, 0.09, 0.24, 0.775)), inclination(scene, depth), depth, hole, pipe, right * along)
     places = ((0.395, 0.17), (0.59, 0.115), (0.73, 0.105), (0.86, 0.105))
     tracks = [figure.add_axes((left, 0.09, width, 0.775)) for left, width in places]
     across, gap, force, torque = tracks
@@ -90,8 +93,8 @@ def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, 
     wider = _WIDE * size / float(hole.max())
 
     def shifted(distance: Array) -> tuple[Array, Array]:
-        """Points at a distance from the axis [m], positive towards the low side."""
-        return out - wider * distance * np.cos(angle), down + wider * distance * np.sin(angle)
+        """Points at a distance from the axis [m], positive towards the right of a hole that goes down."""
+        return out + wider * distance * np.cos(angle), down - wider * distance * np.sin(angle)
 
     bands: tuple[tuple[Array, Array, dict[str, Any]], ...] = (
         (-hole, hole, {"facecolor": LIGHT, "edgecolor": INK, "linewidth": 1.4, "label": "hole"}),
@@ -106,9 +109,9 @@ def _section(panel: Axes, angle: Array, depth: Array, hole: Array, pipe: Array, 
     panel.set(xlim=(centre - 0.62 * room, centre + 0.62 * room) if np.ptp(out) < 0.4 * size else None, aspect="equal")
     panel.set_ylim(float(down.max()) + 1.6 * _WIDE * size, float(down.min()) - 1.6 * _WIDE * size)
     panel.set(xlabel="along the section [m]", ylabel="vertical depth [m]")
-    panel.set_title(f"widths drawn {wider:.3g} times", fontsize=10)
+    panel.set_title(f"widths drawn {wider:.3g} times", fontsize=10, pad=_LEGEND)
     panel.xaxis.set_major_locator(MaxNLocator(3))
-    panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.05), ncols=2, borderaxespad=0.2)
+    panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
 
 
 def _bands(panel: Axes, depth: Array, hole: Array, pipe: Array, along: Array) -> None:
