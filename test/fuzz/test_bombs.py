@@ -92,7 +92,7 @@ def test_scene_files(text, tmp_path):
     assert harmless(load_scene, file)
 
 
-FAST = ("merge keys", "a day that is none", "5,000 digits")
+FAST = ("merge keys",)
 
 
 @pytest.mark.parametrize(
@@ -186,6 +186,7 @@ def bombs():
     return make
 
 
+@pytest.mark.long
 def test_many_chunks_that_keep_the_bounds_each(bag_of):
     size = 100 << 20
     one = chunk("zstd", zeros("zstd", size), size)
@@ -216,6 +217,7 @@ def test_profiles_of_a_channel(bag_of):
     assert not harmless(read_bag, with_chunks(bag_of(), records))
 
 
+@pytest.mark.long
 def test_a_file_that_rosbag2_compressed(bag_of, tmp_path):
     """An honest one is read; one of zeros is refused; a bag of honest and hostile messages too."""
     folder = bag_of()
@@ -228,6 +230,7 @@ def test_a_file_that_rosbag2_compressed(bag_of, tmp_path):
     assert "expected a file compressed by rosbag2" in harmless(read_bag, folder)
 
 
+@pytest.mark.long
 def test_messages_that_rosbag2_compressed(bag_of, rows):
     """With `compression_mode: message` each message is a frame, here of 4 GB for some."""
     pack = zstandard.ZstdCompressor().compress
@@ -255,6 +258,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_databases(change, rows, tmp_path):
     from rosbags.rosbag2 import StoragePlugin, Writer
@@ -278,7 +282,9 @@ def test_databases(change, rows, tmp_path):
     harmless(read_bag, tmp_path / "sql_0")
 
 
-@pytest.mark.parametrize("entries", [1, 200, 20_000])
+@pytest.mark.parametrize(
+    "entries", [1, pytest.param(200, marks=pytest.mark.long), pytest.param(20_000, marks=pytest.mark.long)]
+)
 def test_checkpoints(entries, tmp_path):
     """Arrays of zeros, compressed a thousand times; and a header that is no honest JSON."""
     import zipfile
@@ -330,6 +336,7 @@ def test_tables(content, tmp_path):
     assert harmless(read_table, file)
 
 
+@pytest.mark.long
 def test_a_matlab_file_of_zeros(tmp_path):
     """An array that says that it has 16 GB, with 1 GB of zeros in 1 to 5 MB, compressed as MATLAB does."""
     name = b"time"
