@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[2]
 COPIED = ("drill_twin", "test", "config", "docs", "benchmarks", "pyproject.toml", "setup.py", "README.md")
 LONGEST = 900.0
 """Time after which tests have not caught a fault [s]."""
-_FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+::\S+|\S+)", re.MULTILINE)
+_FAILED = re.compile(r"^(?:FAILED|ERROR) ([^\s\[]+)", re.MULTILINE)
 
 
 def main(

@@ -85,8 +85,8 @@ def test_every_import_is_declared(setup_arguments):
 def test_versions_are_pinned(setup_arguments):
     pins = dict(line.split("==") for line in (ROOT / "constraints.txt").read_text("utf-8").splitlines() if "==" in line)
     names = {name.lower() for name in pins}
-    wanted = [*setup_arguments["install_requires"], *setup_arguments["extras_require"]["test"]]
-    for line in wanted:
+    extras = setup_arguments["extras_require"]
+    for line in [*setup_arguments["install_requires"], *extras["test"], *extras["docs"]]:
         assert re.split(r"[<>=!~ ]", line)[0].lower() in names, line
     for line in (ROOT / "requirements.txt").read_text("utf-8").splitlines():
         if line and not line.startswith("#"):

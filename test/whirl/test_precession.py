@@ -2,6 +2,7 @@
 """Radius, precession and ratio of known orbits; spin kept apart from whirl."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,6 +22,18 @@ def test_ratio_and_sign(ratio, rate):
     assert found[-1].precession[0] == pytest.approx(found[-1].ratio[0] * found[-1].rotation, rel=1e-12)
     assert found[-1].confidence[0] > 0.9
     assert analyzer.summary().precession_ratio == pytest.approx(ratio, rel=0.02)
+
+
+def test_rotation_to_the_left_gives_the_mirrored_figures():
+    """Precession and ratio are positive forward, whichever way the string turns."""
+    right = motion(clock(100, 15), bow=0.03, offset=0.1, whirl=growth(6.0, 0.05, 2.0, 0.5, limit=0.6))
+    left = replace(
+        right, spin=-right.spin, top_speed=-right.top_speed, whirl=right.whirl.conj(), rest=right.rest.conj()
+    )
+    (analyzer, found), (mirrored, others) = play(right), play(left)
+    assert others[-1].ratio[0] == pytest.approx(found[-1].ratio[0], rel=1e-9)
+    assert others[-1].precession[0] == pytest.approx(found[-1].precession[0], rel=1e-9)
+    assert mirrored.summary().precession_ratio == pytest.approx(analyzer.summary().precession_ratio, rel=1e-9)
 
 
 def test_wall_mark_and_centre_mark_agree():
