@@ -94,9 +94,7 @@ class MotionClassifier:
         """Start of the estimated state [s], where it is known better than from the hysteresis."""
         held = self.hysteresis.states[subject]
         if held in NO_WHIRL:
-            # A whirl that began before the string stood still does not begin again at its first begin.
-            known = estimate not in NO_WHIRL and began is not None and began > self.hysteresis.entered(subject)
-            return began if known else None
+            return None if estimate in NO_WHIRL else began
         if estimate is MotionState.IRREGULAR:
             return max(float(self._irregularity.rose[mark]), time - LONGEST_DELAY * lag) - lag
         if held is MotionState.IRREGULAR and estimate not in NO_WHIRL:

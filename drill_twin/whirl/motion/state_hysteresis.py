@@ -44,10 +44,6 @@ class StateHysteresis:
         share: Array = self._share[self._every, self._held]
         return share
 
-    def entered(self, subject: int) -> float:
-        """Start of the present state of a subject, since the first sample [s]."""
-        return float(self._since[subject, self._held[subject]])
-
     def update(
         self,
         estimates: Sequence[MotionState],

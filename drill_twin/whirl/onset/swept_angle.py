@@ -14,9 +14,8 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
 
-SLOWEST_IN_HOLE, SLOWEST_IN_STRING = math.radians(7.5), math.radians(1.5)
-"""Smallest angles that a steady precession sweeps in each half of the window, in the frames of hole and string [rad].
-In the hole less is drift: the string settles at another place."""
+SLOWEST = math.radians(1.5)
+"""Smallest angle that a steady precession sweeps in each half of the window [rad]."""
 
 
 class SweptAngle:
@@ -50,8 +49,8 @@ class SweptAngle:
     def steady(self) -> bool:
         """True if the vector turns in one sense in both halves and both frames, however slowly."""
         return all(
-            first * second > 0.0 and min(abs(first), abs(second)) > slowest
-            for (first, second), slowest in ((self._hole, SLOWEST_IN_HOLE), (self._string, SLOWEST_IN_STRING))
+            first * second > 0.0 and min(abs(first), abs(second)) > SLOWEST
+            for first, second in (self._hole, self._string)
         )
 
 
