@@ -58,9 +58,10 @@ def find_extremes(radius, u, v, out):
 
 def check_state(rod: Rod, u: Array, v: Array, out: Array) -> None:
     """Fill `out`, shape (7,), from node rows u and v, shape (n + 1, 7) each."""
-    _compiled()(rod.outer_radius, u, v, out)
+    compiled()(rod.outer_radius, u, v, out)
 
 
 @cache
-def _compiled() -> Any:
+def compiled() -> Any:
+    """Entry point `find_extremes(radius, u, v, out)`."""
     return load_generated("state_check", _MODULE).find_extremes

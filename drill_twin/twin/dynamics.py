@@ -148,14 +148,25 @@ class Dynamics:
         """
         control = self._control._replace(step=self.step if step is None else step, max_halvings=max_halvings)
         advance = self._advance or self.kernel.advance
-        start = self.time
-        status = advance(
-            self.parameters, self.rod, self._work, self._constrained, self._state, control,
-            self.command, target, start, start + seconds, self.counters,
-        )  # fmt: skip
+        status = advance(*self.arguments(target, self.time, seconds, control))
         self._advance = self._advance or entry_point(self.kernel)
         self.too_many_halvings = status == state.TOO_MANY_HALVINGS
         return status == state.CONVERGED
+
+    def arguments(
+        self, target: Array, start: float, seconds: float, control: state.StepControl | None = None
+    ) -> tuple[Any, ...]:
+        """Arguments of the kernel's `advance`, to move from a time [s] on by `seconds`; see `advance`."""
+        return (
+            self.parameters, self.rod, self._work, self._constrained, self._state, control or self._control,
+            self.command, target, start, start + seconds, self.counters,
+        )  # fmt: skip
+
+    @property
+    def clock(self) -> Array:
+        """Simulated time and history of the steps, see `drill_twin.solver.state`."""
+        clock: Array = self._state.clock
+        return clock
 
     def begin(self, u: Array, v: Array, command: Command) -> None:
         """Set the state, node rows and their velocities, shape (n + 1, 7) each, and the set-points in force."""

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from drill_twin.base.arrays import Array
 
 
-@dataclass(frozen=True, eq=False)
-class MarkStates:
+class MarkStates(NamedTuple):
     """State of the marks, in the order of the scene; m marks."""
 
     position: Array
@@ -33,8 +33,7 @@ class MarkStates:
     """Positions of the centre line at the marks [m], shape (m, 3)."""
 
 
-@dataclass(frozen=True)
-class RigState:
+class RigState(NamedTuple):
     """State of the rig and of the bit, as applied."""
 
     top_drive_angle: float
@@ -59,8 +58,7 @@ class RigState:
     """Upward force on the string at the top [N]."""
 
 
-@dataclass(frozen=True)
-class StepStats:
+class StepStats(NamedTuple):
     """Numerical effort of a frame."""
 
     steps: int
@@ -123,8 +121,7 @@ class EnergyBalance:
         return self.residual / self.scale
 
 
-@dataclass(frozen=True, eq=False)
-class Frame:
+class Frame(NamedTuple):
     """The string at one instant; n elements, n + 1 nodes."""
 
     time: float

@@ -172,21 +172,7 @@ def observe(length, shape, bore, wall, u, v, marks, out):
 '''
 
 
-def observe(rod: Rod, bore: Wellbore, wall: Any, u: Array, v: Array, marks: MarkPlaces, out: Observation) -> None:
-    """Compute an observation from node rows u, v (r, r', psi).
-
-    Args:
-        rod: The string, n elements.
-        bore: The hole at its Gauss points.
-        wall: Parameters of the wall; None if the scene lists none.
-        u: Node rows, shape (n + 1, 7).
-        v: Their velocities, shape (n + 1, 7).
-        marks: The marks.
-        out: Result.
-    """
-    _compiled()(rod.length, rod.shape, bore, wall, u, v, marks, out)
-
-
 @cache
-def _compiled() -> Any:
+def compiled() -> Any:
+    """Entry point `observe(length, shape, bore, wall, u, v, marks, out)`, from node rows u, v (r, r', psi)."""
     return load_generated("observation", _MODULE).observe

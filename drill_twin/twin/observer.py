@@ -11,37 +11,34 @@ from drill_twin.model.bit import BIT_TORQUE, BIT_WEIGHT, TOP_TORQUE
 from drill_twin.solver import state
 from drill_twin.twin.dynamics import Dynamics
 from drill_twin.twin.frame import EnergyBalance, Frame, Intervention, MarkStates, RigState, StepStats
-from drill_twin.twin.observation import DEPTH, PLACE, locate_marks, make_observation, observe
+from drill_twin.twin.observation import DEPTH, PLACE, locate_marks, make_observation
 
 
 class Observer:
-    """Makes the frames of one twin."""
+    """Makes the frames of one twin.
+
+    Attributes:
+        marks: The marks.
+        seen: The last observation, made by the frame loop.
+        counters_before: Counters at the start of the frame.
+        impulse_before: Impulses of the reactions at the start of the frame.
+    """
 
     def __init__(self, dynamics: Dynamics) -> None:
         self._dynamics = dynamics
         scene, model = dynamics.scene, dynamics.model
         marks = np.array([mark.distance_from_bit for mark in scene.string.marks])
         offset = np.array([mark.wall_offset for mark in scene.mark_table])
-        self._marks = locate_marks(model.rod, marks, offset, axis_at(scene, scene.length - marks))
+        self.marks = locate_marks(model.rod, marks, offset, axis_at(scene, scene.length - marks))
+        self.seen = make_observation(model.rod.arc.size, marks.size)
+        self.counters_before = dynamics.counters.copy()
+        self.impulse_before = dynamics.parameters.drive.bit.impulse.copy()
         self._places = model.places
-        self._impulse = dynamics.parameters.drive.bit.impulse
-        self.begin_frame()
 
-    def begin_frame(self) -> None:
-        """Begin a frame: reactions are averaged and steps counted from this instant."""
-        self._counters_at_start, self._impulse_at_start = self._dynamics.counters.copy(), self._impulse.copy()
-
-    def observe(self) -> tuple[float, int]:
-        """Observe the current state.
-
-        Returns:
-            Largest penetration of the string's surface into the wall [m], and its Gauss point.
-        """
-        dynamics = self._dynamics
-        u, v = dynamics.unknowns
-        self._observation = make_observation(u.shape[0], self._marks.element.size)
-        observe(dynamics.rod, dynamics.model.wellbore, dynamics.wall, u, v, self._marks, self._observation)
-        return float(self._observation.deepest[DEPTH]), int(self._observation.deepest[PLACE])
+    @property
+    def deepest(self) -> tuple[float, int]:
+        """Largest penetration of the string's surface into the wall [m], and its Gauss point."""
+        return float(self.seen.deepest[DEPTH]), int(self.seen.deepest[PLACE])
 
     def frame(
         self, seconds: float, wall_seconds: float, intervention: Intervention | None, energy: EnergyBalance | None
@@ -54,20 +51,23 @@ class Observer:
             intervention: Record of the step guard, if any.
             energy: Energy balance at its end, if any.
         """
-        seen, (u, v) = self._observation, self._dynamics.unknowns
-        counted, pushed = self._dynamics.counters - self._counters_at_start, self._impulse - self._impulse_at_start
+        dynamics, seen = self._dynamics, self.seen
+        u, v = dynamics.unknowns
+        counted = dynamics.counters - self.counters_before
+        pushed = dynamics.parameters.drive.bit.impulse - self.impulse_before
         marks = MarkStates(
-            position=seen.position, velocity=seen.velocity, spin=seen.spin, spin_rate=seen.spin_rate,
-            wall_force=seen.mark_force, centre=seen.centre,
+            position=seen.position.copy(), velocity=seen.velocity.copy(), spin=seen.spin.copy(),
+            spin_rate=seen.spin_rate.copy(), wall_force=seen.mark_force.copy(), centre=seen.centre.copy(),
         )  # fmt: skip
+        count = counted.tolist()
         stats = StepStats(
-            steps=int(counted[state.STEPS]), iterations=int(counted[state.ITERATIONS]),
-            cut_steps=int(counted[state.HALVINGS]), loose_steps=int(counted[state.LOOSE_STEPS]),
+            steps=int(count[state.STEPS]), iterations=int(count[state.ITERATIONS]),
+            cut_steps=int(count[state.HALVINGS]), loose_steps=int(count[state.LOOSE_STEPS]),
             wall_seconds=wall_seconds,
         )  # fmt: skip
         return Frame(
-            time=self._dynamics.time, positions=u[:, 0:3].copy(), velocities=v[:, 0:3].copy(), tangents=seen.tangents,
-            spin=u[:, 6].copy(), spin_rate=v[:, 6].copy(), wall_force=seen.wall_force,
+            time=dynamics.time, positions=u[:, 0:3].copy(), velocities=v[:, 0:3].copy(), tangents=seen.tangents.copy(),
+            spin=u[:, 6].copy(), spin_rate=v[:, 6].copy(), wall_force=seen.wall_force.copy(),
             wall_depth=float(seen.deepest[DEPTH]),
             wall_depth_at=float(self._places[int(seen.deepest[PLACE])]),
             marks=marks, rig=self._rig(counted / seconds, pushed / seconds), stats=stats, intervention=intervention,
@@ -78,12 +78,14 @@ class Observer:
         """State of the rig, with reactions averaged over the frame, as unresolved waves oscillate from step to step."""
         dynamics = self._dynamics
         (u, v), ends, load = dynamics.unknowns, dynamics.boundary_conditions, float(dynamics.command[0])
-        weight = pushed[BIT_WEIGHT] if ends.bit_on_rock else mean[state.BIT_IMPULSE]
+        bit, bit_rate, top, top_rate = u[0].tolist(), v[0].tolist(), u[-1].tolist(), v[-1].tolist()
+        reaction, force = mean.tolist(), pushed.tolist()
+        weight = force[BIT_WEIGHT] if ends.bit_on_rock else reaction[state.BIT_IMPULSE]
         return RigState(
-            top_drive_angle=float(u[-1, 6]), top_drive_speed=float(v[-1, 6]),
-            top_drive_torque=float(pushed[TOP_TORQUE] if ends.torque_driven else mean[state.TORQUE_IMPULSE]),
-            bit_angle=float(u[0, 6]), bit_speed=float(v[0, 6]), bit_torque=float(pushed[BIT_TORQUE]),
-            bit_force=float(weight) if ends.weight_at_top else load,
-            block_position=float(u[-1, 2]), block_velocity=float(v[-1, 2]),
-            hookload=-load if ends.weight_at_top else float(mean[state.HOOK_IMPULSE]),
+            top_drive_angle=top[6], top_drive_speed=top_rate[6],
+            top_drive_torque=force[TOP_TORQUE] if ends.torque_driven else reaction[state.TORQUE_IMPULSE],
+            bit_angle=bit[6], bit_speed=bit_rate[6], bit_torque=force[BIT_TORQUE],
+            bit_force=weight if ends.weight_at_top else load,
+            block_position=top[2], block_velocity=top_rate[2],
+            hookload=-load if ends.weight_at_top else reaction[state.HOOK_IMPULSE],
         )  # fmt: skip

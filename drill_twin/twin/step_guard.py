@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Step guard: plausibility check of each frame, rollback to the last good one, and step size control.
 
-Before a frame the guard copies the state; after it, a compiled check evaluates the new one. A frame with a violation is
-rejected and repeated with half the step, up to `MAX_RETRIES` times; the step is doubled again after every
-`GOOD_FRAMES_BEFORE_GROWTH` good frames.
+Before a frame the frame loop copies the state; after it, a compiled check evaluates the new one (`frame_kernel`). A
+frame with a violation is rejected and repeated with half the step, up to `MAX_RETRIES` times; the step is doubled again
+after every `GOOD_FRAMES_BEFORE_GROWTH` good frames.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from drill_twin.effects.wall import Parameters as Wall
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.solver.midpoint import SMALLEST_SHARE
 from drill_twin.twin.frame import EnergyBalance, Intervention
-from drill_twin.twin.state_bounds import StateBounds
+from drill_twin.twin.frame_kernel import GOOD_FRAMES, SHARE, Limits
+from drill_twin.twin.state_bounds import DEPTH_MARGIN, StateBounds
 from drill_twin.twin.violation import NOT_RETRIED, Violation
 
 MAX_RETRIES = 6
@@ -37,8 +38,6 @@ ENERGY_SHARE = 0.2
 FOLDING = 0.2
 """1 - t_z in a straight hole, a lean of 37 degrees, above which a string that has no solution is said to fold."""
 
-SHARE, GOOD = 0, 1  # indices into StepGuard.memory: share of the nominal step, good frames since it was halved
-
 
 def max_halvings(seconds: float, step: float) -> int:
     """Limit of step halvings in a frame of a length [s], with a nominal step [s]."""
@@ -52,6 +51,9 @@ class StepGuard:
         bounds: Bounds of a plausible state.
         memory: Share of the nominal step and good frames since it was halved; part of a checkpoint.
         suspect: Node rows u and v of the last rejected state, shape (2, n + 1, 7).
+        saved: Copy of the memory block at the start of the frame, made by the frame loop.
+        extremes: Extremes of the last state checked (`drill_twin.audit.state_check`).
+        before: The same at the start of the frame.
     """
 
     def __init__(self, bounds: StateBounds, model: DiscreteModel, wall: Wall | None) -> None:
@@ -60,10 +62,9 @@ class StepGuard:
         nodes = model.rod.arc.size
         self.suspect = np.zeros((2, nodes, 7))
         self._model, self._wall = model, wall
-        self._block = self._saved = np.zeros(0, dtype=np.uint8)
-        self._extremes = np.zeros(state_check.EXTREMES)
-        self._speed = self._lean = 0.0
-        self._lean_at = 0
+        self._block = self.saved = np.zeros(0, dtype=np.uint8)
+        self.extremes = np.zeros(state_check.EXTREMES)
+        self.before = np.zeros(state_check.EXTREMES)
 
     @property
     def share(self) -> float:
@@ -72,14 +73,17 @@ class StepGuard:
 
     def attach(self, block: Bytes) -> None:
         """Attach the memory block of the twin, bytes of shape (size,)."""
-        self._block, self._saved = block, block.copy()
+        self._block, self.saved = block, block.copy()
 
-    def save(self, u: Array, v: Array) -> None:
-        """Save the current state, with node rows u and v, as the last good one."""
-        np.copyto(self._saved, self._block)
-        state_check.check_state(self._model.rod, u, v, self._extremes)
-        self._speed, self._lean = float(self._extremes[state_check.SPEED]), float(self._extremes[state_check.LEAN])
-        self._lean_at = int(self._extremes[state_check.LEAN_AT])
+    def limits(self, step: float) -> Limits:
+        """Numbers for the compiled check of a frame; `step` is the nominal one [s]."""
+        bounds, wall = self.bounds, self._wall
+        return Limits(
+            step, HALVINGS_PER_FRAME, HALVINGS_PER_STEP, GOOD_FRAMES_BEFORE_GROWTH, bounds.speed, bounds.tilt,
+            np.inf if bounds.lateral else LARGEST_STRAIN, wall is not None, DEPTH_MARGIN,
+            1.0 if wall is None else wall.stiffness, 1.0 if wall is None or wall.linear else 1.5, bounds.line_mass,
+            bounds.flexibility, bounds.weight, bounds.line_load, bounds.curvature,
+        )  # fmt: skip
 
     def exhausted(self, found: Violation, tries: int) -> bool:
         """True if a frame with this violation is not to be retried after so many tries."""
@@ -88,19 +92,19 @@ class StepGuard:
     def rollback(self, u: Array, v: Array) -> None:
         """Restore the saved state, and store the rejected one as `suspect`."""
         self.suspect[0], self.suspect[1] = u, v
-        np.copyto(self._block, self._saved)
+        np.copyto(self._block, self.saved)
 
     def halve_step(self) -> None:
         """Halve the step."""
         self.memory[SHARE] *= 0.5
-        self.memory[GOOD] = 0.0
+        self.memory[GOOD_FRAMES] = 0.0
 
     def count_good_frame(self) -> None:
         """Count a good frame, and double a halved step after `GOOD_FRAMES_BEFORE_GROWTH` of them."""
         if self.memory[SHARE] < 1.0:
-            self.memory[GOOD] += 1.0
-            if self.memory[GOOD] >= GOOD_FRAMES_BEFORE_GROWTH:
-                self.memory[SHARE], self.memory[GOOD] = min(2.0 * self.memory[SHARE], 1.0), 0.0
+            self.memory[GOOD_FRAMES] += 1.0
+            if self.memory[GOOD_FRAMES] >= GOOD_FRAMES_BEFORE_GROWTH:
+                self.memory[SHARE], self.memory[GOOD_FRAMES] = min(2.0 * self.memory[SHARE], 1.0), 0.0
 
     def check(self, u: Array, v: Array, depth: float, place: int, load: float, step: float) -> Violation | None:
         """Check a state; returns its violation, None if it is plausible.
@@ -113,7 +117,7 @@ class StepGuard:
             load: Weight on bit, the larger of those at start and end of the frame [N].
             step: Time step [s].
         """
-        seen, bounds = self._extremes, self.bounds
+        seen, bounds = self.extremes, self.bounds
         state_check.check_state(self._model.rod, u, v, seen)
         if seen[state_check.BROKEN] >= 0.0:
             node = int(seen[state_check.BROKEN])
@@ -142,7 +146,9 @@ class StepGuard:
                 f"(expected at most {100.0 * LARGEST_STRAIN:g} %)",
             )  # fmt: skip
         if self._wall is not None and depth > 0.0:
-            allowed = bounds.largest_depth(self._wall, max(self._speed, float(seen[state_check.SPEED])), load, step)
+            allowed = bounds.largest_depth(
+                self._wall, max(float(self.before[state_check.SPEED]), float(seen[state_check.SPEED])), load, step
+            )
             if depth > allowed:
                 node = (place + 1) // 2
                 return Violation(
@@ -175,11 +181,11 @@ class StepGuard:
 
     def _folding(self) -> str:
         """Lean of the last good state, where a string in a straight hole was about to fold."""
-        if self._lean <= FOLDING or self._model.wellbore.axis is not None:
+        if self.before[state_check.LEAN] <= FOLDING or self._model.wellbore.axis is not None:
             return ""
-        angle = np.degrees(np.arccos(1.0 - self._lean))
+        angle = np.degrees(np.arccos(1.0 - self.before[state_check.LEAN]))
         return (
-            f"; before, the string at {self._at(self._lean_at)} leaned {angle:.0f} degrees from the upright: it folds"
+            f"; before, the string at {self._at(int(self.before[state_check.LEAN_AT]))} leaned {angle:.0f} degrees from the upright: it folds"
         )
 
     def energy_drift(self, energy: EnergyBalance, grown: float) -> Violation | None:
@@ -191,7 +197,7 @@ class StepGuard:
         """
         if abs(grown) <= ENERGY_SHARE * energy.scale:
             return None
-        node = int(self._extremes[state_check.SPEED_AT])
+        node = int(self.extremes[state_check.SPEED_AT])
         return Violation(
             "energy", node,
             f"{abs(grown):.3g} J were {'gained' if grown > 0.0 else 'lost'} that nothing accounts for, of "

@@ -4,8 +4,6 @@
 import time
 from collections.abc import Callable, Iterator, Mapping
 
-import numpy as np
-
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.kernel_arguments import LATERAL
 from drill_twin.model.bit import DRILLED
@@ -17,6 +15,8 @@ from drill_twin.twin.dynamics import Dynamics, restore_arrays
 from drill_twin.twin.energy_balance import EnergyAudit
 from drill_twin.twin.failure_report import failure_report
 from drill_twin.twin.frame import EnergyBalance, Frame, Intervention
+from drill_twin.twin.frame_kernel import DIVERGED, HALVED_TOO_OFTEN, SUSPECT
+from drill_twin.twin.frame_loop import FrameLoop
 from drill_twin.twin.observer import Observer
 from drill_twin.twin.state_bounds import bounds_of
 from drill_twin.twin.state_history import StateHistory
@@ -52,6 +52,7 @@ class Twin:
         self._guard = StepGuard(bounds_of(scene, self.model, lateral=lateral), self.model, dynamics.wall)
         self._guard.attach(dynamics.memory_block)
         self._observer = Observer(dynamics)
+        self._loop = FrameLoop(dynamics, self._guard, self._observer)
         self._energy: EnergyBalance | None = None
         self._history = StateHistory(self.rod.arc.size, scene.numerics.frame_rate)
 
@@ -132,29 +133,33 @@ class Twin:
             StoppedError: Violation in all retries with smaller steps; the twin is back at the last good frame.
         """
         began = time.perf_counter()
-        target = np.array([command.weight_on_bit, command.rotation])
+        target = self._loop.target
+        target[0], target[1] = command.weight_on_bit, command.rotation
         if self.energy_audit is not None:
             self.energy_audit.begin(*self.unknowns)
-        self._guard.save(*self.unknowns)
-        self._observer.begin_frame()
-        found, intervention = self._attempt(target, seconds), None
+        intervention = self._complete(self._loop.attempt(seconds, save=True), target, seconds)
+        self._history.add(self.time, *self.unknowns)
+        return self._observer.frame(seconds, time.perf_counter() - began, intervention, self._energy)
+
+    def _complete(self, outcome: int, target: Array, seconds: float) -> Intervention | None:
+        """Check the frame after its first attempt, repeat it if need be, and set the set-points last reached."""
+        found, intervention = self._violation(outcome, target, seconds), None
         if found is None:
             self._guard.count_good_frame()
         else:
             intervention = self.retry_with_smaller_step(found, target, seconds)
         self.dynamics.command[:] = target
-        self._history.add(self.time, *self.unknowns)
-        return self._observer.frame(seconds, time.perf_counter() - began, intervention, self._energy)
+        return intervention
 
-    def _attempt(self, target: Array, seconds: float) -> Violation | None:
-        """Advance by a frame and check the new state; returns its violation, if any."""
-        dynamics, guard, step = self.dynamics, self._guard, self._step_now(seconds)
-        halvings = max_halvings(seconds, self.step_size)
-        if not dynamics.advance(target, seconds, step, halvings):
-            return guard.diverged(*self.unknowns, step, halvings if dynamics.too_many_halvings else None)
-        depth, place = self._observer.observe()
-        load = max(abs(float(dynamics.command[0])), abs(float(target[0])))
-        found = guard.check(*self.unknowns, depth, place, load, step)
+    def _violation(self, outcome: int, target: Array, seconds: float) -> Violation | None:
+        """Violation of a frame with an outcome of the frame loop, if any."""
+        guard, step, found = self._guard, self._step_now(seconds), None
+        if outcome in {DIVERGED, HALVED_TOO_OFTEN}:
+            halvings = max_halvings(seconds, self.step_size) if outcome == HALVED_TOO_OFTEN else None
+            return guard.diverged(*self.unknowns, step, halvings)
+        if outcome == SUSPECT:
+            load = max(abs(float(self.dynamics.command[0])), abs(float(target[0])))
+            found = guard.check(*self.unknowns, *self._observer.deepest, load, step)
         if found is None and self.energy_audit is not None:
             self._energy, grown = self.energy_audit.balance(*self.unknowns)
             found = guard.energy_drift(self._energy, grown)
@@ -173,7 +178,7 @@ class Twin:
                 )
             tries += 1
             self._guard.halve_step()
-            found = self._attempt(target, seconds)
+            found = self._violation(self._loop.attempt(seconds, save=False), target, seconds)
         return self._guard.intervention(start, first, tries, self._step_now(seconds))
 
     def _step_now(self, seconds: float) -> float:

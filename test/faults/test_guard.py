@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from poison import Poison, install, poisoned
 
+from drill_twin.base.jit import as_python
 from drill_twin.errors import RunError, StoppedError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages import topics
@@ -19,7 +20,9 @@ from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.solver.state import HALVINGS
 from drill_twin.studies.verify.scenes import rod_scene
+from drill_twin.twin import frame_kernel
 from drill_twin.twin.checkpoint import Checkpoint
+from drill_twin.twin.frame_loop import FrameLoop
 from drill_twin.twin.step_guard import GOOD_FRAMES_BEFORE_GROWTH, MAX_RETRIES, StepGuard
 from drill_twin.twin.twin import Twin
 from drill_twin.twin.violation import Violation
@@ -203,6 +206,7 @@ def test_what_no_smaller_step_mends_is_tried_once(monkeypatch, kind, tries):
         twin = Twin(scene())
         twin.advance(TURNING, FRAME)
         monkeypatch.setattr(StepGuard, "check", check)
+        monkeypatch.setattr(FrameLoop, "attempt", lambda *_, **__: frame_kernel.SUSPECT)
         with pytest.raises(StoppedError, match="it was so"):
             twin.advance(TURNING, FRAME)
     assert asked == [0.5**k for k in range(tries + 1)]
@@ -211,7 +215,10 @@ def test_what_no_smaller_step_mends_is_tried_once(monkeypatch, kind, tries):
 def test_what_the_string_cannot_be_is_told():
     """Each bound, from a state made up to break it and from one just within it."""
     walled = rod_scene(effects={"wall": {"stiffness": 1e7}}, elements=8, radius=0.04, weight_on_bit=40.0)
-    guard, (u, v) = Twin(walled)._guard, Twin(walled).unknowns
+    twin = Twin(walled)
+    guard, (u, v) = twin._guard, Twin(walled).unknowns
+    twin.advance(Command(40.0, 0.0), STEP)
+    frames = twin._loop._frames
 
     def found(depth: float = -1.0, place: int = 5, **changed: tuple[int, int, float]) -> tuple[str, int] | None:
         a, b = u.copy(), v.copy()
@@ -220,6 +227,8 @@ def test_what_the_string_cannot_be_is_told():
                 node, column, value = changed[name]
                 rows[node, column] = value
         violation = guard.check(a, b, depth, place, 40.0, STEP)
+        frames.seen.deepest[:] = depth, place
+        assert as_python(frame_kernel.is_certain)(frames, STEP) == (violation is None)  # the compiled check agrees
         return (violation.kind, violation.node) if violation else None
 
     assert found() is None

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import astuple, fields, replace
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from drill_twin.io.samples import columns, speeds
 from drill_twin.twin.frame import RigState
 
 _ALL, _XYZ, _SPIN = slice(None), slice(3), 3
-_UNKNOWN_RIG = RigState(*[math.nan] * len(fields(RigState)))
+_UNKNOWN_RIG = RigState(*[math.nan] * len(RigState._fields))
 
 
 class MarkSeries(Series):
@@ -113,8 +112,8 @@ class RigSeries(Series):
             rig = read_rig_state(state)
         else:
             top_drive, bit = speeds(state)
-            rig = replace(_UNKNOWN_RIG, top_drive_speed=top_drive, bit_speed=bit)
-        self.append(state.stamp, astuple(rig))
+            rig = _UNKNOWN_RIG._replace(top_drive_speed=top_drive, bit_speed=bit)
+        self.append(state.stamp, rig)
 
 
 class CommandSeries(Series):

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Arrays of a topic hold the recorded numbers."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
@@ -50,7 +48,7 @@ def test_spin_is_unwrapped(make_frame, make_geometry):
     encoder, poses = TwinEncoder(make_geometry(11)), PoseSeries()
     for k in range(200):
         frame = make_frame(11, time=0.01 * k)
-        poses.add_message(encoder.poses(dataclasses.replace(frame, spin=np.full(11, 1.5 * np.pi * k))))
+        poses.add_message(encoder.poses(frame._replace(spin=np.full(11, 1.5 * np.pi * k))))
     np.testing.assert_allclose(poses.spin[-1] - poses.spin[0], 1.5 * np.pi * 199)
 
 

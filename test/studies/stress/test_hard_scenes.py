@@ -2,7 +2,6 @@
 """Hard scenes are followed, no deeper into the wall than its law explains; what goes wrong is told."""
 
 import json
-from dataclasses import replace
 
 import day
 import numpy as np
@@ -120,13 +119,13 @@ def test_heat_cannot_come_back(make_frame):
     case, found = next(case for case in CASES if case.name == "load_300_n[spatial]"), RunStatistics()
     for heat in (0.5, -0.1):
         books = EnergyBalance({}, {}, {"drag": heat}, residual=-2e-3, scale=1.0, newton=0.0)
-        found.add(replace(make_frame(), energy=books))
+        found.add(make_frame()._replace(energy=books))
         assert verdict_on(case, found, "", 1.0) == (
             "ok" if heat > 0.0 else "drag added energy to the string, expected only dissipation"
         )
     assert found.energy == pytest.approx(2e-3)
     lost = EnergyBalance({}, {}, {}, residual=0.3, scale=1.0, newton=0.0)
-    (found := RunStatistics()).add(replace(make_frame(), energy=lost))
+    (found := RunStatistics()).add(make_frame()._replace(energy=lost))
     assert verdict_on(case, found, "", 1.0) == "30% of the energy in motion is an error of the energy balance"
 
 

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The compiled frame loop of one twin: its arrays and functions, bound once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drill_twin.audit import state_check
+from drill_twin.base.arrays import Array
+from drill_twin.solver.native_call import Bound, bind, unbox
+from drill_twin.twin import frame_kernel, observation
+from drill_twin.twin.dynamics import Dynamics
+from drill_twin.twin.frame_kernel import Frames, Places, Rows
+from drill_twin.twin.observer import Observer
+from drill_twin.twin.step_guard import StepGuard
+
+
+class FrameLoop:
+    """Advances a twin frame by frame in compiled code.
+
+    Attributes:
+        outcome: Outcome of the last frame, see `drill_twin.twin.frame_kernel`.
+    """
+
+    def __init__(self, dynamics: Dynamics, guard: StepGuard, observer: Observer) -> None:
+        self._dynamics, self._guard, self._observer = dynamics, guard, observer
+        self.target = np.zeros(2)
+        """Set-points at the end of the frame: weight on bit [N], rotation [rad/s]."""
+        self.outcome = frame_kernel.GOOD
+        self._parameters: Any = None
+        self._called: list[Bound] = []
+
+    def attempt(self, seconds: float, *, save: bool) -> int:
+        """Advance by a frame of a length [s] to `target`; returns its outcome.
+
+        Args:
+            seconds: Length of the frame [s].
+            save: Save the state before; not for a frame that is repeated.
+        """
+        if self._parameters is not self._dynamics.parameters:
+            self._bind()
+        self._seconds[0], self._save[0] = seconds, save
+        self.outcome = self._attempt.run()
+        return self.outcome
+
+    def advance(self, commands: Array, seconds: float, row: int, rows: Rows) -> int:
+        """Advance by frames while they are good; returns the first that was not, and sets `outcome`.
+
+        Args:
+            commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
+            seconds: Length of a frame [s].
+            row: First frame.
+            rows: Record of the frames.
+        """
+        if self._parameters is not self._dynamics.parameters:
+            self._bind()
+        outcome = np.zeros(1, np.int64)
+        arguments = (self._frames, *self._dynamics.unknowns, commands, seconds, row, rows, outcome)
+        stopped = int(frame_kernel.compiled().advance_frames(*arguments))
+        self.outcome = int(outcome[0])
+        return stopped
+
+    def record(self, rows: Rows, row: int) -> None:
+        """Record the frame that was observed last."""
+        frame_kernel.compiled().record(self._frames, *self._dynamics.unknowns, rows, row)
+
+    def rows(self, frames: int) -> Rows:
+        """Make an empty record of a number of frames."""
+        marks, dynamics = self._observer.seen.spin.size, self._dynamics
+        impulses = dynamics.parameters.drive.bit.impulse.size
+        return Rows(
+            np.empty(frames), np.empty((frames, marks, 3)), np.empty((frames, marks, 3)), np.empty((frames, marks)),
+            np.empty((frames, marks)), np.empty((frames, 2, 3)), np.empty((frames, dynamics.counters.size)),
+            np.empty((frames, impulses)), np.empty((frames, 3)),
+        )  # fmt: skip
+
+    def _bind(self) -> None:
+        dynamics, guard, observer = self._dynamics, self._guard, self._observer
+        u, v = dynamics.unknowns
+        rod, hole, seen = dynamics.rod, dynamics.model.wellbore, observer.seen
+        advance = dynamics.arguments(self.target, 0.0, 0.0)
+        kernel = bind(dynamics.kernel.advance, advance)
+        sight = (rod.length, rod.shape, hole, dynamics.wall, u, v, observer.marks, seen)
+        observe = bind(observation.compiled(), sight)
+        check = bind(state_check.compiled(), (rod.outer_radius, u, v, guard.extremes))
+        self._called = [kernel, observe, check]
+        self._frames = Frames(
+            advance=kernel.call, observe=observe.call, check=check.call,
+            places=_places(advance), limits=guard.limits(dynamics.step),
+            memory=dynamics.memory_block, saved=guard.saved, clock=dynamics.clock,
+            command=dynamics.command, target=self.target, guard=guard.memory,
+            extremes=guard.extremes, before=guard.before,
+            counters=dynamics.counters, counters_before=observer.counters_before,
+            impulse=dynamics.parameters.drive.bit.impulse, impulse_before=observer.impulse_before, seen=seen,
+        )  # fmt: skip
+        self._attempt = bind(frame_kernel.compiled().attempt, (self._frames, 0.0, True))
+        words = self._attempt.call.words
+        self._seconds, self._save = words[-2:-1].view(np.float64), words[-1:]
+        self._parameters = dynamics.parameters
+
+
+def _places(arguments: tuple[Any, ...]) -> Places:
+    """Places of the step control, whose first number is the step and whose last the most halvings, and of the times."""
+    control, start = (len(unbox(arguments[:count])) for count in (5, 8))
+    return Places(control, control + 3, start, start + 1)
