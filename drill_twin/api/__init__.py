@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The public Python API, re-exported by `drill_twin`: scenes, runs, results, analysis (docs/api.md)."""
 
+from drill_twin.api.ensemble import Ensemble
 from drill_twin.api.recorded_run import Rerun, rerun
 from drill_twin.api.result import Cost, Result, read_bag
 from drill_twin.api.rotordynamics import branches, campbell, growth_map, modes, whirl_states
 from drill_twin.api.scenes import build_scene, check_scene, load_scene, override, scene_names, write_scene
 from drill_twin.api.simulation import Simulation, State
 from drill_twin.api.whirl import Whirl, analyze
+from drill_twin.ensemble import EnsembleResult
 from drill_twin.errors import (
     ArgumentError,
     BagError,
@@ -28,6 +30,8 @@ __all__ = [
     "CheckpointError",
     "Cost",
     "DrillTwinError",
+    "Ensemble",
+    "EnsembleResult",
     "MessageError",
     "MotionState",
     "Onset",

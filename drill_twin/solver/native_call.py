@@ -53,7 +53,8 @@ class Native:
     def of(cls, function: Any, arguments: tuple[Any, ...]) -> Native:
         """Compile an `entry_kernel` for these arguments, or load its machine code."""
         signature = tuple(_TYPEOF(value) for value in arguments)
-        function.compile(signature)
+        if signature not in function.overloads:
+            function.compile(signature)
         compiled = function.overloads[signature]
         address = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
         return cls(address, signature, compiled.signature.return_type)

@@ -10,7 +10,7 @@ from drill_twin.audit.effect_timing import EffectTimer
 from drill_twin.audit.energy_ledger import make_energy_ledger
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.boundary_conditions import BoundaryConditions
-from drill_twin.discretisation.discretise import axis_at, discretise, tubes_of
+from drill_twin.discretisation.discretise import axis_at, discretise, survey_of, tubes_of
 from drill_twin.discretisation.initial_state import set_initial_state
 from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL, effects_of, form_of, parameters_of, variants_of
 from drill_twin.discretisation.resolution import newton_place, resolution_of
@@ -63,11 +63,10 @@ class Dynamics:
         self.scene = scene
         elements, self.step = resolution_of(scene)
         rod = build_rod(tubes_of(scene), elements)
-        self.model, self.form = discretise(scene, rod), form_of(scene)
+        self.model = discretise(scene, rod)
         self.boundary_conditions = BoundaryConditions.of(scene)
-        self.hole = "straight" if self.model.wellbore.axis is None else "curved"
-        self.effects, self.variants = effects_of(scene), variants_of(scene)
-        audit = scene.numerics.audit == "energy"
+        self.effects = effects_of(scene)
+        self.variants, self.form, self.hole, audit = kernel_of(scene)
         self.kernel = build_kernel(self.variants, self.form, self.hole, audit=audit)
         ledger = [make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_constrained)] if audit else []
         parameters = parameters_of(self.kernel, scene, self.model, *ledger)
@@ -205,3 +204,9 @@ def restore_arrays(memory: Iterator[tuple[str, Array]], arrays: Mapping[str, Arr
     """Copy `arrays` into the arrays of `memory` with the same names; `AXIAL` may be missing."""
     for name, array in memory:
         array[...] = arrays.get(name, array) if name == AXIAL else arrays[name]
+
+
+def kernel_of(scene: Scene) -> tuple[tuple[str, ...], str, str, bool]:
+    """Variants of the effects, formulation, "straight" or "curved" hole, and audit, by which a scene's kernel is compiled."""
+    hole = "straight" if survey_of(scene) is None else "curved"
+    return variants_of(scene), form_of(scene), hole, scene.numerics.audit == "energy"

@@ -87,6 +87,7 @@ class Rows(NamedTuple):
     """Recorded frames, one a row."""
 
     time: Array  # (F,) [s]
+    command: Array  # (F, 2) set-points reached: weight on bit [N], rotation [rad/s]
     position: Array  # (F, m, 3) of the marks [m]
     centre: Array  # (F, m, 3) [m]
     spin: Array  # (F, m) [rad]
@@ -167,6 +168,7 @@ def record(frames: Frames, u: Array, v: Array, rows: Rows, row: int) -> None:
     """Record the frame that was observed last."""
     seen = frames.seen
     rows.time[row] = frames.clock[TIME]
+    rows.command[row] = frames.command
     for m in range(seen.spin.size):
         for c in range(3):
             rows.position[row, m, c] = seen.position[m, c]

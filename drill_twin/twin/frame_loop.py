@@ -70,11 +70,12 @@ class FrameLoop:
         """Make an empty record of a number of frames."""
         marks, dynamics = self._observer.seen.spin.size, self._dynamics
         impulses = dynamics.parameters.drive.bit.impulse.size
-        return Rows(
-            np.empty(frames), np.empty((frames, marks, 3)), np.empty((frames, marks, 3)), np.empty((frames, marks)),
-            np.empty((frames, marks)), np.empty((frames, 2, 3)), np.empty((frames, dynamics.counters.size)),
-            np.empty((frames, impulses)), np.empty((frames, 3)),
-        )  # fmt: skip
+        sizes = {
+            "time": (), "command": (2,), "position": (marks, 3), "centre": (marks, 3), "spin": (marks,),
+            "wall_force": (marks,), "ends": (2, 3), "counted": (dynamics.counters.size,), "pushed": (impulses,),
+            "string": (3,),
+        }  # fmt: skip
+        return Rows(**{name: np.empty((frames, *size)) for name, size in sizes.items()})
 
     def _bind(self) -> None:
         dynamics, guard, observer = self._dynamics, self._guard, self._observer

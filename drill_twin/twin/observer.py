@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from drill_twin.base.arrays import Array
@@ -11,6 +13,7 @@ from drill_twin.model.bit import BIT_TORQUE, BIT_WEIGHT, TOP_TORQUE
 from drill_twin.solver import state
 from drill_twin.twin.dynamics import Dynamics
 from drill_twin.twin.frame import EnergyBalance, Frame, Intervention, MarkStates, RigState, StepStats
+from drill_twin.twin.frame_kernel import Rows
 from drill_twin.twin.observation import DEPTH, PLACE, locate_marks, make_observation
 
 
@@ -89,3 +92,29 @@ class Observer:
             block_position=top[2], block_velocity=top_rate[2],
             hookload=-load if ends.weight_at_top else reaction[state.HOOK_IMPULSE],
         )  # fmt: skip
+
+
+class RigRows(NamedTuple):
+    """Rig and bit over recorded frames, each of shape (F,); fields as in `RigState`."""
+
+    top_drive_speed: Array
+    top_drive_torque: Array
+    bit_speed: Array
+    bit_torque: Array
+    bit_force: Array
+    hookload: Array
+
+
+def rig_rows(dynamics: Dynamics, rows: Rows, seconds: float) -> RigRows:
+    """Rig and bit over recorded frames of a length [s]."""
+    mean, pushed, ends = rows.counted / seconds, rows.pushed / seconds, dynamics.boundary_conditions
+    load = rows.command[:, 0]
+    weight = pushed[:, BIT_WEIGHT] if ends.bit_on_rock else mean[:, state.BIT_IMPULSE]
+    return RigRows(
+        top_drive_speed=rows.ends[:, 1, 1],
+        top_drive_torque=pushed[:, TOP_TORQUE] if ends.torque_driven else mean[:, state.TORQUE_IMPULSE],
+        bit_speed=rows.ends[:, 0, 1],
+        bit_torque=pushed[:, BIT_TORQUE],
+        bit_force=weight if ends.weight_at_top else load,
+        hookload=-load if ends.weight_at_top else mean[:, state.HOOK_IMPULSE],
+    )

@@ -15,7 +15,7 @@ from drill_twin.twin.dynamics import Dynamics, restore_arrays
 from drill_twin.twin.energy_balance import EnergyAudit
 from drill_twin.twin.failure_report import failure_report
 from drill_twin.twin.frame import EnergyBalance, Frame, Intervention
-from drill_twin.twin.frame_kernel import DIVERGED, HALVED_TOO_OFTEN, SUSPECT
+from drill_twin.twin.frame_kernel import DIVERGED, HALVED_TOO_OFTEN, SUSPECT, Rows
 from drill_twin.twin.frame_loop import FrameLoop
 from drill_twin.twin.observer import Observer
 from drill_twin.twin.state_bounds import bounds_of
@@ -140,6 +140,45 @@ class Twin:
         intervention = self._complete(self._loop.attempt(seconds, save=True), target, seconds)
         self._history.add(self.time, *self.unknowns)
         return self._observer.frame(seconds, time.perf_counter() - began, intervention, self._energy)
+
+    def rows(self, frames: int) -> Rows:
+        """Make an empty record of a number of frames, for `advance_frames`."""
+        return self._loop.rows(frames)
+
+    def advance_frames(self, commands: Array, seconds: float, rows: Rows) -> int:
+        """Advance by frames in compiled code, without Python in between, and record them: the same bits as `advance`.
+
+        Python takes over for a frame that the step guard rejects, and for each frame of a scene with an audit.
+
+        Args:
+            commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
+            seconds: Length of a frame [s].
+            rows: Takes the F frames.
+
+        Returns:
+            Number of frames that were repeated with a smaller step.
+
+        Raises:
+            StoppedError: As `advance`; the frames before are recorded.
+        """
+        row, repeated, loop = 0, 0, self._loop
+        while row < len(commands):
+            if self.energy_audit is None:
+                row = loop.advance(commands, seconds, row, rows)
+                if row == len(commands):
+                    break
+            else:
+                self.energy_audit.begin(*self.unknowns)
+                loop.target[:] = commands[row]
+                loop.attempt(seconds, save=True)
+            repeated += self._complete(loop.outcome, loop.target, seconds) is not None
+            loop.record(rows, row)
+            row += 1
+        return repeated
+
+    def energy(self) -> EnergyBalance | None:
+        """Energy balance at the end of the last frame, if the scene asks for an audit."""
+        return self._energy
 
     def _complete(self, outcome: int, target: Array, seconds: float) -> Intervention | None:
         """Check the frame after its first attempt, repeat it if need be, and set the set-points last reached."""

@@ -71,7 +71,7 @@ def test_marks(read, frames):
 
 def test_rig(read, frames):
     rig = read(RIG_STATE)
-    for name in frames[0].rig.__dataclass_fields__:
+    for name in frames[0].rig._fields:
         np.testing.assert_array_equal(getattr(rig, name), [getattr(frame.rig, name) for frame in frames])
 
 

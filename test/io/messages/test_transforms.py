@@ -38,7 +38,7 @@ def test_bit_and_marks_are_where_the_topics_say(make_frame, make_geometry):
 def test_a_mark_is_turned_with_the_spin_of_its_section(make_frame, make_geometry):
     geometry, frame = make_geometry(11), make_frame(nodes=11)
     upright = np.broadcast_to([0.0, 0.0, 1.0], frame.tangents.shape)
-    object.__setattr__(frame, "tangents", upright)
+    frame = frame._replace(tangents=upright)
     for one, spin in zip(StringTransforms(geometry).at(frame)[1:], frame.marks.spin, strict=True):
         np.testing.assert_allclose(
             turned(one.rotation, np.array([1.0, 0.0, 0.0])), [np.cos(spin), np.sin(spin), 0.0], atol=1e-12

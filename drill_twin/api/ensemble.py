@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An ensemble in Python: many runs of one scene with other numbers (docs/ensembles.md)."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from drill_twin.api.quantity import Quantity, in_si
+from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.ensemble import OUTPUTS, EnsembleResult, expand, run_members
+from drill_twin.ensemble.outputs import Request
+from drill_twin.errors import ArgumentError
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds
+from drill_twin.runner import compile_kernel
+from drill_twin.scene import Scene
+from drill_twin.schedule import Schedule
+from drill_twin.units.dimension import FREQUENCY, TIME
+
+DEFAULT_OUTPUTS = ("findings", "extremes", "contact")
+MARK_RATE = 25.0
+"""Samples of the marks per simulated second."""
+
+
+class Ensemble:
+    """Runs of a scene that differ in numbers: values of effects, seeds, set-points, start.
+
+    >>> ensemble = Ensemble("pa6_bench", {"wall_friction.coefficient": [0.1, 0.2, 0.3], "seed": range(8)})
+    >>> found = ensemble.run(duration=30)
+    >>> found["onset_s"].reshape(3, 8)
+
+    Attributes:
+        scene: The base scene, with elements and step in place of an accuracy, for all members.
+        members: The members.
+    """
+
+    def __init__(
+        self,
+        scene: Scene | str | Path,
+        vary: Mapping[str, Sequence[float | str]],
+        *,
+        zipped: bool = False,
+        overrides: Overrides | None = None,
+    ) -> None:
+        """Check the members; nothing runs yet.
+
+        Args:
+            scene: The scene, or its name or file.
+            vary: Values by key, as in overrides; a key of an effect needs no `effects.`, `seed` is `numerics.seed`.
+            zipped: Take the values of all keys together, one after the other, instead of each with each.
+            overrides: Values that replace those of the scene for all members.
+
+        Raises:
+            ArgumentError: No values, too many members, or members that need another kernel.
+            SceneError: A value does not fit the scene.
+        """
+        self.scene = as_scene(scene, overrides)
+        if self.scene.numerics.accuracy is not None:
+            from drill_twin.accuracy import resolve
+
+            self.scene = resolve(self.scene).scene
+        self.members = expand(self.scene, vary, zipped=zipped)
+
+    def run(
+        self,
+        duration: Quantity | None = None,
+        *,
+        outputs: Sequence[str] = DEFAULT_OUTPUTS,
+        mark_rate: Quantity = MARK_RATE,
+        workers: int | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> EnsembleResult:
+        """Run all members, each from its start; a member that fails is reported and stops no other.
+
+        Args:
+            duration: Simulated time [s]; left out: to the end of the base scene.
+            outputs: Of "findings", "extremes", "contact", "marks", "spectra" and "energy".
+            mark_rate: Samples of "marks" per simulated second [Hz], at most the frame rate.
+            workers: Threads; by default one for each processor core.
+            progress: Called with the number of members that have ended and of all.
+
+        Raises:
+            ArgumentError: An argument cannot be used.
+            DrillTwinError: The first member cannot be begun, such as a record that cannot be played.
+        """
+        request = self._request(duration, outputs, mark_rate)
+        threads = len(os.sched_getaffinity(0)) if workers is None else workers
+        if not isinstance(threads, int) or threads < 1:
+            raise ArgumentError(f"workers: expected a whole number of 1 or more, found {workers!r}")
+        first = self.members.scene(next(iter(self.members)))
+        compile_kernel(first, request.period)
+        count = len(self.members)
+
+        def done(ended: int) -> None:
+            if progress is not None:
+                progress(ended, count)
+
+        return EnsembleResult(self.members, run_members(self.members, request, min(threads, count), done))
+
+    def _request(self, duration: Quantity | None, outputs: Sequence[str], mark_rate: Quantity) -> Request:
+        numerics = self.scene.numerics
+        names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        for name in names:
+            if name not in OUTPUTS:
+                raise ArgumentError(f"outputs: expected some of {', '.join(OUTPUTS)}, found {name!r}")
+        if "energy" in names and numerics.audit != "energy":
+            raise ArgumentError("outputs: expected numerics.audit: energy in the scene for `energy`, found none")
+        length = Schedule.from_scene(self.scene).duration if duration is None else in_si("duration", duration, TIME)
+        if length <= 0.0:
+            raise ArgumentError(f"duration: expected a time above 0 s, found {length:g} s")
+        rate = in_si("mark_rate", mark_rate, FREQUENCY)
+        if not 0.0 < rate <= numerics.frame_rate:
+            raise ArgumentError(
+                f"mark_rate: expected up to the frame rate of {numerics.frame_rate:g} Hz, found {rate:g} Hz; "
+                "raise numerics.frame_rate for more"
+            )
+        period = round(NANOSECONDS / numerics.frame_rate)
+        frames = max(1, math.ceil(length * NANOSECONDS / period - 0.5))
+        return Request(names, seconds(period), frames, round(numerics.frame_rate / rate))
