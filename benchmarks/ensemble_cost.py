@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Processor time of a run by what is done with it, over that of the compiled loop (python -m benchmarks.ensemble_cost).
+
+`pa6_bench` with 8 elements and steps of 10 ms, 30 s simulated, on one thread. All cases are measured in turn, several
+times, and the least of each counts. Start-up and compiling are left out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import drill_twin as dt
+from drill_twin.runner import Session
+from drill_twin.schedule import Schedule
+from drill_twin.twin.twin import Twin
+
+DURATION, RATE = 30.0, 100  # [s], frames a second
+RESOLUTION: dict[str, float | str] = {"numerics.elements": 8, "numerics.step": "10 ms", "duration": DURATION}
+LOOP = "compiled loop, frames of 1 s"
+MEMBERS = 4
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=5)
+    rounds: int = parser.parse_args().rounds
+    scene = dt.load_scene("pa6_bench", RESOLUTION)
+    ensemble = dt.Ensemble(scene, {"seed": range(MEMBERS)})
+    shares: list[float] = []
+
+    def members(*outputs: str) -> float:
+        found = ensemble.run(outputs=outputs, workers=1)
+        shares.append(found.kernel_share)
+        return found.processor_seconds / MEMBERS
+
+    cases: dict[str, Callable[[], float]] = {
+        LOOP: lambda: loop(scene),
+        "twin, 100 frames a second": lambda: twin(scene),
+        "member without findings": lambda: members("extremes", "contact"),
+        "member with findings": lambda: members("findings", "extremes", "contact"),
+        "recorded run: analysis and bag": lambda: recorded(scene),
+    }
+    for measure in cases.values():  # loads the machine code
+        measure()
+    shares.clear()
+    least = dict.fromkeys(cases, math.inf)
+    for _ in range(rounds):
+        for name, measure in cases.items():
+            least[name] = min(least[name], measure())
+    print("| processor time of 30 s of `pa6_bench` | ms | over the compiled loop |\n| --- | --- | --- |")
+    for name, seconds in least.items():
+        print(f"| {name} | {1e3 * seconds:.0f} | {seconds / least[LOOP]:.1f} |")
+    print(
+        f"\nshare of the compiled loop without findings {max(shares[::2]):.0%}, with findings {max(shares[1::2]):.0%}"
+    )
+
+
+def loop(scene: dt.Scene) -> float:
+    """Processor time of the compiled loop alone [s]."""
+    dynamics, schedule = Twin(scene).dynamics, Schedule.from_scene(scene)
+    began = time.process_time()
+    for second in range(1, round(DURATION) + 1):
+        command = schedule.at(float(second))
+        target = np.array([command.weight_on_bit, command.rotation])
+        dynamics.advance(target, 1.0)
+        dynamics.command[:] = target
+    return time.process_time() - began
+
+
+def twin(scene: dt.Scene) -> float:
+    """Processor time of a twin that makes a frame every 10 ms [s]."""
+    running, schedule = Twin(scene), Schedule.from_scene(scene)
+    began = time.process_time()
+    for frame in range(1, round(DURATION * RATE) + 1):
+        running.advance(schedule.at(frame / RATE), 1.0 / RATE)
+    return time.process_time() - began
+
+
+def recorded(scene: dt.Scene) -> float:
+    """Processor time of a session, as `drill-twin run` [s]."""
+    session = Session(scene)
+    with tempfile.TemporaryDirectory() as folder:
+        began = time.process_time()
+        session.run(Path(folder) / "bag_0")
+        return time.process_time() - began
+
+
+if __name__ == "__main__":
+    main()
