@@ -158,7 +158,7 @@ def test_the_energy_balance_is_an_output_of_audited_scenes():
         ({"wob": [1, 2], "seed": [1]}, {"zipped": True}, "found 2 of wob, 1 of seed"),
         ({"wob": range(2000), "seed": range(2000)}, {}, "expected at most 1000000 members, found 4000000"),
         ({"effects.drag": [True]}, {}, "expected finite numbers or texts with a unit, found True"),
-        ({"effects.drag": ["on", "off"]}, {}, "expected members with the same effects and formulation"),
+        ({"effects.gravity": ["on", "off"]}, {}, "expected members with the same effects and formulation"),
         ({"wall_friction.coefficient": [0.1, -1]}, {}, "member 1 (wall_friction.coefficient=-1): "),
         ({"wall_fiction.coefficient": [0.1]}, {}, "wall_fiction"),
     ],
