@@ -207,6 +207,6 @@ def restore_arrays(memory: Iterator[tuple[str, Array]], arrays: Mapping[str, Arr
 
 
 def kernel_of(scene: Scene) -> tuple[tuple[str, ...], str, str, bool]:
-    """Variants of the effects, formulation, "straight" or "curved" hole, and audit, by which a scene's kernel is compiled."""
+    """What a scene's kernel is compiled for: variants of effects, formulation, "straight" or "curved" hole, audit."""
     hole = "straight" if survey_of(scene) is None else "curved"
     return variants_of(scene), form_of(scene), hole, scene.numerics.audit == "energy"

@@ -184,9 +184,8 @@ class StepGuard:
         if self.before[state_check.LEAN] <= FOLDING or self._model.wellbore.axis is not None:
             return ""
         angle = np.degrees(np.arccos(1.0 - self.before[state_check.LEAN]))
-        return (
-            f"; before, the string at {self._at(int(self.before[state_check.LEAN_AT]))} leaned {angle:.0f} degrees from the upright: it folds"
-        )
+        place = self._at(int(self.before[state_check.LEAN_AT]))
+        return f"; before, the string at {place} leaned {angle:.0f} degrees from the upright: it folds"
 
     def energy_drift(self, energy: EnergyBalance, grown: float) -> Violation | None:
         """Check the energy balance of a frame; returns its violation, if any.

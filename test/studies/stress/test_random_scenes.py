@@ -82,7 +82,7 @@ def check(data: dict, lost: list | None = None) -> None:
         reached = number
         for part in (frame.positions, frame.velocities, frame.spin, frame.spin_rate, frame.wall_force):
             assert np.isfinite(part).all()
-        assert all(math.isfinite(value) for value in vars(frame.rig).values())
+        assert all(math.isfinite(value) for value in frame.rig)
         assert (frame.wall_force >= 0.0).all()
         speed = max(speed, float(np.linalg.norm(frame.velocities[:, :2], axis=1).max()))
         depth = max(depth, frame.wall_depth)
