@@ -121,7 +121,7 @@ class Marks(Collector):
     def close(self) -> Mapping[str, Variable]:
         """Times and positions."""
         return {
-            "time": Variable(self._time, ("sample",), "s"),
+            "time": Variable(np.round(self._time, 9), ("sample",), "s"),
             "centre": Variable(self._centre, ("sample", "mark", "axis"), "m"),
         }
 

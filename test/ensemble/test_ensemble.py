@@ -73,7 +73,7 @@ def test_chunks_and_checks_by_python_change_nothing(found, monkeypatch):
 
 
 def test_a_member_that_fails_is_reported_with_what_came_before():
-    ensemble = dt.Ensemble("pa6_bench", {"wob": [20, 1e6, 40]}, overrides=COARSE)
+    ensemble = dt.Ensemble("pa6_bench", {"wob": [20, 2e4, 40]}, overrides=COARSE)
     ended = []
     result = ensemble.run(1.0, outputs=("marks",), mark_rate=100, progress=lambda *count: ended.append(count))
     assert ended == [(1, 3), (2, 3), (3, 3)]
@@ -142,7 +142,7 @@ def test_the_energy_balance_is_an_output_of_audited_scenes():
     found = dt.Ensemble("pa6_bench", {"wob": [40]}, overrides=audited).run(0.5, outputs="energy")
     single = dt.Simulation("pa6_bench", {**audited, "wob": 40})
     twin = Twin(single.scene)
-    for command in [single.schedule.at(0.01 * k) for k in range(1, 51)]:
+    for command in [single.schedule.at(k / 100) for k in range(1, 51)]:
         frame = twin.advance(command, 0.01)
     assert found["energy_residual"][0] == frame.energy.share
     assert found["energy_dissipated_drag"][0] == frame.energy.dissipated["drag"] != 0.0
