@@ -32,8 +32,7 @@ class MotionState(Enum):
     """The rotation is slower than `rest_rotation`."""
     FIXED_AXIS = "rotation about a fixed axis"
     """No whirl: the asynchronous part is below `onset_radius` or stands (`standing_ratio`), and there is no synchronous
-    onset. A bowed
-    string that spins about its bent shape has this state, whether centred or lying on one side."""
+    onset. A bowed string that spins about its bent shape has this state, whether centred or lying on one side."""
     FORWARD_WHIRL = "forward whirl"
     """Regular whirl in the sense of rotation, synchronous whirl (ratio 1) included. In contact it can only slide, never
     roll: the criterion's text then says that it slides along the wall, and for what share of the time."""
@@ -73,7 +72,10 @@ class Criteria:
     """Onset: precession over rotation below which `settling_angle` is needed."""
     standing_ratio: float = 1.0 / 144.0
     """Rotation about a fixed axis: precession over rotation of a displaced string below this, 15 degrees in
-    `sweep_window`; the string stands, whatever the sign of the rest."""
+    `sweep_window`; the string stands, whatever the sign of the rest, if it moves as little as `standing_share` says."""
+    standing_share: float = 1.0 / 3.0
+    """Rotation about a fixed axis: unevenness and lack of coherence of a string that stands, over those from which a
+    motion is irregular. The mean precession of a string that jumps to and fro is about 0 too."""
     falling_time: float = 2.0
     """Onset: duration from the first rotation during which a string in an inclined hole may fall to its low side
     [rev]."""

@@ -32,6 +32,8 @@ class MotionClassifier:
         self._every = np.arange(marks)
         self._irregularity = Irregularity(marks, criteria)
         self._in_contact: Mask = np.zeros(marks, bool)
+        self._still: Mask = np.zeros(marks, bool)
+        self._dated: list[float | None] = [None] * (marks + 1)  # begin of the whirl of each subject that has a period
         self._rolls: Mask = np.zeros(marks, bool)  # the contact point slips little, if there is contact
         self._helical = self._two_sided = False
 
@@ -69,6 +71,9 @@ class MotionClassifier:
             for subject, (estimate, start) in enumerate(zip(estimates, began, strict=True))
         ]
         changed, settled = self.hysteresis.update(estimates, starts, orbit.lag, time, revolutions)
+        for subject in changed:
+            if self.hysteresis.states[subject] not in NO_WHIRL:
+                self._dated[subject] = began[subject]
         for subject in (*changed, *settled):
             mark = marks[subject]
             row = 0 if whirling[0][mark] else 1
@@ -94,7 +99,8 @@ class MotionClassifier:
         """Start of the estimated state [s], where it is known better than from the hysteresis."""
         held = self.hysteresis.states[subject]
         if held in NO_WHIRL:
-            return None if estimate in NO_WHIRL else began
+            # A whirl goes on after the string stood for a while; its begin is that of its first period.
+            return None if estimate in NO_WHIRL or began == self._dated[subject] else began
         if estimate is MotionState.IRREGULAR:
             return max(float(self._irregularity.rose[mark]), time - LONGEST_DELAY * lag) - lag
         if held is MotionState.IRREGULAR and estimate not in NO_WHIRL:
@@ -116,6 +122,10 @@ class MotionClassifier:
         row = np.where(asynchronous, 0, 1)
         coherence = orbit.coherence[row, self._every]
         unevenness = orbit.unevenness[row, self._every]
+        share = criteria.standing_share
+        self._still = (1.0 - coherence < share * (1.0 - criteria.coherence)) & (
+            unevenness < share * criteria.unevenness
+        )
         self._irregularity.update(coherence, unevenness, at[1] - detected > criteria.settling_time, at[0], at[1])
         self._in_contact = _latched(
             self._in_contact,
@@ -140,8 +150,8 @@ class MotionClassifier:
         if abs(orbit.recent_rotation) < self._criteria.rest_rotation:
             return [MotionState.AT_REST] * self._every.size
         hidden = np.ones_like(orbit.seen) if orbit.aliased else ~orbit.seen
-        turns = whirls & ~(np.abs(ratio) < self._criteria.standing_ratio)
-        flags = (hidden, whirls, self._irregularity.active, turns, self._in_contact & self._rolls, ratio > 0.0)
+        stands = (np.abs(ratio) < self._criteria.standing_ratio) & self._still
+        flags = (hidden, whirls, self._irregularity.active, stands, self._in_contact & self._rolls, ratio > 0.0)
         return [_state(*mark) for mark in zip(*(flag.tolist() for flag in flags), strict=True)]
 
     def _of_string(self, reference: MotionState) -> MotionState:
@@ -159,7 +169,7 @@ def _latched(flag: Mask, on: Mask, off: Mask) -> Mask:
     return result
 
 
-def _state(hidden: bool, whirl: bool, irregular: bool, turns: bool, rolling: bool, forward: bool) -> MotionState:
+def _state(hidden: bool, whirl: bool, irregular: bool, stands: bool, rolling: bool, forward: bool) -> MotionState:
     """The state of a mark that rotates."""
     if hidden:
         return MotionState.NOT_OBSERVABLE
@@ -167,7 +177,7 @@ def _state(hidden: bool, whirl: bool, irregular: bool, turns: bool, rolling: boo
         return MotionState.FIXED_AXIS
     if irregular:
         return MotionState.IRREGULAR
-    if not turns:
+    if stands:
         return MotionState.FIXED_AXIS
     if rolling:
         return MotionState.ROLLING
