@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drill_twin.base.arrays import Array
-from drill_twin.errors import ArgumentError
+from drill_twin.base.extras import import_xarray
 
 if TYPE_CHECKING:
     import xarray
@@ -47,12 +47,7 @@ def dataset(result: Result) -> xarray.Dataset:
     Raises:
         ArgumentError: xarray is not installed.
     """
-    try:
-        import xarray
-    except ImportError:
-        raise ArgumentError(
-            "to_xarray: expected the package xarray, found none; install it: pip install 'drill_twin[xarray]'"
-        ) from None
+    labelled = import_xarray()
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"time": ("time", result.time, {"units": "s"})}
 
@@ -83,4 +78,5 @@ def dataset(result: Result) -> xarray.Dataset:
             variables[name] = ((at, "mark"), getattr(whirl, name), {"units": unit})
     found = {"onset_s": result.onset_s, "whirl_frequency_hz": whirl.frequency_hz}
     attributes = {"source": str(result.path), **{key: value for key, value in found.items() if value is not None}}
-    return xarray.Dataset(variables, coordinates, attributes)
+    labelled_arrays: xarray.Dataset = labelled.Dataset(variables, coordinates, attributes)
+    return labelled_arrays

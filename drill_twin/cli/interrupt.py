@@ -7,6 +7,8 @@ import os
 import signal
 from types import FrameType
 
+from drill_twin.base.import_state import is_importing
+
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _STOPPED = b"drill-twin: stopped\n"
 _SHOW_CURSOR = b"\r\x1b[2K\x1b[?25h"  # a progress line hides it
@@ -35,17 +37,8 @@ def ignore() -> None:
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
-    if _is_importing(
-        frame
-    ):  # a module swallows the exception, or prints it: leave at once, there is nothing to complete
+    if is_importing(frame):
+        # a module swallows the exception, or prints it: leave at once, there is nothing to complete
         os.write(2, (_SHOW_CURSOR if os.isatty(2) else b"") + _STOPPED)
         os._exit(128 + number)
     raise Interrupted(number)
-
-
-def _is_importing(frame: FrameType | None) -> bool:
-    while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
-            return True
-        frame = frame.f_back
-    return False

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from drill_twin.base.extras import import_xarray
 from drill_twin.ensemble.members import Members
 from drill_twin.ensemble.run import Run
 from drill_twin.errors import ArgumentError
@@ -110,13 +111,7 @@ class EnsembleResult:
         Raises:
             ArgumentError: xarray is not installed.
         """
-        try:
-            import xarray
-        except ImportError:
-            raise ArgumentError(
-                "to_xarray: expected the package xarray, found none; install it: pip install 'drill_twin[xarray]'"
-            ) from None
-        members = self._members
+        labelled, members = import_xarray(), self._members
         shape = members.shape
         keys = ("member",) if members.zipped else tuple(members.vary)
         coordinates: dict[str, Any] = {
@@ -136,4 +131,5 @@ class EnsembleResult:
                 variables[name] = ((*keys, *self.dimensions[name]), values.reshape(*shape, *of_member), unit)
         if "axis" in {name for dimensions in self.dimensions.values() for name in dimensions}:
             coordinates["axis"] = ["x", "y"]
-        return xarray.Dataset(variables, coordinates, {"scene": members.base.name})
+        result: xarray.Dataset = labelled.Dataset(variables, coordinates, {"scene": members.base.name})
+        return result

@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+from drill_twin.base.import_state import is_importing
+
 _RETRY = 0.02  # s until a signal that came during an import is handled again
 
 
@@ -67,18 +69,9 @@ class StopRequest:
         self._requested = True
         if not self._at_once:
             return
-        if _is_importing(frame):
+        if is_importing(frame):
             self._timer_set = True
             signal.setitimer(signal.ITIMER_REAL, _RETRY)
             return
         self._at_once = False
         raise Stopped
-
-
-def _is_importing(frame: FrameType | None) -> bool:
-    """Return True during an import: an exception there can leave the lock of all imports locked for ever."""
-    while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
-            return True
-        frame = frame.f_back
-    return False
