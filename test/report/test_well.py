@@ -45,7 +45,7 @@ def test_tracks_are_those_of_the_last_pose(known_bag):
     figure = draw("well", recording)
     shape = recording.shapes()[-1]
     middle = shape[np.argmin(np.abs(shape[:, 2] + 2.5))]
-    _, across, gap, force, torque = figure.axes
+    _, across, gap, _, force, torque = figure.axes
     assert across.get_xlabel() == "x [mm]"
     line = across.get_lines()[-1]
     assert np.interp(2.5, line.get_ydata(), line.get_xdata()) == pytest.approx(1e3 * middle[0], abs=0.05)
@@ -56,8 +56,9 @@ def test_tracks_are_those_of_the_last_pose(known_bag):
         (force, recording.rig.hookload[-1], -recording.rig.bit_force[-1], "[N]"),
         (torque, recording.rig.top_drive_torque[-1], -recording.rig.bit_torque[-1], "[N m]"),
     ):
-        assert panel.get_lines()[0].get_xdata() == pytest.approx([top, bit])
-        assert panel.get_lines()[0].get_ydata() == pytest.approx([0.0, 5.0])
+        points = next(line for line in panel.get_lines() if line.get_label() == "recorded")
+        assert points.get_xdata() == pytest.approx([top, bit])
+        assert points.get_ydata() == pytest.approx([0.0, 5.0])
         assert panel.get_xlabel() == unit
         assert panel.yaxis_inverted()
 

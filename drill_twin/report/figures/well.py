@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The string in the well at the end of the run: the hole as it is drilled, and tracks over measured depth.
 
-A bag holds the positions of the string and the forces at its two ends: force and torque are drawn as points.
+Forces along the string are those of its recorded shape; points are what the bag holds at the two ends.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from drill_twin.discretisation.discretise import contact_radius
 from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, blank, head
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_curve import VERTICAL, inclination, low_side
+from drill_twin.report.string_forces import string_forces
 
 _WIDE = 0.05
 """Radius of the hole in the section as drawn, over the size of the well."""
@@ -25,11 +26,11 @@ _LEGEND = 24.0
 """Height of the legend between section and title, however flat the section is [points]."""
 _POINTS = 800
 _KILO = 5000.0
-"""Force [N] or torque [N m] from which the unit is kN or kN m."""
+"""Force [N], torque [N m] or force per length [N/m] from which the unit has a k before it."""
 
 
 def well(recording: Recording) -> Figure:
-    """Vertical section; tracks: string and hole along the low side, distance to the wall, forces at the ends."""
+    """Vertical section; tracks of string and hole towards the low side, distance to the wall and forces."""
     scene = recording.scene
     figure = blank(6.8)
     head(figure, f"The string in the well at {recording.duration:.2f} s")
@@ -41,27 +42,46 @@ def well(recording: Recording) -> Figure:
     offset = _offset(recording, depth)
     along = (offset * np.conj(_directions(low))).real
     right = -1.0 if inclined else 1.0  # the low side of a hole that builds to the right is on its left
-    _section(figure.add_axes((0.07, 0.09, 0.24, 0.775)), inclination(scene, depth), depth, hole, pipe, right * along)
-    places = ((0.395, 0.17), (0.59, 0.115), (0.73, 0.105), (0.86, 0.105))
+    _section(figure.add_axes((0.065, 0.09, 0.22, 0.775)), inclination(scene, depth), depth, hole, pipe, right * along)
+    places = ((0.36, 0.145), (0.53, 0.09), (0.65, 0.09), (0.77, 0.09), (0.89, 0.09))
     tracks = [figure.add_axes((left, 0.09, width, 0.775)) for left, width in places]
-    across, gap, force, torque = tracks
+    across, gap, side, tension, torque = tracks
     _bands(across, depth, 1e3 * hole, 1e3 * pipe, 1e3 * along)
     across.set(xlabel=f"{'low side' if inclined else 'x'} [mm]", ylabel="measured depth [m]")
-    across.set_title(f"towards {'the low side' if inclined else 'x'}", fontsize=10)
-    gap.plot(1e3 * (hole - pipe - np.abs(offset)), depth, color=BLUE)
+    across.set_title(f"towards {'low side' if inclined else 'x'}", fontsize=10)
+    gap.plot(1e3 * (hole - pipe - np.abs(offset)), depth, color=BLUE, linewidth=1.0, label="distance to wall")
     gap.axvline(0.0, color=INK, linewidth=1.4)
     gap.set(xlabel="[mm]")
-    gap.set_title("distance to wall", fontsize=10)
-    rig, ends = recording.rig, (0.0, scene.length)
-    if len(rig):
-        _ends(force, (rig.hookload[-1], -rig.bit_force[-1]), ends, "tension", "N")
-        _ends(torque, (rig.top_drive_torque[-1], -rig.bit_torque[-1]), ends, "torque", "N m")
+    gap.set_title("to the wall", fontsize=10)
+    _forces(recording, side, tension, torque)
     for track in tracks:
         track.set_ylim(scene.length, 0.0)
-        track.xaxis.set_major_locator(MaxNLocator(3 if track in {across, gap} else 2))
+        track.xaxis.set_major_locator(MaxNLocator(3 if track is across else 2))
         track.tick_params(labelleft=track is across)
-    figure.text(0.845, 0.915, "as recorded at the ends", ha="center", color=GREY, fontsize=9)
     return figure
+
+
+def _forces(recording: Recording, side: Axes, tension: Axes, torque: Axes) -> None:
+    """Forces of the last pose as lines, those recorded at top and bit as points."""
+    rig, length = recording.rig, recording.scene.length
+    ends = (rig.hookload[-1], -rig.bit_force[-1], rig.top_drive_torque[-1], -rig.bit_torque[-1]) if len(rig) else ()
+    found = string_forces(recording, slice(-1, None))
+    for panel, values, points, name, unit in (
+        (side, None if found is None else found.side[0], (), "side force", "N/m"),
+        (tension, None if found is None else found.tension[0], ends[:2], "tension", "N"),
+        (torque, None if found is None else found.torque[0], ends[2:], "torque", "N m"),
+    ):
+        largest = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in (values, points) if row is not None)
+        scale, kilo = (1e-3, "k") if largest >= _KILO else (1.0, "")
+        if found is not None and values is not None:
+            steps = np.repeat(found.depth, 2)[1:-1]  # one value an element
+            panel.plot(scale * np.repeat(values, 2), steps, color=BLUE, linewidth=1.0, label=name)
+        if points:
+            panel.plot(scale * np.array(points), (0.0, length), "o", color=VERMILION, clip_on=False, label="recorded")
+        panel.axvline(0.0, color=GREY, linewidth=0.8)
+        panel.margins(x=0.15)
+        panel.set(xlabel=f"[{kilo}{unit}]")
+        panel.set_title(name, fontsize=10)
 
 
 def _directions(low: ComplexArray) -> ComplexArray:
@@ -121,14 +141,3 @@ def _bands(panel: Axes, depth: Array, hole: Array, pipe: Array, along: Array) ->
     panel.plot(hole, depth, color=INK, linewidth=1.4)
     panel.fill_betweenx(depth, along - pipe, along + pipe, color=BLUE, alpha=0.35)
     panel.plot(along, depth, color=BLUE, linewidth=1.0)
-
-
-def _ends(panel: Axes, values: tuple[float, float], places: tuple[float, float], name: str, unit: str) -> None:
-    """Values at the top and at the bit as points; the unit is N or kN."""
-    kilo = max(map(abs, values)) >= _KILO
-    shown = [1e-3 * value for value in values] if kilo else values
-    panel.plot(shown, places, "o", color=VERMILION, clip_on=False)
-    panel.axvline(0.0, color=GREY, linewidth=0.8)
-    panel.margins(x=0.25)
-    panel.set(xlabel=f"[{'k' if kilo else ''}{unit}]")
-    panel.set_title(name, fontsize=10)

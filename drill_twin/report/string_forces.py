@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Forces along the string, from the recorded poses of its nodes: a bag holds forces at the two ends and at the marks.
+
+They are elastic: what internal damping and the damping of the wall add is not in a pose.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.discretisation.discretise import discretise, tubes_of
+from drill_twin.discretisation.initial_state import axial_weight, untwisted
+from drill_twin.effects.wall import parameters as wall_parameters
+from drill_twin.model.mesh import SPIN, Rod, build_rod
+from drill_twin.model.wellbore_coordinates import offsets
+from drill_twin.report.recording import Recording
+
+_ITERATIONS = 20
+"""Repetitions of `_slopes`, each of which halves its error at least."""
+_TURN = 4.0 * np.pi
+"""Angle after which the orientation of a section repeats as a quaternion [rad]."""
+
+
+class StringForces(NamedTuple):
+    """Forces in the n elements at T poses; NaN where the scene does not have them."""
+
+    depth: Array
+    """Measured depth of the nodes, from the bit up [m], shape (n + 1,)."""
+    tension: Array
+    """Axial force [N], positive = tension, shape (T, n)."""
+    torque: Array
+    """Torque [N m], right-handed positive, shape (T, n); NaN in a scene without `torsion`."""
+    side: Array
+    """Normal force of the wall per length [N/m], shape (T, n)."""
+
+
+def string_forces(recording: Recording, poses: slice = slice(None)) -> StringForces | None:
+    """Forces at the kept poses of a recording; None where they are none of a mesh of its scene."""
+    scene, nodes = recording.scene, recording.nodes
+    if nodes < 2:
+        return None
+    rod = build_rod(tubes_of(scene), nodes - 1)
+    if rod.arc.size != nodes:
+        return None
+    model = discretise(scene, rod)
+    position, spin = recording.poses.position[poses], recording.poses.spin[poses]
+    tangent = recording.poses.tangent[poses]
+    strain, slopes = _strain(rod, position, tangent)
+    if scene.effects.torsion is None:
+        below = np.cumsum(axial_weight(scene, model)) - 0.5 * axial_weight(scene, model)
+        tension = below - _bit_force(recording)[poses, None]
+        torque = np.full_like(tension, np.nan)
+    else:
+        tension = rod.axial * strain
+        torque = _torque(rod, position, slopes, spin)
+    side = np.zeros_like(tension)
+    if scene.effects.wall is not None:
+        law = wall_parameters(scene.effects.wall, model)
+        places = _at_gauss_points(rod, position, slopes)
+        off = places[..., :2] if law.bore.axis is None else offsets(law.bore.axis, places).off
+        depth = np.maximum(np.linalg.norm(off, axis=-1) - law.bore.clearance, 0.0)
+        side = (law.stiffness * depth ** (1.5 - 0.5 * law.linear)).reshape(*tension.shape, 2).mean(axis=-1)
+    return StringForces(scene.length - rod.arc, tension, torque, side)
+
+
+def _strain(rod: Rod, position: Array, tangent: Array) -> tuple[Array, Array]:
+    """Axial strain in the middle of the elements, which carries the force from node to node, and r' at the nodes.
+
+    A pose has the direction of r' only. Its length at a node is the one in balance: the strain there is the mean of
+    those of the neighbouring elements, weighted by their length and EA (the stationary point of `model.stretch`).
+    """
+    weight = rod.length * rod.axial
+    near, far = np.append(0.0, weight), np.append(weight, 0.0)
+    length = np.ones(tangent.shape[:-1])
+    for _ in range(_ITERATIONS):
+        middle = np.linalg.norm(
+            np.einsum("ei,teic->tec", rod.middle, _ends(position, length[..., None] * tangent)), axis=-1
+        )
+        below = np.concatenate((middle[:, :1], middle), axis=1)
+        above = np.concatenate((middle, middle[:, -1:]), axis=1)
+        length = (near * below + far * above) / (near + far)
+    return middle - 1.0, length[..., None] * tangent
+
+
+def _ends(position: Array, slopes: Array) -> Array:
+    """Vectors r and r' at both ends of the elements, shape (T, n, 4, 3)."""
+    return np.stack((position[:, :-1], slopes[:, :-1], position[:, 1:], slopes[:, 1:]), axis=2)
+
+
+def _torque(rod: Rod, position: Array, slopes: Array, spin: Array) -> Array:
+    """GJ times the mean twist of the elements."""
+    u = np.zeros((*spin.shape, SPIN + 1))
+    u[..., 0:3], u[..., 3:6] = position, slopes
+    climb = np.diff(spin - np.stack([untwisted(rod, row) for row in u]), axis=1)
+    climb -= _TURN * np.round(climb / _TURN)
+    return np.asarray(rod.torsion / rod.length * climb)
+
+
+def _at_gauss_points(rod: Rod, position: Array, slopes: Array) -> Array:
+    """Points of the string at the Gauss points of its elements [m], shape (T, 2 n, 3)."""
+    nodal = _ends(position, slopes)
+    return np.asarray(np.einsum("epi,teic->tepc", rod.shape[:, :, 0], nodal).reshape(position.shape[0], -1, 3))
+
+
+def _bit_force(recording: Recording) -> Array:
+    """Weight on bit at the poses [N]; NaN without rig states."""
+    rig = recording.rig
+    if not len(rig):
+        return np.full(len(recording.poses), np.nan)
+    return np.interp(recording.poses.time, rig.time, rig.bit_force)
