@@ -22,6 +22,12 @@ def printable(text: str, *, keep: str = "\n") -> str:
     )
 
 
+def shortened(text: str, longest: int = 300) -> str:
+    """Text of a stranger fit for a log or an answer: printable, on one line, at most `longest` characters."""
+    text = printable(text[: 2 * longest], keep="")
+    return text if len(text) <= longest else f"{text[:longest]}..."
+
+
 class DrillTwinError(Exception):
     """Base of all errors that the user can correct; the command line prints it on one line."""
 
@@ -48,7 +54,10 @@ class BagError(DrillTwinError):
 
 
 class MessageError(DrillTwinError):
-    """Bytes or values that are no message of the topic contract."""
+    """Bytes or values that are no message of the topic contract; what was found is cut short."""
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(shortened(message, 500))
 
 
 class RunError(DrillTwinError):

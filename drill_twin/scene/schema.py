@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.numerics import Numerics
-from drill_twin.scene.blocks.part import Part, refuse_all
+from drill_twin.scene.blocks.part import Label, Part, refuse_all
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.string import String
 from drill_twin.scene.check import contradictions
@@ -38,7 +38,7 @@ class MarkPlace(NamedTuple):
 class Scene(Part):
     """String, hole, rig, effects and numerics of a run; floats are SI, text in a file has its unit."""
 
-    name: Annotated[str, Field(min_length=1, max_length=100)]
+    name: Annotated[Label, Field(min_length=1)]
     """Short name, used in titles and folders."""
     description: Annotated[str, Field(max_length=5000)] = ""
     """Purpose of the scene."""

@@ -34,6 +34,7 @@ CASES = [
     ("on: centre", "on: center", 11, 'expected one of wall, centre, found "center", did you mean "centre"?'),
     ("bit_end: sliding", "bit_end: slidng", 12, 'did you mean "sliding"?'),
     ("radius: 90 mm", "radius: 90 N", 14, "hole.radius: expected a length"),
+    ("16.5 mm", '16.5 mm\n      name: "a\\e[31m"', 6, r"name: expected a name of printable characters"),
     ("hole:\n  radius: 90 mm", "hole: 90 mm", 13, "hole: expected a block with the keys radius, inclination"),
     ("hole:\n  radius: 90 mm\n", "", 1, "the keys radius, inclination, intervals, survey, found nothing"),
     ("rig:", "rigg:", 15, 'found "rigg", did you mean "rig"?'),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from rclpy.context import Context
 from rclpy.node import Node
@@ -20,6 +20,7 @@ from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, Value, declare, follow_changes
+from drill_twin.ros.core.request_guard import Answer, guarded
 from drill_twin.ros.core.startup_barrier import StartupBarrier
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics.node_topics import NodeTopics
@@ -61,6 +62,10 @@ class TwinNode(Node):
         """True once the node is being closed in order."""
         self._diagnostics = DiagnosticsPublisher(self, self.topics)
         self._diagnostics_due = Tick(_DIAGNOSTICS_PERIOD)
+
+    def create_service(self, srv_type: Any, srv_name: str, callback: Answer, **options: Any) -> Service:
+        """Create a service whose requests cannot end the node, rclpy's own services of parameters included."""
+        return super().create_service(srv_type, srv_name, guarded(self, srv_type, callback), **options)
 
     # --- implemented by each node ---------------------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.errors import DrillTwinError, shortened
 
 Value = bool | int | float | str
 
@@ -65,7 +65,7 @@ class Parameter:
         if wanted is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
         if type(value) is not wanted or not self._admits(value):
-            raise ParameterError(f"parameter {self.name}: expected {self.expected()}, found {value!r}")
+            raise ParameterError(f"parameter {self.name}: expected {self.expected()}, found {shortened(repr(value))}")
         return value
 
     def _admits(self, value: Value) -> bool:
@@ -152,11 +152,13 @@ def follow_changes(
 
     def checked(changes: Sequence[RosParameter]) -> SetParametersResult:
         try:
+            if not all(change.name for change in changes):  # rclpy takes it for one that exists
+                raise ParameterError("expected the name of a parameter, found an empty text")
             wanted = {change.name: live[change.name].checked(change.value) for change in changes if change.name in live}
             if wanted:
                 check(SimpleNamespace(**{**vars(settings), **wanted}))
         except DrillTwinError as error:
-            return SetParametersResult(successful=False, reason=str(error))
+            return SetParametersResult(successful=False, reason=shortened(str(error), 500))
         return SetParametersResult(successful=True)
 
     def take_over(changes: Sequence[RosParameter]) -> None:

@@ -2,11 +2,23 @@
 """Base class of a scene's parts, and validation errors with a place."""
 
 from collections.abc import Iterable
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import InitErrorDetails
 
+from drill_twin.errors import shortened
 from drill_twin.units import refuse
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise refuse(f"expected a name of printable characters on one line, found {shortened(text, 60)}")
+    return text
+
+
+Label = Annotated[str, Field(max_length=100), AfterValidator(_printable)]
+"""Name for logs, titles and folders: no control character and no mark that reverses the text around it."""
 
 
 class Part(BaseModel):

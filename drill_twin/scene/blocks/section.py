@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple, Self
 
 from pydantic import model_validator
 
-from drill_twin.scene.blocks.part import Part, refuse_at
+from drill_twin.scene.blocks.part import Label, Part, refuse_at
 from drill_twin.units import Density, Dimensionless, Length, Pressure, Within
 
 MOST_JOINTS = 2000
@@ -41,7 +41,7 @@ class Joints(Part):
 class Section(Part):
     """Section of the string: a uniform tube or rod, with or without tool joints."""
 
-    name: str = ""
+    name: Label = ""
     """Name in reports."""
     length: Annotated[Length, Within(above="0 m", at_most="20 km")]
     """Length [m]."""

@@ -10,7 +10,8 @@ from collections.abc import Callable
 class DropCounter:
     """Counts gaps in the sequence numbers of a publisher: a gap is a message that was dropped unread.
 
-    Numbers of two publishers on one topic cannot be told apart, so gaps count only where there is one.
+    Numbers of two publishers on one topic cannot be told apart, so gaps count only where there is one, and not in a
+    second in which the numbers went back: another publisher has come or gone.
     """
 
     def __init__(self) -> None:
@@ -19,6 +20,7 @@ class DropCounter:
         self._longest = 0
         self._last: dict[str, int] = {}
         self._gaps: Counter[str] = Counter()
+        self._went_back: set[str] = set()
 
     def add_queue_length(self, count: int) -> None:
         """Note how many messages were waiting in one queue."""
@@ -28,16 +30,20 @@ class DropCounter:
         """Note the number of a message that was taken; a smaller one than before is from a new publisher."""
         if number is None:
             return
-        if (missed := number - self._last.get(topic, number - 1) - 1) > 0:
+        missed = number - self._last.get(topic, number - 1) - 1
+        if missed > 0:
             self._gaps[topic] += missed
+        elif missed < 0:
+            self._went_back.add(topic)
         self._last[topic] = number
 
     def confirm_gaps(self, publishers: Callable[[str], int]) -> None:
         """Count the gaps of topics that have one publisher; discard the others. Called about once a second."""
         for topic, missed in self._gaps.items():
-            if publishers(topic) <= 1:
+            if publishers(topic) <= 1 and topic not in self._went_back:
                 self.dropped[topic] += missed
         self._gaps.clear()
+        self._went_back.clear()
 
     def values(self) -> dict[str, str]:
         """Values for the diagnostics: longest queue since the last report, and drops in all."""

@@ -20,6 +20,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
+from drill_twin.ros.core.request_guard import log_refusal
 from drill_twin.ros.core.topics.drop_counter import DropCounter
 
 _AT_ONCE = 200  # messages of one topic taken in one turn
@@ -88,7 +89,10 @@ class RawSubscriptions:
         if now < self._services_due:
             return
         if now >= self._spin_due or self._services_waiting():
-            self._executor.spin_once(timeout_sec=0.0)
+            try:
+                self._executor.spin_once(timeout_sec=0.0)
+            except (ValueError, TypeError, RuntimeError) as error:  # rclpy could not take a request or an answer
+                log_refusal(self._node, "taken by rclpy", error)
             self._spin_due = time.monotonic() + _SPIN_PERIOD
         self._services_due = time.monotonic() + _SERVICE_PERIOD
 
