@@ -1,20 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compiler pipeline of functions that only other kernels call: typed and lowered, without wrappers or machine code.
+"""Compiler pipelines: of functions that only other kernels call, and of entry points.
 
 numba gives every function a wrapper for Python, another for C, and machine code of its own. A kernel's functions are
-inlined into one entry point, so all three are thrown away: without them the kernel of `pa6_bench` takes 0.56 of the
-processor time to compile and comes out the same, bit for bit.
+inlined into one entry point, so all three are thrown away: they are typed, lowered and optimised as before, and end as
+bitcode, which callers link. The kernel comes out the same, bit for bit.
 """
 
+import gc
+import hashlib
 from importlib import import_module
 from typing import Any, cast
 
+from llvmlite import binding
 from numba import njit
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, CompilerBase, DefaultPassBuilder, compile_result
 from numba.core.compiler_machinery import register_pass
 from numba.core.typed_passes import NativeLowering
 
+_COMPILER: Any = Compiler
 _DYNFUNC: Any = import_module("numba._dynfunc")
+_LIBRARY: Any = JITCodeLibrary
 _LOWERING: Any = NativeLowering
 _REGISTER: Any = register_pass
 
@@ -25,6 +31,18 @@ def _without_arguments() -> None:
 
 _NJIT: Any = njit
 _INLINED_ONLY: Any = _NJIT(_without_arguments)
+
+
+class InlinedLibrary(_LIBRARY):  # type: ignore[misc]
+    """Bitcode of a function and of what it calls, optimised."""
+
+    _final_module: Any
+
+    def _finalize_final_module(self) -> None:
+        """Put the code through bitcode, so that callers link the same whether it was just compiled or kept on disk."""
+        self._finalize_dynamic_globals()
+        self._final_module = binding.parse_bitcode(self._final_module.as_bitcode())
+        self._finalized = True
 
 
 @_REGISTER(mutates_CFG=True, analysis_only=False)
@@ -38,16 +56,14 @@ class LoweringWithoutMachineCode(_LOWERING):  # type: ignore[misc]
         state.flags.no_compile = True
         state.flags.no_cpython_wrapper = True
         state.flags.no_cfunc_wrapper = True
+        state.library = InlinedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        identity = state.func_id
+        if identity.func.__closure__ is None:  # numba numbers the functions of a process: kept ones would clash
+            identity.unique_id = _number(f"{identity.modname}.{identity.func_qualname}({type_text(state.args)})")
         super().run_pass(state)
         result, library = state["cr"], state.library
-        entry = _DYNFUNC.make_function(
-            result.fndesc.lookup_module(),
-            result.fndesc.qualname.rpartition(".")[2],
-            "Inlined into kernels; call its py_func from Python.",
-            _raising_entry(),
-            result.env,
-            (library,),
-        )
+        library._ensure_finalized()  # noqa: SLF001 - as numba's own `get_executable` does
+        entry = _entry(result.fndesc, result.env, library)
         state.targetctx.insert_user_function(entry, result.fndesc, [library])
         state.reload_init.extend(library._reload_init)  # noqa: SLF001 - as numba's own pass does
         state["cr"] = result._replace(cfunc=entry)
@@ -66,6 +82,79 @@ class InlinedCompiler(CompilerBase):
         ]
         pipeline.finalize()
         return [pipeline]
+
+
+class EntryCompiler(_COMPILER):  # type: ignore[misc]
+    """numba's pipeline without collection of garbage: a compiler makes millions of objects and keeps most of them."""
+
+    def compile_extra(self, func: Any) -> Any:
+        """Compile a function, and all that it calls."""
+        was_enabled = gc.isenabled()
+        gc.disable()
+        try:
+            return super().compile_extra(func)
+        finally:
+            if was_enabled:
+                gc.enable()
+
+
+def inlined_parts(result: Any) -> tuple[Any, ...]:
+    """What has to be kept of the compilation of an inlined function to restore it, picklable."""
+    description, library = result.fndesc, result.library
+    description.typemap = description.calltypes = None
+    bitcode = library._final_module.as_bitcode()  # noqa: SLF001 - as its `serialize_using_bitcode` does
+    return library.name, bitcode, description, result.environment, result.signature, result.reload_init
+
+
+def restore_inlined(target_context: Any, parts: tuple[Any, ...]) -> Any:
+    """The compilation of an inlined function from what was kept of it."""
+    name, bitcode, description, environment, signature, reload_init = parts
+    for function in reload_init:
+        function()
+    library = InlinedLibrary(target_context.codegen(), name)
+    library._final_module = binding.parse_bitcode(bitcode)  # noqa: SLF001 - as its `_unserialize` does
+    library._finalized = True  # noqa: SLF001
+    result: Any = compile_result
+    return result(
+        typing_context=target_context.typing_context,
+        target_context=target_context,
+        entry_point=_entry(description, environment, library),
+        fndesc=description,
+        library=library,
+        environment=environment,
+        signature=signature,
+        reload_init=reload_init,
+        objectmode=False,
+        lifted=(),
+    )
+
+
+def type_text(argument_types: Any) -> str:
+    """Types of arguments in words that tell named tuples of different classes or fields apart, as numba's do not."""
+    found = []
+    for one in argument_types:
+        text = str(one)
+        if (named := getattr(one, "instance_class", None)) is not None:
+            fields = ", ".join(f"{name}: {type_text([part])}" for name, part in zip(named._fields, one, strict=True))
+            text = f"{named.__module__}.{named.__qualname__}({fields})"
+        found.append(text)
+    return ", ".join(found)
+
+
+def _number(text: str) -> int:
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:8], "big")
+
+
+def _entry(description: Any, environment: Any, library: Any) -> Any:
+    """The object through which numba knows a compiled function; a call from Python raises TypeError."""
+    return _DYNFUNC.make_function(
+        description.lookup_module(),
+        description.qualname.rpartition(".")[2],
+        "Inlined into kernels; call its py_func from Python.",
+        _raising_entry(),
+        environment,
+        (library,),
+    )
 
 
 def _raising_entry() -> int:

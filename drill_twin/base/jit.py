@@ -8,10 +8,12 @@
   the stack (measured: a third of the assembly time).
 * numba disables LLVM's superword-level vectoriser by default; the rows of solver and element need it.
 * Kernels release the GIL, so that a node answers services during a step.
+* No function of the time loop allocates, so none counts references (``_nrt``); an effect of another package may.
 * Nothing is cached here: numba's cache ignores edits in called functions. Only the generated entry points are cached,
   under a name derived from all of their sources (`drill_twin.solver.kernel_cache`).
 """
 
+import re
 from collections.abc import Callable
 from functools import cache
 from types import FunctionType
@@ -20,7 +22,7 @@ from typing import Any, TypeVar, cast
 from numba import config, njit
 from numba.core.dispatcher import Dispatcher
 
-from drill_twin.base.inlined_compiler import InlinedCompiler
+from drill_twin.base.inlined_compiler import EntryCompiler, InlinedCompiler
 
 config.SLP_VECTORIZE = 1  # type: ignore[attr-defined]
 
@@ -34,14 +36,24 @@ FLAGS: dict[str, Any] = {
 }
 
 
+_WITHOUT_ALLOCATION = re.compile(r"drill_twin\.(model|effects|solver|audit)\.|drill_twin_kernel_")
+
+
 def kernel(function: Function) -> Function:
     """Compile a function that other kernels call, lazily; Python calls it through `as_python`."""
-    return cast("Function", njit(**FLAGS, pipeline_class=InlinedCompiler)(function))
+    flags = FLAGS | {"_nrt": not _WITHOUT_ALLOCATION.match(function.__module__)}
+    return cast("Function", njit(**flags, pipeline_class=InlinedCompiler)(function))
 
 
 def entry_kernel(function: Function) -> Function:
     """Compile a function that Python calls, lazily."""
-    return cast("Function", njit(**FLAGS)(function))
+    flags = FLAGS | {"_nrt": not _WITHOUT_ALLOCATION.match(function.__module__)}
+    return cast("Function", njit(**flags, pipeline_class=EntryCompiler)(function))
+
+
+def is_inlined(dispatcher: Any) -> bool:
+    """Whether a compiled function is one that only other kernels call."""
+    return dispatcher._compiler.pipeline_class is InlinedCompiler  # noqa: SLF001
 
 
 @cache

@@ -71,7 +71,7 @@ def _compile_in_child(scene: Scene, period: float, progress: Progress, *, time_e
     if permanent_folder() is None:
         progress(f"{COMPILING} in this process: the folder of compiled kernels cannot be written to")
         return
-    progress(f"{COMPILING}, once for this set of effects: half a minute to a minute")
+    progress(f"{COMPILING}, once for this set of effects: ten seconds to half a minute")
     with tempfile.TemporaryFile() as given:
         pickle.dump((scene, period, time_effects), given)
         given.seek(0)

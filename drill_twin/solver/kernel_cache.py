@@ -22,9 +22,11 @@ import numba
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
+from drill_twin.base.jit import is_inlined
 from drill_twin.errors import RunError
+from drill_twin.solver.kept_parts import keep_parts
 from drill_twin.solver.machine_code import keep_machine_code, write_own
-from drill_twin.solver.source_hash import source_hash
+from drill_twin.solver.source_hash import modules_reached, source_hash
 
 _LOG = logging.getLogger(__name__)
 
@@ -80,7 +82,7 @@ def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] =
         more: Texts besides the sources on which the machine code depends, such as the types of arguments.
         packages: Packages besides this one whose source it uses.
     """
-    return _load(f"drill_twin_{kind}_{fingerprint(text, *more, packages=packages)}", text)
+    return _load(f"drill_twin_{kind}_{fingerprint(text, *more, packages=packages)}", text, packages)
 
 
 def fingerprint(text: str, *more: str, packages: tuple[str, ...] = ()) -> str:
@@ -93,7 +95,7 @@ def fingerprint(text: str, *more: str, packages: tuple[str, ...] = ()) -> str:
     return digest.hexdigest()[:16]
 
 
-def _load(name: str, text: str) -> ModuleType:
+def _load(name: str, text: str, packages: tuple[str, ...]) -> ModuleType:
     """The module of this name, with the machine code in the cache folder.
 
     Its source is kept there for tracebacks and debuggers; it is not run from there.
@@ -115,6 +117,14 @@ def _load(name: str, text: str) -> ModuleType:
         del sys.modules[name]
         raise
     for value in vars(module).values():
-        if isinstance(value, Dispatcher) and value.py_func.__module__ == name:
-            keep_machine_code(value)
+        if isinstance(value, Dispatcher) and value.py_func.__module__ == name and not is_inlined(value):
+            keep_machine_code(value, lambda: _keep_parts(text, packages))
     return module
+
+
+def _keep_parts(text: str, packages: tuple[str, ...]) -> None:
+    """Let the functions that a generated module reaches be shared with other modules."""
+    folder = permanent_folder()
+    if folder is not None:
+        modules = [name for name in modules_reached(text, packages) if name in sys.modules]
+        keep_parts(modules, folder, lambda name: fingerprint(f"import {name}", packages=packages))

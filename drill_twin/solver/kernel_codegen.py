@@ -35,6 +35,7 @@ from typing import Any, cast
 
 from drill_twin.effects import effect_module, function_name, key_of
 from drill_twin.solver import kernel_cache
+from drill_twin.solver.parameter_records import fields_read, record_name
 
 HOOKS = {
     "axial_damping": "parameters, element, axial, rate",
@@ -79,6 +80,16 @@ def import_line(effect: str, alias: str) -> str:
     return source if module == alias else f"{source} as {alias}"
 
 
+def arguments_of(effect: str, function: str, arguments: str) -> str:
+    """Arguments of a function in an effect's module, its parameters cut down to those that it reads."""
+    fields = fields_read(getattr(effect_module(effect), function))
+    name = record_name(fields) if fields else None
+    if name is None or fields is None:
+        return arguments
+    record = f"parameter_records.{name}({', '.join(f'parameters.{field}' for field in fields)})"
+    return record + arguments.removeprefix("parameters")
+
+
 def source(effects: Sequence[str], form: str, *, audit: bool = False) -> str:
     """The text of the module with the time loop for a set of effects and a form of the string."""
     more = "\nfrom drill_twin.audit import energy_ledger, step_audit" if audit else ""
@@ -117,7 +128,7 @@ def _bound(effects: Sequence[str], form: str, title: str, solver: str, more: str
 from typing import NamedTuple
 
 from drill_twin.base.jit import entry_kernel, kernel
-from drill_twin.solver import {solver}
+from drill_twin.solver import {solver}, parameter_records
 from drill_twin.solver.boundary.rig import Drive, rig_after_step, rig_end_load
 from drill_twin.solver.interface import Effects
 from drill_twin.solver.{form} import formulation{more}
@@ -155,11 +166,12 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False) -> str:
     for number, name in enumerate(effects):
         account = f"energy_ledger.FIRST_EFFECT + {number}"
         if function := function_name(name, hook):
-            call = f"{key_of(name)}.{function}({HOOKS[hook]})"
+            call = f"{key_of(name)}.{function}({arguments_of(name, function, HOOKS[hook])})"
             lines += [f"added = {call}", "force += added[0]", "slope += added[1]"] if damping else [call]
             lines += [f"energy_ledger.{_RECORD[hook].format(ledger=_LEDGER, account=account)}"] if audit else []
         if audit and hook == "distributed_load" and hasattr(effect_module(name), "dissipated_power"):
-            heat = f"{key_of(name)}.dissipated_power(parameters, here, h2)"
+            arguments = arguments_of(name, "dissipated_power", "parameters, here, h2")
+            heat = f"{key_of(name)}.dissipated_power({arguments})"
             lines.append(f"energy_ledger.record_heat({_LEDGER}, {account}, here, {heat})")
     if damping:
         last = ["energy_ledger.next_sample(parameters.ledger.entries)"] if audit else []

@@ -11,6 +11,7 @@ import logging
 import os
 import pickle
 import stat
+from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -54,9 +55,9 @@ def write_own(path: Path, content: bytes) -> None:
         raise
 
 
-def keep_machine_code(dispatcher: Any) -> None:
-    """Let a function of numba keep its machine code beside its source file."""
-    dispatcher._cache = _Cache(dispatcher.py_func)  # noqa: SLF001  as its `enable_caching` does
+def keep_machine_code(dispatcher: Any, before_compilation: Callable[[], None]) -> None:
+    """Let a function of numba keep its machine code beside its source file; call something before it is compiled."""
+    dispatcher._cache = _Cache(dispatcher.py_func, before_compilation)  # noqa: SLF001  as its `enable_caching` does
 
 
 class _Locator(_CACHING._CacheLocator):  # type: ignore[misc]  # noqa: SLF001
@@ -89,15 +90,15 @@ class _Implementation(_CACHING.CompileResultCacheImpl):  # type: ignore[misc]
     _locator_classes = (_Locator,)
 
 
-class _Files:
+class CheckedFiles:
     """One file for each signature: hash, then key and machine code. No index that processes would share."""
 
-    def __init__(self, folder: Path, base: str) -> None:
-        self._folder, self._base = folder, base
+    def __init__(self, folder: Path, base: str, suffix: str = "machine_code") -> None:
+        self._folder, self._base, self._suffix = folder, base, suffix
 
     def path(self, key: Any) -> Path:
         """File of a signature and processor."""
-        return self._folder / f"{self._base}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.machine_code"
+        return self._folder / f"{self._base}.{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.{self._suffix}"
 
     def load(self, key: Any) -> Any:
         """Machine code of a signature; None where there is none, or none that can be used."""
@@ -126,6 +127,14 @@ class _Files:
 class _Cache(_CACHING.FunctionCache):  # type: ignore[misc]
     _impl_class = _Implementation
 
-    def __init__(self, function: Any) -> None:
+    def __init__(self, function: Any, before_compilation: Callable[[], None]) -> None:
         super().__init__(function)
-        self._cache_file = _Files(Path(self._cache_path), self._impl.filename_base)
+        self._cache_file = CheckedFiles(Path(self._cache_path), self._impl.filename_base)
+        self._before_compilation = before_compilation
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Machine code of a signature; None where it has to be compiled."""
+        found = super().load_overload(sig, target_context)
+        if found is None:
+            self._before_compilation()
+        return found

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Compiled parts of kernels on disk: functions that only kernels call, shared by the kernels of all scenes.
+
+Most functions of a kernel do not depend on the set of effects. Each is kept as bitcode, under a name that changes with
+every source that its module reaches, with the types of its arguments, the versions and the processor; so a kernel of
+another set types and lowers the loop around the effects only. Files are checked as those of kernels are
+(`drill_twin.solver.machine_code`).
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from numba.core.dispatcher import Dispatcher
+
+from drill_twin.base.inlined_compiler import inlined_parts, restore_inlined, type_text
+from drill_twin.base.jit import is_inlined
+from drill_twin.solver.machine_code import CheckedFiles
+
+_CACHING: Any = import_module("numba.core.caching")
+
+Fingerprint = Callable[[str], str]
+"""Hash of all that the code of a module depends on, by its name."""
+
+
+def keep_parts(modules: Iterable[str], folder: Path, fingerprint: Fingerprint) -> None:
+    """Let the inlined functions of imported modules keep their bitcode in a folder.
+
+    Functions with variables of an enclosing one are not kept: their names do not tell them apart.
+    """
+    known = cache(fingerprint)
+    for name in modules:
+        found: list[Any] = [value for value in vars(sys.modules[name]).values() if isinstance(value, Dispatcher)]
+        for value in filter(is_inlined, found):
+            function = value.py_func
+            if function.__module__ == name and function.__closure__ is None:
+                value._cache = _KeptPart(function, folder, known)  # noqa: SLF001  as its `enable_caching` does
+
+
+class _KeptPart(_CACHING.NullCache):  # type: ignore[misc]
+    """The cache of one function, as numba's dispatcher asks for it."""
+
+    def __init__(self, function: Any, folder: Path, fingerprint: Fingerprint) -> None:
+        self._function, self._folder, self._fingerprint = function, folder, fingerprint
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The compiled function for a signature; None where it is not kept, or cannot be used."""
+        found = self._files().load(type_text(sig)) if _is_shared(sig) else None
+        return None if found is None else restore_inlined(target_context, found)
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep the compiled function for a signature."""
+        if _is_shared(sig) and not data.library.has_dynamic_globals:
+            self._files().save(type_text(sig), inlined_parts(data))
+
+    def _files(self) -> CheckedFiles:
+        name = f"{self._function.__module__}.{self._function.__qualname__}"
+        base = f"part_{name}_{self._fingerprint(self._function.__module__)}"
+        return CheckedFiles(self._folder, base, "bitcode")
+
+
+def _is_shared(argument_types: Any) -> bool:
+    """Whether no argument is of a class of a generated module, which one set of effects has."""
+    classes = [one.instance_class for one in argument_types if hasattr(one, "instance_class")]
+    return all(sys.modules[found.__module__].__spec__ is not None for found in classes)

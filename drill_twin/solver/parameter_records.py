@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Records of those parameters that one function of an effect reads.
+
+The parameters of all effects of a scene are one named tuple, so each set of effects has a type of its own. A function
+that is passed only the fields that it reads is the same for every set, and compiled once for all.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from collections import namedtuple
+from functools import cache
+from textwrap import dedent
+from typing import Any
+
+_SEPARATOR = "__"
+
+
+@cache
+def __getattr__(name: str) -> Any:
+    """The class of a record by its name: its fields, joined by two underscores. So it can be pickled."""
+    fields = name.split(_SEPARATOR)
+    if record_name(tuple(fields)) != name:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return namedtuple(name, fields, module=__name__)  # noqa: PYI024 - its fields have any type
+
+
+def record_name(fields: tuple[str, ...]) -> str | None:
+    """Name of the class of a record; None where it would not tell the fields."""
+    name = _SEPARATOR.join(fields)
+    usable = all(field.isidentifier() and not field.startswith("_") for field in fields)
+    return name if fields and usable and tuple(name.split(_SEPARATOR)) == fields else None
+
+
+@cache
+def fields_read(function: Any) -> tuple[str, ...] | None:
+    """Fields that a compiled function reads of its first argument, sorted.
+
+    None where it does anything else with that argument, or where its source cannot be had.
+    """
+    try:
+        (tree,) = ast.parse(dedent(inspect.getsource(getattr(function, "py_func", function)))).body
+    except (OSError, TypeError, ValueError, SyntaxError):
+        return None
+    return _fields(tree) if isinstance(tree, ast.FunctionDef) and tree.args.args else None
+
+
+def _fields(function: ast.FunctionDef) -> tuple[str, ...] | None:
+    record = function.args.args[0].arg
+    parents = {id(child): node for node in ast.walk(function) for child in ast.iter_child_nodes(node)}
+    found = set()
+    for node in ast.walk(function):
+        if isinstance(node, ast.Name) and node.id == record:
+            parent = parents[id(node)]
+            if not isinstance(parent, ast.Attribute):
+                return None
+            found.add(parent.attr)
+    return tuple(sorted(found))
