@@ -86,7 +86,7 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene | str | Path, overrides: Overrides | None = None) -> None:
-        """Prepare a run; compiles the effects of the scene, which takes about a minute the first time.
+        """Prepare a run; compiles the effects of the scene, which takes up to half a minute the first time.
 
         The compilation is done in a child process, with a line of progress on standard error; Ctrl-C ends it.
 

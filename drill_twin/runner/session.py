@@ -168,7 +168,7 @@ class Session:
         schedule: Schedule | None = None,
         compiling: Callable[[str], None] | None = None,
     ) -> None:
-        """Compile the effects of the scene, which takes about a minute the first time.
+        """Compile the effects of the scene, which takes up to half a minute the first time.
 
         Args:
             scene: The scene.

@@ -16,6 +16,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from numba import types
 from numba.core.dispatcher import Dispatcher
 
 from drill_twin.base.inlined_compiler import inlined_parts, restore_inlined, type_text
@@ -65,6 +66,8 @@ class _KeptPart(_CACHING.NullCache):  # type: ignore[misc]
 
 
 def _is_shared(argument_types: Any) -> bool:
-    """Whether no argument is of a class of a generated module, which one set of effects has."""
+    """Whether the types mean the same in every process: no class of a generated module, no function as an argument."""
     classes = [one.instance_class for one in argument_types if hasattr(one, "instance_class")]
-    return all(sys.modules[found.__module__].__spec__ is not None for found in classes)
+    modules = [sys.modules.get(found.__module__) for found in classes]
+    generated = any(module is None or module.__spec__ is None for module in modules)
+    return not generated and not any(isinstance(one, types.Callable) for one in argument_types)

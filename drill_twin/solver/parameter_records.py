@@ -35,7 +35,7 @@ def record_name(fields: tuple[str, ...]) -> str | None:
 
 @cache
 def fields_read(function: Any) -> tuple[str, ...] | None:
-    """Fields that a compiled function reads of its first argument, sorted.
+    """Fields that a compiled function reads of its first argument, in the order of the whole record.
 
     None where it does anything else with that argument, or where its source cannot be had.
     """
@@ -56,4 +56,4 @@ def _fields(function: ast.FunctionDef) -> tuple[str, ...] | None:
             if not isinstance(parent, ast.Attribute):
                 return None
             found.add(parent.attr)
-    return tuple(sorted(found))
+    return tuple(sorted(found, key=lambda name: (name != "drive", name)))

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Compiled parts that kernels share: used by other kernels, never stale, made again where damaged or not ours."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from numba import float64, types
+
+from drill_twin.base.inlined_compiler import type_text
+from drill_twin.solver import parameter_records
+from drill_twin.solver.parameter_records import fields_read, record_name
+
+ROOT = Path(__file__).parents[2]
+# Compiles a kernel of its own for each factor, which calls a function of the package; prints what was compiled.
+USE = '''
+import sys
+import numpy as np
+from numba.core import event
+from drill_twin.solver.kernel_cache import load_generated
+compiled = []
+class Listener(event.Listener):
+    def on_start(self, found):
+        name = found.data["dispatcher"].py_func.__name__
+        compiled.extend([name] if name in ("total", "probe") else [])
+    def on_end(self, found): pass
+event.register("numba:compile", Listener())
+module = load_generated("probe", f"""
+from drill_twin.base.jit import entry_kernel
+from drill_twin.model.survey import probe
+@entry_kernel
+def total(values):
+    return {sys.argv[1]} * probe(values)
+""")
+print(module.total(np.arange(3.0)), *compiled)
+'''
+PART = """
+from drill_twin.base.jit import kernel
+@kernel
+def probe(values):
+    return values[1] + values[2]
+"""
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A copy of the package with a small function for kernels."""
+    shutil.copytree(ROOT / "drill_twin", tmp_path / "drill_twin", ignore=shutil.ignore_patterns("__pycache__"))
+    with (tmp_path / "drill_twin" / "model" / "survey.py").open("a", encoding="utf-8") as stream:
+        stream.write(PART)
+    return tmp_path
+
+
+def use(package, factor):
+    """What a kernel computes in a new process and what was compiled for it, and the lines on stderr."""
+    environment = dict(os.environ, DRILL_TWIN_CACHE=str(package / "cache"), PYTHONPATH=str(package))
+    done = subprocess.run(
+        [sys.executable, "-c", USE, str(factor)],
+        env=environment,
+        cwd=package,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip(), done.stderr.splitlines()
+
+
+def test_a_part_is_shared_made_again_and_never_stale(package):
+    assert use(package, 1) == ("3.0 total probe", [])
+    (part,) = (package / "cache").glob("*.bitcode")
+    assert part.stat().st_mode & 0o777 == 0o600
+    assert use(package, 2) == ("6.0 total", [])
+
+    content = part.read_bytes()
+    for factor, damage in enumerate((b"", content[: len(content) // 2], content[:-1] + b"?", os.urandom(99)), 3):
+        part.write_bytes(damage)
+        said, lines = use(package, factor)
+        assert said == f"{3.0 * factor} total probe"
+        assert len(lines) == 1
+        assert re.search(r"bitcode: damaged, compiled again$", lines[0])
+    assert part.stat().st_size == len(content)
+    assert use(package, 7) == ("21.0 total", [])
+
+    part.chmod(0o666)
+    said, lines = use(package, 8)
+    assert said == "24.0 total probe"
+    assert "of another user, or writable by others" in lines[0]
+
+    source = package / "drill_twin" / "model" / "survey.py"
+    source.write_text(source.read_text("utf-8") + "# a comment\n", "utf-8")
+    assert use(package, 9) == ("27.0 total", [])
+    source.write_text(source.read_text("utf-8").replace("values[1] + values[2]", "values[1] - values[2]"), "utf-8")
+    assert use(package, 10) == ("-10.0 total probe", [])
+    imported = package / "drill_twin" / "base" / "arrays.py"
+    imported.write_text(imported.read_text("utf-8") + "EDITED = 1\n", "utf-8")
+    assert use(package, 11) == ("-11.0 total probe", [])
+
+
+def test_types_are_told_apart_by_class_and_fields():
+    """numba writes both as `wall__drag(float64 x 2)`; a part compiled for one must not be taken for the other."""
+    one, other = parameter_records.wall__drag, parameter_records.drag__wall
+    pair = [types.NamedUniTuple(float64, 2, found) for found in (one, other)]
+    assert type_text(pair[:1]) != type_text(pair[1:])
+    assert type_text([types.NamedUniTuple(pair[0], 2, one)]) != type_text([types.NamedUniTuple(pair[1], 2, one)])
+    assert type_text([types.UniTuple(pair[0], 2)]) != type_text([types.UniTuple(pair[1], 2)])
+
+
+@pytest.mark.parametrize(
+    ("body", "fields"),
+    [
+        ("return p.wall.lever[0] * p.drag.linear", ("drag", "wall")),
+        ("law = p.drag", ("drag",)),
+        ("return other(p)", None),
+        ("q = p", None),
+        ("return getattr(p, 'drag')", None),
+        ("pass", ()),
+    ],
+)
+def test_fields_that_a_function_reads(body, fields, tmp_path, monkeypatch):
+    name = f"probe_effect_{abs(hash(body))}"
+    (tmp_path / f"{name}.py").write_text(f"def after_step(p, v):\n    {body}\n", "utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    module = __import__(name)
+    assert fields_read(module, "after_step") == fields
+    assert fields_read(module, "end_load") is None
+
+
+def test_names_of_records():
+    assert record_name(("drag", "wall")) == "drag__wall"
+    assert parameter_records.drag__wall._fields == ("drag", "wall")
+    for fields in ((), ("drag__wall",), ("_drag",), ("drag", "")):
+        assert record_name(fields) is None
+    for name in ("_name", "__path__", "drag__"):
+        assert not hasattr(parameter_records, name)
