@@ -39,10 +39,13 @@ class InlinedLibrary(_LIBRARY):  # type: ignore[misc]
     _final_module: Any
 
     def _finalize_final_module(self) -> None:
-        """Put the code through bitcode, so that callers link the same whether it was just compiled or kept on disk."""
-        self._finalize_dynamic_globals()
+        """Put the code through bitcode, so that callers link the same whether it was just compiled or kept on disk.
+
+        The machine code is of no use, but LLVM prepares the code for it, and what callers inline is the prepared code:
+        without it the last bits of the lateral form change.
+        """
+        super()._finalize_final_module()
         self._final_module = binding.parse_bitcode(self._final_module.as_bitcode())
-        self._finalized = True
 
 
 @_REGISTER(mutates_CFG=True, analysis_only=False)
