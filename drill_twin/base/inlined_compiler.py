@@ -8,6 +8,7 @@ bitcode, which callers link. The kernel comes out the same, bit for bit.
 
 import gc
 import hashlib
+import inspect
 from importlib import import_module
 from typing import Any, cast
 
@@ -19,6 +20,7 @@ from numba.core.compiler_machinery import register_pass
 from numba.core.typed_passes import NativeLowering
 
 _COMPILER: Any = Compiler
+_CONSTANTS = (bool, int, float, str)
 _DYNFUNC: Any = import_module("numba._dynfunc")
 _LIBRARY: Any = JITCodeLibrary
 _LOWERING: Any = NativeLowering
@@ -61,8 +63,8 @@ class LoweringWithoutMachineCode(_LOWERING):  # type: ignore[misc]
         state.flags.no_cfunc_wrapper = True
         state.library = InlinedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         identity = state.func_id
-        if identity.func.__closure__ is None:  # numba numbers the functions of a process: kept ones would clash
-            identity.unique_id = _number(f"{identity.modname}.{identity.func_qualname}({type_text(state.args)})")
+        if name := lasting_name(identity.func):  # numba numbers the functions of a process: kept ones would clash
+            identity.unique_id = _number(f"{name}({type_text(state.args)})")
         super().run_pass(state)
         result, library = state["cr"], state.library
         library._ensure_finalized()  # noqa: SLF001 - as numba's own `get_executable` does
@@ -130,6 +132,18 @@ def restore_inlined(target_context: Any, parts: tuple[Any, ...]) -> Any:
         objectmode=False,
         lifted=(),
     )
+
+
+def lasting_name(function: Any) -> str:
+    """Name that tells a function from all others in any process; "" for one that is bound to more than constants.
+
+    Functions that one source makes with other constants (`bind` of an effect) have the same name in Python.
+    """
+    name = f"{function.__module__}.{function.__qualname__}"
+    if function.__closure__ is None:
+        return name
+    bound = [cell.cell_contents for cell in function.__closure__]
+    return f"{name} {bound} {inspect.getsource(function)}" if all(type(one) in _CONSTANTS for one in bound) else ""
 
 
 def type_text(argument_types: Any) -> str:

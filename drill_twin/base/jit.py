@@ -36,7 +36,7 @@ FLAGS: dict[str, Any] = {
 }
 
 
-_WITHOUT_ALLOCATION = re.compile(r"drill_twin\.(model|effects|solver|audit)\.|drill_twin_kernel_")
+_WITHOUT_ALLOCATION = re.compile(r"drill_twin\.(model|effects|solver|audit)\.|drill_twin_(kernel|linear)_")
 
 
 def kernel(function: Function) -> Function:

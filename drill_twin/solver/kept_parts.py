@@ -19,7 +19,7 @@ from typing import Any
 from numba import types
 from numba.core.dispatcher import Dispatcher
 
-from drill_twin.base.inlined_compiler import inlined_parts, restore_inlined, type_text
+from drill_twin.base.inlined_compiler import inlined_parts, lasting_name, restore_inlined, type_text
 from drill_twin.base.jit import is_inlined
 from drill_twin.solver.machine_code import CheckedFiles
 
@@ -32,14 +32,14 @@ Fingerprint = Callable[[str], str]
 def keep_parts(modules: Iterable[str], folder: Path, fingerprint: Fingerprint) -> None:
     """Let the inlined functions of imported modules keep their bitcode in a folder.
 
-    Functions with variables of an enclosing one are not kept: their names do not tell them apart.
+    Functions that are bound to other functions are not kept: they belong to one set of effects.
     """
     known = cache(fingerprint)
     for name in modules:
         found: list[Any] = [value for value in vars(sys.modules[name]).values() if isinstance(value, Dispatcher)]
         for value in filter(is_inlined, found):
             function = value.py_func
-            if function.__module__ == name and function.__closure__ is None:
+            if function.__module__ == name and lasting_name(function):
                 value._cache = _KeptPart(function, folder, known)  # noqa: SLF001  as its `enable_caching` does
 
 
@@ -51,17 +51,20 @@ class _KeptPart(_CACHING.NullCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The compiled function for a signature; None where it is not kept, or cannot be used."""
-        found = self._files().load(type_text(sig)) if _is_shared(sig) else None
+        found = self._files().load(self._key(sig)) if _is_shared(sig) else None
         return None if found is None else restore_inlined(target_context, found)
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep the compiled function for a signature."""
         if _is_shared(sig) and not data.library.has_dynamic_globals:
-            self._files().save(type_text(sig), inlined_parts(data))
+            self._files().save(self._key(sig), inlined_parts(data))
+
+    def _key(self, sig: Any) -> str:
+        return f"{lasting_name(self._function)}({type_text(sig)})"
 
     def _files(self) -> CheckedFiles:
-        name = f"{self._function.__module__}.{self._function.__qualname__}"
-        base = f"part_{name}_{self._fingerprint(self._function.__module__)}"
+        module = self._function.__module__
+        base = f"part_{module}.{self._function.__name__}_{self._fingerprint(module)}"
         return CheckedFiles(self._folder, base, "bitcode")
 
 

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 from numba import float64, types
 
-from drill_twin.base.inlined_compiler import type_text
+from drill_twin.base.inlined_compiler import lasting_name, type_text
+from drill_twin.effects import wall_friction
 from drill_twin.solver import parameter_records
 from drill_twin.solver.parameter_records import fields_read, record_name
 
@@ -83,7 +84,6 @@ def test_a_part_is_shared_made_again_and_never_stale(package):
         assert said == f"{3.0 * factor} total probe"
         assert len(lines) == 1
         assert re.search(r"bitcode: damaged, compiled again$", lines[0])
-    assert part.stat().st_size == len(content)
     assert use(package, 7) == ("21.0 total", [])
 
     part.chmod(0o666)
@@ -126,8 +126,28 @@ def test_fields_that_a_function_reads(body, fields, tmp_path, monkeypatch):
     (tmp_path / f"{name}.py").write_text(f"def after_step(p, v):\n    {body}\n", "utf-8")
     monkeypatch.syspath_prepend(tmp_path)
     module = __import__(name)
-    assert fields_read(module, "after_step") == fields
-    assert fields_read(module, "end_load") is None
+    assert fields_read(module.after_step) == fields
+
+
+def bind(called):
+    """A function that is bound to a variable."""
+
+    def after_step(p):
+        return called(p)
+
+    return after_step
+
+
+def test_fields_that_a_bound_function_reads():
+    assert fields_read(wall_friction.distributed_load_arctan) == ("wall", "wall_friction")
+
+
+def test_functions_of_one_source_are_told_apart_by_their_constants():
+    variants = ("", "_arctan", "_sliding", "_arctan_sliding")
+    found = [getattr(wall_friction, f"distributed_load{variant}").py_func for variant in variants]
+    assert len({lasting_name(function) for function in found}) == len(found)
+    assert lasting_name(bind(3.0)) != lasting_name(bind(4.0))
+    assert lasting_name(bind(lasting_name)) == ""
 
 
 def test_names_of_records():
