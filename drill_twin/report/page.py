@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from drill_twin import __version__
+from drill_twin.io.messages.geometry import default_exaggeration
 from drill_twin.report.figures import CAPTIONS, OVER_TIME
-from drill_twin.report.interactive import plotly_packed, view_data
+from drill_twin.report.interactive import deviated, plotly_packed, view_data
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import (
     NOT_VALIDATED,
@@ -24,9 +25,11 @@ from drill_twin.report.text import (
     provenance,
     transient,
 )
+from drill_twin.scene import Scene
 
-_UNROLLED = (
-    "The hole is curved and drawn straight: x and y are the distances from its axis, z is minus the measured depth."
+_WIDTHS = (
+    "The well as it is drilled; hole, string and its motion across the hole are drawn {:g} times as wide as they are. "
+    "Orbits are in the hole at their depth, x towards {}."
 )
 
 
@@ -49,7 +52,7 @@ def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mappin
         "</section><section>",
         _table(provenance(summary)),
         "</section></div>",
-        _view(curved=bool(scene.hole.survey)) if len(recording.poses) else "",
+        _view(scene) if len(recording.poses) else "",
         "<h2>Over time</h2><p>A click on a figure shows it at its full size.</p>",
         '<section class="stack"><div class="picture">',
         *(_image(figures[name], name) for name in OVER_TIME),
@@ -141,10 +144,12 @@ def _image(path: Path, name: str) -> str:
     return f'<img alt="{escape(name.replace("_", " "))}" src="data:image/png;base64,{data}">'
 
 
-def _view(*, curved: bool) -> str:
+def _view(scene: Scene) -> str:
+    factor = default_exaggeration(scene.length, scene.hole.radius)
+    towards = "the low side" if not scene.hole.survey else "the low side at the top"
     return (
         '<h2>The string in motion</h2><section id="view">'
-        f"{f'<p>{_UNROLLED}</p>' if curved else ''}"
+        f"{f'<p>{_WIDTHS.format(factor, towards)}</p>' if deviated(scene) else ''}"
         '<p class="wait">loading the interactive view ...</p>'
         '<p class="no">This browser cannot show the interactive view (it needs WebGL); the figures below show the '
         "same.</p>"

@@ -124,12 +124,30 @@ def test_text_of_a_scene_cannot_break_the_page(known_bag, tmp_path, monkeypatch)
     assert "alert(1)" not in "".join(page.scripts.values())
 
 
-def test_page_says_that_a_curved_hole_is_drawn_straight(page, files, known_bag):
-    assert "drawn straight" not in page.words
-    curved = {"hole.survey": "[{depth: 0 m, inclination: 0 deg}, {depth: 5 m, inclination: 20 deg}]"}
+def test_interactive_view_has_the_well_as_it_is_drilled(page, files, known_bag):
+    """North and depth of a well that turns from vertical to horizontal, to the east, on a quarter of a circle."""
+    vertical = json.loads(page.scripts["view-data"])["well"]
+    assert "as it is drilled" not in page.words
+    assert vertical["names"] == ["x [mm]", "y [mm]", "z [m]"]
+    assert (vertical["centre"][-1], vertical["factor"]) == ([0.0, 0.0, -5.0], 1e3)
+    curved = {
+        "hole.survey": "[{depth: 0 m, inclination: 0 deg}, {depth: 5 m, inclination: 90 deg, azimuth: 90 deg}]",
+        "hole.intervals": "[{top: 1 m, bottom: 2 m, radius: 120 mm}]",
+    }
     recording = read_recording(known_bag, load_scene("pa6_bench", overrides=curved))
-    summary = json.loads(files.summary.read_text("utf-8"))
-    assert "drawn straight" in Page(build_page(recording, summary, files.figures)).words
+    made = Page(build_page(recording, json.loads(files.summary.read_text("utf-8")), files.figures))
+    assert "as it is drilled" in made.words
+    data = json.loads(made.scripts["view-data"])
+    well, radius = data["well"], 10.0 / np.pi
+    assert well["names"] == ["north [m]", "east [m]", "vertical depth [m]"]
+    assert well["centre"][-1] == pytest.approx([0.0, radius, radius], abs=1e-3)
+    assert np.cross(well["x"], well["y"])[-1] == pytest.approx([0.0, -1.0, 0.0], abs=1e-5)  # upwards along the hole
+    assert {at for at, r in zip(well["depth"], well["hole"], strict=True) if r == 0.12} == {
+        at for at in well["depth"] if 1.0 <= at < 2.0
+    }  # fmt: skip
+    assert {1.0, 2.0} <= set(well["rings"])
+    assert data["pipe"] == pytest.approx([0.00825] * data["shapes"]["points"])
+    assert data["walls"] == [0.09] * 4
 
 
 @pytest.mark.parametrize("name", FIGURES)

@@ -43,7 +43,7 @@ class TwinEncoder:
         self._mark_values = np.zeros((3, self._marks, len(MARK_AXES)))
         self._rig = JointStateTemplate(RIG_JOINTS, frame_id=geometry.frame_id)
         self._clock = ClockTemplate()
-        self._exaggeration = default_exaggeration(geometry)
+        self._exaggeration = default_exaggeration(geometry.length, geometry.hole_radius)
         self._markers: MarkerArrayTemplate | None = None
 
     def poses(self, frame: Frame) -> bytes:

@@ -48,9 +48,9 @@ class StringGeometry:
         return self.frame_prefix + FRAME_ID
 
 
-def default_exaggeration(geometry: StringGeometry) -> float:
+def default_exaggeration(length: float, hole_radius: float) -> float:
     """Factor, 1, 2 or 5 times a power of ten, with which the hole is drawn about a tenth as wide as long."""
-    wanted = max(geometry.length / (20.0 * geometry.hole_radius), 1.0)
+    wanted = max(length / (20.0 * hole_radius), 1.0)
     decade = 10.0 ** np.floor(np.log10(wanted))
     return float(min((step * decade for step in (1.0, 2.0, 5.0, 10.0)), key=lambda step: abs(np.log(step / wanted))))
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The interactive view: the string in the hole (3-D, lateral axes stretched) and the orbits of the marks, in step.
+// The interactive view: the string in the well as it is drilled (3-D, widths exaggerated) and the orbits, in step.
 "use strict";
 
 (async function () {
@@ -38,12 +38,46 @@
   const shapes = unpack(data.shapes.values), points = data.shapes.points;
   const paths = unpack(data.paths.values), count = data.marks.length;
 
-  function shapeAt(t) {
-    const frame = before(data.shapes.time, t), x = [], y = [], z = [];
-    for (let i = frame * points * 3; i < (frame + 1) * points * 3; i += 3) {
-      x.push(mm * shapes[i]); y.push(mm * shapes[i + 1]); z.push(metre * shapes[i + 2]);
+  const well = data.well, sides = 12;
+
+  // Point in the picture, from x and y off the axis of the hole [mm] and its measured depth [m].
+  function place(x, y, depth) {
+    const at = Math.min(before(well.depth, depth), well.depth.length - 2);
+    const step = well.depth[at + 1] - well.depth[at], share = step > 0 ? (depth - well.depth[at]) / step : 0;
+    const between = (rows, c) => rows[at][c] + share * (rows[at + 1][c] - rows[at][c]), scale = 1e-3 * well.factor;
+    return [0, 1, 2].map((c) => between(well.centre, c) + scale * (x * between(well.x, c) + y * between(well.y, c)));
+  }
+
+  // Tube with a radius [mm] at each of its points, as a surface.
+  function tube(middle, radius, looks) {
+    const surface = { type: "surface", x: [], y: [], z: [], showscale: false, contours: {}, ...looks };
+    middle.forEach(([x, y, depth], i) => {
+      const ring = [];
+      for (let a = 0; a <= sides; a++) {
+        const turn = 2 * Math.PI * a / sides;
+        ring.push(place(x + radius[i] * Math.cos(turn), y + radius[i] * Math.sin(turn), depth));
+      }
+      ["x", "y", "z"].forEach((name, c) => surface[name].push(ring.map((point) => point[c])));
+    });
+    return surface;
+  }
+
+  const plain = (colour) => ({ colorscale: [[0, colour], [1, colour]], lighting: { ambient: 0.7, diffuse: 0.5, specular: 0.1 } });
+  const wall = tube(well.depth.map((depth) => [0, 0, depth]), well.hole.map((radius) => 1e3 * radius),
+                    { ...plain("#a08060"), opacity: 0.18, hoverinfo: "skip" });
+  const holeAt = (depth) => 1e3 * well.hole[before(well.depth, depth)];
+
+  function stringAt(t) {
+    const frame = before(data.shapes.time, t), middle = [], words = [];
+    for (let i = frame * points * 3, k = 0; k < points; i += 3, k++) {
+      const [x, y, depth] = [mm * shapes[i], mm * shapes[i + 1], -metre * shapes[i + 2]];
+      const gap = holeAt(depth) - 1e3 * data.pipe[k] - Math.hypot(x, y);
+      middle.push([x, y, depth]);
+      words.push(Array(sides + 1).fill(`measured depth ${depth.toFixed(2)} m<br>${Math.hypot(x, y).toFixed(1)} mm off ` +
+        `the axis<br>${gap.toFixed(1)} mm to the wall<br>diameter ${(2e3 * data.pipe[k]).toFixed(1)} mm`));
     }
-    return { x, y, z };
+    return tube(middle, data.pipe.map((radius) => 1e3 * radius),
+                { ...plain("#4a4f57"), text: words, hoverinfo: "text", name: "string" });
   }
 
   function pathsAt(t, seconds) {
@@ -60,17 +94,18 @@
   }
 
   function rings() {
-    const x = [], y = [], z = [], radius = 1e3 * data.radius;
-    for (let k = 0; k <= 5; k++) {
+    const line = { x: [], y: [], z: [] };
+    for (const depth of well.rings) {
       for (let a = 0; a <= 72; a++) {
-        x.push(radius * Math.cos(a * Math.PI / 36)); y.push(radius * Math.sin(a * Math.PI / 36));
-        z.push(-data.length * k / 5);
+        const radius = holeAt(depth), turn = a * Math.PI / 36;
+        place(radius * Math.cos(turn), radius * Math.sin(turn), depth).forEach((value, c) => line["xyz"[c]].push(value));
       }
-      x.push(null); y.push(null); z.push(null);
+      for (const name of "xyz") line[name].push(null);
     }
-    return { x, y, z };
+    return line;
   }
 
+  const circles = { type: "scatter3d", mode: "lines", hoverinfo: "skip", ...rings(), line: { color: GREY, width: 1 } };
   const slider = document.getElementById("view-time"), label = document.getElementById("view-label");
   const button = document.getElementById("view-play"), pace = document.getElementById("view-pace");
   const trail = document.getElementById("view-trail");
@@ -78,14 +113,11 @@
   let now = end, playing = false, stamp = 0;
 
   function traces(t) {
-    const line = shapeAt(t), tracks = pathsAt(t, Number(trail.value)), three = [], two = [];
-    three.push({ type: "scatter3d", mode: "lines", hoverinfo: "skip", showlegend: false, ...rings(),
-                 line: { color: GREY, width: 1 } });
-    three.push({ type: "scatter3d", mode: "lines", name: "string", ...line, line: { color: INK, width: 7 },
-                 hovertemplate: "x %{x:.1f} mm<br>y %{y:.1f} mm<br>z %{z:.2f} m<extra></extra>" });
+    const tracks = pathsAt(t, Number(trail.value)), three = [wall, circles, stringAt(t)], two = [];
     tracks.forEach((track, m) => {
       const colour = data.colours[m], name = data.marks[m];
-      three.push({ type: "scatter3d", mode: "lines", ...track, name, line: { color: colour, width: 3 } });
+      const path = track.x.map((x, i) => place(x, track.y[i], -track.z[i])), [x, y, z] = [0, 1, 2].map((c) => path.map((p) => p[c]));
+      three.push({ type: "scatter3d", mode: "lines", x, y, z, name, hoverinfo: "name", line: { color: colour, width: 3 } });
       two.push({ type: "scatter", mode: "lines", x: track.x, y: track.y, name, legendgroup: name,
                  line: { color: colour, width: 1.5 } });
       two.push({ type: "scatter", mode: "markers", x: track.x.slice(-1), y: track.y.slice(-1), name,
@@ -99,23 +131,24 @@
   }
 
   function draw() {
-    const edge = 1.06e3 * data.radius, { three, two } = traces(now);
+    const edge = 1.06e3 * Math.max(...data.walls), { three, two } = traces(now);
     const common = { font: { family: "system-ui, sans-serif", size: 13, color: INK }, uirevision: "same",
                      paper_bgcolor: "white", showlegend: false };
-    const side = (text) => ({ title: { text }, range: [-edge, edge], showbackground: false, gridcolor: "#e6e6e6",
-                              zeroline: false, nticks: 5 });
+    const axis = (c, more) => ({ title: { text: well.names[c] }, showbackground: false, gridcolor: "#e6e6e6",
+                                 zeroline: false, nticks: 6, ...more });
+    const width = { range: [-1.06e3 * data.radius, 1.06e3 * data.radius], nticks: 5 };
+    const scene = well.deviated ? { xaxis: axis(0), yaxis: axis(1), zaxis: axis(2, { autorange: "reversed" }), aspectmode: "data" }
+      : { xaxis: axis(0, width), yaxis: axis(1, width), zaxis: axis(2, { range: [-data.length, 0] }),
+          aspectmode: "manual", aspectratio: { x: 0.8, y: 0.8, z: 1.6 } };
     const options = { displaylogo: false, responsive: true, displayModeBar: false };
-    Plotly.react("view-3d", three, { ...common, margin: { l: 0, r: 0, t: 0, b: 0 }, scene: {
-      xaxis: side("x [mm]"), yaxis: side("y [mm]"),
-      zaxis: { title: { text: "z [m]" }, range: [-data.length, 0], showbackground: false, gridcolor: "#e6e6e6" },
-      aspectmode: "manual", aspectratio: { x: 0.8, y: 0.8, z: 1.6 },
-      camera: { eye: { x: 1.6, y: -1.9, z: 0.55 }, center: { x: 0, y: 0, z: -0.08 } } } }, options);
+    Plotly.react("view-3d", three, { ...common, margin: { l: 0, r: 0, t: 0, b: 0 },
+      scene: { ...scene, camera: { eye: { x: 1.75, y: -2.1, z: 0.6 }, center: { x: 0, y: 0, z: -0.1 } } } }, options);
     Plotly.react("view-2d", two, { ...common, showlegend: true,
       legend: { orientation: "h", x: 0.5, xanchor: "center", y: 1.02, yanchor: "bottom" },
       margin: { l: 55, r: 10, t: 30, b: 45 },
       xaxis: { title: { text: "x [mm]" }, range: [-edge, edge], gridcolor: "#eeeeee", zeroline: false },
       yaxis: { title: { text: "y [mm]" }, range: [-edge, edge], scaleanchor: "x", gridcolor: "#eeeeee", zeroline: false },
-      shapes: [circle(1e3 * data.radius, { color: INK, width: 2.5 }),
+      shapes: [...[...new Set(data.walls)].map((radius) => circle(1e3 * radius, { color: INK, width: 2.5 })),
                ...[...new Set(data.clearance)].map((c) => circle(1e3 * c, { color: GREY, width: 1, dash: "dot" }))] }, options);
     slider.value = now;
     const after = data.onset === null ? "" : now < data.onset ? ", before the onset" : ", after the onset";

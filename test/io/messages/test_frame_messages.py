@@ -140,7 +140,7 @@ def test_orientation_turns_z_into_the_tangent_after_the_spin():
 def test_the_hole_is_drawn_about_a_tenth_as_wide_as_long(make_geometry):
     for length, radius, factor in [(8.0, 0.09, 5.0), (500.0, 0.155, 200.0), (0.5, 0.09, 1.0), (18.0, 0.09, 10.0)]:
         geometry = replace(make_geometry(), length=length, hole_radius=radius)
-        assert default_exaggeration(geometry) == pytest.approx(factor)
+        assert default_exaggeration(geometry.length, geometry.hole_radius) == pytest.approx(factor)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
