@@ -56,13 +56,17 @@ def build_report(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         files.summary.write_text(to_json(summary), "utf-8")
-        for name, path in files.figures.items():
-            progress(name)
-            _save(name, recording, path)
-        progress("page")
+        from drill_twin.report.charts import CHARTS, chart
         from drill_twin.report.page import build_page
 
-        files.page.write_text(build_page(recording, summary, files.figures), "utf-8")
+        charts = {}
+        for name, path in files.figures.items():
+            progress(name)
+            figure = _save(name, recording, path)
+            if name in CHARTS:
+                charts[name] = chart(figure)
+        progress("page")
+        files.page.write_text(build_page(recording, summary, files.figures, charts), "utf-8")
     except OSError as error:
         raise BagError(
             f"{folder}: expected a place to write the report, found {error.strerror or error}; choose another folder"
@@ -82,8 +86,10 @@ def draw(name: str, recording: Recording) -> Figure:
         return function(recording)
 
 
-def _save(name: str, recording: Recording, path: Path) -> None:
+def _save(name: str, recording: Recording, path: Path) -> Figure:
     from drill_twin.report.figures.style import save, styled
 
+    figure = draw(name, recording)
     with styled():
-        save(draw(name, recording), path)
+        save(figure, path)
+    return figure

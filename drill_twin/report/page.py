@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import base64
+import json
 from collections.abc import Callable, Iterable, Mapping
 from html import escape
 from importlib.resources import files
@@ -31,15 +32,22 @@ _WIDTHS = (
     "The well as it is drilled; hole, string and its motion across the hole are drawn {:g} times as wide as they are. "
     "Orbits are in the hole at their depth, x towards {}."
 )
+_HOW = (
+    "Charts show values under the pointer and zoom where they are dragged, a double click shows all; a click on a "
+    "picture shows it at its full size."
+)
 
 
-def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mapping[str, Path]) -> str:
+def build_page(
+    recording: Recording, summary: Mapping[str, Any], figures: Mapping[str, Path], charts: Mapping[str, Any]
+) -> str:
     """HTML text of a report.
 
     Args:
         recording: The run.
         summary: Its summary.
         figures: PNG files by name.
+        charts: Those of them that are drawn by plotly, by name (`drill_twin.report.charts`).
     """
     scene = recording.scene
     body = [
@@ -53,10 +61,10 @@ def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mappin
         _table(provenance(summary)),
         "</section></div>",
         _view(scene) if len(recording.poses) else "",
-        "<h2>Over time</h2><p>A click on a figure shows it at its full size.</p>",
-        '<section class="stack"><div class="picture">',
-        *(_image(figures[name], name) for name in OVER_TIME),
-        "</div></section>",
+        f"<h2>Over time</h2><p>{_HOW}</p>",
+        '<section class="stack">',
+        *(_both(figures[name], name) for name in OVER_TIME),
+        "</section>",
         _timeline(summary),
         "<h2>Orbits, spectrum and shapes</h2>",
         *(_figure(name, figures) for name in CAPTIONS),
@@ -69,7 +77,7 @@ def build_page(recording: Recording, summary: Mapping[str, Any], figures: Mappin
         "</section>",
         f"<footer>drawn by drill_twin {escape(__version__)} from {escape(recording.path.name)}</footer>",
     ]  # fmt: skip
-    scripts = f"<script>{_asset('zoom.js')}</script>\n" + (_scripts(recording) if len(recording.poses) else "")
+    scripts = _scripts(charts, recording)
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -136,7 +144,15 @@ def _timeline(summary: Mapping[str, Any]) -> str:
 
 def _figure(name: str, figures: Mapping[str, Path]) -> str:
     caption = f"<figcaption>{escape(CAPTIONS[name])}</figcaption>"
-    return f'<section><figure><div class="picture">{_image(figures[name], name)}</div>{caption}</figure></section>'
+    return f"<section><figure>{_both(figures[name], name)}{caption}</figure></section>"
+
+
+def _both(path: Path, name: str) -> str:
+    """Picture, and the place of the chart that takes its place."""
+    return (
+        f'<div class="both"><div class="chart" data-name="{name}"></div>'
+        f'<div class="picture">{_image(path, name)}</div></div>'
+    )
 
 
 def _image(path: Path, name: str) -> str:
@@ -165,11 +181,18 @@ def _view(scene: Scene) -> str:
     )
 
 
-def _scripts(recording: Recording) -> str:
-    return (
-        f'<script type="application/json" id="view-data">{view_data(recording)}</script>\n'
-        f'<script type="text/plain" id="plotly-packed">{plotly_packed()}</script>\n'
-        f"<script>{_asset('view.js')}</script>\n"
+def _scripts(charts: Mapping[str, Any], recording: Recording) -> str:
+    plots = json.dumps(charts, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    data = [("application/json", "chart-data", plots), ("text/plain", "plotly-packed", plotly_packed())]
+    names = ["zoom.js", "plotly.js", "charts.js"]
+    if len(recording.poses):
+        data.append(("application/json", "view-data", view_data(recording)))
+        names.append("view.js")
+    return "\n".join(
+        (
+            *(f'<script type="{kind}" id="{name}">{text}</script>' for kind, name, text in data),
+            *(f"<script>{_asset(name)}</script>" for name in names),
+        )
     )
 
 

@@ -13,6 +13,8 @@ Row = tuple[str, str]
 
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States that only the string has, by its shape."""
+KILO = 5000.0
+"""Force [N], torque [N m] or force per length [N/m] from which the unit has a k before it."""
 _STRETCHES = 5
 """Most periods of stick-slip with a row of their own."""
 
@@ -71,7 +73,10 @@ def _loads(summary: Summary) -> Iterator[Row]:
         ("torque on the bit", "bit_torque_nm", "N m"),
     ):
         if found := summary["loads"].get(key):
-            yield name, f"{found['mean']:.4g} {unit} on average, {found['min']:.4g} to {found['max']:.4g} {unit}"
+            kilo = max(-found["min"], found["max"]) >= KILO
+            mean, least, most = (1e-3 * found[of] if kilo else found[of] for of in ("mean", "min", "max"))
+            shown = f"k{unit}" if kilo else unit
+            yield name, f"{mean:.4g} {shown} on average, {least:.4g} to {most:.4g} {shown}"
 
 
 def _bit(summary: Summary) -> Iterator[Row]:

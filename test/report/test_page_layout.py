@@ -10,6 +10,7 @@ from html import unescape
 import pytest
 
 from drill_twin.report import build_report
+from drill_twin.report.charts import CHARTS
 
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 MEASURE = """
@@ -27,6 +28,19 @@ MEASURE = """
   document.title = JSON.stringify(found);
 });</script>"""
 
+DRAWN = """
+<script>addEventListener("load", () => plotlyReady.then(() => setTimeout(() => {
+  document.querySelector(".chart").scrollIntoView();
+  setTimeout(() => {
+    const all = (what) => [...document.querySelectorAll(what)], charts = all(".js-plotly-plot");
+    document.title = JSON.stringify({
+      screen: innerWidth, width: document.documentElement.scrollWidth, charted: all(".charted").length,
+      drawn: charts.length, inside: charts.every((box) => box.getBoundingClientRect().right <= innerWidth),
+      letters: Math.min(...all(".xtick text").map((text) => parseFloat(getComputedStyle(text).fontSize))),
+      pictures: all(".charted .picture").filter((box) => box.getClientRects().length).length });
+  }, 3000);
+}, 500)));</script>"""
+
 
 @pytest.fixture(scope="module")
 def page(known_bag, tmp_path_factory):
@@ -35,17 +49,36 @@ def page(known_bag, tmp_path_factory):
 
 @pytest.mark.parametrize("width", [320, 390, 768, 1400])
 def test_page_is_as_wide_as_the_screen_and_its_figures_legible(page, width, tmp_path):
-    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if browser is None:
-        pytest.skip(f"needs a browser: none of {', '.join(BROWSERS)} is installed")
-    measured = tmp_path / "page.html"
     text = re.sub(r'<script type="text/plain".*?</script>', "", page.read_text("utf-8"), flags=re.DOTALL)  # plotly
-    measured.write_text(text.replace("</body>", f"{MEASURE}</body>"), "utf-8")
-    words = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path}", f"--window-size={width},900"]
-    dom = subprocess.run([browser, *words, "--dump-dom", measured.as_uri()], capture_output=True, text=True, check=True)
-    found = json.loads(unescape(re.search("<title>(.*?)</title>", dom.stdout)[1]))
+    found = measure(text, MEASURE, width, tmp_path)
     assert found["width"] <= found["screen"]
     assert found["inside"], "a table or a figure leaves its card"
     assert found["image"] >= 700.0  # its text of 10.5 points has 10 pixels
     assert found["full"] == 1300.0
     assert found["still"] <= found["screen"]
+
+
+@pytest.mark.parametrize("width", [390, pytest.param(1920, marks=pytest.mark.long)])
+def test_charts_take_the_place_of_the_pictures(page, width, tmp_path):
+    text = re.sub(r'<script [^>]*id="view-data".*?</script>', "", page.read_text("utf-8"), flags=re.DOTALL)  # 3-D
+    found = measure(text, DRAWN, width, tmp_path, "--virtual-time-budget=10000")
+    assert found["charted"] == len(CHARTS)
+    assert found["drawn"] >= 4  # those near the screen
+    assert found["inside"]
+    assert found["letters"] >= 12.0
+    assert found["pictures"] == 0
+    assert found["width"] <= found["screen"]
+
+
+def measure(text, script, width, folder, *more):
+    """What a script finds on a page in a window of this width."""
+    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if browser is None:
+        pytest.skip(f"needs a browser: none of {', '.join(BROWSERS)} is installed")
+    measured = folder / "page.html"
+    measured.write_text(text.replace("</body></html>", f"{script}</body></html>"), "utf-8")
+    words = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder}", f"--window-size={width},900"]
+    dom = subprocess.run(
+        [browser, *words, *more, "--dump-dom", measured.as_uri()], capture_output=True, text=True, check=True
+    )
+    return json.loads(unescape(re.search("<title>(.*?)</title>", dom.stdout)[1]))

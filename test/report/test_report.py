@@ -16,6 +16,7 @@ from PIL import Image
 
 from drill_twin.errors import BagError
 from drill_twin.report import build_report, read_recording, summarise
+from drill_twin.report.charts import CHARTS
 from drill_twin.report.figures import FIGURES, OVER_TIME
 from drill_twin.report.figures.style import STATE_COLOURS, styled
 from drill_twin.report.page import build_page
@@ -135,7 +136,7 @@ def test_interactive_view_has_the_well_as_it_is_drilled(page, files, known_bag):
         "hole.intervals": "[{top: 1 m, bottom: 2 m, radius: 120 mm}]",
     }
     recording = read_recording(known_bag, load_scene("pa6_bench", overrides=curved))
-    made = Page(build_page(recording, json.loads(files.summary.read_text("utf-8")), files.figures))
+    made = Page(build_page(recording, json.loads(files.summary.read_text("utf-8")), files.figures, {}))
     assert "as it is drilled" in made.words
     data = json.loads(made.scripts["view-data"])
     well, radius = data["well"], 10.0 / np.pi
@@ -292,7 +293,8 @@ def test_bag_without_poses_is_drawn_without_the_view(messages, write, tmp_path):
 
     files = build_report(write([row for row in messages if row[0] != STRING_POSES]), tmp_path / "report")
     page = Page(files.page.read_text("utf-8"))
-    assert "plotly-packed" not in page.scripts
+    assert "view-data" not in page.scripts
+    assert json.loads(page.scripts["chart-data"]).keys() == set(CHARTS)
     assert "The string in motion" not in page.words
 
 

@@ -7,21 +7,6 @@
   const data = JSON.parse(document.getElementById("view-data").textContent);
   const INK = "#222222", GREY = "#8a8a8a";
 
-  function bytes(text) {
-    const plain = atob(text);
-    const result = new Uint8Array(plain.length);
-    for (let i = 0; i < plain.length; i++) result[i] = plain.charCodeAt(i);
-    return result;
-  }
-
-  async function loadPlotly() {
-    const packed = bytes(document.getElementById("plotly-packed").textContent.trim());
-    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-    const script = document.createElement("script");
-    script.textContent = await new Response(stream).text();
-    document.head.appendChild(script);
-  }
-
   function unpack(text) { return new Int16Array(bytes(text).buffer); }
 
   // Index of the last entry of rising `times` that is not after `t`.
@@ -176,7 +161,7 @@
   trail.addEventListener("change", draw);
 
   try {
-    await loadPlotly();
+    await plotlyReady;
     slider.max = end; slider.step = "any";
     draw();
     box.classList.add("ready");

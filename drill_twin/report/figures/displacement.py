@@ -17,7 +17,7 @@ def displacement(recording: Recording) -> Figure:
     places = recording.scene.mark_table
     largest = float(np.nanmax(np.abs(centre), initial=0.0))
     nearest = min(place.clearance for place in places) * 1e3
-    limit = 1.12 * (nearest if largest > 0.4 * nearest else max(largest, 1e-3))
+    limit = 1.12 * max(largest, nearest if largest > 0.4 * nearest else 1e-3)
     figure, panels = over_time(
         recording, [1.25] * len(places), title="Displacement of the centre line at the marks", headed=True
     )

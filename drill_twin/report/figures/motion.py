@@ -53,8 +53,9 @@ def motion(recording: Recording) -> Figure:
 def _band(panel: Axes, row: int, periods: tuple[MotionPeriod, ...], end: float) -> None:
     starts = [0.0, *(period.start_s for period in periods[1:])]
     for start, stop, period in zip(starts, [*starts[1:], end], periods, strict=False):
-        panel.barh(row, stop - start, left=start, height=0.78, color=STATE_COLOURS[period.state], linewidth=0)
         name = period.state.value
+        panel.barh(row, stop - start, left=start, height=0.78, color=STATE_COLOURS[period.state], linewidth=0,
+                   gid=f"{name}, {start:.2f} to {stop:.2f} s")  # fmt: skip
         if (stop - start) / max(end, 1e-9) > _LETTER * len(name):
             dark = period.state in {MotionState.ROLLING, MotionState.REVERSE_WHIRL}
             panel.text(

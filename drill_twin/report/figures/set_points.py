@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 
 from drill_twin.report.figures.style import BLUE, GREY, ORANGE, draw_onset, over_time
 from drill_twin.report.recording import Recording
-
-_KILO = 5000.0
+from drill_twin.report.text import KILO
 
 
 def set_points(recording: Recording) -> Figure:
@@ -19,7 +18,7 @@ def set_points(recording: Recording) -> Figure:
     figure, (weight, speed) = over_time(recording, [1.35, 1.35], title="Weight on bit and rotation")
     time, rig = recording.rig.time, recording.rig
     largest = np.max(np.abs(rig.bit_force), initial=1.0)
-    scale, unit = (1e-3, "kN") if largest > _KILO else (1.0, "N")
+    scale, unit = (1e-3, "kN") if largest > KILO else (1.0, "N")
     if len(recording.commands):
         commanded, commands = recording.commands.time, recording.commands
         weight.plot(commanded, scale * commands.weight_on_bit, color=GREY, linewidth=4.5, alpha=0.4, label="commanded")

@@ -62,6 +62,6 @@ def _lines(panel: Axes, recording: Recording) -> None:
         named.append((whirl, f"whirl {whirl:+.2f} Hz", VERMILION))
     named.sort()
     for number, (frequency, name, colour) in enumerate(named):
-        panel.axvline(frequency, color=colour, linewidth=1.1, linestyle=(0, (4, 2)), zorder=1)
+        panel.axvline(frequency, color=colour, linewidth=1.1, linestyle=(0, (4, 2)), zorder=1, gid=name)
         looks = {"ha": "left" if number else "right", "va": "bottom", "fontsize": 9.5, "color": colour}
         note(panel, name, (frequency, 1.0), where=("data", "axes fraction"), shift=(0, 3), **looks)

@@ -131,13 +131,14 @@ def draw_onset(recording: Recording, panels: Sequence[Axes]) -> None:
     onset = recording.summary.onset
     if onset is None:
         return
+    name = f"onset {onset.time_s:.2f} s"
     for panel in panels:
-        panel.axvline(onset.time_s, color=INK, linewidth=1.1, linestyle=(0, (4, 2)), zorder=3)
+        panel.axvline(onset.time_s, color=INK, linewidth=1.1, linestyle=(0, (4, 2)), zorder=3, gid=name)
     late = onset.time_s > 0.8 * recording.duration
     inside = bool(panels[0].get_title(loc="left"))
     note(
         panels[0],
-        f"onset {onset.time_s:.2f} s",
+        name,
         (onset.time_s, 1.0),
         where=("data", "axes fraction"),
         shift=(-4 if late else 4, -3 if inside else 3),

@@ -19,14 +19,13 @@ from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, b
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_curve import VERTICAL, inclination, low_side
 from drill_twin.report.string_forces import string_forces
+from drill_twin.report.text import KILO
 
 _WIDE = 0.05
 """Radius of the hole in the section as drawn, over the size of the well."""
 _LEGEND = 24.0
 """Height of the legend between section and title, however flat the section is [points]."""
 _POINTS = 800
-_KILO = 5000.0
-"""Force [N], torque [N m] or force per length [N/m] from which the unit has a k before it."""
 
 
 def well(recording: Recording) -> Figure:
@@ -72,7 +71,7 @@ def _forces(recording: Recording, side: Axes, tension: Axes, torque: Axes) -> No
         (torque, None if found is None else found.torque[0], ends[2:], "torque", "N m"),
     ):
         largest = max(float(np.nanmax(np.abs(row), initial=0.0)) for row in (values, points) if row is not None)
-        scale, kilo = (1e-3, "k") if largest >= _KILO else (1.0, "")
+        scale, kilo = (1e-3, "k") if largest >= KILO else (1.0, "")
         if found is not None and values is not None:
             steps = np.repeat(found.depth, 2)[1:-1]  # one value an element
             panel.plot(scale * np.repeat(values, 2), steps, color=BLUE, linewidth=1.0, label=name)

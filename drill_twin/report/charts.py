@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Figures as data, for charts of the page that adapt to its width, zoom and show values (`charts.js`, plotly).
+
+Everything is taken from the matplotlib figure, so that chart and picture cannot differ. Plotly's own converter knows no
+filled areas and no meshes.
+"""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection, QuadMesh
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import ArrayLike, NDArray
+
+from drill_twin.base.arrays import Array
+from drill_twin.report.figures import OVER_TIME
+
+CHARTS = (*OVER_TIME, "spectrum", "well")
+"""Figures whose values are read; orbits and shapes are in the interactive view."""
+
+_POINTS = 4000
+"""Most points of a line."""
+_OUTLINE = 1500
+"""Most points of an area."""
+_DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
+
+
+def chart(figure: Figure) -> dict[str, Any]:
+    """Title and panels of a figure; numbers are float32 in base64."""
+    width, height = figure.get_size_inches()
+    title = figure.get_suptitle()
+    return {"title": title, "panels": [_panel(axes, float(width), float(height)) for axes in figure.axes]}
+
+
+def _panel(axes: Axes, width: float, height: float) -> dict[str, Any]:
+    place = axes.get_position()
+    artists = sorted((*axes.get_children(),), key=lambda artist: artist.get_zorder())
+    found = [_artist(artist, axes) for artist in artists]
+    return {
+        "title": axes.get_title(loc="left") or axes.get_title(),
+        "width": round(float(place.width) * width, 2),
+        "height": round(float(place.height) * height, 2),
+        "equal": bool(axes.get_aspect() == 1.0),
+        "x": _axis(axes.get_xlabel(), axes.get_xlim(), axes.get_xscale(), None),
+        "y": _axis(axes.get_ylabel(), axes.get_ylim(), axes.get_yscale(), axes),
+        "traces": [trace for trace in found if trace],
+    }
+
+
+def _axis(label: str, limits: tuple[float, float], scale: str, named: Axes | None) -> dict[str, Any]:
+    log = scale == "log"
+    axis: dict[str, Any] = {"label": label, "range": [float(np.log10(x)) if log else float(x) for x in limits]}
+    if log:
+        axis["log"] = True
+    names = [] if named is None else [text.get_text() for text in named.get_yticklabels()]
+    if named is not None and any(text[0].isalpha() for text in names if text):
+        axis["names"], axis["ticks"] = names, named.get_yticks().tolist()
+    return axis
+
+
+def _artist(artist: Any, axes: Axes) -> dict[str, Any] | None:
+    """Trace of a line, an area or a mesh; None for what is not in the coordinates of the data."""
+    if isinstance(artist, Line2D):
+        return _line(artist, axes)
+    if isinstance(artist, QuadMesh):
+        return _mesh(artist)
+    if artist is axes.patch:
+        return None
+    if isinstance(artist, PolyCollection):
+        rows = [path.vertices for path in artist.get_paths()]
+        colour = artist.get_facecolor()[0]
+        return _area(np.asarray(rows[0]), colour, str(artist.get_label()), "") if rows else None
+    if isinstance(artist, Patch) and artist.get_data_transform().contains_branch(axes.transData):
+        row = artist.get_patch_transform().transform(artist.get_path().vertices)
+        return _area(np.asarray(row), artist.get_facecolor(), str(artist.get_label()), artist.get_gid() or "")
+    return None
+
+
+def _line(line: Line2D, axes: Axes) -> dict[str, Any] | None:
+    x, y = (np.asarray(values, float) for values in line.get_data(orig=False))
+    look = {"colour": to_hex(line.get_color()), "width": line.get_linewidth(), "opacity": line.get_alpha() or 1.0}
+    look["dash"] = _DASHES.get(str(line.get_linestyle()), "dash")
+    if line.get_transform() != axes.transData:  # across the panel
+        upright = bool(x.size == 2 and x[0] == x[1])
+        return {
+            "kind": "across",
+            "at": float((x if upright else y)[0]),
+            "upright": upright,
+            "name": line.get_gid() or "",
+            **look,
+        }
+    keep = _kept(y) if x.size > _POINTS else slice(None)
+    marked = line.get_linestyle() == "None"
+    size = {"marker": float(line.get_markersize())} if marked else {}
+    name = str(line.get_label())
+    return {
+        "kind": "line",
+        "name": "" if name.startswith("_") else name,
+        "x": _packed(x[keep]),
+        "y": _packed(y[keep]),
+        **look,
+        **size,
+    }
+
+
+def _kept(values: Array) -> NDArray[np.intp]:
+    """Indices of the least and the largest value in each of the intervals that a long line is cut into."""
+    size = -(-values.size // (_POINTS // 2))
+    rows = np.pad(np.nan_to_num(values), (0, -values.size % size), mode="edge").reshape(-1, size)
+    begin = np.arange(len(rows)) * size
+    ends = np.stack((begin + rows.argmin(axis=1), begin + rows.argmax(axis=1)), axis=1)
+    return np.asarray(np.minimum(np.sort(ends, axis=1).ravel(), values.size - 1))
+
+
+def _area(outline: Array, colour: ArrayLike, name: str, text: str) -> dict[str, Any]:
+    every = -(-len(outline) // _OUTLINE)
+    points = np.concatenate((outline[::every], outline[-1:]))
+    red, green, blue, alpha = np.asarray(colour, float)
+    rgba = f"rgba({255 * red:.0f},{255 * green:.0f},{255 * blue:.0f},{alpha:.3g})"
+    shown = "" if name.startswith("_") else name
+    return {
+        "kind": "area",
+        "name": shown,
+        "text": text,
+        "colour": rgba,
+        "x": _packed(points[:, 0]),
+        "y": _packed(points[:, 1]),
+    }
+
+
+def _mesh(mesh: QuadMesh) -> dict[str, Any]:
+    """Edges of the cells, and the logarithms of their values as bytes between `low` and `high`."""
+    edges = np.asarray(mesh.get_coordinates())
+    low, high = (float(np.log10(limit or 1.0)) for limit in mesh.get_clim())
+    share = (np.log10(np.asarray(mesh.get_array(), float)) - low) / (high - low)
+    return {
+        "kind": "mesh", "x": _packed(edges[0, :, 0]), "y": _packed(edges[:, 0, 1]), "columns": edges.shape[1] - 1,
+        "low": low, "high": high, "values": base64.b64encode((255 * np.clip(share, 0.0, 1.0)).astype("u1")).decode(),
+    }  # fmt: skip
+
+
+def _packed(values: Array) -> str | list[float]:
+    """Numbers as float32 in base64, or first, step and count of numbers at equal steps."""
+    rows = np.asarray(values, float)
+    if rows.size > 2 and np.isfinite(rows).all():
+        step = float(rows[-1] - rows[0]) / (rows.size - 1)
+        even = float(rows[0]) + step * np.arange(rows.size)
+        if np.abs(rows - even).max() <= 1e-6 * np.ptp(rows):
+            return [float(rows[0]), step, rows.size]
+    return base64.b64encode(rows.astype("<f4").tobytes()).decode()
