@@ -42,6 +42,7 @@ CONVERGENCE_SAFETY = 0.1  # a next change foreseen below this share of the toler
 # Where a contact point sticks and slips in turn from one iteration to the next, the iteration does not converge: the
 # changes stay small, of the order of the tolerance. Such a step is accepted, and counted as loose.
 MIN_ITERATIONS_FOR_STALL, STALL_RATIO, LOOSE_FACTOR = 3, 0.25, 10.0
+ROUNDING = 2.0 * np.finfo(float).eps  # of a time, relative
 LARGEST_FACTOR = 1e6  # of the convergence estimate that is carried on
 SMALLEST_SHARE = 1.0 / 4096.0  # of the nominal step; below, the step has failed
 
@@ -123,13 +124,14 @@ def bind(
             CONVERGED; FAILED if a step below 1/4096 of the nominal one was needed; TOO_MANY_HALVINGS if it was halved
             more often than the control allows.
         """
-        count = max(1, int(np.ceil((end - start) / control.step - 1e-9)))
+        count = max(1, int(np.ceil((end - start) / control.step - 1e-9 - ROUNDING * end / control.step)))
         nominal = (end - start) / count
+        last = end - 1e-9 * nominal - ROUNDING * count * end  # late in a long run, times are rounded by more than 1e-9
         step = nominal
         time = start
         most_halvings = counters[HALVINGS] + control.max_halvings
         begin(work)
-        while time < end - 1e-9 * nominal:
+        while time < last:
             step = min(step, end - time)
             h2 = 0.5 * step
             set_points(command0, command1, (time + h2 - start) / (end - start), work.command)
