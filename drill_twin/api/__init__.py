@@ -2,6 +2,7 @@
 """The public Python API, re-exported by `drill_twin`: scenes, runs, results, analysis (docs/api.md)."""
 
 from drill_twin.api.ensemble import Ensemble
+from drill_twin.api.maps import operating_map
 from drill_twin.api.recorded_run import Rerun, rerun
 from drill_twin.api.result import Cost, Result, read_bag
 from drill_twin.api.rotordynamics import branches, campbell, growth_map, modes, whirl_states
@@ -20,6 +21,7 @@ from drill_twin.errors import (
     StoppedError,
     TableError,
 )
+from drill_twin.maps import OperatingMap, Regime, read_map
 from drill_twin.scene import Scene
 from drill_twin.whirl import AnalysisError, MotionState, Onset, Summary
 
@@ -35,6 +37,8 @@ __all__ = [
     "MessageError",
     "MotionState",
     "Onset",
+    "OperatingMap",
+    "Regime",
     "Rerun",
     "Result",
     "RunError",
@@ -54,8 +58,10 @@ __all__ = [
     "growth_map",
     "load_scene",
     "modes",
+    "operating_map",
     "override",
     "read_bag",
+    "read_map",
     "rerun",
     "scene_names",
     "whirl_states",

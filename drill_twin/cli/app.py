@@ -12,6 +12,7 @@ from drill_twin.cli.bags import analyze, report
 from drill_twin.cli.doctor import doctor
 from drill_twin.cli.load import load
 from drill_twin.cli.modes import modes
+from drill_twin.cli.operating_map import operating_map
 from drill_twin.cli.rerun import rerun
 from drill_twin.cli.ros import demo, replay, topics
 from drill_twin.cli.run import run
@@ -59,6 +60,7 @@ app.command(rich_help_panel=_RUN)(rerun)
 app.command(rich_help_panel=_RUN)(watch)
 app.command(rich_help_panel=_RUN)(modes)
 app.command(rich_help_panel=_RUN)(whirl_states)
+app.command("map", rich_help_panel=_RUN)(operating_map)
 app.command(rich_help_panel=_STUDY)(cost)
 app.command(rich_help_panel=_STUDY)(effects)
 app.command(rich_help_panel=_STUDY)(verify)

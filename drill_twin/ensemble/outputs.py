@@ -10,9 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drill_twin.discretisation.discretise import tubes_of
 from drill_twin.errors import ArgumentError
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.scene_geometry import mark_infos
+from drill_twin.twin.bending_stress import bending_stress
 from drill_twin.twin.frame_kernel import Rows
 from drill_twin.twin.observer import RigRows, rig_rows
 from drill_twin.twin.twin import Twin
@@ -163,6 +165,42 @@ class Extremes(Collector):
         return {**variables(self._largest, "max"), **variables(self._smallest, "min")}
 
 
+class LastHalf(Collector):
+    """Severity of the motion once it has settled: extremes of the last half of the run."""
+
+    def __init__(self, twin: Twin, request: Request) -> None:
+        super().__init__(twin, request)
+        self._frames = 0
+        self._radius: Any = 0.0
+        self._force = 0.0
+        self._torque = (math.inf, -math.inf)
+
+    def add(self, rows: Rows, rig: RigRows) -> None:
+        """Compare the frames after the middle of the run."""
+        first = max(0, self.request.frames // 2 - self._frames)
+        self._frames += rows.time.size
+        if first < rows.time.size:
+            self._radius = np.maximum(
+                self._radius, np.hypot(rows.centre[first:, :, 0], rows.centre[first:, :, 1]).max(0)
+            )
+            self._force = max(self._force, float(rows.string[first:, 0].max()))
+            torque, (low, high) = rig.top_drive_torque[first:], self._torque
+            self._torque = min(low, float(torque.min())), max(high, float(torque.max()))
+
+    def close(self) -> Mapping[str, Variable]:
+        """Radius of the marks, wall force, swing of the torque; bending stress at the last instant."""
+        low, high = self._torque
+        dynamics = self.twin.dynamics
+        stress = bending_stress(dynamics.rod, tubes_of(self.twin.scene), dynamics.unknowns[0])
+        radius = np.broadcast_to(self._radius, (len(self.twin.scene.string.marks),)).copy()
+        return {
+            "radius_late": Variable(radius, ("mark",), "m"),
+            "wall_force_late": Variable(self._force, (), "N"),
+            "torque_swing_late": Variable(high - low if high >= low else math.nan, (), "N m"),
+            "bending_stress_end": Variable(float(stress.max()), (), "Pa"),
+        }
+
+
 class Contact(Collector):
     """Share of the frames with contact at each mark, and mean share of the nodes in contact."""
 
@@ -243,6 +281,7 @@ OUTPUTS: Mapping[str, type[Collector]] = {
     "findings": Findings,
     "extremes": Extremes,
     "contact": Contact,
+    "last_half": LastHalf,
     "marks": Marks,
     "spectra": Spectra,
     "energy": Energy,

@@ -64,7 +64,7 @@ def test_commands_and_parameters(printed):
     from drill_twin.cli.app import app
     from drill_twin.ros import entry_points
 
-    names = [command.callback.__name__.replace("_", "-") for command in app.registered_commands]
+    names = [command.name or command.callback.__name__.replace("_", "-") for command in app.registered_commands]
     assert _headings(printed("commands")) == [f"drill-twin {name}" for name in names]
     text = printed("nodes")
     assert _headings(text) == [*entry_points.NODES, "twin"]

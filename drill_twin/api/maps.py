@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Operating map of a scene: regimes over weight on bit and speed (docs/operating_map.md)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from drill_twin.api.quantity import Quantity, in_si
+from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.errors import ArgumentError
+from drill_twin.maps import OperatingMap, Plan, Plane, Span, build_map
+from drill_twin.runner import compile_kernel
+from drill_twin.scene import Scene
+from drill_twin.units import UnitError, parse
+from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME, Dimension
+
+STEPS = 128
+"""Steps of the lattice along each range: a boundary is located within 1 / 128 of it."""
+TURNS = "rev/s"
+
+
+def operating_map(
+    scene: Scene | str | Path,
+    overrides: Overrides | None = None,
+    *,
+    wob: str,
+    rps: str,
+    seeds: int = 1,
+    vary: Mapping[str, str] | None = None,
+    duration: Quantity | None = None,
+    runs: int = 1500,
+    hysteresis: bool = True,
+    growth: bool = True,
+    steps: int = STEPS,
+    folder: str | Path | None = None,
+    workers: int | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> OperatingMap:
+    """Regimes of motion over weight on bit and speed, from runs that crowd where the regime changes.
+
+    >>> found = operating_map("pa6_bench", wob="1..300 N", rps="1..6.5")
+    >>> found.regime(40.0, 12.6), found.margin(40.0, 12.6), found.window
+
+    Args:
+        scene: The scene, or its name or file; each run begins as it does.
+        overrides: Values that replace those of the scene.
+        wob: Range of the weight on bit, `"1..300 N"`.
+        rps: Range of the speed, `"1..6.5"` in rev/s or with a unit.
+        seeds: Draws along the onset of whirl, the first of them the scene as it is.
+        vary: Ranges of uncertain numbers by key, `{"wall_friction.coefficient": "0.1..0.3"}`.
+        duration: Simulated time of a run from rest [s]; left out: that of the scene.
+        runs: Largest number of runs.
+        hysteresis: Search the second boundary, where an existing whirl dies.
+        growth: Place first runs by the growth rates of the linear string, where they apply.
+        steps: Steps of the lattice along each range, a power of 2.
+        folder: Folder of `runs.jsonl`; a map that was broken off goes on from it, and ends with the same bits.
+        workers: Threads; by default one for each processor core.
+        progress: Called with the phase, the runs that have ended, and the number expected by now.
+
+    Raises:
+        ArgumentError: A range or number is absurd, or the folder has the runs of another map.
+        SceneError: The scene cannot be loaded, has no marks or plays a record, or a value does not fit it.
+        BagError: The folder cannot be written.
+    """
+    own = as_scene(scene, overrides)
+    if own.numerics.accuracy is not None:
+        from drill_twin.accuracy import resolve
+
+        own = resolve(own).scene
+    plane = Plane(range_in_si("wob", wob, FORCE), range_in_si("rps", rps, ANGULAR_SPEED, TURNS), steps).checked()
+    length = own.rig.duration if duration is None else in_si("duration", duration, TIME)
+    threads = len(os.sched_getaffinity(0)) if workers is None else workers
+    ranges = {key: split_range(f"vary {key}", text) for key, text in (vary or {}).items()}
+    plan = Plan(plane, length, seeds, ranges, runs, hysteresis, growth, threads)
+    compile_kernel(own, 1.0 / own.numerics.frame_rate)
+    place = None if folder is None else Path(folder)
+    return build_map(own, plan, place, *([progress] if progress is not None else []))
+
+
+def split_range(name: str, text: str) -> tuple[float, float, str]:
+    """Least and largest number of `LOW..HIGH UNIT`, and the unit.
+
+    Raises:
+        ArgumentError: It is no range of numbers.
+    """
+    low, dots, rest = str(text).partition("..")
+    number, _, unit = rest.strip().partition(" ")
+    try:
+        if dots:
+            return float(low), float(number), unit.strip()
+    except ValueError:
+        pass
+    raise ArgumentError(f'{name}: expected a range such as "1..300 N", found "{str(text)[:60]}"')
+
+
+def range_in_si(name: str, text: str, dimension: Dimension, unit: str = "") -> Span:
+    """Range of a quantity in SI.
+
+    Raises:
+        ArgumentError: It is no range of that quantity.
+    """
+    low, high, given = split_range(name, text)
+    try:
+        return Span(*(parse(f"{value!r} {given or unit}".strip(), dimension) for value in (low, high)))
+    except UnitError as error:
+        raise ArgumentError(f"{name}: {error}") from error

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin map`: operating map of a scene over weight on bit and speed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, WorkersOption, overrides
+
+if TYPE_CHECKING:
+    from drill_twin.maps import OperatingMap
+    from drill_twin.scene import Scene
+
+
+def operating_map(
+    scene: SceneArgument,
+    wob: Annotated[str, typer.Option("--wob", metavar="RANGE", help='Weight on bit, as "1..300 N".')],
+    rps: Annotated[str, typer.Option("--rps", metavar="RANGE", help='Speed in rev/s, as "1..6.5", or with a unit.')],
+    seeds: Annotated[
+        int, typer.Option("--seeds", metavar="N", min=1, max=1000, help="Draws along the onset of whirl.")
+    ] = 1,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            "--vary",
+            metavar="KEY=RANGE",
+            help='Uncertain number of each draw, as "wall_friction.coefficient=0.1..0.3"; repeatable.',
+        ),
+    ] = [],  # noqa: B006  typer makes a new list of it
+    change: SetOption = [],  # noqa: B006
+    duration: Annotated[
+        str, typer.Option("--duration", metavar="TIME", help="Simulated time of a run.", show_default="the scene's")
+    ] = "",
+    runs: Annotated[
+        int, typer.Option("--runs", metavar="N", min=1, max=1_000_000, help="Largest number of runs.")
+    ] = 1500,
+    steps: Annotated[
+        int, typer.Option("--steps", metavar="N", help="A boundary is located within 1/N of each range; a power of 2.")
+    ] = 128,
+    no_hysteresis: Annotated[
+        bool, typer.Option("--no-hysteresis", help="Leave out the boundary at which an existing whirl dies.")
+    ] = False,
+    no_growth: Annotated[
+        bool, typer.Option("--no-growth", help="Do not place first runs by the growth rates of the linear string.")
+    ] = False,
+    workers: WorkersOption = 0,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="DIR", help="Folder of the result; a map that was broken off goes on.",
+            show_default="out/map_SCENE",
+        ),
+    ] = None,
+    replace: ReplaceOption = False,
+    json: JsonOption = False,
+) -> None:  # fmt: skip
+    """Regimes of motion over weight on bit and speed: smooth, stick-slip, buckled, forward, backward, irregular whirl.
+
+    Runs crowd where the regime changes: the onset of whirl from rest first, then the other regimes, draws of seeds and
+    uncertain numbers, and the boundary at which an existing whirl dies. Writes map.json, map.csv and map.html.
+    """
+    from drill_twin.api.maps import operating_map as make
+    from drill_twin.cli.folder import folder_name, make_folder, write_file
+    from drill_twin.cli.show import err, print_json
+    from drill_twin.cli.show import out as stdout
+    from drill_twin.errors import SceneError
+    from drill_twin.scene import load_scene
+    from drill_twin.studies.json_io import json_text
+
+    changes = overrides(change, duration=duration)
+    ranges = {}
+    for pair in vary:
+        key, equals, text = pair.partition("=")
+        if not (equals and key.strip()):
+            raise SceneError(f'--vary: expected KEY=LOW..HIGH, found "{pair}"')
+        ranges[key.strip()] = text
+    described = load_scene(scene, overrides=changes)
+    folder = out or Path("out") / f"map_{folder_name(described.name)}"
+    make_folder(folder)
+    if replace:
+        (folder / "runs.jsonl").unlink(missing_ok=True)
+    with _bar() as progress:
+        found = make(
+            described, wob=wob, rps=rps, seeds=seeds, vary=ranges, runs=runs, hysteresis=not no_hysteresis,
+            growth=not no_growth, steps=steps, folder=folder, workers=workers, progress=progress,
+        )  # fmt: skip
+    data = found.to_dict()
+    write_file(folder / "map.json", json_text(data))
+    write_file(folder / "map.csv", found.csv())
+    if json:
+        print_json(data)
+    else:
+        stdout().print(_text(found, described), markup=False, soft_wrap=True)
+    err().print(f"{folder}: map.json, map.csv, runs.jsonl", markup=False, soft_wrap=True)
+
+
+class _Bar(AbstractContextManager[Callable[[str, int, int], None]]):
+    """Progress with the time left, on stderr."""
+
+    def __enter__(self) -> Callable[[str, int, int], None]:
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+        from drill_twin.cli.show import err
+
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        self._bar = Progress(*columns, console=err(), transient=True)
+        self._bar.start()
+        task = self._bar.add_task("onset of whirl", total=None)
+
+        def progress(phase: str, done: int, expected: int) -> None:
+            self._bar.update(task, description=phase, completed=done, total=expected)
+
+        return progress
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+
+def _bar() -> _Bar:
+    return _Bar()
+
+
+def _text(found: OperatingMap, scene: Scene) -> str:
+    """Runs, shares of the regimes, window, and margin of the scene's own set-point."""
+    import math
+    from collections import Counter
+
+    from drill_twin.maps.regimes import REGIMES
+
+    turns = math.tau
+    counts = Counter(found.regimes.ravel().tolist())
+    lines = [f"{found.name}: {len(found.records)} runs of {found.duration:g} s"]
+    whole = found.regimes.size
+    lines += [f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges" for code, count in sorted(counts.items())]
+    if found.window is None:
+        lines.append("  no safe window: nowhere in these ranges is the string smooth and free of whirl")
+    else:
+        weight, speed = found.window
+        lines.append(
+            f"  safe window: {weight.low:.4g} to {weight.high:.4g} N at {speed.low / turns:.4g} to "
+            f"{speed.high / turns:.4g} rev/s"
+        )
+    load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
+    if found.contains(load, turn):
+        margin = found.margin(load, turn)
+        word = "margin to the boundary" if margin.share >= 0.0 else "beyond the boundary by"
+        apart = [
+            f"{abs(value) / unit:.3g} {name}"
+            for value, unit, name in ((margin.weight, 1.0, "N"), (margin.speed, turns, "rev/s"))
+            if math.isfinite(value)
+        ]
+        lines.append(
+            f"  set-point of the scene, {load:g} N at {turn / turns:.4g} rev/s: {found.regime(load, turn).value}"
+            + (f"; {word} {' or '.join(apart)}" if apart else "")
+        )
+    return "\n".join([*lines, *(f"  note: {note}" for note in found.notes)])

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs of a map: members of an ensemble at nodes of the plane, and what is kept of each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drill_twin.ensemble import expand, run_members
+from drill_twin.ensemble.outputs import Request
+from drill_twin.ensemble.run import Run
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds
+from drill_twin.maps.plane import Node, Plane
+from drill_twin.maps.regimes import Regime, regime_of
+from drill_twin.scene import Scene
+
+WEIGHT, SPEED = "rig.weight_on_bit", "rig.rotation"
+HOLD, RAMP, STAY = 1.0, 0.25, 1.25
+"""Of the duration of a run: time at a whirling set-point, of the way from there to the node, and at the node."""
+ORBIT = 120
+"""Samples kept of the last orbit."""
+ORBIT_RATE = 25.0
+"""Largest rate of those samples [Hz]."""
+OUTPUTS = ("findings", "last_half", "marks")
+
+
+class Key(NamedTuple):
+    """One run of a map."""
+
+    i: int
+    j: int
+    draw: int = 0
+    """0: the scene as it is; others: other seeds and uncertain numbers."""
+    origin: Node | None = None
+    """Whirling node that the run comes from; None: from rest."""
+
+    @property
+    def node(self) -> Node:
+        """Its node."""
+        return self.i, self.j
+
+
+@dataclass(frozen=True)
+class Record:
+    """Findings and severity of one run; NaN where there is none."""
+
+    regime: Regime
+    onset_s: float = math.nan
+    """Onset of whirl [s]."""
+    whirl_hz: float = math.nan
+    """Whirl frequency, positive = forward [Hz]."""
+    ratio: float = math.nan
+    """Precession over rotation."""
+    bit: str = ""
+    """Motion of the bit at the end."""
+    radius: float = math.nan
+    """Largest radius of a mark over its clearance, last half of the run."""
+    wall_force: float = math.nan
+    """Largest wall force of a node [N], last half of the run."""
+    torque_swing: float = math.nan
+    """Largest less smallest torque of the top drive [N m], last half of the run."""
+    bending_stress: float = math.nan
+    """Largest bending stress at the end of the run [Pa]."""
+    failure: str = ""
+    """The reason why it could not be followed."""
+    orbit: tuple[tuple[int, int], ...] = ()
+    """Last orbit of the mark with the largest radius, in thousandths of its clearance."""
+
+    @property
+    def whirls(self) -> bool:
+        """The string whirls at the end."""
+        return self.regime.whirls
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain types; numbers that are not known left out."""
+        plain = {**asdict(self), "regime": self.regime.value, "orbit": [list(point) for point in self.orbit]}
+        return {
+            name: value
+            for name, value in plain.items()
+            if value not in ("", []) and not (isinstance(value, float) and not math.isfinite(value))
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Record:
+        """Inverse of `to_dict`."""
+        orbit = tuple((int(x), int(y)) for x, y in data.get("orbit", ()))
+        return cls(**{**data, "regime": Regime(data["regime"]), "orbit": orbit})
+
+
+@dataclass(frozen=True)
+class Runner:
+    """Runs members of one scene.
+
+    Attributes:
+        scene: The base scene.
+        plane: Its plane.
+        duration: Simulated time of a run from rest [s].
+        draws: Values of seed and uncertain numbers by key, one mapping a draw; empty without draws.
+        workers: Threads.
+    """
+
+    scene: Scene
+    plane: Plane
+    duration: float
+    draws: Sequence[Mapping[str, float | str]]
+    workers: int
+
+    def run(self, keys: Sequence[Key], done: Callable[[int], None]) -> list[Record]:
+        """Run them; those from rest and those from a whirl apart, for they last differently."""
+        records: dict[Key, Record] = {}
+        for falling in (False, True):
+            group = [key for key in keys if (key.origin is not None) == falling]
+            if group:
+                rows = [values_of(self.plane, self.duration, key, self.draws) for key in group]
+                members = expand(self.scene, {name: [row[name] for row in rows] for name in rows[0]}, zipped=True)
+                request = self._request(self.duration * length_of(falling=falling))
+                runs = run_members(members, request, self.workers, partial(_after, done, len(records)))
+                records |= {key: self._record(run) for key, run in zip(group, runs, strict=True)}
+        return [records[key] for key in keys]
+
+    def _request(self, duration: float) -> Request:
+        period = round(NANOSECONDS / self.scene.numerics.frame_rate)
+        frames = max(1, math.ceil(duration * NANOSECONDS / period - 0.5))
+        every = max(1, round(self.scene.numerics.frame_rate / ORBIT_RATE))
+        return Request(OUTPUTS, seconds(period), frames, every)
+
+    def _record(self, run: Run) -> Record:
+        if run.failure or not run.values:
+            return Record(Regime.FAILED, failure=run.failure or "no frame was computed")
+        values = {name: variable.value for name, variable in run.values.items()}
+        clearance = np.array([mark.clearance for mark in self.scene.mark_table])
+        shares = values["radius_late"] / clearance
+        summary, widest = values["summary"], int(np.argmax(shares))
+        orbit = np.rint(values["centre"][-ORBIT:, widest] / clearance[widest] * 1000.0)
+        onset, hz, ratio = (
+            math.nan if found is None else found
+            for found in (summary.onset_s, summary.mode_frequency_hz, summary.mode_ratio)
+        )
+        return Record(
+            regime_of(summary, shares, vertical=is_vertical(self.scene)),
+            onset, hz, ratio, summary.bit.value, float(shares.max()),
+            float(values["wall_force_late"]), float(values["torque_swing_late"]), float(values["bending_stress_end"]),
+            orbit=tuple((int(x), int(y)) for x, y in orbit[np.isfinite(orbit).all(axis=1)]),
+        )  # fmt: skip
+
+
+def _after(done: Callable[[int], None], before: int, ended: int) -> None:
+    done(before + ended)
+
+
+def values_of(
+    plane: Plane, duration: float, key: Key, draws: Sequence[Mapping[str, float | str]]
+) -> dict[str, float | str]:
+    """Values in which a run differs from the base scene, in SI."""
+    values: dict[str, float | str] = {}
+    for axis, (name, value) in enumerate(zip((WEIGHT, SPEED), plane.command(key.node), strict=True)):
+        values[f"{name}.value"] = value
+        if key.origin is not None:
+            values |= {
+                f"{name}.shape": "ramp", f"{name}.initial": plane.command(key.origin)[axis],
+                f"{name}.start": HOLD * duration, f"{name}.duration": RAMP * duration,
+            }  # fmt: skip
+    return values | dict(draws[key.draw] if draws else {})
+
+
+def length_of(*, falling: bool) -> float:
+    """Length of a run over that of one from rest."""
+    return HOLD + RAMP + STAY if falling else 1.0
+
+
+def is_vertical(scene: Scene) -> bool:
+    """The hole is straight and vertical, so that a string off its axis is bent by its load."""
+    return not scene.hole.survey and scene.hole.inclination == 0.0

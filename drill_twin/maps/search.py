@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Search for the boundaries of a map: onset of whirl first, then other regimes, draws, and the end of a whirl.
+
+Each step depends on the labels of the runs before alone, never on their order or time, so that a search that was broken
+off takes the runs of its journal and ends with the same map.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.errors import DrillTwinError
+from drill_twin.maps.journal import Journal
+from drill_twin.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_known, wanted
+from drill_twin.maps.runs import HOLD, Key, Record, Runner
+from drill_twin.scene import Scene
+
+ONSET_CELLS, COARSE = 8, 16
+"""Cells along each range before any is split: in the search for the onset, and in all others."""
+REGIME_CELLS = 32
+"""Cells along each range down to which boundaries between other regimes are followed, and where draws are made."""
+FEW = 3
+"""Draws after the first by which a node is judged; the others follow where they differ from it."""
+EARLY = 0.8
+"""Share of the duration within which a whirl must begin to be one that a run can come from."""
+BATCH = 32
+"""Runs between two entries in the journal."""
+GROWTH_POINTS = 33
+"""Points of the map of growth rates along each range."""
+
+Progress = Callable[[str, int, int], None]
+"""Takes the phase, the runs that have ended, and the number expected by now."""
+
+
+class Search:
+    """Search of one map.
+
+    Attributes:
+        records: The runs that it took, in its order.
+        notes: What limits the map, as sentences.
+        growth: Growth rates at the points of an even grid [1/s]; None where they do not apply.
+    """
+
+    def __init__(
+        self, runner: Runner, journal: Journal | None, budget: int, progress: Progress, *, growth: bool
+    ) -> None:
+        self._runner, self._journal, self._budget, self._progress = runner, journal, budget, progress
+        self.records: dict[Key, Record] = {}
+        self.notes: list[str] = []
+        self.growth = growth_of(runner.scene, runner.plane) if growth else None
+
+    # --- phases ---------------------------------------------------------------------------------------------------
+
+    def onset(self) -> None:
+        """Find where whirl begins from rest, to one step of the lattice."""
+        hint = None if self.growth is None else _sign_on(self.growth, self._steps)
+        self._refine("onset of whirl", lambda record: int(record.whirls), ONSET_CELLS, 1, hint)
+
+    def regimes(self) -> None:
+        """Find the boundaries between all regimes."""
+        self._refine("regimes", lambda record: record.regime.code, COARSE, max(1, self._steps // REGIME_CELLS))
+
+    def draws(self) -> None:
+        """Repeat the runs along the onset with other seeds and numbers, all of them where the first few differ."""
+        count, size = len(self._runner.draws), max(1, self._steps // REGIME_CELLS)
+        labels = self._labels(lambda record: int(record.whirls))
+        for number, few in enumerate((True, False)):
+            numbers = range(1, min(FEW + 1, count)) if few else range(FEW + 1, count)
+            while True:
+                nodes = [node for node in self._beside(labels, size) if few or self._unsure(node)]
+                if not self._make("draws", [Key(*node, draw) for node in nodes for draw in numbers]):
+                    break
+                for node in nodes:  # an unsure node is a boundary too
+                    labels[node] = 2 if self._unsure(node) else labels[node]
+                if number == 0 and self._nothing_changes():
+                    self.notes.append("seeds and varied numbers change no run of this scene: one draw is enough")
+                    return
+
+    def end_of_whirl(self) -> None:
+        """Find where an existing whirl dies: runs that come from a whirling set-point, over those calm from rest."""
+        whirling = self._plane.labels()
+        for key, record in self._from_rest():
+            early = record.onset_s < EARLY * self._runner.duration
+            whirling[key.node] = 1 if record.whirls and early else UNKNOWN
+        if not (whirling == 1).any():
+            self.notes.append("no whirl was found that could die")
+            return
+        origins = nearest_known(whirling == 1)
+        calm = self._labels(lambda record: int(record.whirls))
+        known = calm != UNKNOWN
+        nearest = calm[tuple(nearest_known(known))]
+        size = max(1, self._steps // (4 * COARSE))
+        labels = np.where(nearest == 1, 1, UNKNOWN).astype(np.int8)
+        while nodes := wanted(labels, max(1, self._steps // COARSE), size):
+            keys = [Key(*node, 0, (int(origins[0][node]), int(origins[1][node]))) for node in nodes]
+            if not self._make("end of whirl", keys):
+                break
+            for key in keys:
+                if key in self.records:
+                    labels[key.node] = self.records[key].whirls
+        unmade = [key for key, record in self.records.items() if key.origin and not record.onset_s < self._hold]
+        if unmade:
+            self.notes.append(f"in {len(unmade)} runs from a whirl it had not begun when the set-points moved")
+
+    # --- steps ----------------------------------------------------------------------------------------------------
+
+    @property
+    def _plane(self) -> Plane:
+        return self._runner.plane
+
+    @property
+    def _steps(self) -> int:
+        return self._plane.steps
+
+    @property
+    def _hold(self) -> float:
+        return HOLD * self._runner.duration
+
+    def _from_rest(self) -> Iterable[tuple[Key, Record]]:
+        return [(key, record) for key, record in self.records.items() if key.origin is None and key.draw == 0]
+
+    def _labels(self, label: Callable[[Record], int]) -> Labels:
+        labels = self._plane.labels()
+        for key, record in self._from_rest():
+            labels[key.node] = label(record)
+        return labels
+
+    def _refine(
+        self, phase: str, label: Callable[[Record], int], cells: int, finest: int, hint: Labels | None = None
+    ) -> None:
+        coarse = max(1, self._steps // cells)
+        while nodes := wanted(self._labels(label), coarse, finest, hint, max(finest, self._steps // REGIME_CELLS)):
+            if not self._make(phase, [Key(*node) for node in nodes]):
+                return
+
+    def _beside(self, labels: Labels, size: int) -> list[Node]:
+        """Corners of the cells of a size in which labels differ, if they have a run."""
+        found: dict[Node, None] = {}
+        for i in range(0, self._steps, size):
+            for j in range(0, self._steps, size):
+                inside = labels[i : i + size + 1, j : j + size + 1]
+                known = inside[inside != UNKNOWN]
+                if known.size and (known != known[0]).any():
+                    found.update(dict.fromkeys((a, b) for a in (i, i + size) for b in (j, j + size)))
+        return [node for node in found if Key(*node) in self.records]
+
+    def _unsure(self, node: Node) -> bool:
+        """The first draws at a node do not agree whether it whirls."""
+        made = [self.records[key] for draw in range(FEW + 1) if (key := Key(*node, draw)) in self.records]
+        return len({record.whirls for record in made}) > 1
+
+    def _nothing_changes(self) -> bool:
+        drawn = [key for key in self.records if key.draw]
+        return bool(drawn) and all(self.records[key] == self.records[Key(key.i, key.j)] for key in drawn)
+
+    def _make(self, phase: str, keys: Sequence[Key]) -> bool:
+        """Make runs, or take them from the journal; False where none is new, or no more may be made."""
+        new = [key for key in dict.fromkeys(keys) if key not in self.records]
+        room = self._budget - len(self.records)
+        if len(new) > room:
+            note = f"stopped at {self._budget} runs in the search for the {phase}; more with --runs"
+            self.notes.extend([note] if note not in self.notes else [])
+        new = new[:room]
+        expected = len(self.records) + len(new)
+        for first in range(0, len(new), BATCH):
+            batch = new[first : first + BATCH]
+            known = {} if self._journal is None else self._journal.records
+            missing = [key for key in batch if key not in known]
+            done = len(self.records) + len(batch) - len(missing)
+            made = self._runner.run(missing, partial(self._report, phase, done, expected))
+            found = dict(zip(missing, made, strict=True))
+            if self._journal is not None and found:
+                self._journal.add(found)
+            self.records |= {key: found[key] if key in found else known[key] for key in batch}
+        return bool(new)
+
+    def _report(self, phase: str, done: int, expected: int, ended: int) -> None:
+        self._progress(phase, done + ended, expected)
+
+
+def growth_of(scene: Scene, plane: Plane) -> Array | None:
+    """Largest growth of a lateral mode [1/s] on an even grid over the plane; None where the string has no such map."""
+    from drill_twin.rotordynamics.equations import EquationsOfMotion
+    from drill_twin.rotordynamics.growth_map import growth_map
+
+    weights, speeds = (np.linspace(span.low, span.high, GROWTH_POINTS) for span in (plane.weight, plane.speed))
+    try:
+        return growth_map(EquationsOfMotion(scene), weights, speeds).lateral
+    except DrillTwinError:  # a hole that is not vertical, an effect that depends on time, no balance
+        return None
+
+
+def _sign_on(growth: Array, steps: int) -> Labels:
+    """Sign of the growth at the nodes of a lattice, linear between the points of the grid."""
+    nodes, points = np.linspace(0.0, 1.0, steps + 1), np.linspace(0.0, 1.0, growth.shape[0])
+    rows = np.array([np.interp(nodes, points, row) for row in growth])
+    whole = np.array([np.interp(nodes, points, column) for column in rows.T]).T
+    return (whole > 0.0).astype(np.int8)
