@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         read_map,
         rerun,
         scene_names,
+        statics,
         whirl_states,
         write_scene,
     )
@@ -97,6 +98,7 @@ __all__ = [
     "read_map",
     "rerun",
     "scene_names",
+    "statics",
     "whirl_states",
     "write_scene",
 ]

@@ -8,6 +8,7 @@ from drill_twin.api.result import Cost, Result, read_bag
 from drill_twin.api.rotordynamics import branches, campbell, growth_map, modes, whirl_states
 from drill_twin.api.scenes import build_scene, check_scene, load_scene, override, scene_names, write_scene
 from drill_twin.api.simulation import Simulation, State
+from drill_twin.api.torque_drag import statics
 from drill_twin.api.whirl import Whirl, analyze
 from drill_twin.ensemble import EnsembleResult
 from drill_twin.errors import (
@@ -64,6 +65,7 @@ __all__ = [
     "read_map",
     "rerun",
     "scene_names",
+    "statics",
     "whirl_states",
     "write_scene",
 ]

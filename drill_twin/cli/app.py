@@ -17,6 +17,7 @@ from drill_twin.cli.rerun import rerun
 from drill_twin.cli.ros import demo, replay, topics
 from drill_twin.cli.run import run
 from drill_twin.cli.scenes import check, scenes, schema
+from drill_twin.cli.statics import statics
 from drill_twin.cli.studies.analyzer_score import analyzer_score
 from drill_twin.cli.studies.cost import cost
 from drill_twin.cli.studies.effects import effects
@@ -58,6 +59,7 @@ app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
 app.command(rich_help_panel=_RUN)(rerun)
 app.command(rich_help_panel=_RUN)(watch)
+app.command(rich_help_panel=_RUN)(statics)
 app.command(rich_help_panel=_RUN)(modes)
 app.command(rich_help_panel=_RUN)(whirl_states)
 app.command("map", rich_help_panel=_RUN)(operating_map)

@@ -27,21 +27,25 @@ def sections_of(scene: Scene) -> list[Tube]:
 
 def _tube(piece: Piece) -> Tube:
     of = piece.section
-    return Tube(piece.length, piece.outer_diameter, of.inner_diameter, of.youngs_modulus, of.poisson_ratio, of.density)
+    density = of.density if of.adjusted_mass is None else of.adjusted_mass / of.area
+    return Tube(piece.length, piece.outer_diameter, of.inner_diameter, of.youngs_modulus, of.poisson_ratio, density)
 
 
 def discretise(scene: Scene, rod: Rod) -> DiscreteModel:
     """Make the discrete model of a meshed string in its hole."""
     at = places(rod)
     mud = getattr(scene.effects, "mud", None)
-    fluid = (mud.density, mud.viscosity, mud.inside == "mud") if mud is not None else ()
+    numbers = _section_numbers(scene, rod)
+    sections = scene.string.sections
+    joints = np.array([0.0 if s.adjusted_mass is None else s.adjusted_mass / s.density - s.area for s in sections])
+    fluid = (mud.density, mud.viscosity, mud.inside == "mud", joints[numbers]) if mud is not None else ()
     return DiscreteModel(
         rod,
         scene.hole.radius,
         scene.hole.top_inclination,
         bore_at(scene, at),
         contact_radius(scene, at),
-        _section_numbers(scene, rod),
+        numbers,
         scene.numerics.seed,
         *fluid,
     )

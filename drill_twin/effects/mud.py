@@ -46,5 +46,5 @@ def displaced_area(model: DiscreteModel) -> Array:
     if model.fluid_density == 0.0:
         return np.zeros_like(model.rod.length)
     inside = bore_radius(model) if model.fluid_inside else np.zeros_like(model.rod.length)
-    area: Array = np.pi * (model.rod.outer_radius**2 - inside**2)
+    area: Array = np.pi * (model.rod.outer_radius**2 - inside**2) + model.joint_area
     return area

@@ -25,6 +25,7 @@ class DiscreteModel(NamedTuple):
     fluid_density: float = 0.0  # of the mud around the string [kg/m3]; 0 = none
     fluid_viscosity: float = 0.0  # [Pa s]
     fluid_inside: bool = True  # whether the pipe is filled with it
+    joint_area: Array | float = 0.0  # area of upsets and tool joints spread along the pipe [m2], shape (n,)
 
     @property
     def places(self) -> Array:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array
+from drill_twin.base.arrays import Array, Mask
 from drill_twin.discretisation.boundary_conditions import BoundaryConditions
 from drill_twin.discretisation.discretise import axis_at, discretise, tubes_of
 from drill_twin.discretisation.initial_state import set_initial_state
@@ -97,6 +97,7 @@ class EquationsOfMotion:
         parameters: Parameters of drive and effects; replace numbers by `_replace`, arrays in place.
         free: Mask of the unknowns that are not constrained, shape (n + 1, k) with k unknowns a node.
         unknowns: Number m of free unknowns.
+        constrained: Mask of the constrained unknowns of bit and top, shape (2, 7).
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -117,11 +118,11 @@ class EquationsOfMotion:
         self._work: Any = make_lateral_workspace(count) if self.form == LATERAL else make_workspace(count)
         self._state = state.make_state(count)
         self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
-        self._constrained = BoundaryConditions.of(scene).constrained(scene.string.bit_end)
+        self.constrained = BoundaryConditions.of(scene).constrained(scene.string.bit_end)
         self.columns = COLUMNS[self.form]
         width = self.columns.size
         self.free = np.ones((count + 1, width), dtype=bool)
-        self.free[0], self.free[-1] = ~self._constrained[0, self.columns], ~self._constrained[1, self.columns]
+        self.free[0], self.free[-1] = ~self.constrained[0, self.columns], ~self.constrained[1, self.columns]
         self._residual = np.zeros((count + 1, width))
         self._tangents = np.zeros((3, count + 1, width, 3 * width))
         self.unknowns = int(self.free.sum())
@@ -153,18 +154,41 @@ class EquationsOfMotion:
             v: Their velocities.
             a: Their accelerations.
         """
+        residual, tangents = self.blocks(command, u, v, a, self.constrained)
+        mass, damping, stiffness = (self._dense(tangents[k]) for k in (MASS, DAMPING, STIFFNESS))
+        return Linearised(residual[self.free], mass, damping, stiffness)
+
+    def blocks(self, command: Command, u: Array, v: Array, a: Array, constrained: Mask) -> tuple[Array, Array]:
+        """Residual and tangents by node, valid until the next call.
+
+        Args:
+            command: As of `evaluate`, and so the next three.
+            u: Rows (r, r', psi), shape (n + 1, 7).
+            v: Their velocities.
+            a: Their accelerations.
+            constrained: Mask of the unknowns of bit and top whose rows are cleared, shape (2, 7). Rows that are not
+                cleared hold the reaction of the end.
+
+        Returns:
+            Residual, shape (n + 1, k), and mass, damping and stiffness as block rows [lower, own, upper], shape
+            (3, n + 1, k, 3 k), with k unknowns a node; those of the bit are in its frame (`bit_frame`).
+        """
         self._work.command[:] = command.weight_on_bit, command.rotation
         drive = self.parameters.drive
         drive.memory[LAG] = -u[-1, SPIN]  # the angle that the drive's controller has integrated
         drive.bit.now[0] = command.weight_on_bit + (drive.hanging if drive.from_top > 0.0 else 0.0)
         entry = self._entry or self._kernel.evaluate
         entry(
-            self.parameters, self.model.rod, self._work, self._constrained, self._state, u, v, a,
+            self.parameters, self.model.rod, self._work, constrained, self._state, u, v, a,
             self._residual, self._tangents,
         )  # fmt: skip
         self._entry = self._entry or entry_point(self._kernel, "evaluate")
-        mass, damping, stiffness = (self._dense(self._tangents[k]) for k in (MASS, DAMPING, STIFFNESS))
-        return Linearised(self._residual[self.free], mass, damping, stiffness)
+        return self._residual, self._tangents
+
+    @property
+    def bit_frame(self) -> Array:
+        """Frame of the hole at the bit, shape (3, 4) (`drill_twin.solver.boundary.bit_frame`)."""
+        return np.asarray(self._state.bit_frame)
 
     def rows(self, free: Array) -> Array:
         """Rows of seven, shape (n + 1, 7), from values of the free unknowns, shape (m,); zero elsewhere."""

@@ -15,6 +15,7 @@ from drill_twin.discretisation.initial_state import set_initial_state
 from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL, effects_of, form_of, parameters_of, variants_of
 from drill_twin.discretisation.resolution import newton_place, resolution_of
 from drill_twin.effects import effect_module
+from drill_twin.equilibrium.static_start import start_in_equilibrium
 from drill_twin.model.mesh import Rod, build_rod
 from drill_twin.rotordynamics.whirl_start import start_in_whirl
 from drill_twin.scene import Scene
@@ -24,7 +25,6 @@ from drill_twin.solver.boundary.bit_frame import bit_frame
 from drill_twin.solver.kernel_codegen import build_kernel, entry_point
 from drill_twin.solver.lateral.workspace import make_workspace as make_lateral_workspace
 from drill_twin.solver.spatial.workspace import make_workspace
-from drill_twin.statics.static_start import start_in_equilibrium
 from drill_twin.twin.packed_arrays import named_arrays, pack_arrays
 
 AXIAL = "work.axial"

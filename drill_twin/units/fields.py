@@ -145,6 +145,7 @@ class Within:
 
 Length = Annotated[float, Quantity(dim.LENGTH)]
 Mass = Annotated[float, Quantity(dim.MASS)]
+LinearMass = Annotated[float, Quantity(dim.LINEAR_MASS)]
 Time = Annotated[float, Quantity(dim.TIME)]
 Force = Annotated[float, Quantity(dim.FORCE)]
 Angle = Annotated[float, Quantity(dim.ANGLE)]

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple, Self
 from pydantic import model_validator
 
 from drill_twin.scene.blocks.part import Label, Part, refuse_at
-from drill_twin.units import Density, Dimensionless, Length, Pressure, Within
+from drill_twin.units import Density, Dimensionless, Length, LinearMass, Pressure, Torque, Within
 
 MOST_JOINTS = 2000
 """Most tool joints of a section; each needs an element or two."""
@@ -60,6 +60,13 @@ class Section(Part):
     Left out: the outer diameter."""
     joints: Joints | None = None
     """Tool joints, if any."""
+    adjusted_mass: Annotated[LinearMass, Within(above="0 kg/m", at_most="1e5 kg/m")] | None = None
+    """Mass per length with upsets and tool joints spread over it (the adjusted weight of API RP 7G) [kg/m]; they
+    displace mud too. Left out: that of the tube. Not with `joints`."""
+    yield_strength: Annotated[Pressure, Within(above="0 Pa", at_most="100 GPa")] | None = None
+    """Yield strength of the tube, for margins [Pa]."""
+    make_up_torque: Annotated[Torque, Within(above="0 N m", at_most="1e7 N m")] | None = None
+    """Make-up torque of its connections, for margins [N m]."""
 
     @model_validator(mode="after")
     def _is_a_tube(self) -> Self:
@@ -104,6 +111,20 @@ class Section(Part):
             )
         return self
 
+    @model_validator(mode="after")
+    def _weighs_one_way(self) -> Self:
+        if self.adjusted_mass is None:
+            return self
+        if self.joints is not None:
+            raise refuse_at(("adjusted_mass",), "expected either `joints` or `adjusted_mass`, found both")
+        if self.adjusted_mass < self.density * self.area * (1.0 - 1e-9):
+            raise refuse_at(
+                ("adjusted_mass",),
+                f"expected at least that of the tube ({self.density * self.area:.6g} kg/m), "
+                f"found {self.adjusted_mass:.6g} kg/m",
+            )
+        return self
+
     @property
     def contact_diameter(self) -> float:
         """Diameter in contact with the wall between joints, blades included [m]."""
@@ -139,5 +160,5 @@ class Section(Part):
 
     @property
     def mass_per_length(self) -> float:
-        """Mass per length [kg/m]."""
-        return self.density * self.area
+        """Mass per length, upsets and tool joints of `adjusted_mass` included [kg/m]."""
+        return self.density * self.area if self.adjusted_mass is None else self.adjusted_mass

@@ -17,12 +17,12 @@ from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import sections_of
 from drill_twin.discretisation.initial_state import axial_weight
 from drill_twin.discretisation.resolution import growth_time
+from drill_twin.equilibrium.static_equilibrium import StringAtRest, find_equilibrium, inertia_torques, twist_under
 from drill_twin.errors import RunError
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import SPIN
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.statics.static_equilibrium import StringAtRest, find_equilibrium, inertia_torques, twist_under
 
 SMALLEST_LOAD = 1e-3  # reference of the residual force for a string without weight or load [N]
 TOLERANCE = 1e-6  # of Newton's method in the search, as `numerics.tolerance`

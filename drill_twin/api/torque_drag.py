@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Torque, drag and buckling of a scene in the operations of a rig, without a run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from drill_twin.api.rotordynamics import final_command, steady_scene
+from drill_twin.api.scenes import Overrides
+from drill_twin.scene import Scene
+from drill_twin.torque_drag import analysis
+from drill_twin.torque_drag.analysis import Statics
+from drill_twin.torque_drag.operations import FEED, TRIP_SPEED, Operation, operations
+
+
+def statics(
+    scene: Scene | str | Path,
+    overrides: Overrides | None = None,
+    *,
+    without: Sequence[str] = (),
+    trip_speed: float = TRIP_SPEED,
+    feed: float = FEED,
+    only: Sequence[Operation] = (),
+) -> Statics:
+    """Hookload, torque, loads along the string and margins when tripping, rotating, sliding and drilling.
+
+    >>> loads = statics("s_shaped")["trip out"]
+    >>> loads.hookload, loads.along.side_force.max(), loads.margins
+
+    Args:
+        scene: The scene, or its name or file; its final weight on bit and rotation are those of sliding and drilling.
+        overrides: Values that replace those of the scene.
+        without: Effects to leave out.
+        trip_speed: Speed along the hole when tripping [m/s].
+        feed: Rate of penetration when sliding and drilling [m/s].
+        only: Operations in place of the five.
+
+    Raises:
+        SceneError: The scene cannot be loaded.
+        RunError: There is no balance in an operation.
+    """
+    own = steady_scene(scene, overrides, without)
+    command = final_command(own)
+    wanted = tuple(only) or operations(command.weight_on_bit, command.rotation, trip_speed, feed)
+    return analysis.analyse(own, wanted)

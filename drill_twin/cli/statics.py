@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin statics`: hookload, torque, loads along the string and margins of each operation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from drill_twin.cli.modes import TurnOption, WeightOption, WithoutOption
+from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrides
+
+if TYPE_CHECKING:
+    from drill_twin.studies.torque_drag.unit_system import UnitSystem
+    from drill_twin.torque_drag.analysis import Statics
+
+_NOTHING = 1e-9
+"""Smallest number that is shown: below it is the rounding error of a balance."""
+UnitsOption = Annotated[Literal["si", "field"], typer.Option("--units", help="Units of tables, CSV and figure.")]
+
+
+def statics(
+    scene: SceneArgument,
+    wob: WeightOption = "",
+    rps: TurnOption = "",
+    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    without: WithoutOption = [],  # noqa: B006
+    trip_speed: Annotated[
+        str, typer.Option("--trip-speed", metavar="SPEED", help='When tripping, as "0.3 m/s".')
+    ] = "0.3 m/s",
+    feed: Annotated[
+        str, typer.Option("--rop", metavar="SPEED", help='Rate of penetration when sliding and drilling, as "18 m/h".')
+    ] = "18 m/h",
+    units: UnitsOption = "si",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write statics.json, statics.csv and statics.png there.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Torque, drag and buckling without a run: tripping, rotating off bottom, sliding, drilling.
+
+    The string of the scene in balance in its hole, with friction in the direction of the operation; beside it the
+    soft string. JSON is in SI.
+    """
+    from drill_twin.api.torque_drag import statics as computed
+    from drill_twin.cli.show import err, print_json
+    from drill_twin.cli.show import out as stdout
+    from drill_twin.studies.torque_drag.data import depth_table, statics_data
+    from drill_twin.studies.torque_drag.unit_system import SYSTEMS
+    from drill_twin.units import parse
+    from drill_twin.units.dimension import SPEED
+
+    with err().status("computing"):
+        found = computed(
+            scene, overrides(change, wob=wob, rps=rps), without=without,
+            trip_speed=parse(trip_speed, SPEED), feed=parse(feed, SPEED),
+        )  # fmt: skip
+    shown, data = SYSTEMS[units], statics_data(found)
+    if json:
+        print_json(data)
+    else:
+        from drill_twin.cli.show import grid
+
+        for title, columns, rows in _tables(found, shown):
+            stdout().print(grid(columns, rows, title=title, right=tuple(range(1, len(columns)))))
+    if out is not None:
+        from drill_twin.cli.folder import make_folder, write_file
+        from drill_twin.report.figures.style import save
+        from drill_twin.studies.json_io import json_text
+        from drill_twin.studies.torque_drag.figure import tracks
+
+        make_folder(out)
+        write_file(out / "statics.json", json_text(data))
+        write_file(out / "statics.csv", depth_table(found, shown))
+        save(tracks(found, shown), out / "statics.png")
+        err().print(f"{out}: statics.json, statics.csv, statics.png", markup=False, soft_wrap=True)
+
+
+def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
+    def show(value: float, quantity: str) -> str:
+        shown = units.show(value, quantity)
+        return f"{shown if abs(shown) > _NOTHING else 0.0:.4g}"
+
+    operations, u = found.operations, units
+    yield (
+        f"{found.scene.name}: in {u.force}, {u.torque} and {u.length}; neutral point from the bit",
+        ("operation", "hookload", "soft", "torque", "soft", "neutral", "stretch", "turns"),
+        [
+            (
+                of.operation.name, show(of.hookload, "force"), show(of.soft.hookload, "force"),
+                show(of.surface_torque, "torque"), show(of.soft.surface_torque, "torque"),
+                show(of.neutral_point, "length"), show(of.stretch, "length"),
+                f"{of.twist / math.tau if abs(of.twist) > _NOTHING else 0.0:.3g}",
+            )
+            for of in operations
+        ],
+    )  # fmt: skip
+    yield (
+        f"margins: limit over load where least, below 1 it is passed; largest stress in {u.stress}",
+        ("operation", "snaking", "helix", "lock-up", "yield", "make-up", "stress", "shape"),
+        [
+            (
+                of.operation.name, *(_ratio(margin) for margin in of.margins),
+                _ratio(of.lock_up / of.operation.weight_on_bit if of.operation.is_on_bottom else math.nan),
+                _ratio(of.yield_margin), _ratio(of.make_up_margin),
+                show(float(of.along.stress.max()), "stress"), of.worst_state.label,
+            )
+            for of in operations
+        ],
+    )  # fmt: skip
+    yield (
+        f"force of the wall on bit and stabilisers in {u.force}, tilt against the hole in deg",
+        ("operation", *(contact.name for contact in operations[0].contacts)),
+        [
+            (
+                of.operation.name,
+                *(f"{u.show(c.force, 'force'):.3g}, {math.degrees(c.tilt):.2f}" for c in of.contacts),
+            )
+            for of in operations
+        ],
+    )  # fmt: skip
+
+
+def _ratio(margin: float) -> str:
+    return f"{margin:.3g}" if math.isfinite(margin) else "-"
