@@ -65,7 +65,7 @@ setup(
             "xarray",
         ],
         "xarray": ["xarray"],
-        "bench": ["exudyn>=1.13.6", "mujoco>=4.0", "pyelastica>=1.0", "pytest", "pytest-benchmark>=5", "welleng>=0.30"],
+        "bench": ["exudyn>=1.13.6", "mujoco>=4.0", "pyelastica>=1.0", "pytest", "pytest-benchmark>=5", "torque_drag>=0.1.1", "welleng>=0.30"],
     },
     zip_safe=False,
     author="The drill_twin contributors",

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import COLLAR, PIPE, well
+from bent_well import COLLAR, PIPE, well
 from typer.testing import CliRunner
 
 import drill_twin as dt
