@@ -150,6 +150,14 @@ def draw_onset(recording: Recording, panels: Sequence[Axes]) -> None:
     )
 
 
+def laid_out(height: float, title: str) -> Figure:
+    """Empty figure with a title; its panels are laid out below it so that no label overlaps another."""
+    figure = blank(height)
+    head(figure, title)
+    figure.set_layout_engine("constrained", rect=(0.0, 0.0, 1.0, 1.0 - 0.4 / height))
+    return figure
+
+
 def note(
     panel: Axes, text: str, at: tuple[float, float], *, where: Any, shift: tuple[float, float], **looks: Any
 ) -> None:

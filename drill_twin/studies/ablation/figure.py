@@ -6,44 +6,47 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
 
+from drill_twin.report.figures.style import GREY, INK, VERMILION, laid_out, save, styled
 from drill_twin.studies.ablation.ablation import Ablation, Change
 from drill_twin.studies.ablation.compare import NAMES
 
-NEEDED, NOT_NEEDED = "#b3402e", "#9aa5ad"
+NEEDED, NOT_NEEDED = VERMILION, GREY
 SMALLEST, LARGEST = 1e-2, 1e2  # tolerances shown
 
 
 def draw(ablation: Ablation, path: Path) -> None:
     """Write the figure as PNG."""
     changes = ablation.changes
-    figure = Figure(figsize=(13.0, 1.6 + 0.42 * len(changes)), layout="constrained")
-    axes = figure.subplots(1, len(NAMES) + 1, sharey=True)
-    rows = np.arange(len(changes))
-    for axis, (name, title) in zip(axes, NAMES.items(), strict=False):
-        _bars(axis, rows, [_shown(change, name) for change in changes], [_matters(change, name) for change in changes])
-        axis.set_xscale("log")
-        axis.set_xlim(SMALLEST, LARGEST)
-        axis.axvline(1.0, color="black", linewidth=0.8)
-        axis.set_title(f"change of {title}", fontsize=10)
-        axis.set_xlabel(f"tolerances of {ablation.tolerance:.0%}", fontsize=9)
-    _bars(axes[-1], rows, [100.0 * (change.iteration_share or 0.0) for change in changes], [False] * len(changes))
-    axes[-1].set_title("share of the step time", fontsize=10)
-    axes[-1].set_xlabel("% of an iteration", fontsize=9)
-    axes[0].set_yticks(rows, [_label(change) for change in changes])
-    axes[0].invert_yaxis()
-    figure.suptitle(
-        f"{ablation.scene}: change without each effect (red: beyond the tolerance and beyond chance)",
-        fontsize=12,
-    )
-    figure.savefig(path, dpi=120)
+    with styled():
+        figure = laid_out(
+            1.6 + 0.42 * len(changes),
+            f"{ablation.scene}: change without each effect (red: beyond the tolerance and beyond chance)",
+        )
+        axes = figure.subplots(1, len(NAMES) + 1, sharey=True)
+        rows = np.arange(len(changes))
+        for axis, (name, title) in zip(axes, NAMES.items(), strict=False):
+            _bars(
+                axis, rows, [_shown(change, name) for change in changes], [_matters(change, name) for change in changes]
+            )
+            axis.set_xscale("log")
+            axis.set_xlim(SMALLEST, LARGEST)
+            axis.axvline(1.0, color=INK, linewidth=0.8)
+            axis.set_title(f"change of\n{title}", fontsize=9)
+            axis.set_xlabel(f"tolerances\nof {ablation.tolerance:.0%}", fontsize=9)
+        _bars(axes[-1], rows, [100.0 * (change.iteration_share or 0.0) for change in changes], [False] * len(changes))
+        axes[-1].set_title("share of the\nstep time", fontsize=9)
+        axes[-1].set_xlabel("% of an\niteration", fontsize=9)
+        axes[0].set_yticks(rows, [_label(change) for change in changes])
+        axes[0].invert_yaxis()
+        save(figure, path)
 
 
-def _bars(axis: object, rows: np.ndarray, values: list[float], matters: list[bool]) -> None:
+def _bars(axis: Axes, rows: np.ndarray, values: list[float], matters: list[bool]) -> None:
     colours = [NEEDED if needed else NOT_NEEDED for needed in matters]
-    axis.barh(rows, values, color=colours, height=0.7)  # type: ignore[attr-defined]
-    axis.grid(axis="x", alpha=0.3)  # type: ignore[attr-defined]
+    axis.barh(rows, values, color=colours, height=0.7)
+    axis.grid(visible=False, axis="y")
 
 
 def _shown(change: Change, name: str) -> float:

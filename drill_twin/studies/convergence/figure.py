@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from drill_twin.base.arrays import Array
+from drill_twin.report.figures.style import BLUE, GREY, INK, VERMILION, laid_out, save, styled
 from drill_twin.studies.convergence.curve import Curve, MeasuredRun
 
-COLOURS = {"spatial": "#1f5f8b", "lateral": "#c1652a"}
+COLOURS = {"spatial": BLUE, "lateral": VERMILION}
 NAMES = {"spatial": "in space, every unknown", "lateral": "lateral motion only"}
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 LABEL_RATIO = 0.6  # a point is labelled if its error is below this share of the last labelled one
@@ -23,16 +23,16 @@ FLOOR = 1e-9  # drawn in place of zero
 
 def draw(curve: Curve, path: Path) -> None:
     """Write the figure as PNG."""
-    figure = Figure(figsize=(11.0, 5.0), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    _panel(left, curve, "path", "path before the onset")
-    if curve.onset_s is None:
-        _panel(right, curve, "radius", "mean orbit radius over the clearance")
-    else:
-        _panel(right, curve, "onset", f"onset time ({curve.onset_s:.2f} s)")
-    left.legend(loc="lower left", fontsize=9)
-    figure.suptitle(f"{curve.scene}: what accuracy costs in time", fontsize=13)
-    figure.savefig(path, dpi=120)
+    with styled():
+        figure = laid_out(5.0, f"{curve.scene}: what accuracy costs in time")
+        left, right = figure.subplots(1, 2)
+        _panel(left, curve, "path", "path before the onset")
+        if curve.onset_s is None:
+            _panel(right, curve, "radius", "mean orbit radius over the clearance")
+        else:
+            _panel(right, curve, "onset", f"onset time ({curve.onset_s:.2f} s)")
+        left.legend(loc="lower left")
+        save(figure, path)
 
 
 def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
@@ -47,7 +47,7 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
     front = _front(runs, quantity)
     axis.loglog(
         [1e3 * run.cost for run in front], [_error(run, quantity) for run in front],
-        "-", color="black", linewidth=1.0, label="cheapest for its error",
+        "-", color=INK, linewidth=1.0, label="cheapest for its error",
     )  # fmt: skip
     last = np.inf
     for run in front:
@@ -62,7 +62,7 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
             )  # fmt: skip
     noise = getattr(curve.noise, quantity)
     if noise:
-        axis.axhline(noise, color="grey", linewidth=0.8, linestyle="--")
+        axis.axhline(noise, color=GREY, linewidth=0.8, linestyle="--")
         axis.annotate(
             "spread of replicas", (1.0, noise), xycoords=("axes fraction", "data"), fontsize=7, ha="right", va="bottom"
         )
@@ -78,7 +78,6 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
         scale.set_major_formatter(PLAIN)
         scale.set_minor_formatter(NullFormatter())
     axis.set_ylabel("relative error")
-    axis.grid(alpha=0.3, which="both")
 
 
 def _inverse(cost: Array) -> Array:

@@ -7,11 +7,9 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from drill_twin.report.figures.style import DPI, INK, styled
+from drill_twin.report.figures.style import INK, laid_out, save, styled
 from drill_twin.studies.detection.measure import Result
 from drill_twin.studies.detection.scoring import STATES, macro_f1
 
@@ -29,16 +27,14 @@ _SHORT = {
 def confusion_figure(result: Result, path: Path) -> None:
     """Write the confusion matrices of the states of the string as PNG, each row normalised: kinematic and simulated."""
     with styled():
-        figure = Figure(figsize=(10.0, 4.9))
-        FigureCanvasAgg(figure)
+        figure = laid_out(5.2, "True against found motion states")
         panels = figure.subplots(1, 2)
         for panel, score, name in zip(
             panels, (result.kinematic, result.simulated), ("kinematic signals", "simulated runs"), strict=True
         ):
             _matrix(panel, score.string, f"{name}: macro-F1 {macro_f1(score.string):.3f}")
         panels[1].set_ylabel("")
-        figure.tight_layout()
-        figure.savefig(path, dpi=DPI, facecolor="white", metadata={"Software": None})
+        save(figure, path)
 
 
 def _matrix(panel: Axes, confusion: NDArray[np.int64], title: str) -> None:
