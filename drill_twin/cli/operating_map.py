@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -69,6 +70,7 @@ def operating_map(
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
     from drill_twin.errors import SceneError
+    from drill_twin.maps.page import build_page
     from drill_twin.scene import load_scene
     from drill_twin.studies.json_io import json_text
 
@@ -92,11 +94,13 @@ def operating_map(
     data = found.to_dict()
     write_file(folder / "map.json", json_text(data))
     write_file(folder / "map.csv", found.csv())
+    options = [f"--set {quote(f'{key}={value}')}" for key, value in changes.items() if key != "duration"]
+    write_file(folder / "map.html", build_page(found, " ".join([quote(scene), *options])))
     if json:
         print_json(data)
     else:
         stdout().print(_text(found, described), markup=False, soft_wrap=True)
-    err().print(f"{folder}: map.json, map.csv, runs.jsonl", markup=False, soft_wrap=True)
+    err().print(f"{folder}: map.json, map.csv, map.html, runs.jsonl", markup=False, soft_wrap=True)
 
 
 class _Bar(AbstractContextManager[Callable[[str, int, int], None]]):

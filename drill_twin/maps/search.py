@@ -15,7 +15,7 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError
 from drill_twin.maps.journal import Journal
-from drill_twin.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_known, wanted
+from drill_twin.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_known, sign_on, wanted
 from drill_twin.maps.runs import HOLD, Key, Record, Runner
 from drill_twin.scene import Scene
 
@@ -57,7 +57,7 @@ class Search:
 
     def onset(self) -> None:
         """Find where whirl begins from rest, to one step of the lattice."""
-        hint = None if self.growth is None else _sign_on(self.growth, self._steps)
+        hint = None if self.growth is None else sign_on(self.growth, self._steps)
         self._refine("onset of whirl", lambda record: int(record.whirls), ONSET_CELLS, 1, hint)
 
     def regimes(self) -> None:
@@ -192,11 +192,3 @@ def growth_of(scene: Scene, plane: Plane) -> Array | None:
         return growth_map(EquationsOfMotion(scene), weights, speeds).lateral
     except DrillTwinError:  # a hole that is not vertical, an effect that depends on time, no balance
         return None
-
-
-def _sign_on(growth: Array, steps: int) -> Labels:
-    """Sign of the growth at the nodes of a lattice, linear between the points of the grid."""
-    nodes, points = np.linspace(0.0, 1.0, steps + 1), np.linspace(0.0, 1.0, growth.shape[0])
-    rows = np.array([np.interp(nodes, points, row) for row in growth])
-    whole = np.array([np.interp(nodes, points, column) for column in rows.T]).T
-    return (whole > 0.0).astype(np.int8)

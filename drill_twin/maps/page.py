@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Page of an operating map: one HTML file that opens from disk."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from drill_twin import __version__
+from drill_twin.base.arrays import Mask
+from drill_twin.maps.operating_map import OperatingMap
+from drill_twin.maps.plane import Plane, sign_on
+from drill_twin.maps.regimes import REGIMES
+from drill_twin.scene.load import parse_scene
+
+
+def build_page(found: OperatingMap, scene: str) -> str:
+    """HTML text of a map.
+
+    Args:
+        found: The map.
+        scene: The scene with its options as on the command line, `pa6_bench --set hole.radius=80mm`, for the commands.
+    """
+    text = json.dumps(page_data(found, scene), allow_nan=False).replace("<", "\\u003c")
+    return (files("drill_twin.maps") / "page.html").read_text("utf-8").replace("/*DATA*/", text)
+
+
+def page_data(found: OperatingMap, scene: str = "") -> dict[str, Any]:
+    """What the page draws: the map, its fields over the lattice, and the command of each run if a scene is given."""
+    data = found.to_dict()
+    rig = parse_scene(data.pop("scene")).rig
+    return data | {
+        "version": __version__,
+        "own": [rig.weight_on_bit.value, rig.rotation.value],
+        "codes": "".join(map(str, found.regimes.ravel().tolist())),
+        "whirls": _digits(found.whirls),
+        "keeps": _digits(found.keeps_whirling),
+        "whirling": [regime.value for regime in REGIMES if regime.whirls],
+        "growth_line": found.lines(_grows(found)) if len(found.growth) else [],
+        "commands": [found.command_of(key, scene) for key in found.records] if scene else [],
+    }
+
+
+def _digits(flags: Mask) -> str:
+    return "".join("01"[flag] for flag in flags.ravel().tolist())
+
+
+def _grows(found: OperatingMap) -> Mask:
+    plane: Plane = found.plane
+    return np.asarray(sign_on(np.array(found.growth, float), plane.steps) == 1)
