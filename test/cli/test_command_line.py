@@ -186,7 +186,7 @@ def test_the_old_name_of_an_option_is_understood_and_the_new_one_named(call):
 
 @pytest.mark.parametrize("name", [command.name or command.callback.__name__ for command in app.registered_commands])
 def test_help_says_which_commands_need_ros(call, name):
-    command = next(each.callback for each in app.registered_commands if each.callback.__name__ == name)
+    command = next(each.callback for each in app.registered_commands if name in (each.name, each.callback.__name__))
     needs = "drill_twin.ros" in inspect.getsource(command) and name != "doctor"  # which says so where there is none
     help_text = "" if name == "demo" else call(name.replace("_", "-"), "--help").out
     assert ("ROS 2" in help_text + (command.__doc__ or "")) == needs

@@ -17,6 +17,7 @@ def between(low: float, high: float, **options: Any) -> st.SearchStrategy[float]
 
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=80)
+LABELS = st.text(st.characters(exclude_categories=["C", "Z"], include_characters=" "), min_size=1, max_size=80)
 NAMES = st.from_regex(r"\A[A-Za-z][A-Za-z0-9_]{0,20}\Z")
 
 
@@ -44,7 +45,7 @@ def scenes(draw: st.DrawFn) -> Scene:
         effects["wall_friction"] = {"coefficient": draw(between(0.0, 5.0)), "decay": draw(between(0.0, 1e4))}
     return Scene.model_validate(
         {
-            "name": draw(TEXT.filter(bool)),
+            "name": draw(LABELS),
             "description": draw(TEXT),
             "provenance": draw(TEXT),
             "string": {
@@ -79,7 +80,7 @@ def marks(draw: st.DrawFn, name: str, length: float) -> dict[str, Any]:
 def sections_in(draw: st.DrawFn, hole: float) -> dict[str, Any]:
     outer = draw(between(1e-4, 2.0 * hole, exclude_max=True))
     return {
-        "name": draw(TEXT),
+        "name": draw(LABELS),
         "length": draw(between(1e-3, 5e3)),
         "outer_diameter": outer,
         "inner_diameter": draw(between(0.0, outer, exclude_max=True)),
