@@ -86,14 +86,17 @@ def build_rod(tubes: list[Tube], elements: int) -> Rod:
     """Mesh the string; changes of section fall on nodes."""
     lengths = np.array([tube.length for tube in tubes])
     counts = elements_per_section(lengths, elements)
-    h = np.concatenate([np.full(count, tube.length / count) for tube, count in zip(tubes, counts, strict=True)])
-    constants = np.concatenate(
-        [np.tile(tube_constants(tube), (count, 1)) for tube, count in zip(tubes, counts, strict=True)]
-    )
-    radius = np.concatenate([np.full(c, 0.5 * t.outer_diameter) for t, c in zip(tubes, counts, strict=True)])
+    sizes = [tube.length / count for tube, count in zip(tubes, counts, strict=True)]
     places = gauss_places()
-    shape = np.stack([hermite(places, float(length)) for length in h])
-    middle = np.stack([hermite(np.array([0.5]), float(length))[0, 1] for length in h])
+
+    def along(of_each: list[Array]) -> Array:
+        """A value of each section at each of its elements."""
+        return np.repeat(np.stack(of_each), counts, axis=0)
+
+    h = np.repeat(sizes, counts)
+    constants = along([np.array(tube_constants(tube)) for tube in tubes])
+    shape = along([hermite(places, size) for size in sizes])
+    middle = along([hermite(np.array([0.5]), size)[0, 1] for size in sizes])
     return Rod(
         arc=np.concatenate([[0.0], np.cumsum(h)]),
         length=h,
@@ -105,10 +108,10 @@ def build_rod(tubes: list[Tube], elements: int) -> Rod:
         axial=constants[:, 0].copy(),
         bending=constants[:, 1].copy(),
         torsion=constants[:, 2].copy(),
-        mass=np.stack([m * element_mass(float(length)) for m, length in zip(constants[:, 3], h, strict=True)]),
+        mass=constants[:, 3, None, None] * along([element_mass(size) for size in sizes]),
         spin_mass=constants[:, 4] * h,
         line_mass=constants[:, 3].copy(),
-        outer_radius=radius,
+        outer_radius=np.repeat([0.5 * tube.outer_diameter for tube in tubes], counts),
     )
 
 

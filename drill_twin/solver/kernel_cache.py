@@ -23,6 +23,7 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 
 from drill_twin.base.jit import is_inlined
+from drill_twin.base.numba_without_scipy import import_array_functions
 from drill_twin.errors import RunError
 from drill_twin.solver.kept_parts import keep_parts
 from drill_twin.solver.machine_code import keep_machine_code, write_own
@@ -102,6 +103,7 @@ def _load(name: str, text: str, packages: tuple[str, ...]) -> ModuleType:
     """
     if name in sys.modules:
         return sys.modules[name]
+    import_array_functions()
     path = cache_folder() / f"{name}.py"
     try:
         if not path.is_file() or path.read_bytes() != text.encode():

@@ -17,7 +17,6 @@ from drill_twin.discretisation.resolution import newton_place, resolution_of
 from drill_twin.effects import effect_module
 from drill_twin.equilibrium.static_start import start_in_equilibrium
 from drill_twin.model.mesh import Rod, build_rod
-from drill_twin.rotordynamics.whirl_start import start_in_whirl
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.solver import state
@@ -92,6 +91,8 @@ class Dynamics:
         if self.scene.rig.start == "equilibrium":
             start_in_equilibrium(self, Dynamics)
         elif self.scene.rig.start == "whirl-state":
+            from drill_twin.rotordynamics.whirl_start import start_in_whirl  # here, for its use of scipy
+
             self.begin(*start_in_whirl(self.scene))
         for name in self.scene.effect_names:
             module = effect_module(name)

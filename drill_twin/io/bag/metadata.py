@@ -39,7 +39,10 @@ def to_yaml(content: Any) -> str:
     return text
 
 
-class _Dumper(yaml.SafeDumper):
+_SAFE: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)  # the same text, in C where PyYAML was built with it
+
+
+class _Dumper(_SAFE):  # type: ignore[misc]
     """Safe dumper without aliases for repeated values."""
 
     def ignore_aliases(self, data: Any) -> bool:
