@@ -24,6 +24,7 @@ from drill_twin.cli.studies.effects import effects
 from drill_twin.cli.studies.hard import hard
 from drill_twin.cli.studies.paper import calibrate, paper
 from drill_twin.cli.studies.verify import verify
+from drill_twin.cli.studies.whirl_compare import whirl_compare
 from drill_twin.cli.watch import watch
 from drill_twin.cli.whirl_states import whirl_states
 
@@ -70,6 +71,7 @@ app.command(rich_help_panel=_STUDY)(hard)
 app.command(rich_help_panel=_STUDY)(paper)
 app.command(rich_help_panel=_STUDY)(calibrate)
 app.command(rich_help_panel=_STUDY)(analyzer_score)
+app.command(rich_help_panel=_STUDY)(whirl_compare)
 app.command(rich_help_panel=_SCENE)(scenes)
 app.command(rich_help_panel=_SCENE)(check)
 app.command(rich_help_panel=_SCENE)(schema)

@@ -59,13 +59,14 @@ class ShapeSearch:
     Attributes:
         turning: The equations.
         command: Weight on bit and rotation.
+        axis: Rows of the string on the axis, shape (n + 1, 7).
     """
 
     def __init__(self, turning: TurningEquations, command: Command) -> None:
         """Find the fastest growth of buckling, which sets the first step."""
         self.turning, self.command = turning, command
-        self._axis, _ = turning.equations.on_axis(command)
-        system = turning.at(Whirl(command, self._axis, 0.0))
+        self.axis, _ = turning.equations.on_axis(command)
+        system = turning.at(Whirl(command, self.axis, 0.0))
         x = np.ix_(turning.frame.x, turning.frame.x)
         pencil = Pencil(system.mass[x], system.damping[x], system.stiffness[x])
         self._modes = undamped_basis(pencil, 4)
@@ -77,21 +78,21 @@ class ShapeSearch:
         equations, size = self.turning.equations, START_SIZE * self.turning.clearance
         generator = np.random.default_rng(seed)
         for _ in range(random):
-            u = self._axis.copy()
+            u = self.axis.copy()
             place, slope = random_shape(equations.model.rod.arc, generator)
             u[:, 0:2] += size * place
             u[:, 3:5] += size * slope
-            yield self._on_constraints(u)
+            yield self.on_constraints(u)
         for mode in self._modes.T:
             values = np.zeros(equations.unknowns)
             values[self.turning.frame.x] = mode
             rows = equations.rows(values)
-            yield self._axis + rows * (size / np.abs(rows[:, 0]).max())
+            yield self.axis + rows * (size / np.abs(rows[:, 0]).max())
 
-    def _on_constraints(self, u: Array) -> Array:
+    def on_constraints(self, u: Array) -> Array:
         """The axis, with the free unknowns of u."""
-        moved = self.turning.frame.values(u - self._axis)
-        return np.asarray(self._axis + self.turning.equations.rows(moved))
+        moved = self.turning.frame.values(u - self.axis)
+        return np.asarray(self.axis + self.turning.equations.rows(moved))
 
     def family(self, start: Array) -> list[Shape]:
         """Shapes over whirl speeds, from the fastest forward whirl down; each begins from the one before."""

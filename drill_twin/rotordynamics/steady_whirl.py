@@ -13,6 +13,7 @@ whose eigenvalues are constant; one is zero, the turn of the whole shape.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,6 +60,10 @@ class Whirl:
         return np.asarray(np.hypot(self.u[:, 0], self.u[:, 1]))
 
 
+StepFactor = Callable[[Whirl, Array, float], float]
+"""Factor on a Newton step, from the whirl, the step of the free unknowns, and that of omega."""
+
+
 class TurningEquations:
     """The equations of a scene in the frame of a whirl.
 
@@ -90,11 +95,16 @@ class TurningEquations:
         result: Array = system.damping @ values(turned) + 2.0 * whirl.omega * system.mass @ values(quarter_turn(turned))
         return result
 
-    def newton(self, start: Whirl, iterations: int = ITERATIONS) -> Whirl | None:
+    def newton(self, start: Whirl, away: StepFactor | None = None, iterations: int = ITERATIONS) -> Whirl | None:
         """Steady whirl near a first guess; None if Newton's method does not converge.
 
         The direction of the node farthest from the axis is held: its motion around is no unknown, and omega takes its
         place.
+
+        Args:
+            start: First guess.
+            away: Factor on each step, such as `Deflation.factor` away from the whirls that are known.
+            iterations: Most steps.
         """
         whirl, fastest = start, max(abs(start.command.rotation), 1e-3)
         for _ in range(iterations):
@@ -107,6 +117,9 @@ class TurningEquations:
             size = max(float(np.abs(step).max()) / self.clearance, abs(change) / fastest)
             if not size < FARTHEST:
                 return None
+            if away is not None:
+                factor = away(whirl, step, change)
+                change, step = factor * change, factor * step
             whirl = replace(whirl, u=whirl.u + self.equations.rows(step), omega=whirl.omega + change)
             if size < TOLERANCE:
                 return whirl

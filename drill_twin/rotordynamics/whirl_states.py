@@ -4,15 +4,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.errors import SceneError
+from drill_twin.rotordynamics.deflation import Deflation
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.modes import is_vertical
 from drill_twin.rotordynamics.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
+from drill_twin.rotordynamics.slow_whirls import slow_whirls
 from drill_twin.rotordynamics.steady_whirl import MARGIN, TurningEquations, Whirl
 from drill_twin.schedule.command import Command
 
@@ -21,6 +24,8 @@ SEED = 1
 SAME_SPEED, SAME_SHAPE = 1e-4, 1e-3
 """Two states are one if their whirl speeds differ by less than this share of the rotation, and their radii by less than
 this share of the clearance."""
+DEFLATIONS = 4
+"""Most steady whirls taken from one first guess."""
 ROLLING = 1e-2
 """Largest slip of a rolling string, over the speed of its surface."""
 
@@ -109,19 +114,35 @@ def whirl_states(
     found: list[Whirl] = []
     try:
         set_creep(turning, max(SOFT_CREEP, real))
-        search = ShapeSearch(turning, command)
-        for start in search.starts(seed, random_starts):
+        soft: list[Whirl] = []
+        for guess in _guesses(ShapeSearch(turning, command), seed, random_starts):
+            _add_near(turning, guess, soft)
+        for whirl in soft:
             set_creep(turning, max(SOFT_CREEP, real))
-            for guess in list(search.crossings(search.family(start))):
-                set_creep(turning, max(SOFT_CREEP, real))
-                whirl = turning.newton(guess)
-                whirl = stiffen_friction(turning, whirl, real) if whirl is not None else None
-                if whirl is not None and _is_new(whirl, found, turning.clearance):
-                    found.append(whirl)
+            stiff = stiffen_friction(turning, whirl, real)
+            if stiff is not None and _is_new(stiff, found, turning.clearance):
+                found.append(stiff)
         set_creep(turning, real)
         return tuple(state_of(turning, whirl) for whirl in sorted(found, key=lambda one: -one.omega))
     finally:
         set_creep(turning, real)
+
+
+def _guesses(search: ShapeSearch, seed: int, random_starts: int) -> Iterator[Whirl]:
+    """First guesses: of fast whirls from shapes over whirl speeds, then of slow ones from helices."""
+    for start in search.starts(seed, random_starts):
+        yield from search.crossings(search.family(start))
+    yield from slow_whirls(search)
+
+
+def _add_near(turning: TurningEquations, guess: Whirl, found: list[Whirl]) -> None:
+    """Add the steady whirls that Newton's method finds from a guess, each deflated before the next is sought."""
+    whirl = turning.newton(guess)
+    for _ in range(DEFLATIONS):
+        if whirl is None or not _is_new(whirl, found, turning.clearance):
+            break
+        found.append(whirl)
+        whirl = turning.newton(guess, Deflation(turning, found).factor)
 
 
 def _is_new(whirl: Whirl, others: list[Whirl], clearance: float) -> bool:
