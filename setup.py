@@ -50,6 +50,7 @@ setup(
     extras_require={
         "docs": ["furo", "myst-parser", "sphinx"],
         "test": [
+            "asyncua>=1.1",
             "colcon-common-extensions",
             "hypothesis",
             "import-linter",
@@ -64,6 +65,7 @@ setup(
             "types-PyYAML",
             "xarray",
         ],
+        "opcua": ["asyncua>=1.1"],
         "xarray": ["xarray"],
         "bench": [
             "exudyn>=1.13.6",

@@ -26,6 +26,7 @@ NODES = {
     "analyzer": "drill_twin.ros.analyzer.node:Analyzer",
     "recorder": "drill_twin.ros.bag.recorder:Recorder",
     "replayer": "drill_twin.ros.bag.replayer:Replayer",
+    "gateway": "drill_twin.ros.gateway.node:Gateway",
 }
 """Module and class of each node."""
 PROGRAMS = {

@@ -67,7 +67,8 @@ def test_all_data_is_installed(setup_arguments):
 
 
 def test_every_import_is_declared(setup_arguments):
-    lines = [*setup_arguments["install_requires"], *setup_arguments["extras_require"]["xarray"]]
+    extras = setup_arguments["extras_require"]
+    lines = [*setup_arguments["install_requires"], *extras["opcua"], *extras["xarray"]]
     declared = {re.split(r"[<>=!~ ]", line)[0].lower() for line in lines}
     found = set()
     for file in (ROOT / "drill_twin").rglob("*.py"):

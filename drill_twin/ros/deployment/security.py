@@ -84,6 +84,9 @@ RIGHTS: dict[str, Rights] = {
     "analyzer": Rights((WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET), (TWIN_SCENE, MARKS_STATE, RIG_STATE)),
     "recorder": Rights((), tuple(TOPICS)),
     "replayer": Rights(tuple(topic for topic in TOPICS if topic != DIAGNOSTICS), (), (), _READY),
+    "gateway": Rights(
+        (), (RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR, DIAGNOSTICS)
+    ),
 }
 """Least privilege: a test compares the permissions with the topics and services of running nodes."""
 

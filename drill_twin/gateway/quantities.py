@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Quantities of the twin that the gateway can show, from the messages of its topics."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from drill_twin.errors import MessageError
+from drill_twin.io.messages.decode import JointState, JointStateReader, read_float64, read_pose_array
+from drill_twin.io.messages.diagnostics import decode_diagnostics
+from drill_twin.io.messages.rig_messages import read_rig_state
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds
+from drill_twin.io.messages.topics import (
+    DIAGNOSTICS,
+    MARKS_STATE,
+    REALTIME_FACTOR,
+    RIG_STATE,
+    STRING_POSES,
+    WHIRL_ONSET,
+    WHIRL_STATE,
+)
+from drill_twin.io.messages.whirl_encode import decode_onset, read_whirl_state
+from drill_twin.units import Dimension
+from drill_twin.units.dimension import (
+    ACCELERATION,
+    ANGULAR_SPEED,
+    DIMENSIONLESS,
+    FORCE,
+    LENGTH,
+    SPEED,
+    TIME,
+    TORQUE,
+)
+
+ANGULAR_ACCELERATION = Dimension("angular acceleration", "rad/s^2", ("3 rad/s^2",))
+_HOUR = 3600.0  # s
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Quantity that the topics carry, or that follows from them."""
+
+    topic: str
+    """Topic that it comes from."""
+    dimension: Dimension
+    """Dimension; values are in its SI unit."""
+    meaning: str
+    """Definition, for the description of its node."""
+    on_change: bool = False
+    """True if the topic is sent on change only: its value does not grow stale."""
+
+
+QUANTITIES = {
+    "weight_on_bit": Quantity(RIG_STATE, FORCE, "weight on bit as applied, positive in compression"),
+    "surface_rotation": Quantity(RIG_STATE, ANGULAR_SPEED, "speed of the top drive"),
+    "surface_torque": Quantity(RIG_STATE, TORQUE, "torque of the top drive on the string"),
+    "bit_rotation": Quantity(RIG_STATE, ANGULAR_SPEED, "speed of the bit"),
+    "bit_torque": Quantity(RIG_STATE, TORQUE, "torque of the rock on the bit"),
+    "hookload": Quantity(RIG_STATE, FORCE, "upward force on the string at the top"),
+    "block_position": Quantity(RIG_STATE, LENGTH, "height of the travelling block above its start"),
+    "block_velocity": Quantity(RIG_STATE, SPEED, "velocity of the travelling block, positive up"),
+    "bit_angular_acceleration": Quantity(RIG_STATE, ANGULAR_ACCELERATION, "change of the bit's speed over a frame"),
+    "stick_slip_severity": Quantity(
+        RIG_STATE,
+        DIMENSIONLESS,
+        "(fastest - slowest) / (2 mean) of the bit's speed in the last 10 s (Pavone and Desplans 1994)",
+    ),
+    "simulated_time": Quantity(RIG_STATE, TIME, "simulated time"),
+    "bit_depth": Quantity(STRING_POSES, LENGTH, "depth of the bit below the top clamp along the axis at the top"),
+    "wall_force": Quantity(MARKS_STATE, FORCE, "largest normal force of the wall at a mark"),
+    "axial_acceleration": Quantity(MARKS_STATE, ACCELERATION, "axial acceleration of the lowest mark, over a frame"),
+    "lateral_acceleration": Quantity(
+        MARKS_STATE, ACCELERATION, "lateral acceleration of the mark where it is largest, over a frame"
+    ),
+    "whirl_orbit_radius": Quantity(WHIRL_STATE, LENGTH, "radius of the largest orbit of a mark"),
+    "whirl_precession": Quantity(WHIRL_STATE, ANGULAR_SPEED, "precession of that mark, positive forward"),
+    "whirl_ratio": Quantity(WHIRL_STATE, DIMENSIONLESS, "precession over rotation of that mark"),
+    "whirl_confidence": Quantity(WHIRL_STATE, DIMENSIONLESS, "confidence of these, 0 to 1"),
+    "whirl_detected": Quantity(WHIRL_ONSET, DIMENSIONLESS, "1 once a whirl has begun, else 0", on_change=True),
+    "rate_of_penetration": Quantity(DIAGNOSTICS, SPEED, "rate of penetration, where the bit drills"),
+    "real_time_factor": Quantity(REALTIME_FACTOR, DIMENSIONLESS, "simulated over wall time"),
+}
+"""Quantities by name."""
+
+_RIG = {
+    "weight_on_bit": "bit_force",
+    "surface_rotation": "top_drive_speed",
+    "surface_torque": "top_drive_torque",
+    "bit_rotation": "bit_speed",
+    "bit_torque": "bit_torque",
+    "hookload": "hookload",
+    "block_position": "block_position",
+    "block_velocity": "block_velocity",
+}
+"""Quantities and their fields of a `RigState`."""
+
+
+class Severity:
+    """Stick-slip index of a speed over the last ten seconds, kept as extremes of each second."""
+
+    SECONDS = 10
+
+    def __init__(self) -> None:
+        self._bins: deque[list[float]] = deque(maxlen=self.SECONDS)  # second, lowest, highest, sum, count
+
+    def push(self, time: float, speed: float) -> float:
+        """Add a speed [rad/s] at a time [s]; returns the index."""
+        second = math.floor(time)
+        if self._bins and (second < self._bins[-1][0] or second > self._bins[-1][0] + 1):
+            self._bins.clear()  # time went back, or there was a pause
+        if not self._bins or self._bins[-1][0] != second:
+            self._bins.append([second, math.inf, -math.inf, 0.0, 0.0])
+        last = self._bins[-1]
+        last[1:] = min(last[1], speed), max(last[2], speed), last[3] + speed, last[4] + 1.0
+        mean = sum(one[3] for one in self._bins) / sum(one[4] for one in self._bins)
+        spread = max(one[2] for one in self._bins) - min(one[1] for one in self._bins)
+        return spread / (2.0 * abs(mean)) if mean else 0.0
+
+
+class TwinQuantities:
+    """Latest value of each quantity [SI], and the time at which its topic was last heard."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        """Start without values.
+
+        Args:
+            clock: Monotonic time [s].
+        """
+        self._clock = clock
+        self._readers = {topic: JointStateReader() for topic in (RIG_STATE, MARKS_STATE, WHIRL_STATE)}
+        self._marks: JointState | None = None
+        self._bit: tuple[float, float] | None = None
+        self._severity = Severity()
+        self.values: dict[str, float] = {}
+        """Values by name [SI]; a quantity that does not exist in this run is missing."""
+        self.heard: dict[str, float] = {}
+        """Time of the last message of each topic [s]."""
+        self.stamp = 0
+        """Stamp of the last `/rig/state` [ns]."""
+        self._take: dict[str, Callable[[bytes], bool | None]] = {
+            RIG_STATE: self._on_rig,
+            MARKS_STATE: self._on_marks,
+            STRING_POSES: self._on_poses,
+            WHIRL_STATE: self._on_whirl,
+            WHIRL_ONSET: self._on_onset,
+            DIAGNOSTICS: self._on_diagnostics,
+            REALTIME_FACTOR: self._on_factor,
+        }
+
+    def take(self, topic: str, raw: bytes) -> None:
+        """Use a message of a topic.
+
+        Raises:
+            MessageError: It cannot be read.
+        """
+        if self._take[topic](raw) is not False:
+            self.heard[topic] = self._clock()
+
+    def age(self, name: str) -> float:
+        """Time since the topic of a quantity was heard [s]; infinite before."""
+        return self._clock() - self.heard.get(QUANTITIES[name].topic, -math.inf)
+
+    def _on_rig(self, raw: bytes) -> None:
+        message = self._readers[RIG_STATE].read(raw)
+        state, time = read_rig_state(message), seconds(message.stamp)
+        self.values.update({name: getattr(state, field) for name, field in _RIG.items()})
+        if self._bit is not None and 0.0 < time - self._bit[0] < 1.0:
+            self.values["bit_angular_acceleration"] = (state.bit_speed - self._bit[1]) / (time - self._bit[0])
+        self._bit, self.stamp = (time, state.bit_speed), message.stamp
+        self.values["stick_slip_severity"] = self._severity.push(time, state.bit_speed)
+        self.values["simulated_time"] = time
+
+    def _on_marks(self, raw: bytes) -> None:
+        now, before = self._readers[MARKS_STATE].read(raw), self._marks
+        if len(now.names) % 4 or now.velocity.size != len(now.names) or now.effort.size != len(now.names):
+            raise MessageError("expected four joints a mark with velocity and effort on /marks/state")
+        self._marks = now
+        force = now.effort.reshape(-1, 4)[:, :2]
+        self.values["wall_force"] = float(np.hypot(force[:, 0], force[:, 1]).max(initial=0.0))
+        if before is None or before.names != now.names or not 0 < now.stamp - before.stamp < NANOSECONDS:
+            return
+        rate = (now.velocity - before.velocity).reshape(-1, 4) / seconds(now.stamp - before.stamp)
+        lowest = int(now.position.reshape(-1, 4)[:, 2].argmin())
+        self.values["axial_acceleration"] = float(rate[lowest, 2])
+        self.values["lateral_acceleration"] = float(np.hypot(rate[:, 0], rate[:, 1]).max())
+
+    def _on_poses(self, raw: bytes) -> None:
+        position = read_pose_array(raw).position
+        if position.size:
+            self.values["bit_depth"] = -float(position[0, 2])
+
+    def _on_whirl(self, raw: bytes) -> None:
+        state = read_whirl_state(self._readers[WHIRL_STATE].read(raw))
+        known = np.flatnonzero(np.isfinite(state.orbit_radius))
+        if not known.size:
+            return
+        mark = known[state.orbit_radius[known].argmax()]
+        self.values["whirl_orbit_radius"] = float(state.orbit_radius[mark])
+        self.values["whirl_precession"] = float(state.precession[mark]) * math.tau
+        self.values["whirl_ratio"] = float(state.ratio[mark])
+        self.values["whirl_confidence"] = float(state.confidence[mark])
+
+    def _on_factor(self, raw: bytes) -> None:
+        self.values["real_time_factor"] = read_float64(raw)
+
+    def _on_onset(self, raw: bytes) -> None:
+        self.values["whirl_detected"] = float(decode_onset(raw)[1] is not None)
+
+    def _on_diagnostics(self, raw: bytes) -> bool:
+        """Rate of penetration in the diagnostics of a simulator; False for those of other nodes."""
+        for status in decode_diagnostics(raw)[1]:
+            if found := status.values.get("rate_of_penetration_m_h"):
+                try:
+                    self.values["rate_of_penetration"] = float(found) / _HOUR
+                except ValueError:
+                    raise MessageError(f"expected a number as rate of penetration, found {found!r}") from None
+                return True
+        return False

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""File of the gateway: a line a signal, with its name, quantity and unit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from drill_twin.base.yaml_reader import Place, read_yaml
+from drill_twin.errors import DrillTwinError
+from drill_twin.gateway.dwis import PROPOSED, PROTOTYPES
+from drill_twin.gateway.quantities import QUANTITIES
+from drill_twin.scene.paths import config_dir
+from drill_twin.units import UnitError, factor_of
+
+_SECTIONS = {"show": ("value", "unit", "class")}
+
+
+class SignalsError(DrillTwinError):
+    """A file of signals that cannot be used; the message has file and line."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Signal of the twin on the OPC UA server."""
+
+    name: str
+    """Name of its node."""
+    quantity: str
+    """Key of `QUANTITIES`."""
+    unit: str
+    """Unit on the server."""
+    factor: float
+    """SI value of one unit."""
+    kind: str
+    """Class: prototype of D-WIS, proposed one, or a name of the user."""
+
+
+@dataclass(frozen=True)
+class Signals:
+    """Signals of a gateway."""
+
+    show: tuple[Shown, ...] = ()
+    """Twin -> OPC UA."""
+
+
+def signals_path(name: str) -> Path:
+    """File of signals, by its path or the name of an installed one.
+
+    Raises:
+        SignalsError: There is none.
+    """
+    folder = config_dir() / "gateway"
+    known = {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    path = known.get(name, Path(name))
+    if not path.is_file():
+        raise SignalsError(f"{name}: expected a file of signals or one of {', '.join(known)}, found none of that name")
+    return path
+
+
+def read_signals(path: Path) -> Signals:
+    """Signals of a file.
+
+    Raises:
+        SignalsError: It cannot be read, or a line is not valid.
+    """
+    try:
+        data, lines = read_yaml(path.read_text("utf-8"), str(path))
+    except (OSError, UnicodeDecodeError) as error:
+        raise SignalsError(f"{path}: expected a readable file of signals, found: {error}") from error
+    return _Reader(path, lines).signals(data)
+
+
+class _Reader:
+    def __init__(self, path: Path, lines: Mapping[Place, int]) -> None:
+        self._path, self._lines = path, lines
+
+    def signals(self, data: Any) -> Signals:
+        if not isinstance(data, dict) or not data:
+            raise self._error((), f"expected the sections {', '.join(_SECTIONS)}, found none")
+        self._known((), data, tuple(_SECTIONS))
+        show = self._section(data, "show")
+        return Signals(tuple(self._shown(name, line) for name, line in show.items()))
+
+    def _section(self, data: Mapping[str, Any], name: str) -> dict[str, dict[str, Any]]:
+        section = data.get(name) or {}
+        if not isinstance(section, dict):
+            raise self._error((name,), f"{name}: expected a line a signal, found {section!r}")
+        for signal, line in section.items():
+            if not isinstance(line, dict):
+                raise self._error((name, signal), f"{signal}: expected {{value: ..., unit: ...}}, found {line!r}")
+            self._known((name, signal), line, _SECTIONS[name])
+        return section
+
+    def _shown(self, name: str, line: Mapping[str, Any]) -> Shown:
+        quantity, unit, factor = self._quantity(("show", name), line)
+        kind = str(line.get("class", name))
+        return Shown(name, quantity, unit, factor, kind)
+
+    def _quantity(self, place: Place, line: Mapping[str, Any]) -> tuple[str, str, float]:
+        """Quantity, unit and its SI factor."""
+        quantity, unit = str(line.get("value", "")), str(line.get("unit", ""))
+        self._known((*place, "value"), (quantity,), tuple(QUANTITIES))
+        dimension = QUANTITIES[quantity].dimension
+        try:
+            return quantity, unit, factor_of(unit, dimension)
+        except UnitError as error:
+            raise self._error((*place, "unit"), f"{place[-1]}: {error}") from None
+
+    def _known(self, place: Place, found: Mapping[str, Any] | tuple[str, ...], known: tuple[str, ...]) -> None:
+        for name in found:
+            if name not in known:
+                near = get_close_matches(name, known, n=1)
+                hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(known)}"
+                raise self._error((*place, name), f"found {name!r}, which is unknown here; {hint}")
+
+    def _error(self, place: Place, message: str) -> SignalsError:
+        line = next((self._lines[place[:n]] for n in range(len(place), -1, -1) if place[:n] in self._lines), 1)
+        return SignalsError(f"{self._path}:{line}: {message}")
+
+
+def is_ours(kind: str) -> bool:
+    """Return True for a class that D-WIS does not have."""
+    return kind not in PROTOTYPES
+
+
+def prototype(kind: str) -> Any:
+    """Prototype of a class; None for a name of the user."""
+    return PROTOTYPES.get(kind) or PROPOSED.get(kind)

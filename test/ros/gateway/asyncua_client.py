@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Client of the gateway with asyncua: prints what it finds as JSON."""
+
+import asyncio
+import json
+import sys
+
+from asyncua import Client, ua
+
+
+async def _names(client, node_id):
+    array = client.uris
+    return f"{array[node_id.NamespaceIndex].rstrip('/')}/{node_id.Identifier}"
+
+
+async def _read(client, space):
+    found = {}
+    for node in await client.get_node(ua.NodeId("Signals", space)).get_children():
+        value = await node.read_data_value(raise_on_bad_status=False)
+        unit = await (await node.get_child("0:EngineeringUnits")).read_value()
+        found[node.nodeid.Identifier] = {
+            "value": value.Value.Value,
+            "status": value.StatusCode.value,
+            "unit": unit.DisplayName.Text,
+            "unit_id": unit.UnitId,
+        }
+    return found
+
+
+async def _semantics(client, space):
+    found = {}
+    for point in await client.get_node(ua.NodeId("DataPoints", space)).get_children():
+        facts = {}
+        for subject in (client.get_node(ua.NodeId(point.nodeid.Identifier.removesuffix("#01"), space)), point):
+            for link in await subject.get_references(direction=ua.BrowseDirection.Forward):
+                if isinstance(link.ReferenceTypeId.Identifier, str):
+                    names = facts.setdefault(link.ReferenceTypeId.Identifier, [])
+                    names.append(await _names(client, link.NodeId))
+        facts["BelongsToClass"] = sorted(set(facts["BelongsToClass"]) - {"http://ddhub.no/DynamicDrillingSignal"})
+        found[point.nodeid.Identifier.removesuffix("#01")] = facts
+    return found
+
+
+async def main(what, url, *words):
+    async with Client(url) as client:
+        client.uris = await client.get_namespace_array()
+        space = client.uris.index("urn:drill_twin:gateway")
+        if what == "read":
+            return await _read(client, space)
+        if what == "semantics":
+            return await _semantics(client, space)
+        try:
+            await client.get_node(ua.NodeId(words[0].rpartition("/")[2], space)).write_value(float(words[1]))
+        except ua.UaStatusCodeError as error:
+            return type(error).__name__
+        return "Good"
+
+
+print(json.dumps(asyncio.run(main(*sys.argv[1:]))))
