@@ -57,11 +57,11 @@ FAULTS = (
           "Command(numbers[1], numbers[2])", "Command(numbers[2], numbers[1])", "checkpoint/test_checkpoint.py"),
     # Analysis
     Fault("off-by-one: mean of a bin over one sample too many", "whirl/sample_bins.py",
-          "count = n - self._missed", "count = n + 1 - self._missed", "whirl/test_precession.py"),
+          "found = n - bins.missed[k]", "found = n + 1 - bins.missed[k]", "whirl/test_precession.py"),
     Fault("off-by-one: last cell of the window of a peak left out", "whirl/orbit/dominant_precession.py",
           "centre + PEAK_CELLS + 1)", "centre + PEAK_CELLS)", "whirl/test_precession.py"),
     Fault("sign: left-hand rotation counted as right-hand", "whirl/rotation.py",
-          "self.angle += increment", "self.angle += abs(increment)", "whirl/test_precession.py"),
+          "rotation[ANGLE] += increment", "rotation[ANGLE] += abs(increment)", "whirl/test_precession.py"),
     # Run
     Fault("formula: slope at the ends of the STEP set-point", "schedule/shapes.py",
           "x * x * (3.0 - 2.0 * x)", "x * x * (2.0 - x)", "schedule/test_schedule_shapes.py"),

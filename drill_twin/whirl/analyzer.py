@@ -15,18 +15,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array
+from drill_twin.base.exact_jit import Integers
+from drill_twin.whirl.analyzer_kernel import NEW, bind_analysis
+from drill_twin.whirl.analyzer_state import BLOCK, COUNT, HAS_FORCE, HAS_SPIN, NEXT, AnalyzerState
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.findings import Findings, Quality, Summary
-from drill_twin.whirl.marks import AnalysisError, MarkInfo, check_marks
+from drill_twin.whirl.marks import AnalysisError, MarkArrays, MarkInfo, check_marks
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.rotation import Rotation, StampFilter
-from drill_twin.whirl.run_statistics import RunStatistics
-from drill_twin.whirl.sample_bins import SampleBins, unit_phasor
+from drill_twin.whirl.run_statistics import SAMPLE_RATE
 from drill_twin.whirl.whirl_estimator import WhirlEstimator
 
-LARGEST_RADIUS = 3.0
-"""Largest plausible radius of a mark over its clearance; beyond is an error of measurement."""
+LARGEST_STAMP = 1 << 62
+"""Largest stamp [ns]."""
 
 FloatArray = NDArray[np.floating[Any]]
 
@@ -46,21 +46,14 @@ class Analyzer:
 
     def reset(self) -> None:
         """Discard all samples."""
-        m = len(self.marks)
         self._names = tuple(mark.name for mark in self.marks)
-        self._clearance = np.array([mark.clearance for mark in self.marks])
-        self._largest_radius = LARGEST_RADIUS * self._clearance + [mark.wall_offset for mark in self.marks]
-        self._stamps, self._rotation, self._bins = StampFilter(), Rotation(), SampleBins(m)
-        self._sample = np.zeros((2, m), complex)
-        self._plane = self._sample[0].view(float).reshape(m, 2)
-        self._spin = np.zeros(m)
-        self._estimator = WhirlEstimator(self.marks, self.criteria)
-        self._statistics = RunStatistics(m)
         self._bit = StickSlip()
-        self._accepted = self._incomplete = self._missing = 0
-        self._rate = math.nan
-        self._radius = np.full(m, math.nan)
-        self._findings = self._new_findings(0)
+        offsets = np.array([mark.wall_offset for mark in self.marks])
+        self._state = AnalyzerState.of(MarkArrays.of(self.marks), offsets, self.criteria, self._bit.speed)
+        self._analyse = bind_analysis(self._state).run
+        self._decisions = WhirlEstimator(self._names, self._state)
+        self._flow, self._radius = self._state.flow, self._state.samples.radius
+        self._findings = self._new_findings()
 
     @property
     def findings(self) -> Findings:
@@ -70,20 +63,20 @@ class Analyzer:
     @property
     def quality(self) -> Quality:
         """Counts of good and bad samples so far."""
-        stamps = self._stamps
-        return Quality(
-            self._accepted,
-            stamps.duplicate,
-            stamps.late,
-            self._incomplete,
-            self._missing,
-            self._estimator.gaps,
-            self._rate,
-        )
+        return self._stamp_and_quality()[1]
+
+    def _stamp_and_quality(self) -> tuple[int, Quality]:
+        state = self._state
+        _, _, stamp, duplicate, late = state.clock.stamps.tolist()
+        accepted, incomplete, missing, gaps = state.samples.quality.tolist()
+        rate = state.statistics.numbers.item(SAMPLE_RATE)
+        return stamp, Quality(accepted, duplicate, late, incomplete, missing, gaps, rate)
 
     def summary(self) -> Summary:
         """The findings of the whole run so far."""
-        return self._statistics.summary(self._names, self._estimator, self._bit, self.quality)
+        return self._state.statistics.summary(
+            self._names, self._decisions, self._state.samples.largest, self._bit, self.quality
+        )
 
     def push(
         self,
@@ -109,11 +102,65 @@ class Analyzer:
         """
         position = np.asarray(position)
         stamp = self._checked_stamp(stamp_ns, position, spin, wall_force)
-        if not self._stamps.is_new(stamp):
-            return self._skip()
-        self._bit.push(stamp * 1e-9, bit_speed)
-        with np.errstate(invalid="ignore", over="ignore"):
-            return self._analyse(stamp, position, spin, float(top_speed), wall_force)
+        stamps, positions, spins, forces, speeds, counts = self._state.block
+        stamps[0], speeds[0, 0], speeds[0, 1] = stamp, top_speed, bit_speed
+        positions[0] = position[:, :2]
+        if spin is not None:
+            spins[0] = spin
+        if wall_force is not None:
+            forces[0] = wall_force
+        counts[COUNT], counts[NEXT] = 1, 0
+        counts[HAS_SPIN], counts[HAS_FORCE] = spin is not None, wall_force is not None
+        return self._run()
+
+    def push_block(
+        self,
+        stamps_ns: Integers,
+        position: FloatArray,
+        spin: FloatArray | None,
+        top_speed: FloatArray,
+        wall_force: FloatArray | None = None,
+        bit_speed: FloatArray | None = None,
+    ) -> None:
+        """Add n samples, as `push` one by one; `findings` are then those after the last one.
+
+        Args:
+            stamps_ns: Header stamps [ns], shape (n,).
+            position: Marked points [m], shape (n, m, 3) or (n, m, 2).
+            spin: Spin at the marks [rad], shape (n, m), or None.
+            top_speed: Speed of the top drive [rad/s], shape (n,).
+            wall_force: Normal wall force at the marks [N], shape (n, m), or None.
+            bit_speed: Speed of the bit [rad/s], shape (n,), or None.
+        """
+        stamps, positions, spins, forces, speeds, counts = self._state.block
+        counts[HAS_SPIN], counts[HAS_FORCE] = spin is not None, wall_force is not None
+        for first in range(0, len(stamps_ns), BLOCK):
+            rows = slice(first, first + BLOCK)
+            n = counts[COUNT] = len(stamps_ns[rows])
+            counts[NEXT] = 0
+            stamps[:n] = stamps_ns[rows]
+            positions[:n] = position[rows, :, :2]
+            speeds[:n, 0] = top_speed[rows]
+            speeds[:n, 1] = math.nan if bit_speed is None else bit_speed[rows]
+            if spin is not None:
+                spins[:n] = spin[rows]
+            if wall_force is not None:
+                forces[:n] = wall_force[rows]
+            self._run()
+
+    def _run(self) -> Findings:
+        """Analyse the block, decide where compiled code leaves it to Python, and return the findings."""
+        while outcome := self._analyse():
+            if outcome < 0:
+                self._bit.decide(-outcome)
+            else:
+                self._decisions.decide[outcome]()
+        if self._flow[NEW]:
+            self._findings = self._new_findings()
+        stamp, quality = self._stamp_and_quality()
+        bit = self._bit
+        self._findings = self._findings.with_sample(stamp, self._radius.copy(), quality, bit.motion, bit.criterion)
+        return self._findings
 
     def _checked_stamp(
         self, stamp_ns: int, position: FloatArray, spin: FloatArray | None, wall_force: FloatArray | None
@@ -125,97 +172,43 @@ class Analyzer:
             if values is not None and values.shape != (m,):
                 raise AnalysisError(f"expected {name} of shape ({m},) for {m} marks, found {values.shape}")
         try:
-            return operator.index(stamp_ns)
+            stamp = operator.index(stamp_ns)
         except TypeError as error:
             raise AnalysisError(f"expected a stamp in whole nanoseconds, found {stamp_ns!r}") from error
+        if abs(stamp) > LARGEST_STAMP:
+            raise AnalysisError(
+                f"expected a stamp of at most {LARGEST_STAMP} ns, 146 years from the epoch, found {stamp}"
+            )
+        return stamp
 
-    def _analyse(
-        self, stamp: int, position: FloatArray, spin: FloatArray | None, top_speed: float, force: FloatArray | None
-    ) -> Findings:
-        estimator, rotation = self._estimator, self._rotation
-        separation = estimator.separation
-        if separation.spin_given is None:
-            separation.start(spin_given=spin is not None)
-        # Copied into arrays of fixed layout: the layout of the caller's must not change the last bits.
-        place, phasor = self._sample
-        self._plane[:] = position[:, :2]
-        if spin is None:
-            radius = np.abs(place)
-        else:
-            self._spin[:] = spin
-            unit_phasor(self._spin, phasor)
-            radius = np.abs(place - separation.arm * phasor)
-        seen = radius <= self._largest_radius
-        marks_seen = seen.tolist()
-        rotation_known = spin is not None or math.isfinite(top_speed)
-        if (spin is not None) is not separation.spin_given or not rotation_known or True not in marks_seen:
-            self._incomplete += 1
-            return self._skip()
-        if self._accepted == 0:
-            estimator.origin = stamp * 1e-9
-        rotation.update(self._stamps.accept(stamp), top_speed, None if spin is None else self._spin)
-        time = self._stamps.seconds
-        bin_full = self._bins.is_full(time, rotation.revolutions)
-        if bin_full:
-            self._close_bin()
-        if spin is None:
-            phasor[:] = complex(math.cos(rotation.angle), math.sin(rotation.angle))
-            radius = np.abs(place - separation.arm * phasor)
-        complete = False not in marks_seen
-        if not complete:
-            self._missing += marks_seen.count(False)
-            radius[~seen] = math.nan
-        self._bins.add(time, rotation.angle, rotation.revolutions, self._sample, None if complete else seen, force)
-        self._accepted += 1
-        if separation.known:
-            self._radius = radius
-            np.fmax(self._statistics.largest, radius, out=self._statistics.largest)
-        self._findings = self._new_findings(stamp) if bin_full else self._with_sample(stamp, self._radius)
-        return self._findings
-
-    def _close_bin(self) -> None:
-        """Update all estimates with the full bin."""
-        full = self._bins.close()
-        new_estimate = self._estimator.update(full)
-        self._statistics.update(full, self._estimator, new_estimate=new_estimate)
-        self._rate = self._statistics.samples_per_revolution
-
-    def _skip(self) -> Findings:
-        """The last findings with the new counts, after a sample that was skipped."""
-        last = self._findings
-        self._findings = self._with_sample(last.stamp_ns, last.orbit_radius)
-        return self._findings
-
-    def _with_sample(self, stamp: int, radius: Array) -> Findings:
-        bit = self._bit
-        return self._findings.with_sample(stamp, radius, self.quality, bit.motion, bit.criterion)
-
-    def _new_findings(self, stamp: int) -> Findings:
-        estimator = self._estimator
-        orbit, hysteresis, shape = estimator.orbit, estimator.motion.hysteresis, estimator.shape
+    def _new_findings(self) -> Findings:
+        """The present estimates."""
+        state, decisions = self._state, self._decisions
+        orbit, hysteresis, clearance = state.orbit, state.motion.hysteresis, state.marks.clearance
+        state.flow[NEW] = 0
         states, shares = hysteresis.states, hysteresis.confidence
         return Findings(
-            stamp_ns=stamp,
-            time_s=stamp * 1e-9,
+            stamp_ns=0,
+            time_s=0.0,
             marks=self._names,
-            orbit_radius=self._radius,
-            precession=estimator.precession,
-            ratio=estimator.ratio,
-            confidence=estimator.confidence,
-            whirl_radius=orbit.radius[0] * self._clearance,
-            synchronous_radius=orbit.synchronous * self._clearance,
-            contact_fraction=orbit.contact,
-            phase=shape.phase,
-            planarity=shape.planarity,
+            orbit_radius=self._radius.copy(),
+            precession=orbit.precession.copy(),
+            ratio=orbit.ratio.copy(),
+            confidence=orbit.confidence.copy(),
+            whirl_radius=orbit.radius[0] * clearance,
+            synchronous_radius=orbit.synchronous * clearance,
+            contact_fraction=orbit.contact.copy(),
+            phase=state.shape.phase.copy(),
+            planarity=state.shape.planarity,
             rotation=orbit.rotation,
             state=states[:-1],
             state_confidence=shares[:-1],
-            criterion=tuple(hysteresis.criterion[:-1]),
+            criterion=tuple(decisions.criterion[:-1]),
             motion=states[-1],
             motion_confidence=float(shares[-1]),
-            motion_criterion=hysteresis.criterion[-1],
+            motion_criterion=decisions.criterion[-1],
             bit=self._bit.motion,
             bit_criterion=self._bit.criterion,
-            onset=estimator.onset,
+            onset=decisions.onset,
             quality=self.quality,
         )

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import math
 
+from drill_twin.base.jit import as_python
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.rotation import Rotation, StampFilter
+from drill_twin.whirl.rotation import ANGLE, DUPLICATE, LATE, REVOLUTIONS, Clock, accept, is_new, rotate
 
 NOT_OBSERVABLE = "whirl is not observable: there are no lateral positions of marks"
+_IS_NEW, _ACCEPT, _ROTATE = as_python(is_new), as_python(accept), as_python(rotate)
 
 
 class BitOnlyAnalyzer:
@@ -18,24 +20,25 @@ class BitOnlyAnalyzer:
     def __init__(self) -> None:
         self.bit = StickSlip()
         """Stick-slip of the bit."""
-        self._stamps, self._rotation = StampFilter(), Rotation()
+        self._clock = Clock.of(0)
         self._accepted = self._incomplete = 0
 
     @property
     def quality(self) -> Quality:
         """Counts of good and bad samples so far."""
-        stamps, revolutions = self._stamps, self._rotation.revolutions
+        stamps, revolutions = self._clock.stamps.tolist(), float(self._clock.rotation[REVOLUTIONS])
         rate = self._accepted / revolutions if revolutions > 0.0 else math.nan
-        return Quality(self._accepted, stamps.duplicate, stamps.late, self._incomplete, samples_per_revolution=rate)
+        return Quality(self._accepted, stamps[DUPLICATE], stamps[LATE], self._incomplete, samples_per_revolution=rate)
 
     def push(self, stamp_ns: int, top_speed: float, bit_speed: float) -> bool:
         """Add a sample at a header stamp [ns], speeds in [rad/s]; return whether the motion of the bit changed."""
-        if not self._stamps.is_new(stamp_ns):
+        clock = self._clock
+        if not _IS_NEW(clock.stamps, stamp_ns):
             return False
         if not (math.isfinite(top_speed) or math.isfinite(bit_speed)):
             self._incomplete += 1
             return False
-        self._rotation.update(self._stamps.accept(stamp_ns), top_speed, None)
+        _ROTATE(clock, _ACCEPT(clock.stamps, stamp_ns), top_speed, clock.spin, has_spin=False)
         self._accepted += 1
         before = self.bit.motion
         self.bit.push(stamp_ns * 1e-9, bit_speed)
@@ -43,7 +46,7 @@ class BitOnlyAnalyzer:
 
     def summary(self) -> Summary:
         """The findings so far."""
-        seconds = self._stamps.seconds
+        seconds = self._clock.seconds
         return Summary(
             onset=None,
             mark_onset_s={},
@@ -51,7 +54,7 @@ class BitOnlyAnalyzer:
             precession_ratio=None,
             frequency_mark=None,
             max_radius_m={},
-            rotation_rev_s=self._rotation.angle / math.tau / seconds if seconds > 0.0 else None,
+            rotation_rev_s=float(self._clock.rotation[ANGLE]) / math.tau / seconds if seconds > 0.0 else None,
             motion=(),
             mark_motion={},
             stick_slip=tuple(self.bit.periods),

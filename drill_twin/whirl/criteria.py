@@ -15,8 +15,8 @@ rod and a full-size bottom-hole assembly.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 
 class MotionState(Enum):
@@ -52,8 +52,7 @@ class MotionState(Enum):
     """Of the string only: whirl, with marks that do not lie in one plane (planarity below `planar`): a helix."""
 
 
-@dataclass(frozen=True)
-class Criteria:
+class Criteria(NamedTuple):
     """Thresholds of the analysis. The defaults are the documented ones; tests and figures use no others."""
 
     onset_radius: float = 0.05

@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.whirl.sample_bins import BINS, Bin
+from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.numpy_loops import arctan2, product
+from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME, Bin
 
 CAPACITY = 32 * BINS
 """Bins stored: 32 revolutions or more."""
@@ -15,78 +19,144 @@ LARGEST_STEP = 0.75
 LONGEST_PAUSE = 1.0
 """Bins farther apart than this [s] are, too."""
 
-ASYNCHRONOUS, MOVING, SYNCHRONOUS = 0, 1, 2
-"""Rows of `History.vector`: the asynchronous part; position less offset; the same in the rotating frame."""
+ASYNCHRONOUS, MOVING, SYNCHRONOUS, POSITION, PHASOR = range(5)
+"""Rows of `History.complex_part`: the asynchronous part; position less offset; the same in the rotating frame; position
+of the marked point [m] and unit vector of its spin."""
+CONTACT, SEEN = 2, 3
+"""Rows of `History.real_part` after the unwrapped angles of the asynchronous and the moving part [rad]: share of the
+bin in contact with the wall; 1 where the mark was seen, else 0."""
+APPENDED, LENGTH = 0, 1
+"""Indices into `History.counts`: bins appended in total; bins since the last gap, at most `CAPACITY`."""
 
 
-class History:
+class History(NamedTuple):
     """Ring buffer of bins. Each bin is written twice, `CAPACITY` apart, so that the newest n are always contiguous."""
 
-    def __init__(self, marks: int) -> None:
-        # Three blocks, so that a bin takes six writes; the attributes are views of them.
-        self._clock = np.zeros((2 * CAPACITY, 3))
-        self._complex = np.zeros((2 * CAPACITY, 5, marks), complex)
-        self._real = np.zeros((2 * CAPACITY, 4, marks))
-        self._bin = (np.zeros(3), np.zeros((5, marks), complex), np.zeros((4, marks)))
-        self.time = self._clock[:, 0]
-        """Time since the first sample [s]."""
-        self.angle = self._clock[:, 1]
-        """Angle of rotation [rad]."""
-        self.revolutions = self._clock[:, 2]
-        """Revolutions since the first sample [rev]."""
-        self.vector = self._complex[:, :3]
-        """Asynchronous, moving and synchronous part of the centre line [m]."""
-        self.sample = self._complex[:, 3:]
-        """Position of the marked point [m] and unit vector of its spin."""
-        self.unwrapped = self._real[:, :2]
-        """Unwrapped angle of the asynchronous and the moving part [rad]."""
-        self.contact = self._real[:, 2]
-        """Share of the bin in contact with the wall."""
-        self.seen = self._real[:, 3]
-        """1 where the mark was seen, else 0."""
-        self.count = 0
-        """Bins appended in total."""
-        self.length = 0
-        """Bins since the last gap, at most `CAPACITY`."""
+    clock: Array  # (2 CAPACITY, 3) time [s], angle of rotation [rad] and revolutions since the first sample
+    complex_part: ComplexArray  # (2 CAPACITY, 5, m)
+    real_part: Array  # (2 CAPACITY, 4, m)
+    counts: Integers
+    angle_now: Array  # (2, m) work: unwrapped angle of the newest bin
+    step: ComplexArray  # (2, m) work
+    back: ComplexArray  # (2, m) work
+    turn: Array  # (2, m) work
 
-    def append(self, full: Bin, vector: ComplexArray, contact: Array) -> bool:
-        """Append a bin, its `vector`, shape (3, m), and `contact`, shape (m,); return whether it follows a gap."""
-        clock, complex_part, real_part = self._bin
-        gap = False
-        step = vector[:2]
-        if self.count:
-            last = self._end - 1
-            last_time, _, last_revolutions = self._clock[last].tolist()
-            gap = full.revolutions - last_revolutions > LARGEST_STEP or full.time - last_time > LONGEST_PAUSE
-            step = step * self.vector[last, :2].conj()
-            real_part[:2] += np.arctan2(step.imag, step.real)
-        else:
-            real_part[:2] = np.arctan2(step.imag, step.real)
-        clock[:] = (full.time, full.angle, full.revolutions)
-        complex_part[:3] = vector
-        complex_part[3] = full.position
-        complex_part[4] = full.phasor
-        real_part[2] = contact
-        real_part[3] = full.valid
-        slot = self.count % CAPACITY
-        for at in (slot, slot + CAPACITY):
-            self._clock[at] = clock
-            self._complex[at] = complex_part
-            self._real[at] = real_part
-        self.count += 1
-        self.length = 1 if gap else min(self.length + 1, CAPACITY)
-        return gap
+    @classmethod
+    def of(cls, m: int) -> History:
+        """Empty history of m marks."""
+        step, back = np.zeros((2, 2, m), complex)
+        return cls(
+            np.zeros((2 * CAPACITY, 3)), np.zeros((2 * CAPACITY, 5, m), complex), np.zeros((2 * CAPACITY, 4, m)),
+            np.zeros(2, np.int64), np.zeros((2, m)), step, back, np.zeros((2, m)),
+        )  # fmt: skip
 
     @property
-    def _end(self) -> int:
-        return (self.count - 1) % CAPACITY + CAPACITY + 1
+    def time(self) -> Array:
+        """Time since the first sample [s]."""
+        return self.clock[:, TIME]
+
+    @property
+    def angle(self) -> Array:
+        """Angle of rotation [rad]."""
+        return self.clock[:, ANGLE]
+
+    @property
+    def revolutions(self) -> Array:
+        """Revolutions since the first sample [rev]."""
+        return self.clock[:, REVOLUTIONS]
+
+    @property
+    def vector(self) -> ComplexArray:
+        """Asynchronous, moving and synchronous part of the centre line [m]."""
+        return self.complex_part[:, :POSITION]
+
+    @property
+    def sample(self) -> ComplexArray:
+        """Position of the marked point [m] and unit vector of its spin."""
+        return self.complex_part[:, POSITION:]
+
+    @property
+    def unwrapped(self) -> Array:
+        """Unwrapped angle of the asynchronous and the moving part [rad]."""
+        return self.real_part[:, :CONTACT]
+
+    @property
+    def appended(self) -> int:
+        """Bins appended in total."""
+        return int(self.counts[APPENDED])
+
+    @property
+    def length(self) -> int:
+        """Bins since the last gap, at most `CAPACITY`."""
+        return int(self.counts[LENGTH])
 
     def newest(self, bins: int) -> slice:
         """Index range of the newest bins, oldest first."""
-        return slice(self._end - bins, self._end)
+        end = (self.appended - 1) % CAPACITY + CAPACITY + 1
+        return slice(end - bins, end)
 
     def bins_in(self, revolutions: float) -> int:
         """Number of bins since the last gap within the newest `revolutions` [rev]; at most 4 for each 1/16."""
         bins = min(self.length, int(4 * BINS * revolutions))
         elapsed = self.revolutions[self.newest(bins)]
         return bins - int(np.searchsorted(elapsed, elapsed[-1] - revolutions + 0.5 / BINS))
+
+
+@exact_kernel
+def end_of(history: History) -> int:
+    """Index after the newest bin."""
+    return int((history.counts[APPENDED] - 1) % CAPACITY + CAPACITY + 1)
+
+
+@exact_kernel
+def bins_in(history: History, revolutions: float) -> int:
+    """As `History.bins_in`."""
+    clock, end = history.clock, end_of(history)
+    bins = min(history.counts[LENGTH], int(4 * BINS * revolutions))
+    least = clock[end - 1, REVOLUTIONS] - revolutions + 0.5 / BINS
+    low, high = end - bins, end
+    while low < high:
+        middle = (low + high) // 2
+        if clock[middle, REVOLUTIONS] < least:
+            low = middle + 1
+        else:
+            high = middle
+    return int(end - low)
+
+
+@exact_kernel
+def append(history: History, full: Bin, vector: ComplexArray, contact: Array) -> bool:
+    """Append a bin, its `vector`, shape (3, m), and `contact`, shape (m,); return whether it follows a gap."""
+    counts, clock, parts, angle = history.counts, history.clock, history.complex_part, history.angle_now
+    step, back, turn = history.step, history.back, history.turn
+    gap = False
+    step[:] = vector[:2]
+    if counts[APPENDED]:
+        last = end_of(history) - 1
+        gap = (
+            full.numbers[REVOLUTIONS] - clock[last, REVOLUTIONS] > LARGEST_STEP
+            or full.numbers[TIME] - clock[last, TIME] > LONGEST_PAUSE
+        )
+        for row in range(2):
+            for k in range(contact.size):
+                back[row, k] = parts[last, row, k].conjugate()
+        product(step, back, step)
+    for row in range(2):
+        arctan2(step[row].imag, step[row].real, turn[row])
+        for k in range(contact.size):
+            angle[row, k] = angle[row, k] + turn[row, k] if counts[APPENDED] else turn[row, k]
+    slot = counts[APPENDED] % CAPACITY
+    for copy in range(2):
+        at = slot + copy * CAPACITY
+        for k in range(3):
+            clock[at, k] = full.numbers[k]
+        parts[at, :POSITION] = vector
+        parts[at, POSITION] = full.position
+        parts[at, PHASOR] = full.phasor
+        history.real_part[at, :CONTACT] = angle
+        history.real_part[at, CONTACT] = contact
+        for k in range(contact.size):
+            history.real_part[at, SEEN, k] = full.valid[k]
+    counts[APPENDED] += 1
+    counts[LENGTH] = 1 if gap else min(counts[LENGTH] + 1, CAPACITY)
+    return gap

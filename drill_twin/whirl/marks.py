@@ -6,8 +6,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
+import numpy as np
+
+from drill_twin.base.arrays import Array, Mask
+from drill_twin.base.exact_jit import Integers
 from drill_twin.errors import DrillTwinError
 
 
@@ -53,6 +57,28 @@ class MarkInfo:
     def rolling_ratio(self) -> float:
         """Precession over rotation in pure rolling along the wall, -r_o / clearance (Johnson 1962; Jansen 1991)."""
         return -self.wall_offset / self.clearance
+
+
+class MarkArrays(NamedTuple):
+    """Numbers of m marks."""
+
+    clearance: Array  # (m,) [m]
+    wall_radius: Array  # (m,) distance of the marked point from the centre line [m]
+    rolling_ratio: Array  # (m,)
+    inclined: Mask  # (m,)
+    levels: Integers  # one mark at each distance from the bit, from the bit up
+
+    @classmethod
+    def of(cls, marks: Sequence[MarkInfo]) -> MarkArrays:
+        """Numbers of these marks."""
+        distances = [mark.distance_from_bit for mark in marks]
+        return cls(
+            np.array([mark.clearance for mark in marks]),
+            np.array([mark.wall_offset if mark.on == "wall" else 0.0 for mark in marks]),
+            np.array([mark.rolling_ratio for mark in marks]),
+            np.array([mark.inclined for mark in marks]),
+            np.array([distances.index(level) for level in sorted(set(distances))], np.int64),
+        )
 
 
 def check_marks(marks: Sequence[MarkInfo]) -> tuple[MarkInfo, ...]:

@@ -5,79 +5,71 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.base.arrays import Array, Mask
+from drill_twin.base.exact_jit import Integers, exact_kernel
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.lasting import lasting_motion, whirl_end
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.orbit.dominant_precession import DominantPrecession
-from drill_twin.whirl.sample_bins import BINS, Bin
-from drill_twin.whirl.whirl_estimator import WhirlEstimator
+from drill_twin.whirl.orbit.dominant_precession import DominantPrecession, add_power
+from drill_twin.whirl.orbit.orbit import RECENT_ROTATION, Orbit
+from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME, Bin
+from drill_twin.whirl.sample_bins import SAMPLES as BIN_SAMPLES
+
+if TYPE_CHECKING:
+    from drill_twin.whirl.whirl_estimator import WhirlEstimator
 
 ALIASING_NOTE = 6.0
 """Samples in a revolution below which a note states the limit set by aliasing."""
 
 
-class RunStatistics:
+SECONDS, TURNS, SAMPLES, REVOLUTIONS_SEEN, LAST_ESTIMATE, SAMPLE_RATE = range(6)
+"""Indices into `RunStatistics.numbers`: time [s] and turns [rev] of rotation, since the onset if there was one; samples
+and revolutions since rotation began; time of the last estimate [s]; accepted samples in a revolution, nan before
+rotation."""
+BEGUN, WHIRLED, COUNTED, ESTIMATED = range(4)
+"""Indices into `RunStatistics.flags`: 1 after the first bin; 1 after the onset; 1 after the first bin since; 1 where
+the orbit was estimated with the newest bin."""
+
+
+class RunStatistics(NamedTuple):
     """Sums over the bins of a run."""
 
-    def __init__(self, marks: int) -> None:
-        self.largest = np.full(marks, math.nan)
-        """Largest distance of each mark's centre line from the hole's axis [m], shape (m,)."""
-        self._dominant = DominantPrecession(marks)
-        self._seconds = self._turns = 0.0  # of rotation, since the onset if there was one
-        self._samples = self._revolutions = 0.0  # since rotation began
-        self._onset = False
-        self._last: Bin | None = None
-        self._last_estimate = 0.0  # time of the last new estimate [s]
+    dominant: DominantPrecession
+    numbers: Array
+    flags: Integers
+    last: Array  # time [s], angle [rad] and revolutions [rev] of the last bin
 
-    def update(self, full: Bin, estimator: WhirlEstimator, *, new_estimate: bool) -> None:
-        """Add a bin; `new_estimate` tells that the orbit was estimated with it."""
-        last, self._last = self._last, full
-        if estimator.onset is not None and not self._onset:
-            self._onset = True
-            self._seconds = self._turns = 0.0
-        if last is None or estimator.history.length < 2:
-            return
-        seconds = full.time - last.time
-        orbit = estimator.orbit
-        if abs(orbit.recent_rotation) >= estimator.criteria.rest_rotation:
-            self._seconds += seconds
-            self._turns += (full.angle - last.angle) / math.tau
-            self._samples += full.samples
-            self._revolutions += full.revolutions - last.revolutions
-        if not new_estimate:
-            return
-        if self._onset:
-            radius = np.where(estimator.detector.active, orbit.radius[0], orbit.radius[1])
-            self._dominant.add(estimator.ratio, estimator.precession, radius, full.time - self._last_estimate)
-        self._last_estimate = full.time
+    @classmethod
+    def of(cls, m: int) -> RunStatistics:
+        """Before the first bin of m marks."""
+        numbers = np.array([0.0, 0.0, 0.0, 0.0, 0.0, math.nan])
+        return cls(DominantPrecession.of(m), numbers, np.zeros(4, np.int64), np.zeros(3))
 
-    @property
-    def samples_per_revolution(self) -> float:
-        """Accepted samples in a revolution; nan before rotation."""
-        return self._samples / self._revolutions if self._revolutions > 1.0 / BINS else math.nan
-
-    def summary(self, names: Sequence[str], estimator: WhirlEstimator, bit: StickSlip, quality: Quality) -> Summary:
+    def summary(
+        self, names: Sequence[str], estimator: WhirlEstimator, largest: Array, bit: StickSlip, quality: Quality
+    ) -> Summary:
         """The findings of the run so far."""
-        mark, ratio, precession = self._dominant.peak() or (None, None, None)
-        timelines = estimator.motion.hysteresis.timelines
+        mark, ratio, precession = self.dominant.peak() or (None, None, None)
+        timelines = estimator.timelines
         motion, onset = timelines[-1].periods, estimator.onset
-        end = estimator.origin + (self._last.time if self._last is not None else 0.0)
+        seconds, turns = self.numbers[SECONDS : TURNS + 1].tolist()
+        end = estimator.origin + float(self.last[TIME])
         lasting = lasting_motion(motion, estimator.origin if onset is None else onset.time_s, end)
         single = lasting is not MotionState.IRREGULAR
-        unseen = [name for name, radius in zip(names, self.largest.tolist(), strict=True) if not math.isfinite(radius)]
+        unseen = [name for name, radius in zip(names, largest.tolist(), strict=True) if not math.isfinite(radius)]
         return Summary(
             onset=onset,
             mark_onset_s=dict(zip(names, estimator.crossed, strict=True)),
             whirl_frequency_hz=precession if single else None,
             precession_ratio=ratio if single else None,
             frequency_mark=None if mark is None else names[mark],
-            max_radius_m=dict(zip(names, _finite(self.largest), strict=True)),
-            rotation_rev_s=self._turns / self._seconds if self._seconds > 0.0 else None,
+            max_radius_m=dict(zip(names, _finite(largest), strict=True)),
+            rotation_rev_s=turns / seconds if seconds > 0.0 else None,
             motion=motion,
             mark_motion={name: timeline.periods for name, timeline in zip(names, timelines[:-1], strict=True)},
             stick_slip=tuple(bit.periods),
@@ -89,6 +81,44 @@ class RunStatistics:
             mode_ratio=ratio,
             notes=_notes(quality, timelines[-1].dropped, estimator.criteria.fewest_samples, unseen),
         )
+
+
+@exact_kernel
+def add_bin(
+    statistics: RunStatistics, orbit: Orbit, whirling: Mask, full: Bin, length: int, least_rotation: float
+) -> None:
+    """Add a bin, with its `flags`.
+
+    Args:
+        statistics: The sums.
+        orbit: Orbits of the marks.
+        whirling: Marks in asynchronous whirl, shape (m,).
+        full: The bin.
+        length: Number of bins since the last gap.
+        least_rotation: Slowest rotation [rev/s].
+    """
+    numbers, flags, last, now = statistics.numbers, statistics.flags, statistics.last, full.numbers
+    begun = flags[BEGUN]
+    flags[BEGUN] = 1
+    seconds, angle, revolutions = now[TIME] - last[TIME], now[ANGLE] - last[ANGLE], now[REVOLUTIONS] - last[REVOLUTIONS]
+    last[:] = now
+    if flags[WHIRLED] and not flags[COUNTED]:
+        flags[COUNTED] = 1
+        numbers[SECONDS] = numbers[TURNS] = 0.0
+    if not begun or length < 2:
+        return
+    if abs(orbit.numbers[RECENT_ROTATION]) >= least_rotation:
+        numbers[SECONDS] += seconds
+        numbers[TURNS] += angle / math.tau
+        numbers[SAMPLES] += full.counts[BIN_SAMPLES]
+        numbers[REVOLUTIONS_SEEN] += revolutions
+        if numbers[REVOLUTIONS_SEEN] > 1.0 / BINS:
+            numbers[SAMPLE_RATE] = numbers[SAMPLES] / numbers[REVOLUTIONS_SEEN]
+    if not flags[ESTIMATED]:
+        return
+    if flags[WHIRLED]:
+        add_power(statistics.dominant, orbit, whirling, now[TIME] - numbers[LAST_ESTIMATE])
+    numbers[LAST_ESTIMATE] = now[TIME]
 
 
 def _notes(quality: Quality, dropped: int, fewest: float, unseen: list[str]) -> tuple[str, ...]:

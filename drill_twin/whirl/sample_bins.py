@@ -9,120 +9,126 @@ sinc(p / 16): 0.2 % at p = 0.5, 2.3 % at p = -1.9. Where samples are farther apa
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array, ComplexArray, Mask
+from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.numpy_loops import quotient
 
 BINS = 16
 """Bins in a revolution."""
 LONGEST = 0.5
 """Longest bin [s], for a string that hardly rotates."""
 
-Forces = NDArray[np.floating[Any]]
+TIME, ANGLE, REVOLUTIONS, START = range(4)
+"""Indices into numbers of a bin: time [s], angle of rotation [rad] and revolutions since the first sample; time at
+which the bin starts [s]."""
+SAMPLES, FORCES, CELL = range(3)
+"""Indices into counts of a bin: samples, those with wall forces, and the number of the bin since the first sample."""
 
 
-@dataclass(eq=False)
-class Bin:
-    """Means over a bin; arrays of shape (m,), valid until the next bin is closed."""
+class Bin(NamedTuple):
+    """Means over a bin."""
 
-    time: float
-    """Time since the first sample [s]."""
-    angle: float
-    """Angle of rotation [rad]."""
-    revolutions: float
-    """Revolutions since the first sample [rev]."""
-    position: ComplexArray
-    """Position of the marked point x + i y [m]."""
-    phasor: ComplexArray
-    """Unit vector of the spin, exp(i spin)."""
-    contact: Array | None
-    """Share of the samples with a wall force, if forces are given."""
-    valid: Mask
-    """Marks with at least one valid sample."""
-    samples: int
-    """Number of samples."""
+    numbers: Array  # time [s], angle [rad], revolutions [rev]
+    counts: Integers  # samples, those with wall forces
+    position: ComplexArray  # (m,) position of the marked point x + i y [m]
+    phasor: ComplexArray  # (m,) unit vector of the spin, exp(i spin)
+    contact: Array  # (m,) share of the samples with a wall force, if forces are given
+    valid: Mask  # (m,) marks with at least one valid sample
+
+    @classmethod
+    def of(cls, m: int) -> Bin:
+        """Empty bin of m marks."""
+        position, phasor = np.zeros((2, m), complex)
+        return cls(np.zeros(3), np.zeros(2, np.int64), position, phasor, np.zeros(m), np.zeros(m, bool))
 
 
-class SampleBins:
-    """Sums of the samples of the bin that is being filled."""
+class SampleBins(NamedTuple):
+    """Sums over the samples of the bin that is being filled."""
 
-    def __init__(self, marks: int) -> None:
-        self._sums = np.zeros((2, marks), complex)
-        self._missed = np.zeros(marks)
-        self._touching = np.zeros(marks)
-        self._masked = np.zeros((2, marks), complex)
-        self._samples = self._forces = self._cell = 0
-        self._time = self._angle = self._revolutions = self._start = 0.0
+    numbers: Array
+    counts: Integers
+    position: ComplexArray  # (m,) [m]
+    phasor: ComplexArray  # (m,)
+    missed: Array  # (m,) samples without the mark
+    touching: Array  # (m,) samples with a wall force
+    divisor: ComplexArray  # (m,) work
 
-    def is_full(self, time: float, revolutions: float) -> bool:
-        """Check whether a sample at `time` [s] and `revolutions` [rev] lies beyond the present bin."""
-        return self._samples > 0 and (math.floor(revolutions * BINS) != self._cell or time - self._start > LONGEST)
+    @classmethod
+    def of(cls, m: int) -> SampleBins:
+        """Empty sums of m marks."""
+        work = np.zeros((3, m), complex)
+        return cls(np.zeros(4), np.zeros(3, np.int64), work[0], work[1], np.zeros(m), np.zeros(m), work[2])
 
-    def add(
-        self,
-        time: float,
-        angle: float,
-        revolutions: float,
-        sample: ComplexArray,
-        valid: Mask | None,
-        force: Forces | None,
-    ) -> None:
-        """Add a sample.
 
-        Args:
-            time: Time since the first sample [s].
-            angle: Angle of rotation [rad].
-            revolutions: Revolutions since the first sample [rev].
-            sample: Position [m] and phasor, shape (2, m).
-            valid: Marks with a valid position; None means all.
-            force: Wall force [N], shape (m,), if known.
-        """
-        if self._samples == 0:
-            self._cell = math.floor(revolutions * BINS)
-            self._start = time
-        self._samples += 1
-        self._time += time
-        self._angle += angle
-        self._revolutions += revolutions
-        if valid is None:
-            self._sums += sample
+@exact_kernel
+def is_full(bins: SampleBins, time: float, revolutions: float) -> bool:
+    """Check whether a sample at `time` [s] and `revolutions` [rev] lies beyond the present bin."""
+    beyond = math.floor(revolutions * BINS) != bins.counts[CELL] or time - bins.numbers[START] > LONGEST
+    return bool(bins.counts[SAMPLES] > 0 and beyond)
+
+
+@exact_kernel
+def add(
+    bins: SampleBins,
+    at: tuple[float, float, float],
+    position: ComplexArray,
+    phasor: ComplexArray,
+    seen: Mask,
+    force: Array,
+    has_force: bool,
+) -> None:
+    """Add a sample.
+
+    Args:
+        bins: The sums.
+        at: Time [s], angle of rotation [rad] and revolutions [rev] since the first sample.
+        position: Position [m], shape (m,).
+        phasor: Unit vector of the spin, shape (m,).
+        seen: Marks with a valid position, shape (m,).
+        force: Wall force [N], shape (m,).
+        has_force: The force is known.
+    """
+    numbers, counts = bins.numbers, bins.counts
+    if counts[SAMPLES] == 0:
+        counts[CELL] = math.floor(at[REVOLUTIONS] * BINS)
+        numbers[START] = at[TIME]
+    counts[SAMPLES] += 1
+    numbers[TIME] += at[TIME]
+    numbers[ANGLE] += at[ANGLE]
+    numbers[REVOLUTIONS] += at[REVOLUTIONS]
+    counts[FORCES] += has_force
+    for k in range(seen.size):
+        if seen[k]:
+            bins.position[k] += position[k]
+            bins.phasor[k] += phasor[k]
         else:
-            self._masked[:] = 0.0
-            np.copyto(self._masked, sample, where=valid)
-            self._sums += self._masked
-            self._missed += ~valid
-        if force is not None:
-            self._forces += 1
-            self._touching += force > 0.0
-
-    def close(self) -> Bin:
-        """Return the means of the present bin and start a new one."""
-        n = self._samples
-        count = n - self._missed
-        divisor = np.maximum(count, 1.0)
-        closed = Bin(
-            time=self._time / n,
-            angle=self._angle / n,
-            revolutions=self._revolutions / n,
-            position=self._sums[0] / divisor,
-            phasor=self._sums[1] / divisor,
-            contact=self._touching / self._forces if self._forces else None,
-            valid=count > 0.0,
-            samples=n,
-        )
-        self._sums[:] = 0.0
-        self._missed[:] = 0.0
-        self._touching[:] = 0.0
-        self._samples = self._forces = 0
-        self._time = self._angle = self._revolutions = 0.0
-        return closed
+            bins.missed[k] += 1.0
+        if has_force and force[k] > 0.0:
+            bins.touching[k] += 1.0
 
 
-def unit_phasor(angle: float | Array, out: ComplexArray) -> None:
-    """Write exp(i angle) to `out`, shape (m,)."""
-    np.cos(angle, out=out.real)
-    np.sin(angle, out=out.imag)
+@exact_kernel
+def close(bins: SampleBins, full: Bin) -> None:
+    """Write the means of the present bin to `full` and start a new one."""
+    numbers, counts = bins.numbers, bins.counts
+    n = counts[SAMPLES]
+    full.counts[SAMPLES], full.counts[FORCES] = n, counts[FORCES]
+    for k in range(3):
+        full.numbers[k] = numbers[k] / n
+        numbers[k] = 0.0
+    for k in range(full.valid.size):
+        found = n - bins.missed[k]
+        bins.divisor[k] = max(found, 1.0)
+        full.valid[k] = found > 0.0
+        full.contact[k] = bins.touching[k] / counts[FORCES] if counts[FORCES] else 0.0
+    quotient(bins.position, bins.divisor, full.position)
+    quotient(bins.phasor, bins.divisor, full.phasor)
+    bins.position[:] = 0.0
+    bins.phasor[:] = 0.0
+    bins.missed[:] = 0.0
+    bins.touching[:] = 0.0
+    counts[SAMPLES] = counts[FORCES] = 0

@@ -30,7 +30,7 @@ def criterion_text(
     digits = 2 if abs(ratio) >= FEW_DIGITS else 3
     orbit_text = f"radius {100 * float(orbit.radius[row, mark]):.0f} % of the clearance, ratio {ratio:+.{digits}f}"
     match state:
-        case MotionState.NOT_OBSERVABLE if orbit.aliased:
+        case MotionState.NOT_OBSERVABLE if orbit.samples_per_revolution < criteria.fewest_samples:
             return (
                 f"{orbit.samples_per_revolution:.1f} samples in a revolution, at least {criteria.fewest_samples:g} are "
                 "needed to tell one whirl from another"

@@ -1,109 +1,76 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sequence of the estimates for each bin, and the decision on the onset of whirl."""
+"""Decisions of the analysis that need fits and texts: crossings, the onset, changes of the motion state."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 
-import numpy as np
-
+from drill_twin.whirl.analyzer_kernel import CHECK, CROSSED, DECIDE, DESCRIBE, NEW, UNDECIDED
+from drill_twin.whirl.analyzer_state import AnalyzerState
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.findings import Onset
-from drill_twin.whirl.history import History
-from drill_twin.whirl.marks import MarkInfo
-from drill_twin.whirl.motion.classifier import MotionClassifier
+from drill_twin.whirl.motion.state_hysteresis import CHANGED, KEPT, STATES
+from drill_twin.whirl.motion.timeline import Timeline
 from drill_twin.whirl.onset.asynchronous_onset import OnsetDetector
-from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsetDetector
 from drill_twin.whirl.onset.threshold_crossing import Crossing
-from drill_twin.whirl.orbit.orbit import Orbit
-from drill_twin.whirl.orbit.runout_separation import RunoutSeparation
-from drill_twin.whirl.orbit.string_shape import StringShape
-from drill_twin.whirl.sample_bins import BINS, Bin
-
-INTERVAL_REV = 4.0 / BINS
-"""Interval of the estimates of orbit and motion state [rev]; the onset is checked with every bin."""
-INTERVAL_S = 0.5
-"""Longest interval of these estimates [s]."""
+from drill_twin.whirl.run_statistics import WHIRLED
+from drill_twin.whirl.sample_bins import TIME
+from drill_twin.whirl.text import criterion_text
 
 
 class WhirlEstimator:
-    """Separation of offset and synchronous part, then onset, orbit and motion state."""
+    """Onset and motion states with their texts."""
 
-    def __init__(self, marks: tuple[MarkInfo, ...], criteria: Criteria) -> None:
-        m = len(marks)
-        self.criteria = criteria
-        self._names = tuple(mark.name for mark in marks)
-        self._clearance = np.array([mark.clearance for mark in marks])
-        self._vectors = np.zeros((3, m), complex)
-        self.separation = RunoutSeparation(marks, criteria)
-        self.history = History(m)
-        self.orbit = Orbit(self._clearance, criteria)
-        self.detector = OnsetDetector(self._clearance, np.array([mark.inclined for mark in marks]), criteria)
-        self._synchronous = SynchronousOnsetDetector(self._clearance, criteria)
-        self.motion = MotionClassifier(marks, criteria)
-        self.shape = StringShape(marks, criteria)
-        self.origin = 0.0
-        """Time of the first sample [s]."""
+    def __init__(self, names: tuple[str, ...], state: AnalyzerState) -> None:
+        self._state, self._names = state, names
+        self._detector = OnsetDetector(state)
+        self._candidates: list[tuple[Crossing, bool]] = []
         self.onset: Onset | None = None
         """The onset, once it is decided."""
-        self._candidates: list[tuple[Crossing, bool]] = []
-        self.crossed: list[float | None] = [None] * m
+        self.crossed: list[float | None] = [None] * len(names)
         """Time at which each mark first crossed its threshold [s]."""
-        self.gaps = 0
-        """Gaps between bins."""
-        self._next_estimate = (-math.inf, -math.inf)
-        self.precession = np.full(m, math.nan)
-        """Precession [rev/s], positive = forward, shape (m,)."""
-        self.ratio = np.full(m, math.nan)
-        """Precession over rotation, shape (m,)."""
-        self.confidence = np.zeros(m)
-        """Confidence in both, shape (m,)."""
+        self.criterion = ["no rotation seen yet"] * (len(names) + 1)
+        """The criterion that decided the state of each mark and of the string, as text."""
+        self.timelines = [Timeline(present) for present in state.motion.hysteresis.present]
+        """States of the marks and of the string over time."""
+        self.decide: dict[int, Callable[[], None]] = {
+            CHECK: self._check,
+            DECIDE: self._decide_onset,
+            CROSSED: self._check_synchronous,
+            DESCRIBE: self._describe_states,
+        }
+        """Decisions by the outcome of `analyzer_kernel.analyse`."""
 
-    def update(self, full: Bin) -> bool:
-        """Add a full bin; return whether orbit and motion state were estimated."""
-        history, orbit, detector, separation = self.history, self.orbit, self.detector, self.separation
-        distance = separation.separate(full, self._vectors)
-        contact = full.contact
-        if contact is None:
-            contact = (distance > self.criteria.contact_radius * self._clearance).astype(float)
-        self.gaps += history.append(full, self._vectors, contact)
-        crossings = detector.update(history, separation, orbit.rate[0], orbit.coherence[0])
+    @property
+    def criteria(self) -> Criteria:
+        """Thresholds of the analysis."""
+        return self._state.criteria
+
+    @property
+    def origin(self) -> float:
+        """Time of the first sample [s]."""
+        return float(self._state.samples.origin[0])
+
+    def _check(self) -> None:
+        """Check the newest bin for a whirl that begins."""
+        crossings = self._detector.check()
         for crossing in crossings:
             if crossing.refit is not None:
-                separation.correct(crossing.mark, crossing.refit)
+                self._state.separation.correct(crossing.mark, crossing.refit)
         self._record(crossings, synchronous=False)
-        self._restart_separation(detector.moved)
-        separation.hold(detector.candidates, detector.active)
-        if self.onset is None and self._candidates:
-            self._decide_onset(full.time)
-        if history.count < 2 or (full.revolutions < self._next_estimate[0] and full.time < self._next_estimate[1]):
-            return False
-        self._next_estimate = (full.revolutions + INTERVAL_REV - 0.25 / BINS, full.time + INTERVAL_S)
-        self._estimate(full)
-        return True
+        self._restart_separation(self._detector.moved)
 
-    def _estimate(self, full: Bin) -> None:
-        """Estimate orbit, precession and motion state."""
-        history, orbit, detector, synchronous = self.history, self.orbit, self.detector, self._synchronous
-        noise = detector.noise.level
-        orbit.update(history, noise)
-        self._record(synchronous.update(history, orbit, noise), synchronous=True)
-        self._restart_separation(detector.release(orbit, history))
-        whirling = (detector.active, synchronous.active)
-        self.precession, self.ratio, self.confidence = orbit.precession(detector.active, noise)
-        self.shape.update(history)
-        at = (full.time, full.revolutions, self.origin)
-        began = [
-            first if first is not None else second
-            for first, second in zip(detector.began, synchronous.began, strict=True)
-        ]
-        self.motion.update(orbit, self.shape, whirling, began, detector.detected, self.ratio, at)
+    def _check_synchronous(self) -> None:
+        """Check the newest orbit for a synchronous whirl that begins, and for whirls that have ended."""
+        self._record(self._state.synchronous.check(self._state), synchronous=True)
+        self._restart_separation(self._detector.release())
 
     def _restart_separation(self, marks: list[int]) -> None:
         """Estimate offset and synchronous part of marks from the last revolution alone."""
-        window = self.history.newest(self.history.bins_in(1.0))
+        history = self._state.history
+        window = history.newest(history.bins_in(1.0))
         for mark in marks:
-            self.separation.restart(mark, self.history.sample[window, :, mark])
+            self._state.separation.restart(mark, history.sample[window, :, mark])
 
     def _record(self, crossings: list[Crossing], *, synchronous: bool) -> None:
         """Record first crossings of the marks; until the onset is decided, each is a candidate for it."""
@@ -112,18 +79,38 @@ class WhirlEstimator:
                 self.crossed[crossing.mark] = self.origin + crossing.time
             if self.onset is None:
                 self._candidates.append((crossing, synchronous))
+                self._state.flow[UNDECIDED] = 1
 
-    def _decide_onset(self, time: float) -> None:
+    def _decide_onset(self) -> None:
         """Set the onset to the earliest crossing, once no undecided mark may have crossed earlier."""
         first, synchronous = min(self._candidates, key=lambda candidate: candidate[0].time)
-        if self.detector.earliest_candidate(exclude=self._synchronous.active) < first.time:
+        if self._detector.earliest_candidate(exclude=self._state.synchronous.active) < first.time:
             return
         self.onset = Onset(
             time_s=self.origin + first.time,
             mark=self._names[first.mark],
             confidence=first.confidence,
             kind="synchronous" if synchronous else "asynchronous",
-            detected_s=self.origin + time,
+            detected_s=self.origin + float(self._state.full.numbers[TIME]),
             criterion=first.criterion,
         )
-        self.motion.hysteresis.timelines[-1].move_first_whirl(self.onset.time_s)
+        self._state.flow[[UNDECIDED, NEW]] = 0, 1
+        self._state.statistics.flags[WHIRLED] = 1
+        self.timelines[-1].move_first_whirl(self.onset.time_s)
+
+    def _describe_states(self) -> None:
+        """Put the states that have changed or settled into words."""
+        state, motion = self._state, self._state.motion
+        hysteresis, event = motion.hysteresis, motion.hysteresis.event.tolist()
+        revolutions = float(hysteresis.last[1])
+        for subject in sorted((s for s in range(len(event)) if event[s] != KEPT), key=lambda s: event[s]):
+            mark, held = int(motion.mark[subject]), int(hysteresis.held[subject])
+            row, ratio = 0 if state.onsets.active[mark] else 1, float(state.orbit.ratio[mark])
+            found = STATES[held]
+            text = criterion_text(found, state.orbit, state.shape, state.criteria, mark, row, ratio)
+            self.criterion[subject] = text
+            if event[subject] == CHANGED:
+                start = self.origin + float(hysteresis.since[subject, held])
+                self.timelines[subject].start(found, start, text, revolutions)
+            else:
+                self.timelines[subject].describe(text)

@@ -4,47 +4,68 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.base.arrays import Array, Mask
+from drill_twin.base.exact_jit import exact_kernel
 from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.orbit.orbit import Orbit
 
 RISE = 0.1
 """Irregular motion starts when its share of the time last rose above this."""
 
 
-class Irregularity:
-    """Share of irregular time of each mark, fading over `Criteria.irregularity_memory` revolutions, with hysteresis."""
+class Irregularity(NamedTuple):
+    """Share of irregular time of m marks, fading over `Criteria.irregularity_memory` revolutions, with hysteresis."""
 
-    def __init__(self, marks: int, criteria: Criteria) -> None:
-        self._criteria = criteria
-        self._share = np.zeros(marks)
-        self._revolutions = 0.0
-        self.active: Mask = np.zeros(marks, bool)
-        """Marks in irregular motion now."""
-        self.rose = np.zeros(marks)
-        """Time at which the share last rose, since the first sample [s]."""
-        self.last = np.zeros(marks)
-        """Time at which the motion was last irregular, since the first sample [s]."""
+    active: Mask  # (m,) in irregular motion now
+    rose: Array  # (m,) time at which the share last rose, since the first sample [s]
+    last: Array  # (m,) time at which the motion was last irregular, since the first sample [s]
+    share: Array  # (m,)
+    revolutions: Array  # (1,) of the last estimate [rev]
 
-    def update(self, coherence: Array, unevenness: Array, settled: Mask, time: float, revolutions: float) -> None:
-        """Add an estimate.
+    @classmethod
+    def of(cls, m: int) -> Irregularity:
+        """Before the first estimate."""
+        return cls(np.zeros(m, bool), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(1))
 
-        Args:
-            coherence: Coherence of the angle of each mark, shape (m,).
-            unevenness: Unevenness of its radius, shape (m,).
-            settled: Marks whose motion may be irregular, shape (m,).
-            time: Time since the first sample [s].
-            revolutions: Revolutions since the first sample [rev].
-        """
-        criteria = self._criteria
-        irregular = settled & ((coherence < criteria.coherence) | (unevenness > criteria.unevenness))
-        gain = 1.0 - math.exp(-(revolutions - self._revolutions) / criteria.irregularity_memory)
-        self._revolutions = revolutions
-        before = self._share
-        share = np.where(settled, before + gain * (irregular - before), 0.0)
-        self.rose[(before < RISE) & (share >= RISE)] = time
-        self.last[irregular] = time
-        self.active = (share > criteria.irregularity_on) | (self.active & (share > criteria.irregularity_off))
-        self._share = share
+
+@exact_kernel
+def update_irregularity(
+    irregularity: Irregularity,
+    orbit: Orbit,
+    asynchronous: Mask,
+    detected: Array,
+    criteria: Criteria,
+    time: float,
+    revolutions: float,
+) -> None:
+    """Add an estimate.
+
+    Args:
+        irregularity: The shares.
+        orbit: Orbits of the marks.
+        asynchronous: Marks in asynchronous whirl, shape (m,).
+        detected: Detection of that whirl [rev], shape (m,).
+        criteria: Thresholds.
+        time: Time since the first sample [s].
+        revolutions: Revolutions since the first sample [rev].
+    """
+    gain = 1.0 - math.exp(-(revolutions - irregularity.revolutions[0]) / criteria.irregularity_memory)
+    irregularity.revolutions[0] = revolutions
+    for k in range(detected.size):
+        row = 0 if asynchronous[k] else 1
+        settled = revolutions - detected[k] > criteria.settling_time
+        rough = orbit.coherence[row, k] < criteria.coherence or orbit.unevenness[row, k] > criteria.unevenness
+        before, share = irregularity.share[k], 0.0
+        if settled:
+            share = before + gain * ((1.0 if rough else 0.0) - before)
+        if before < RISE <= share:
+            irregularity.rose[k] = time
+        if settled and rough:
+            irregularity.last[k] = time
+        held = irregularity.active[k] and share > criteria.irregularity_off
+        irregularity.active[k] = share > criteria.irregularity_on or held
+        irregularity.share[k] = share

@@ -13,6 +13,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.jit import as_python
 
 CORNER = 15.0
 """Corner frequency of each pole of the low-pass [Hz]."""
@@ -47,6 +54,14 @@ class BitMotion(Enum):
     """Cycles in which the bit nearly stands still."""
 
 
+class _Cycle(NamedTuple):
+    start: float
+    end: float
+    slowest: float
+    fastest: float
+    fell: float
+
+
 @dataclass(frozen=True)
 class StickSlipPeriod:
     """Period of stick-slip."""
@@ -74,83 +89,125 @@ class StickSlipPeriod:
         return 1.0 / self.period_s
 
 
-@dataclass
-class _Cycle:
-    start: float
-    slowest: float = math.inf
-    fastest: float = -math.inf
-    fell: bool = False
+FIRST, LAST, POLE, SECOND_POLE, MEAN, PERIOD = range(6)
+"""Indices into `BitSpeed.numbers`: first time since the filters began and last time [s]; the poles of the low-pass and
+the slow mean [rad/s]; length of the last cycle [s], nan without one."""
+CYCLE_START, CYCLE_END, SLOWEST, FASTEST, FELL = range(5)
+"""Indices into a cycle: times [s], speeds of the bit, low-passed [rad/s], and 1 after a fall below the band."""
+SAMPLES, IN_CYCLE, UNSTEADY_NOW = range(3)
+"""Indices into `BitSpeed.counts`: samples, 1 in a cycle, 1 while the motion is not steady."""
+NOTHING, RESTARTED, COMPLETED, STOPPED = range(4)
+"""Outcome of a sample: nothing to decide, the filters began anew, a cycle is complete, there have been no cycles."""
+
+
+class BitSpeed(NamedTuple):
+    """Low-passed speed of the bit and its present cycle."""
+
+    numbers: Array
+    counts: Integers
+    cycle: Array
+    complete: Array  # the cycle that was completed last
+
+    @classmethod
+    def empty(cls) -> BitSpeed:
+        """Before the first sample."""
+        return cls(np.array([math.nan, math.nan, 0.0, 0.0, 0.0, math.nan]), np.zeros(3, np.int64), *np.zeros((2, 5)))
+
+
+@exact_kernel
+def add_bit_speed(bit: BitSpeed, time: float, bit_speed: float) -> int:
+    """Add the speed of the bit [rad/s] at a time [s]; values that are not finite or not later are ignored.
+
+    Returns:
+        What `StickSlip.decide` has to decide.
+    """
+    numbers, counts = bit.numbers, bit.counts
+    if not math.isfinite(bit_speed) or (counts[SAMPLES] and time <= numbers[LAST]):
+        return NOTHING
+    counts[SAMPLES] += 1
+    step = time - numbers[LAST]
+    numbers[LAST] = time
+    if counts[SAMPLES] == 1 or step > LONGEST_GAP:
+        numbers[FIRST], numbers[PERIOD] = time, math.nan
+        numbers[POLE] = numbers[SECOND_POLE] = numbers[MEAN] = bit_speed
+        counts[IN_CYCLE] = 0
+        return RESTARTED
+    before = numbers[SECOND_POLE]
+    gain = 1.0 - math.exp(-math.tau * CORNER * step)
+    numbers[POLE] += gain * (bit_speed - numbers[POLE])
+    numbers[SECOND_POLE] += gain * (numbers[POLE] - numbers[SECOND_POLE])
+    # Until a cycle is complete, the mean is that of all samples; afterwards it fades over several cycles.
+    period = numbers[PERIOD] if math.isfinite(numbers[PERIOD]) else LONGEST_MEMORY
+    memory = max(min(max(MEAN_MEMORY, CYCLES * period), LONGEST_MEMORY, time - numbers[FIRST]), step)
+    numbers[MEAN] += (bit_speed - numbers[MEAN]) * (1.0 - math.exp(-step / memory))
+    sense = math.copysign(1.0, numbers[MEAN])
+    return _track_cycle(bit, sense * before, sense * numbers[SECOND_POLE], step)
+
+
+@exact_kernel
+def _track_cycle(bit: BitSpeed, before: float, now: float, step: float) -> int:
+    """Check the low-passed speed [rad/s], before and now, for the start and end of a cycle."""
+    cycle, counts, time, mean = bit.cycle, bit.counts, bit.numbers[LAST], abs(bit.numbers[MEAN])
+    within = counts[IN_CYCLE] != 0
+    if within:
+        cycle[SLOWEST], cycle[FASTEST] = min(cycle[SLOWEST], now), max(cycle[FASTEST], now)
+        if now < (1.0 - BAND) * mean:
+            cycle[FELL] = 1.0
+    rise = (1.0 + BAND) * mean
+    if before < rise <= now and (not within or cycle[FELL]):
+        start = time - step * (now - rise) / (now - before)
+        if within:
+            cycle[CYCLE_END] = start
+            bit.complete[:] = cycle
+            bit.numbers[PERIOD] = start - cycle[CYCLE_START]
+        cycle[CYCLE_START], cycle[SLOWEST], cycle[FASTEST], cycle[FELL] = start, now, now, 0.0
+        counts[IN_CYCLE] = 1
+        return COMPLETED if within else NOTHING
+    if within and time - cycle[CYCLE_START] > QUIET * bit.numbers[PERIOD] and counts[UNSTEADY_NOW]:
+        return STOPPED
+    return NOTHING
 
 
 class StickSlip:
     """Detector of stick-slip in the speed of the bit."""
 
     def __init__(self) -> None:
+        self.speed = BitSpeed.empty()
+        """Low-passed speed of the bit."""
         self.motion = BitMotion.UNKNOWN
         """Present motion of the bit."""
         self.criterion = "no speed of the bit so far"
         """The criterion that decided it, as text."""
         self.periods: list[StickSlipPeriod] = []
         """Periods of stick-slip so far; the last one grows while it lasts."""
-        self.samples = 0
-        """Samples with a speed of the bit."""
-        self._first = self._last = math.nan
-        self._poles = [0.0, 0.0]
-        self._mean = 0.0
-        self._cycle: _Cycle | None = None
         self._last_class = BitMotion.UNKNOWN
         self._repeats = 0
         self._pending: StickSlipPeriod | None = None
-        self._period = math.nan
         self._full = False
+
+    @property
+    def samples(self) -> int:
+        """Samples with a speed of the bit."""
+        return int(self.speed.counts[SAMPLES])
 
     def push(self, time: float, bit_speed: float) -> None:
         """Add the speed of the bit [rad/s] at a time [s]; values that are not finite or not later are ignored."""
-        if not math.isfinite(bit_speed) or (self.samples and time <= self._last):
-            return
-        self.samples += 1
-        step = time - self._last
-        self._last = time
-        if self.samples == 1 or step > LONGEST_GAP:
-            self._restart(time, bit_speed)
-            return
-        before, poles = self._poles[1], self._poles
-        gain = 1.0 - math.exp(-math.tau * CORNER * step)
-        poles[0] += gain * (bit_speed - poles[0])
-        poles[1] += gain * (poles[0] - poles[1])
-        # Until a cycle is complete, the mean is that of all samples; afterwards it fades over several cycles.
-        period = self._period if math.isfinite(self._period) else LONGEST_MEMORY
-        memory = max(min(max(MEAN_MEMORY, CYCLES * period), LONGEST_MEMORY, time - self._first), step)
-        self._mean += (bit_speed - self._mean) * (1.0 - math.exp(-step / memory))
-        sense = math.copysign(1.0, self._mean)
-        self._track_cycle(sense * before, sense * poles[1], time, step)
+        self.decide(as_python(add_bit_speed)(self.speed, time, bit_speed))
 
-    def _restart(self, time: float, bit_speed: float) -> None:
-        """Restart with the first sample, or after a pause."""
-        self._first, self._poles, self._mean, self._cycle = time, [bit_speed, bit_speed], bit_speed, None
-        self._period = math.nan
-        self._reset_count()
-        self._set(BitMotion.STEADY, "no cycle so far")
-
-    def _track_cycle(self, before: float, now: float, time: float, step: float) -> None:
-        """Check the low-passed speed [rad/s], before and now, for the start and end of a cycle."""
-        mean, cycle = abs(self._mean), self._cycle
-        if cycle is not None:
-            cycle.slowest, cycle.fastest = min(cycle.slowest, now), max(cycle.fastest, now)
-            cycle.fell = cycle.fell or now < (1.0 - BAND) * mean
-        rise = (1.0 + BAND) * mean
-        if before < rise <= now and (cycle is None or cycle.fell):
-            start = time - step * (now - rise) / (now - before)
-            if cycle is not None:
-                self._complete(cycle, start, mean)
-            self._cycle = _Cycle(start, now, now)
-        elif cycle is not None and time - cycle.start > QUIET * self._period and self.motion is not BitMotion.STEADY:
+    def decide(self, outcome: int) -> None:
+        """Decide on the motion after a sample with this outcome."""
+        mean = abs(float(self.speed.numbers[MEAN]))
+        if outcome == RESTARTED:
+            self._reset_count()
+            self._set(BitMotion.STEADY, "no cycle so far")
+        elif outcome == COMPLETED:
+            self._complete(_Cycle(*self.speed.complete.tolist()), mean)
+        elif outcome == STOPPED:
             self._reset_count()
             self._set(BitMotion.STEADY, f"no cycle for {QUIET:.0f} periods, mean speed {mean:.2f} rad/s")
 
-    def _complete(self, cycle: _Cycle, end: float, mean: float) -> None:
+    def _complete(self, cycle: _Cycle, mean: float) -> None:
         """Classify a completed cycle."""
-        self._period = end - cycle.start
         severity = (cycle.fastest - cycle.slowest) / (2.0 * mean)
         if severity > SEVERE and cycle.slowest < STICKING * mean:
             motion = BitMotion.STICK_SLIP
@@ -159,21 +216,20 @@ class StickSlip:
         self._repeats = self._repeats + 1 if motion is self._last_class else 1
         self._last_class = motion
         if motion is BitMotion.STICK_SLIP:
-            self._add_cycle(cycle, end, severity)
+            self._add_cycle(cycle, severity)
         elif self._repeats >= IN_A_ROW:
             self._pending = None
         if self._repeats >= IN_A_ROW:
             text = (
-                f"cycles of {self._period:.3f} s, from {cycle.slowest:.2f} to {cycle.fastest:.2f} rad/s, "
+                f"cycles of {cycle.end - cycle.start:.3f} s, from {cycle.slowest:.2f} to {cycle.fastest:.2f} rad/s, "
                 f"severity {severity:.2f}"
             )
             self._set(motion, text)
 
-    def _add_cycle(self, cycle: _Cycle, end: float, severity: float) -> None:
+    def _add_cycle(self, cycle: _Cycle, severity: float) -> None:
         """Add a cycle that sticks to its period of stick-slip."""
-        one = StickSlipPeriod(
-            cycle.start, end, 1, self._period, self._period, self._period, cycle.slowest, cycle.fastest, severity
-        )
+        length = cycle.end - cycle.start
+        one = StickSlipPeriod(cycle.start, cycle.end, 1, length, length, length, cycle.slowest, cycle.fastest, severity)
         if self.motion is BitMotion.STICK_SLIP and self.periods and not self._full:
             self.periods[-1] = _joined(self.periods[-1], one)
         elif self._repeats == 1 or self._pending is None:
@@ -189,6 +245,7 @@ class StickSlip:
     def _set(self, motion: BitMotion, criterion: str) -> None:
         if motion is not self.motion:
             self.motion, self.criterion = motion, criterion
+            self.speed.counts[UNSTEADY_NOW] = motion is not BitMotion.STEADY
 
 
 def _joined(one: StickSlipPeriod, other: StickSlipPeriod) -> StickSlipPeriod:

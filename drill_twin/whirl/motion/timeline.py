@@ -5,6 +5,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.base.exact_jit import exact_kernel
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import MotionPeriod
 
@@ -12,63 +16,72 @@ LARGEST_COUNT = 2000
 """Largest number of periods stored; later ones are counted only."""
 NO_WHIRL = frozenset({MotionState.NOT_OBSERVABLE, MotionState.AT_REST, MotionState.FIXED_AXIS})
 
+OPEN, DURATION, WEIGHTED_SHARE, ENTERED, DESCRIBED = range(5)
+"""Columns of the present periods: 1 where there is one; its duration and the integral of its share [rev]; revolutions
+at which it was entered [rev]; 1 after its criterion was that of the settled state."""
+
+
+def no_periods(subjects: int) -> Array:
+    """Present periods of several subjects, before the first, shape (subjects, 5)."""
+    return np.zeros((subjects, 5))
+
+
+@exact_kernel
+def extend(present: Array, share: float, elapsed: float) -> None:
+    """Extend a present period, shape (5,), by `elapsed` [rev], with this share of the estimates."""
+    if present[OPEN]:
+        present[DURATION] += elapsed
+        present[WEIGHTED_SHARE] += elapsed * share
+
+
+@exact_kernel
+def needs_description(present: Array, revolutions: float, after: float) -> bool:
+    """Check whether a present period started `after` revolutions ago and has not been described since."""
+    return bool(present[OPEN] and not present[DESCRIBED] and revolutions - present[ENTERED] > after)
+
 
 @dataclass
 class _Period:
     start: float
     state: MotionState
     criterion: str
-    revolutions: float  # at which it was entered [rev]
-    described: bool = False  # with the criterion of the settled state
-    duration: float = 0.0
-    weighted_share: float = 0.0
+    numbers: Array  # as its row of the present periods
 
 
 class Timeline:
     """Periods of one state each; a period of zero length is removed."""
 
-    def __init__(self) -> None:
+    def __init__(self, present: Array) -> None:
+        """Begin without a period; `present`, shape (5,), has the numbers of the last one."""
+        self._present = present
         self._periods: list[_Period] = []
-        self._full = False
         self.dropped = 0
         """Periods that were not stored."""
-
-    def __len__(self) -> int:
-        return len(self._periods)
 
     def start(self, state: MotionState, start: float, criterion: str, revolutions: float) -> None:
         """Start a period at `start` [s]; its state was entered at `revolutions` [rev]."""
         periods = self._periods
+        self._store()
         if len(periods) >= LARGEST_COUNT:
             self.dropped += 1
-            self._full = True
+            self._present[OPEN] = 0.0
             return
         while len(periods) > 1 and start <= periods[-1].start:
             periods.pop()
-        if periods and periods[-1].state is state:
-            return
-        if periods:
-            start = max(start, periods[-1].start)
-        periods.append(_Period(start, state, criterion, revolutions))
-
-    def extend(self, share: float, elapsed: float) -> None:
-        """Extend the present period by `elapsed` [rev], with this share of the estimates."""
-        if self._periods and not self._full:
-            last = self._periods[-1]
-            last.duration += elapsed
-            last.weighted_share += elapsed * share
-
-    def needs_description(self, revolutions: float, after: float) -> bool:
-        """Check whether the present period started `after` revolutions ago and has not been described since."""
-        if not self._periods or self._full:
-            return False
-        last = self._periods[-1]
-        return not last.described and revolutions - last.revolutions > after
+        if not periods or periods[-1].state is not state:
+            if periods:
+                start = max(start, periods[-1].start)
+            periods.append(_Period(start, state, criterion, np.array([1.0, 0.0, 0.0, revolutions, 0.0])))
+        self._present[:] = periods[-1].numbers
 
     def describe(self, criterion: str) -> None:
         """Replace the criterion of the present period."""
-        last = self._periods[-1]
-        last.criterion, last.described = criterion, True
+        self._periods[-1].criterion, self._present[DESCRIBED] = criterion, 1.0
+
+    def _store(self) -> None:
+        """Keep the numbers of the present period."""
+        if self._present[OPEN]:
+            self._periods[-1].numbers[:] = self._present
 
     def move_first_whirl(self, start: float) -> None:
         """Move the start of the first whirl to `start` [s], if that is earlier and after the period before."""
@@ -81,12 +94,15 @@ class Timeline:
     @property
     def periods(self) -> tuple[MotionPeriod, ...]:
         """The periods so far, each with its mean confidence."""
+        self._store()
         return tuple(
             MotionPeriod(
                 period.start,
                 period.state,
                 period.criterion,
-                period.weighted_share / period.duration if period.duration > 0.0 else 1.0,
+                float(period.numbers[WEIGHTED_SHARE] / period.numbers[DURATION])
+                if period.numbers[DURATION] > 0.0
+                else 1.0,
             )
             for period in self._periods
         )

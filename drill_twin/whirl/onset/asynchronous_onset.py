@@ -26,241 +26,272 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from drill_twin.base.arrays import Array, Mask
+from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.jit import as_python
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.history import ASYNCHRONOUS, History
-from drill_twin.whirl.onset.averaged_radius import AveragedRadius
+from drill_twin.whirl.history import APPENDED, ASYNCHRONOUS, History, bins_in, end_of
+from drill_twin.whirl.onset.averaged_radius import AveragedRadius, width_for
 from drill_twin.whirl.onset.swept_angle import SweptAngle
 from drill_twin.whirl.onset.threshold_crossing import Crossing, Detection, asynchronous_crossing, steady_position
 from drill_twin.whirl.orbit.orbit import Orbit
-from drill_twin.whirl.orbit.runout_separation import RunoutSeparation
+from drill_twin.whirl.sample_bins import ANGLE, REVOLUTIONS, TIME
+
+if TYPE_CHECKING:
+    from drill_twin.whirl.analyzer_state import AnalyzerState
 
 INTERVAL = 4
 """Interval at which a displaced mark is checked [bins]."""
 
 
-@dataclass
-class _Candidate:
-    """Crossing of the threshold that is not confirmed."""
+class Onsets(NamedTuple):
+    """What is known of the whirl of m marks; nan for no time."""
 
-    bin: int
-    time: float
-    revolutions: float
-    noise: float
+    began: Array  # (m,) start of the present whirl, since the first sample [s]
+    detected: Array  # (m,) its detection [rev]; inf without whirl
+    active: Mask  # (m,) in asynchronous whirl now
+    time: Array  # (m,) of a crossing of the threshold that is not confirmed, the candidate [s]
+    revolutions: Array  # (m,) of the same [rev]
+    noise: Array  # (m,) of a bin, then
+    bin: Integers  # (m,) number of its bin
+    displaced: Mask  # (m,) has left its steady position
+    falling: Mask  # (m,) to the low side, in the first revolutions
+    small: Mask  # (m,) the orbit has become small
+    constant: Mask  # (m,) it has swept no angle
+
+    @classmethod
+    def of(cls, inclined: Mask) -> Onsets:
+        """Before the first bin, of marks in an inclined hole or not, shape (m,)."""
+        m = inclined.size
+        masks = np.zeros((4, m), bool)
+        began, time, revolutions = np.full((3, m), math.nan)
+        return cls(
+            began, np.full(m, math.inf), masks[0], time, revolutions, np.zeros(m),
+            np.zeros(m, np.int64), masks[1], inclined.copy(), masks[2], masks[3],
+        )  # fmt: skip
+
+
+@exact_kernel
+def watch(onsets: Onsets, averaged: AveragedRadius, history: History, criteria: Criteria) -> bool:
+    """Check the newest bin for marks that begin to whirl; return whether `OnsetDetector.check` must decide."""
+    m, now = onsets.began.size, history.clock[end_of(history) - 1, REVOLUTIONS]
+    whirling = onsets.active.any()
+    for k in range(m):
+        if onsets.falling[k] and now > criteria.falling_time:
+            return True
+        if onsets.displaced[k] and (whirling or history.counts[APPENDED] % INTERVAL == 0):
+            return True
+        if math.isnan(onsets.time[k]) or averaged.radius[k] < averaged.release[k]:
+            continue
+        if math.isnan(onsets.began[k]) and not onsets.falling[k] and not now - onsets.revolutions[k] < criteria.sustain:
+            return True
+    for k in range(m):
+        if math.isnan(onsets.began[k]) and not onsets.falling[k]:
+            update_candidate(onsets, averaged, history, k)
+    return False
+
+
+@exact_kernel
+def update_candidate(onsets: Onsets, averaged: AveragedRadius, history: History, k: int) -> bool:
+    """Start or drop the candidate of a mark; return whether it has one that was not dropped."""
+    if not (math.isnan(onsets.time[k]) or averaged.radius[k] < averaged.release[k]):
+        return True
+    newest = history.clock[end_of(history) - 1]
+    onsets.time[k] = newest[TIME] if averaged.radius[k] > averaged.threshold[k] else math.nan
+    onsets.revolutions[k] = newest[REVOLUTIONS]
+    onsets.noise[k] = averaged.noise.level[k]
+    onsets.bin[k] = history.counts[APPENDED]
+    return False
+
+
+@exact_kernel
+def drop_candidates(onsets: Onsets) -> None:
+    """Forget what was seen before a gap."""
+    onsets.time[:] = math.nan
+    onsets.displaced[:] = False
+
+
+@exact_kernel
+def ends(onsets: Onsets, averaged: AveragedRadius, orbit: Orbit, history: History, criteria: Criteria) -> bool:
+    """Find the orbits that have become `small` or `constant`; return whether `OnsetDetector.release` must decide."""
+    if not onsets.active.any():
+        return False
+    fall = criteria.release_radius / criteria.onset_radius
+    bins, end, any_ends = bins_in(history, criteria.sweep_window), end_of(history), False
+    clock, first = history.clock, end_of(history) - bins
+    long = not clock[end - 1, REVOLUTIONS] - clock[first, REVOLUTIONS] < criteria.sweep_window - 0.5
+    for k in range(onsets.active.size):
+        least = fall * averaged.threshold[k]
+        onsets.small[k] = orbit.window_radius[k] < least or orbit.radius[0, k] < 0.5 * fall * averaged.threshold[k]
+        swept = math.inf
+        if long:
+            low, high, low_in_string, high_in_string = math.inf, -math.inf, math.inf, -math.inf
+            for i in range(first, end):
+                angle = history.real_part[i, ASYNCHRONOUS, k]
+                low, high = min(low, angle), max(high, angle)
+                angle -= clock[i, ANGLE]
+                low_in_string, high_in_string = min(low_in_string, angle), max(high_in_string, angle)
+            swept = min(high - low, high_in_string - low_in_string)
+        late = clock[first, REVOLUTIONS] > onsets.detected[k]
+        onsets.constant[k] = swept < criteria.least_swept_angle and late
+        any_ends = any_ends or (onsets.active[k] and (onsets.small[k] or onsets.constant[k]))
+    return any_ends
 
 
 @dataclass
 class _Displacement:
-    """Candidate with the steady position that it left, which is valid from a bin on."""
+    """Crossing of the threshold with the steady position that the mark left, which is valid from a bin on."""
 
-    candidate: _Candidate
+    bin: int
+    revolutions: float
+    noise: float
     offset: complex
     synchronous: complex
     valid_from: int
 
 
 class OnsetDetector:
-    """Detector of asynchronous whirl of each mark, of its begin and its end."""
+    """Decisions on the begin and the end of asynchronous whirl of each mark."""
 
-    def __init__(self, clearance: Array, inclined: Mask, criteria: Criteria) -> None:
-        m = clearance.size
-        self._criteria = criteria
-        self._clearance = clearance
-        self._averaged = AveragedRadius(clearance, criteria)
-        self.noise = self._averaged.noise
-        """Noise of the bins."""
-        self._candidates: list[_Candidate | None] = [None] * m
-        self._displaced: list[_Displacement | None] = [None] * m
-        self._inclined: list[bool] = inclined.tolist()
-        self._falling: set[int] = set(np.flatnonzero(inclined).tolist())  # to the low side, in the first revolutions
-        self._valid_from = [0] * m  # bin from which the present steady position is valid
-        self._rate: Array = np.zeros(m)
+    def __init__(self, state: AnalyzerState) -> None:
+        self._criteria = state.criteria
+        self._clearance = state.marks.clearance
+        self._inclined: list[bool] = state.marks.inclined.tolist()
+        self._history, self._separation, self._orbit = state.history, state.separation, state.orbit
+        self._averaged, self._onsets = state.averaged, state.onsets
+        self._displaced: dict[int, _Displacement] = {}
+        self._valid_from = [0] * len(self._inclined)  # bin from which the present steady position is valid
         self.moved: list[int] = []
         """Marks whose steady position was found to have changed with the newest bin."""
-        self.active: Mask = np.zeros(m, bool)
-        """Marks in asynchronous whirl now."""
-        self.began: list[float | None] = [None] * m
-        """Start of the present whirl of each mark, since the first sample [s]."""
-        self.detected = np.full(m, math.inf)
-        """Detection of the present whirl of each mark [rev]; inf without whirl."""
 
-    def update(self, history: History, separation: RunoutSeparation, rate: Array, coherence: Array) -> list[Crossing]:
-        """Check the newest bin; return the crossings of marks whose whirl is now detected.
-
-        Args:
-            history: The last revolutions.
-            separation: Offset and synchronous part.
-            rate: Rate of the asynchronous part [rad/s], shape (m,).
-            coherence: Its coherence, shape (m,).
-        """
-        self.moved, self._rate = [], rate
-        if history.length < 4:
-            self._candidates = [None] * len(self._candidates)
-            self._displaced = [None] * len(self._displaced)
-            return []
-        averaged = self._averaged
-        averaged.update(history, rate, self.active)
-        if self._falling and history.revolutions[history.newest(1).start] > self._criteria.falling_time:
-            self._land(history)
+    def check(self) -> list[Crossing]:
+        """Check the newest bin; return the crossings of marks whose whirl is now detected."""
+        onsets, history = self._onsets, self._history
+        self.moved = []
+        self._displaced = {mark: found for mark, found in self._displaced.items() if onsets.displaced[mark]}
+        if onsets.falling.any() and history.revolutions[history.newest(1).start] > self._criteria.falling_time:
+            self._land()
         whirls: dict[int, _Displacement] = {}
-        marks = zip(averaged.radius.tolist(), averaged.threshold.tolist(), averaged.release.tolist(), strict=True)
-        for mark, (radius, threshold, release) in enumerate(marks):
-            if self.began[mark] is not None or mark in self._falling:
+        for mark, threshold in enumerate(self._averaged.threshold.tolist()):
+            if not math.isnan(onsets.began[mark]) or onsets.falling[mark]:
                 continue
-            whirl = self._confirm(mark, radius, threshold, release, history, separation)
-            if self._displaced[mark] is not None:
-                whirl = self._recheck(mark, threshold, history, whirling=whirl is not None) or whirl
+            whirl = self._confirm(mark)
+            if mark in self._displaced:
+                whirl = self._recheck(mark, threshold, whirling=whirl is not None) or whirl
             if whirl is not None:
                 whirls[mark] = whirl
-        if whirls or self.active.any():  # the string whirls as one: so do the other marks that are displaced
-            displaced = enumerate(self._displaced)
-            whirls |= {mark: whirl for mark, whirl in displaced if whirl is not None and mark not in whirls}
-        return [
-            self._start_whirl(mark, whirl, history, float(rate[mark]), float(coherence[mark]), separation)
-            for mark, whirl in whirls.items()
-        ]
+        if whirls or onsets.active.any():  # the string whirls as one: so do the other marks that are displaced
+            whirls |= {mark: self._displaced[mark] for mark in sorted(self._displaced) if mark not in whirls}
+        crossings = [self._start_whirl(mark, whirl) for mark, whirl in whirls.items()]
+        onsets.displaced[:] = False
+        onsets.displaced[list(self._displaced)] = True
+        return crossings
 
-    def release(self, orbit: Orbit, history: History) -> list[int]:
+    def release(self) -> list[int]:
         """End the whirl of marks whose orbit has become small or constant; return them."""
-        if not self.active.any():
-            return []
-        criteria, threshold = self._criteria, self._averaged.threshold
-        fall = criteria.release_radius / criteria.onset_radius
-        small = (orbit.window_radius < fall * threshold) | (orbit.radius[0] < 0.5 * fall * threshold)
-        constant = self._constant(history)
-        for mark in np.flatnonzero(self.active & constant & ~small).tolist():
-            constant[mark] = not _swept(history, mark, history.bins_in(criteria.sweep_window)).steady
-        marks: list[int] = np.flatnonzero(self.active & (small | constant)).tolist()
+        onsets, history = self._onsets, self._history
+        constant = onsets.constant.copy()
+        for mark in np.flatnonzero(onsets.active & constant & ~onsets.small).tolist():
+            constant[mark] = not _swept(history, mark, history.bins_in(self._criteria.sweep_window)).steady
+        marks: list[int] = np.flatnonzero(onsets.active & (onsets.small | constant)).tolist()
+        onsets.active[marks] = onsets.displaced[marks] = False
+        onsets.began[marks] = onsets.time[marks] = math.nan
+        onsets.detected[marks] = math.inf
         for mark in marks:
-            self.active[mark] = False
-            self.detected[mark] = math.inf
-            self.began[mark] = self._candidates[mark] = self._displaced[mark] = None
-            self._valid_from[mark] = history.count
+            self._displaced.pop(mark, None)
+            self._valid_from[mark] = history.appended
         return marks
-
-    @property
-    def candidates(self) -> Mask:
-        """Marks that may have begun to whirl, shape (m,)."""
-        return np.array([candidate is not None for candidate in self._candidates])
 
     def earliest_candidate(self, exclude: Mask) -> float:
         """Time of the earliest candidate [s], some marks excluded; inf if there is none."""
-        times = [
-            candidate.time
-            for candidate, excluded in zip(self._candidates, exclude.tolist(), strict=True)
-            if candidate is not None and not excluded
-        ]
-        return min(times, default=math.inf)
+        return float(np.fmin.reduce(self._onsets.time[~exclude], initial=math.inf))
 
-    def _land(self, history: History) -> None:
+    def _land(self) -> None:
         """End the fall of the marks in an inclined hole: where they lie now is their steady position."""
-        for mark in self._falling:
-            self._valid_from[mark] = history.count
-        self.moved += self._falling
-        self._falling = set()
+        marks = np.flatnonzero(self._onsets.falling).tolist()
+        for mark in marks:
+            self._valid_from[mark] = self._history.appended
+        self.moved += marks
+        self._onsets.falling[:] = False
 
-    def _confirm(
-        self, mark: int, radius: float, threshold: float, release: float, history: History, separation: RunoutSeparation
-    ) -> _Displacement | None:
+    def _confirm(self, mark: int) -> _Displacement | None:
         """Start, drop or confirm the candidate of a mark; return it once it is confirmed as whirl."""
-        criteria, candidate = self._criteria, self._candidates[mark]
-        newest = history.newest(1).start
-        now = float(history.revolutions[newest])
-        if candidate is None or radius < release:
-            noise = float(self.noise.level[mark])
-            started = _Candidate(history.count, float(history.time[newest]), now, noise)
-            self._candidates[mark] = started if radius > threshold else None
+        criteria, history, onsets, separation = self._criteria, self._history, self._onsets, self._separation
+        if not as_python(update_candidate)(onsets, self._averaged, history, mark):
             return None
-        elapsed = now - candidate.revolutions
+        begun = float(onsets.revolutions[mark])
+        elapsed = float(history.revolutions[history.newest(1).start]) - begun
         if elapsed < criteria.sustain:
             return None
-        since = history.count - candidate.bin + 1
-        early = self._early(candidate)
+        since = history.appended - int(onsets.bin[mark]) + 1
+        early = self._early(begun)
         swept = _swept(history, mark, since, complex(separation.arm[mark]) if early else None)
         position = complex(separation.offset[mark]), complex(separation.synchronous[mark])
         valid_from = self._valid_from[mark]
+        candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
         if self._whirls(swept, mark, history):
-            return _Displacement(candidate, *position, valid_from)
+            return _Displacement(*candidate, *position, valid_from)
         turns = swept.smallest >= criteria.least_swept_angle  # as yet too slowly
         if elapsed > (criteria.longest_sweep_window if turns else criteria.sweep_window):
-            if not early and self._displaced[mark] is None:
-                position = steady_position(history, mark, since, history.count - valid_from) or position
-                self._displaced[mark] = _Displacement(candidate, *position, valid_from)
-            self._valid_from[mark] = history.count
-            self._candidates[mark] = None
+            if not early and mark not in self._displaced:
+                position = steady_position(history, mark, since, history.appended - valid_from) or position
+                self._displaced[mark] = _Displacement(*candidate, *position, valid_from)
+            self._valid_from[mark] = history.appended
+            onsets.time[mark] = math.nan
             self.moved.append(mark)
         return None
 
-    def _recheck(self, mark: int, threshold: float, history: History, *, whirling: bool) -> _Displacement | None:
+    def _recheck(self, mark: int, threshold: float, *, whirling: bool) -> _Displacement | None:
         """Drop the displacement of a mark if it came back; return it if the mark whirls about its former position."""
-        displaced = self._displaced[mark]
-        if displaced is None or (history.count % INTERVAL and not whirling):
+        displaced, history = self._displaced[mark], self._history
+        if history.appended % INTERVAL and not whirling:
             return None
-        bins = history.count - displaced.candidate.bin + 1
+        bins = history.appended - displaced.bin + 1
         newest = history.newest(1).start
         window = history.newest(min(bins, history.length))
         position, phasor = history.sample[window, 0, mark], history.sample[window, 1, mark]
         vector = position - displaced.offset - displaced.synchronous * phasor
         half = history.bins_in(0.5)
         back = abs(complex(vector[-half:].sum())) < half * threshold * float(self._clearance[mark])
-        late = history.revolutions[newest] - displaced.candidate.revolutions > self._criteria.longest_sweep_window
+        late = history.revolutions[newest] - displaced.revolutions > self._criteria.longest_sweep_window
         if back or late or bins > history.length:
-            self._displaced[mark] = None
+            del self._displaced[mark]
             return None
         if whirling:
             return displaced
         swept = SweptAngle(vector, history.angle[window], half)
         return displaced if self._whirls(swept, mark, history) else None
 
-    def _start_whirl(
-        self,
-        mark: int,
-        whirl: _Displacement,
-        history: History,
-        rate: float,
-        coherence: float,
-        separation: RunoutSeparation,
-    ) -> Crossing:
+    def _start_whirl(self, mark: int, whirl: _Displacement) -> Crossing:
         """Mark the begin of a whirl and find the time of its crossing."""
-        averaged, candidate = self._averaged, whirl.candidate
-        noise = float(self.noise.level[mark])
-        if self.noise.converged:
-            noise = min(noise, candidate.noise)  # irregular motion since the crossing is not noise
+        averaged, history, onsets = self._averaged, self._history, self._onsets
+        noise = float(averaged.noise.level[mark])
+        if averaged.noise.converged:
+            noise = min(noise, whirl.noise)  # irregular motion since the crossing is not noise
         detection = Detection(
             mark=mark,
             clearance=float(self._clearance[mark]),
             threshold=self._criteria.onset_radius,
             radius=float(averaged.radius[mark]),
             noise=noise,
-            width=averaged.width_for(noise, averaged.width),
-            coherence=coherence,
+            width=as_python(width_for)(self._criteria, noise, int(averaged.width[0])),
+            coherence=float(self._orbit.coherence[0, mark]),
             offset=whirl.offset,
             synchronous=whirl.synchronous,
-            arm=complex(separation.arm[mark]) if self._early(candidate) else None,
+            arm=complex(self._separation.arm[mark]) if self._early(whirl.revolutions) else None,
         )
-        since = history.count - candidate.bin + 1
-        crossing = asynchronous_crossing(history, detection, rate, since, history.count - whirl.valid_from)
-        self._candidates[mark] = self._displaced[mark] = None
-        self.began[mark] = crossing.time
-        self.active[mark] = True
-        self.detected[mark] = history.revolutions[history.newest(1).start]
+        since, rate = history.appended - whirl.bin + 1, float(self._orbit.rate[0, mark])
+        crossing = asynchronous_crossing(history, detection, rate, since, history.appended - whirl.valid_from)
+        self._displaced.pop(mark, None)
+        onsets.time[mark] = math.nan
+        onsets.began[mark] = crossing.time
+        onsets.active[mark] = True
+        onsets.detected[mark] = history.revolutions[history.newest(1).start]
         return crossing
-
-    def _constant(self, history: History) -> Mask:
-        """Marks whose asynchronous part has swept no angle in `sweep_window`, in the frame of hole or string."""
-        criteria = self._criteria
-        window = history.newest(history.bins_in(criteria.sweep_window))
-        revolutions = history.revolutions[window]
-        if revolutions[-1] - revolutions[0] < criteria.sweep_window - 0.5:
-            return np.zeros(self.active.shape, bool)
-        in_hole = history.unwrapped[window, ASYNCHRONOUS]
-        in_string = in_hole - history.angle[window][:, None]
-        range_ = np.minimum(np.ptp(in_hole, axis=0), np.ptp(in_string, axis=0))
-        constant: Mask = (range_ < criteria.least_swept_angle) & (revolutions[0] > self.detected)
-        return constant
 
     def _whirls(self, swept: SweptAngle, mark: int, history: History) -> bool:
         """Check that the vector of a mark orbits, and does not settle at another place."""
@@ -269,13 +300,13 @@ class OnsetDetector:
             return False
         window = history.newest(history.bins_in(criteria.orbit_window))
         angle, time = history.angle[window], history.time[window]
-        precession = abs(float(self._rate[mark])) * float(time[-1] - time[0])
+        precession = abs(float(self._orbit.rate[0, mark])) * float(time[-1] - time[0])
         slow = precession < criteria.settling_ratio * abs(float(angle[-1] - angle[0]))
         return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.settling_angle
 
-    def _early(self, candidate: _Candidate) -> bool:
-        """True if a candidate crossed before the string's steady position was known."""
-        return candidate.revolutions < self._criteria.separation_memory
+    def _early(self, revolutions: float) -> bool:
+        """True if a mark crossed, after these revolutions, before the string's steady position was known."""
+        return revolutions < self._criteria.separation_memory
 
 
 def _swept(history: History, mark: int, bins: int, arm: complex | None = None) -> SweptAngle:

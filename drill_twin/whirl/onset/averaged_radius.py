@@ -4,52 +4,80 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Mask
+from drill_twin.base.arrays import Array, ComplexArray, Mask
+from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.numpy_loops import absolute, complex_exp, product, quotient
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.history import ASYNCHRONOUS, History
-from drill_twin.whirl.orbit.noise import Noise
-from drill_twin.whirl.sample_bins import BINS
+from drill_twin.whirl.history import ASYNCHRONOUS, History, bins_in, end_of
+from drill_twin.whirl.orbit.noise import Noise, update_noise
+from drill_twin.whirl.row_sums import complex_sum_rows
+from drill_twin.whirl.sample_bins import BINS, TIME
+
+LONGEST = BINS // 2
+"""Most bins averaged."""
 
 
-class AveragedRadius:
+class AveragedRadius(NamedTuple):
     """Radius of each mark over the clearance, averaged over at most half a revolution."""
 
-    def __init__(self, clearance: Array, criteria: Criteria) -> None:
+    radius: Array  # (m,) over the clearance
+    threshold: Array  # (m,) of the radius
+    release: Array  # (m,) radius below which a candidate is dropped
+    noise: Noise
+    width: Integers  # (1,) bins averaged
+    clearance: Array  # (m,) [m]
+    demodulated: ComplexArray  # (LONGEST, m) work
+    work: ComplexArray  # (2, m)
+
+    @classmethod
+    def of(cls, clearance: Array, criteria: Criteria) -> AveragedRadius:
+        """Radii before the first bin."""
         m = clearance.size
-        self._criteria = criteria
-        self._clearance = clearance
-        self.noise = Noise(m)
-        self.width = 1
-        """Bins averaged."""
-        self.radius = np.zeros(m)
-        """Radius over the clearance, shape (m,)."""
-        self.threshold = np.full(m, criteria.onset_radius)
-        """Threshold of the radius over the clearance, shape (m,)."""
-        self.release = self.threshold
-        """Radius over the clearance below which a candidate is dropped, shape (m,)."""
+        threshold = np.full(m, criteria.onset_radius)
+        return cls(
+            np.zeros(m), threshold, threshold.copy(), Noise.of(m), np.ones(1, np.int64), clearance,
+            np.zeros((LONGEST, m), complex), np.zeros((2, m), complex),
+        )  # fmt: skip
 
-    def update(self, history: History, rate: Array, whirling: Mask) -> None:
-        """Average with the newest bin; `rate` of the asynchronous part [rad/s], shape (m,)."""
-        longest = min(BINS // 2, max(1, history.bins_in(0.5)))
-        window = history.newest(max(4, longest))
-        time = history.time[window]
-        demodulated = history.vector[window, ASYNCHRONOUS] * np.exp((-1j * rate) * (time - time[-1])[:, None])
-        demodulated /= self._clearance
-        self.noise.update(demodulated[-4:], whirling)
-        level = self.noise.level
-        self.width = self.width_for(float(level.max()), longest)
-        remaining = level / math.sqrt(self.width)
-        self.radius = np.abs(demodulated[-self.width :].sum(axis=0)) / self.width
-        self.threshold = np.maximum(self._criteria.onset_radius, self._criteria.false_alarm_factor * remaining)
-        self.release = self.threshold - remaining
 
-    def width_for(self, noise: float, longest: int) -> int:
-        """Fewest bins, a power of 2 up to `longest`, that reduce the noise of a bin below the onset's threshold."""
-        factor, radius = self._criteria.false_alarm_factor, self._criteria.onset_radius
-        width = 1
-        while width * 2 <= longest and noise * factor > radius * math.sqrt(width):
-            width *= 2
-        return width
+@exact_kernel
+def average_radius(averaged: AveragedRadius, history: History, criteria: Criteria, rate: Array, whirling: Mask) -> None:
+    """Average with the newest bin; `rate` of the asynchronous part [rad/s], shape (m,)."""
+    m, end = whirling.size, end_of(history)
+    longest = min(LONGEST, max(1, bins_in(history, 0.5)))
+    bins = max(4, longest)
+    divisor, factor = averaged.work[0], averaged.work[1]
+    divisor[:] = averaged.clearance
+    for i in range(bins):
+        at = end - bins + i
+        since = history.clock[at, TIME] - history.clock[end - 1, TIME]
+        row = averaged.demodulated[i]
+        for k in range(m):
+            factor[k] = complex(0.0, -rate[k] * since)
+        complex_exp(factor, factor)
+        product(history.complex_part[at, ASYNCHRONOUS], factor, row)
+        quotient(row, divisor, row)
+    update_noise(averaged.noise, averaged.demodulated[bins - 4 : bins], whirling)
+    level = averaged.noise.level
+    width = averaged.width[0] = width_for(criteria, level.max(), longest)
+    complex_sum_rows(averaged.demodulated[bins - width : bins], factor)
+    absolute(factor, averaged.radius)
+    for k in range(m):
+        remaining = level[k] / math.sqrt(width)
+        averaged.radius[k] /= width
+        averaged.threshold[k] = np.maximum(criteria.onset_radius, criteria.false_alarm_factor * remaining)
+        averaged.release[k] = averaged.threshold[k] - remaining
+
+
+@exact_kernel
+def width_for(criteria: Criteria, noise: float, longest: int) -> int:
+    """Fewest bins, a power of 2 up to `longest`, that reduce the noise of a bin below the onset's threshold."""
+    factor, radius = criteria.false_alarm_factor, criteria.onset_radius
+    width = 1
+    while width * 2 <= longest and noise * factor > radius * math.sqrt(width):
+        width *= 2
+    return width

@@ -10,14 +10,20 @@ time at which the radius of the motion about the offset crossed the larger of th
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from drill_twin.base.arrays import Array, Mask
+from drill_twin.base.exact_jit import exact_kernel
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.history import History
+from drill_twin.whirl.history import LENGTH, History, end_of
 from drill_twin.whirl.onset.threshold_crossing import Crossing, Detection, synchronous_crossing
-from drill_twin.whirl.orbit.orbit import Orbit
+from drill_twin.whirl.orbit.orbit import ROTATION, Orbit
+from drill_twin.whirl.sample_bins import REVOLUTIONS
+
+if TYPE_CHECKING:
+    from drill_twin.whirl.analyzer_state import AnalyzerState
 
 RELEASE = 0.8
 """Synchronous whirl ends below this fraction of its thresholds."""
@@ -25,49 +31,57 @@ WIDTH = 4
 """Bins averaged to find the crossing."""
 
 
-class SynchronousOnsetDetector:
-    """Detector of synchronous whirl of each mark."""
+class SynchronousOnsets(NamedTuple):
+    """What is known of the synchronous whirl of m marks."""
 
-    def __init__(self, clearance: Array, criteria: Criteria) -> None:
-        m = clearance.size
-        self._criteria = criteria
-        self._clearance = clearance
-        self._smallest = np.full(m, math.inf)
-        self.active: Mask = np.zeros(m, bool)
-        """Marks in synchronous whirl now."""
-        self.began: list[float | None] = [None] * m
-        """Start of the present synchronous whirl of each mark, since the first sample [s]."""
+    active: Mask  # (m,) in synchronous whirl now
+    began: Array  # (m,) its start, since the first sample [s]; nan without
+    smallest: Array  # (m,) smallest radius so far, over the clearance
+    threshold: Array  # (m,) of the radius over the clearance
 
-    def update(self, history: History, orbit: Orbit, noise: Array) -> list[Crossing]:
-        """Check the newest orbit; `noise` of a bin per axis over the clearance. Return the new onsets."""
-        criteria = self._criteria
-        revolutions = history.revolutions
-        elapsed = revolutions[history.newest(1).start] - revolutions[history.newest(history.length).start]
-        if elapsed < criteria.orbit_window - 0.2 or abs(orbit.rotation) < criteria.rest_rotation:
-            self.active[:] = False
-            self.began = [None] * len(self.began)
-            return []
-        radius, share = orbit.synchronous, orbit.synchronous_share
-        threshold = np.maximum(criteria.synchronous_radius, criteria.synchronous_growth * self._smallest)
-        grown = (radius > threshold) & (share > criteria.synchronous_share)
-        held = self.active & (radius > RELEASE * threshold) & (share > RELEASE * criteria.synchronous_share)
-        self.active = grown | held
-        self._smallest = np.minimum(self._smallest, radius)
-        found = []
-        for mark, active in enumerate(self.active.tolist()):
-            if not active:
-                self.began[mark] = None
-            elif self.began[mark] is None:
-                detection = Detection(
-                    mark=mark,
-                    clearance=float(self._clearance[mark]),
-                    threshold=float(threshold[mark]),
-                    radius=float(radius[mark]),
-                    noise=float(noise[mark]),
-                    width=WIDTH,
-                    coherence=float(share[mark]),
-                )
-                crossing = synchronous_crossing(history, detection)
-                self.began[mark] = crossing.time
-                found.append(crossing)
+    @classmethod
+    def of(cls, m: int) -> SynchronousOnsets:
+        """Before the first bin."""
+        return cls(np.zeros(m, bool), np.full(m, math.nan), np.full(m, math.inf), np.zeros(m))
+
+    def check(self, state: AnalyzerState) -> list[Crossing]:
+        """Crossings of the marks that began to whirl with the newest orbit."""
+        orbit, found = state.orbit, []
+        for mark in np.flatnonzero(self.active & np.isnan(self.began)).tolist():
+            detection = Detection(
+                mark=mark,
+                clearance=float(state.marks.clearance[mark]),
+                threshold=float(self.threshold[mark]),
+                radius=float(orbit.synchronous[mark]),
+                noise=float(state.averaged.noise.level[mark]),
+                width=WIDTH,
+                coherence=float(orbit.synchronous_share[mark]),
+            )
+            crossing = synchronous_crossing(state.history, detection)
+            self.began[mark] = crossing.time
+            found.append(crossing)
         return found
+
+
+@exact_kernel
+def watch_synchronous(onsets: SynchronousOnsets, history: History, orbit: Orbit, criteria: Criteria) -> bool:
+    """Check the newest orbit; return whether a mark began to whirl."""
+    end = end_of(history)
+    elapsed = history.clock[end - 1, REVOLUTIONS] - history.clock[end - history.counts[LENGTH], REVOLUTIONS]
+    if elapsed < criteria.orbit_window - 0.2 or abs(orbit.numbers[ROTATION]) < criteria.rest_rotation:
+        onsets.active[:] = False
+        onsets.began[:] = math.nan
+        return False
+    found = False
+    for k in range(onsets.active.size):
+        radius, share = orbit.synchronous[k], orbit.synchronous_share[k]
+        threshold = np.maximum(criteria.synchronous_radius, criteria.synchronous_growth * onsets.smallest[k])
+        grown = radius > threshold and share > criteria.synchronous_share
+        held = radius > RELEASE * threshold and share > RELEASE * criteria.synchronous_share
+        onsets.active[k] = grown or (onsets.active[k] and held)
+        onsets.smallest[k] = np.minimum(onsets.smallest[k], radius)
+        onsets.threshold[k] = threshold
+        if not onsets.active[k]:
+            onsets.began[k] = math.nan
+        found = found or (onsets.active[k] and math.isnan(onsets.began[k]))
+    return found

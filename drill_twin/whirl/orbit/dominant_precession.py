@@ -8,9 +8,14 @@ between forward whirl and backward rolling gets the ratio of the stronger one, n
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.base.arrays import Array, Mask
+from drill_twin.base.exact_jit import exact_kernel
+from drill_twin.whirl.orbit.orbit import Orbit
 
 WIDTH = 0.02
 """Width of a cell, in precession over rotation."""
@@ -21,36 +26,40 @@ PEAK_CELLS = 3
 """Cells on each side of the peak that belong to it."""
 
 
-class DominantPrecession:
+class DominantPrecession(NamedTuple):
     """Histogram of the power of each mark's motion over its precession ratio."""
 
-    def __init__(self, marks: int) -> None:
-        self._sums = np.zeros((3, marks, CELLS))  # weight, weight x ratio, weight x precession
-        self._marks = np.arange(marks)
+    sums: Array  # (3, m, CELLS) of weight, weight x ratio, weight x precession
 
-    def add(self, ratio: Array, precession: Array, radius: Array, seconds: float) -> None:
-        """Add a bin: ratio, precession [rev/s], radius over the clearance, shape (m,); nan ratios add nothing."""
-        weight = radius * radius * seconds
-        known = np.isfinite(ratio) & (weight > 0.0)
-        if not known.any():
-            return
-        weight = np.where(known, weight, 0.0)
-        finite_ratio = np.where(known, ratio, 0.0)
-        cell = np.clip(((finite_ratio + LARGEST_RATIO) / WIDTH).astype(np.intp), 0, CELLS - 1)
-        self._sums[0, self._marks, cell] += weight
-        self._sums[1, self._marks, cell] += weight * finite_ratio
-        self._sums[2, self._marks, cell] += weight * np.where(known, precession, 0.0)
+    @classmethod
+    def of(cls, m: int) -> DominantPrecession:
+        """Empty histogram of m marks."""
+        return cls(np.zeros((3, m, CELLS)))
 
     def peak(self) -> tuple[int, float, float] | None:
         """Mark with the largest power, its dominant ratio and precession [rev/s]; None if nothing was added."""
-        total = self._sums[0].sum(axis=1)
+        total = self.sums[0].sum(axis=1)
         mark = int(np.argmax(total))
         if total[mark] <= 0.0:
             return None
-        weight = self._sums[0, mark]
+        weight = self.sums[0, mark]
         smooth = np.convolve(weight, np.ones(2 * PEAK_CELLS + 1), mode="same")
         centre = int(np.argmax(smooth))
         around = slice(max(0, centre - PEAK_CELLS), centre + PEAK_CELLS + 1)
         power = float(weight[around].sum())
-        ratio = float(self._sums[1, mark, around].sum()) / power
-        return mark, ratio, float(self._sums[2, mark, around].sum()) / power
+        ratio = float(self.sums[1, mark, around].sum()) / power
+        return mark, ratio, float(self.sums[2, mark, around].sum()) / power
+
+
+@exact_kernel
+def add_power(dominant: DominantPrecession, orbit: Orbit, whirling: Mask, seconds: float) -> None:
+    """Add the orbits of a bin of a length [s]; nan ratios add nothing."""
+    sums = dominant.sums
+    for k in range(whirling.size):
+        radius, ratio = orbit.radius[0 if whirling[k] else 1, k], orbit.ratio[k]
+        weight = radius * radius * seconds
+        if math.isfinite(ratio) and weight > 0.0:
+            cell = min(max(int((ratio + LARGEST_RATIO) / WIDTH), 0), CELLS - 1)
+            sums[0, k, cell] += weight
+            sums[1, k, cell] += weight * ratio
+            sums[2, k, cell] += weight * orbit.precession[k]

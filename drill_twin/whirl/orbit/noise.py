@@ -7,9 +7,12 @@ white noise 20 times in power (binomial weights 1, -3, 3, -1).
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from drill_twin.base.arrays import ComplexArray, Mask
+from drill_twin.base.arrays import Array, ComplexArray, Mask
+from drill_twin.base.exact_jit import Integers, exact_kernel
 
 GAIN = 20.0
 """Power gain of a third difference on white noise."""
@@ -19,29 +22,39 @@ OUTLIER = 16.0
 """Largest power of a single difference, over the present estimate."""
 
 
-class Noise:
-    """Noise of a bin per axis, over the clearance, shape (m,)."""
+class Noise(NamedTuple):
+    """Noise of a bin per axis over the clearance, of m marks."""
 
-    def __init__(self, marks: int) -> None:
-        self._power = np.zeros(marks)
-        self._count = 0
-        self.level = np.zeros(marks)
-        """Standard deviation per axis over the clearance."""
+    level: Array  # (m,) standard deviation
+    power: Array  # (m,)
+    bins: Integers  # (1,)
+
+    @classmethod
+    def of(cls, m: int) -> Noise:
+        """Noise before the first bin."""
+        return cls(np.zeros(m), np.zeros(m), np.zeros(1, np.int64))
 
     @property
     def converged(self) -> bool:
         """True after enough bins."""
-        return self._count >= MEMORY // 4
+        return bool(self.bins[0] >= MEMORY // 4)
 
-    def update(self, vector: ComplexArray, whirling: Mask) -> None:
-        """Add the newest four bins over the clearance, demodulated with the precession, shape (4, m).
 
-        Marks that whirl keep their estimate, since irregular motion is not noise.
-        """
-        difference = vector[3] - 3.0 * vector[2] + 3.0 * vector[1] - vector[0]
-        power = (difference.real**2 + difference.imag**2) / (2.0 * GAIN)
-        if self.converged:
-            power = np.minimum(power, OUTLIER * self._power + 1e-300)
-        self._count = min(self._count + 1, MEMORY)
-        self._power += np.where(whirling, 0.0, (power - self._power) / self._count)
-        self.level = np.sqrt(self._power)
+@exact_kernel
+def update_noise(noise: Noise, vector: ComplexArray, whirling: Mask) -> None:
+    """Add the newest four bins over the clearance, demodulated with the precession, shape (4, m).
+
+    Marks that whirl keep their estimate, since irregular motion is not noise.
+    """
+    converged = noise.bins[0] >= MEMORY // 4
+    noise.bins[0] = min(noise.bins[0] + 1, MEMORY)
+    for k in range(whirling.size):
+        first, second, third, last = vector[0, k], vector[1, k], vector[2, k], vector[3, k]
+        across = last.real - 3.0 * third.real + 3.0 * second.real - first.real
+        up = last.imag - 3.0 * third.imag + 3.0 * second.imag - first.imag
+        power = (across * across + up * up) / (2.0 * GAIN)
+        if converged:
+            power = np.minimum(power, OUTLIER * noise.power[k] + 1e-300)
+        if not whirling[k]:
+            noise.power[k] += (power - noise.power[k]) / noise.bins[0]
+        noise.level[k] = np.sqrt(noise.power[k])

@@ -16,139 +16,229 @@ The fit is exact for irregular bins and for a rotation that has hardly begun. An
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray, Mask
+from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.numpy_loops import absolute, exp, product, quotient
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.marks import MarkInfo
 from drill_twin.whirl.orbit.orbit_refit import OrbitRefit
-from drill_twin.whirl.sample_bins import Bin
+from drill_twin.whirl.sample_bins import REVOLUTIONS, TIME, Bin
 
 SLOWEST = 0.2
 """The memory fades at least as fast as at this rotation [rev/s]."""
 SMALLEST_DETERMINANT = 1e-3
 """Smallest relative determinant of the fit, 1/30 of a revolution; below, the synchronous part is the arm alone."""
-CALIBRATED = 0.3
+CALIBRATED_FROM = 0.3
 """Smallest relative determinant for a fit of the direction of a wall mark: 2/3 of a revolution."""
 DIRECTION_MEMORY = 20.0
 """Memory of the direction of a wall mark [rev]."""
 DIRECTION_GATE = 0.25
 """The direction is held while the length of the synchronous part differs from r_o by more than this fraction."""
 
+NOT_KNOWN = -1
+SPIN_GIVEN, KNOWN, CALIBRATED, DIRECTED = range(4)
+"""Indices into flags: the samples contain the spin of the marks, `NOT_KNOWN` before the first one; the arms are
+known; they are calibrated; there are wall marks."""
 
-class RunoutSeparation:
-    """Offset and synchronous part of each mark, fitted bin by bin."""
 
-    def __init__(self, marks: Sequence[MarkInfo], criteria: Criteria) -> None:
-        m = len(marks)
-        self._memory = np.full(m, criteria.separation_memory)
-        self._criteria = criteria
-        self._radius = np.array([mark.wall_offset if mark.on == "wall" else 0.0 for mark in marks])
-        self.spin_given: bool | None = None
-        """True if the samples contain the spin of the marks; None before the first sample."""
-        self.arm: ComplexArray = np.zeros(m, complex)
-        """Vector from the centre line to the marked point, in the rotating frame [m], shape (m,)."""
-        self.known = self._calibrated = False
-        """True once `arm` is known."""
-        self._sums = np.zeros((5, m), complex)  # of 1, |e|^2, e, z, z conj(e)
-        self._row = np.zeros((5, m), complex)
-        self._parts = np.zeros((3, m), complex)
-        self._held: Mask = np.zeros(m, bool)
-        self._determinant = np.zeros(m)
-        self.offset: ComplexArray = np.zeros(m, complex)
-        """Offset c [m], shape (m,)."""
-        self.synchronous: ComplexArray = np.zeros(m, complex)
-        """Synchronous part of the marked point, the arm of a wall mark included [m], shape (m,)."""
-        self._revolutions = self._time = 0.0
+class RunoutSeparation(NamedTuple):
+    """Offset and synchronous part of m marks, fitted bin by bin."""
 
-    def start(self, *, spin_given: bool) -> None:
-        """Set, with the first sample, whether the samples contain the spin."""
-        self.spin_given = spin_given
-        self.known = self._calibrated = spin_given or not self._radius.any()
-        if spin_given:
-            self.arm = self._radius.astype(complex)
+    offset: ComplexArray  # (m,) offset c [m]
+    synchronous: ComplexArray  # (m,) synchronous part of the marked point, the arm of a wall mark included [m]
+    arm: ComplexArray  # (m,) from the centre line to the marked point, in the rotating frame [m]
+    vector: ComplexArray  # (3, m) asynchronous, moving and synchronous part of the newest bin [m]
+    distance: Array  # (m,) of the centre line from the hole's axis [m]
+    sums: ComplexArray  # (5, m) of 1, |e|^2, e, z, z conj(e)
+    memory: Array  # (m,) [rev]
+    held: Mask  # (m,)
+    determinant: Array  # (m,)
+    radius: Array  # (m,) of wall marks r_o, else 0 [m]
+    last: Array  # (2,) time [s] and revolutions of the last bin
+    flags: Integers
+    work: ComplexArray  # (9, m)
+    numbers: Array  # (m,) work
 
-    def hold(self, candidates: Mask, whirling: Mask) -> None:
-        """Hold the fit of marks that may have begun to whirl, slow the fading of those that do; shape (m,)."""
-        self._held = candidates & (self._determinant > CALIBRATED) & ~whirling
-        memory, in_whirl = self._criteria.separation_memory, self._criteria.separation_memory_in_whirl
-        self._memory = np.where(whirling, in_whirl, memory)
+    @classmethod
+    def of(cls, radius: Array, criteria: Criteria) -> RunoutSeparation:
+        """Separation before the first bin."""
+        m = radius.size
+        flags = np.array([NOT_KNOWN, 0, 0, radius.any()], np.int64)
+        offset, synchronous, arm = np.zeros((3, m), complex)
+        return cls(
+            offset, synchronous, arm, np.zeros((3, m), complex), np.zeros(m), np.zeros((5, m), complex),
+            np.full(m, criteria.separation_memory), np.zeros(m, bool), np.zeros(m), radius, np.zeros(2), flags,
+            np.zeros((9, m), complex), np.zeros(m),
+        )  # fmt: skip
 
     def correct(self, mark: int, refit: OrbitRefit) -> None:
         """Replace the offset and the synchronous part of a mark by those of a refit."""
         bins = refit.orbit.size
-        self._sums[:, mark] = (bins, bins, 0.0, bins * refit.offset, bins * refit.synchronous)
+        self.sums[:, mark] = (bins, bins, 0.0, bins * refit.offset, bins * refit.synchronous)
 
     def restart(self, mark: int, sample: ComplexArray) -> None:
         """Fit a mark from these bins of position [m] and phasor alone, shape (n, 2): its offset or bow has changed."""
         position, phasor = sample[:, 0], sample[:, 1]
         back = phasor.conj()
         rows = (phasor != 0.0, phasor * back, phasor, position, position * back)  # phasor 0: no sample
-        self._sums[:, mark] = [complex(row.sum()) for row in rows]
+        self.sums[:, mark] = [complex(row.sum()) for row in rows]
 
-    def separate(self, full: Bin, out: ComplexArray) -> Array:
-        """Write the asynchronous, the moving and the synchronous part [m] of a bin to `out`, shape (3, m).
 
-        A mark without a valid sample keeps its last vectors. Returns the centre line's distance from the hole's axis
-        [m], shape (m,).
-        """
-        elapsed = max(full.revolutions - self._revolutions, SLOWEST * (full.time - self._time))
-        self._revolutions, self._time = full.revolutions, full.time
-        offset, synchronous = self._fit(full, np.exp(-elapsed / self._memory))
-        if not self.spin_given and self._radius.any():
-            self._update_direction(synchronous, elapsed)
-        self.offset, self.synchronous = offset, synchronous
-        moving = full.position - offset - self.arm * full.phasor
-        parts = self._parts
-        parts[0] = full.position - offset - synchronous * full.phasor
-        parts[1] = moving
-        parts[2] = moving * full.phasor.conj()
-        np.copyto(out, parts, where=full.valid)
-        return np.abs(full.position - self.arm * full.phasor)
+@exact_kernel
+def start(separation: RunoutSeparation, spin_given: bool) -> None:
+    """Set, with the first sample, whether the samples contain the spin."""
+    flags = separation.flags
+    flags[SPIN_GIVEN] = spin_given
+    flags[KNOWN] = flags[CALIBRATED] = spin_given or not flags[DIRECTED]
+    if spin_given:
+        separation.arm[:] = separation.radius
 
-    def _fit(self, full: Bin, fade: Array) -> tuple[ComplexArray, ComplexArray]:
-        """Offset and synchronous part of the marked point [m], shape (m,)."""
-        row, back = self._row, full.phasor.conj()
-        row[0] = full.valid
-        row[1] = full.phasor * back
-        row[2] = full.phasor
-        row[3] = full.position
-        row[4] = full.position * back
-        if self._held.any():
-            fade = np.where(self._held, 1.0, fade)
-            row *= ~self._held
-        self._sums *= fade
-        self._sums += row
-        weight, power, cross, position, rotated = self._sums
-        count = weight.real + 1e-300
-        scale = np.maximum(count * power.real, 1e-300)
-        determinant = scale - (cross.real**2 + cross.imag**2)
-        relative = determinant / scale
-        regular = relative > SMALLEST_DETERMINANT
-        divisor = np.where(regular, determinant, 1.0)
-        offset = (power * position - cross * rotated) / divisor
-        synchronous = (weight * rotated - cross.conj() * position) / divisor
-        if not regular.all():
-            offset = np.where(regular, offset, (position - self.arm * cross) / count)
-            synchronous = np.where(regular, synchronous, self.arm)
-        self._determinant = relative
-        return offset, synchronous
 
-    def _update_direction(self, synchronous: ComplexArray, elapsed: float) -> None:
-        """Rotate the arms of wall marks towards their synchronous part, for samples without spin."""
-        if not self._calibrated:
-            # Before 2/3 of a revolution, the string is assumed to be near the axis.
-            self._calibrated = bool(self._determinant.min() > CALIBRATED)
-            source = synchronous if self._calibrated else self._sums[4]
-            length = np.abs(source)
-            self.arm = np.where(length > 0.0, self._radius * source / np.where(length > 0.0, length, 1.0), 0.0)
-            self.known = True
-            return
-        length = np.abs(synchronous)
-        trusted = np.abs(length - self._radius) < DIRECTION_GATE * self._radius
-        gain = min(1.0, elapsed / DIRECTION_MEMORY)
-        arm = self.arm + gain * (self._radius * synchronous / np.maximum(length, 1e-300) - self.arm)
-        arm *= self._radius / np.maximum(np.abs(arm), 1e-300)
-        np.copyto(self.arm, arm, where=trusted)
+@exact_kernel
+def hold(separation: RunoutSeparation, criteria: Criteria, candidates: Array, whirling: Mask) -> None:
+    """Hold the fit of marks that may have begun to whirl, slow the fading of those that do.
+
+    Args:
+        separation: The separation.
+        criteria: Thresholds.
+        candidates: Time at which each mark may have begun [s], nan for none, shape (m,).
+        whirling: Marks that whirl, shape (m,).
+    """
+    for k in range(whirling.size):
+        may = not math.isnan(candidates[k])
+        separation.held[k] = may and separation.determinant[k] > CALIBRATED_FROM and not whirling[k]
+        separation.memory[k] = criteria.separation_memory_in_whirl if whirling[k] else criteria.separation_memory
+
+
+@exact_kernel
+def separate(separation: RunoutSeparation, full: Bin) -> None:
+    """Separate the parts of a bin: `vector` and `distance`; a mark without a valid sample keeps its last vectors."""
+    last, work = separation.last, separation.work
+    time, revolutions = full.numbers[TIME], full.numbers[REVOLUTIONS]
+    elapsed = max(revolutions - last[1], SLOWEST * (time - last[0]))
+    last[0], last[1] = time, revolutions
+    fade = separation.numbers
+    for k in range(fade.size):
+        fade[k] = -elapsed / separation.memory[k]
+    exp(fade, fade)
+    _fit(separation, full, fade)
+    if not separation.flags[SPIN_GIVEN] and separation.flags[DIRECTED]:
+        _update_direction(separation, elapsed)
+    arm, bow, back, turned = work[0], work[1], work[2], work[3]
+    product(separation.arm, full.phasor, arm)
+    product(separation.synchronous, full.phasor, bow)
+    for k in range(fade.size):
+        back[k] = full.phasor[k].conjugate()
+        bow[k] = full.position[k] - separation.offset[k] - bow[k]
+        turned[k] = full.position[k] - separation.offset[k] - arm[k]
+        arm[k] = full.position[k] - arm[k]
+    absolute(arm, separation.distance)
+    product(turned, back, back)
+    for k in range(fade.size):
+        if full.valid[k]:
+            separation.vector[0, k], separation.vector[1, k], separation.vector[2, k] = bow[k], turned[k], back[k]
+
+
+@exact_kernel
+def _fit(separation: RunoutSeparation, full: Bin, fade: Array) -> None:
+    """Fit offset and synchronous part of the marked point, shape (m,)."""
+    sums, held, work = separation.sums, separation.held, separation.work
+    row, back, factor = work[:5], work[5], work[6]
+    row[2] = full.phasor
+    row[3] = full.position
+    for k in range(fade.size):
+        row[0, k] = 1.0 if full.valid[k] else 0.0
+        back[k] = full.phasor[k].conjugate()
+    product(full.phasor, back, row[1])
+    product(full.position, back, row[4])
+    if held.any():
+        for k in range(fade.size):
+            if held[k]:
+                fade[k] = 1.0
+            factor[k] = 0.0 if held[k] else 1.0
+        for i in range(5):
+            product(row[i], factor, row[i])
+    factor[:] = fade
+    for i in range(5):
+        product(sums[i], factor, sums[i])
+        for k in range(fade.size):
+            sums[i, k] += row[i, k]
+    weight, power, cross, position, rotated = sums[0], sums[1], sums[2], sums[3], sums[4]
+    divisor, one, two, other = work[0], work[1], work[2], work[3]
+    regular = True
+    for k in range(fade.size):
+        count = weight[k].real + 1e-300
+        scale = np.maximum(count * power[k].real, 1e-300)
+        determinant = scale - (cross[k].real * cross[k].real + cross[k].imag * cross[k].imag)
+        separation.determinant[k] = determinant / scale
+        fits = separation.determinant[k] > SMALLEST_DETERMINANT
+        regular = regular and fits
+        divisor[k] = determinant if fits else 1.0
+        back[k] = cross[k].conjugate()
+    product(power, position, one)
+    product(cross, rotated, two)
+    product(weight, rotated, other)
+    product(back, position, back)
+    for k in range(fade.size):
+        one[k] -= two[k]
+        other[k] -= back[k]
+    offset, synchronous = separation.offset, separation.synchronous
+    quotient(one, divisor, offset)
+    quotient(other, divisor, synchronous)
+    if regular:
+        return
+    product(separation.arm, cross, two)
+    for k in range(fade.size):
+        one[k] = position[k] - two[k]
+        divisor[k] = weight[k].real + 1e-300
+    quotient(one, divisor, one)
+    for k in range(fade.size):
+        if not separation.determinant[k] > SMALLEST_DETERMINANT:
+            offset[k], synchronous[k] = one[k], separation.arm[k]
+
+
+@exact_kernel
+def _update_direction(separation: RunoutSeparation, elapsed: float) -> None:
+    """Rotate the arms of wall marks towards their synchronous part, for samples without spin."""
+    arm, radius, flags, work = separation.arm, separation.radius, separation.flags, separation.work
+    length, long, whole, new = separation.numbers, work[0], work[1], work[2]
+    whole[:] = radius
+    if not flags[CALIBRATED]:
+        # Before 2/3 of a revolution, the string is assumed to be near the axis.
+        flags[CALIBRATED] = separation.determinant.min() > CALIBRATED_FROM
+        source = separation.synchronous if flags[CALIBRATED] else separation.sums[4]
+        absolute(source, length)
+        for k in range(length.size):
+            long[k] = length[k] if length[k] > 0.0 else 1.0
+        product(whole, source, new)
+        quotient(new, long, new)
+        for k in range(length.size):
+            arm[k] = new[k] if length[k] > 0.0 else 0.0
+        flags[KNOWN] = True
+        return
+    absolute(separation.synchronous, length)
+    gain = min(1.0, elapsed / DIRECTION_MEMORY)
+    for k in range(length.size):
+        long[k] = np.maximum(length[k], 1e-300)
+    product(whole, separation.synchronous, new)
+    quotient(new, long, new)
+    long[:] = gain
+    for k in range(length.size):
+        new[k] -= arm[k]
+    product(long, new, new)
+    for k in range(length.size):
+        new[k] += arm[k]
+    trusted = work[3]
+    for k in range(length.size):
+        trusted[k] = 1.0 if abs(length[k] - radius[k]) < DIRECTION_GATE * radius[k] else 0.0
+    absolute(new, length)
+    for k in range(length.size):
+        long[k] = radius[k] / np.maximum(length[k], 1e-300)
+    product(new, long, new)
+    for k in range(length.size):
+        if trusted[k].real > 0.0:
+            arm[k] = new[k]

@@ -1,0 +1,306 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Analysis of a block of samples in compiled code.
+
+A sample goes into the present bin; a full bin goes through separation, history, onset, orbit and motion state. What is
+rare and needs texts or fits (a crossing, the onset, a changed state) is decided in Python: `analyse` then returns, and
+goes on where it stopped when it is called again. The steps are compiled one by one and called by address
+(`drill_twin.solver.native_call`), as the state of all of them has two hundred arrays.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any, NamedTuple
+
+from drill_twin.base.arrays import Array, Mask
+from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.numpy_loops import absolute, cos, product, sin
+from drill_twin.solver.kernel_cache import load_generated
+from drill_twin.solver.native_call import Bound, Call, bind, call
+from drill_twin.whirl.analyzer_state import (
+    ACCEPTED,
+    COUNT,
+    GAPS,
+    HAS_FORCE,
+    HAS_SPIN,
+    INCOMPLETE,
+    MISSING,
+    NEXT,
+    AnalyzerState,
+    Block,
+    Samples,
+)
+from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.history import APPENDED, LENGTH, History, append
+from drill_twin.whirl.motion.classifier import MotionClassifier, classify
+from drill_twin.whirl.motion.stick_slip import BitSpeed, add_bit_speed
+from drill_twin.whirl.onset.asynchronous_onset import Onsets, drop_candidates, ends, watch
+from drill_twin.whirl.onset.averaged_radius import AveragedRadius, average_radius
+from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsets, watch_synchronous
+from drill_twin.whirl.orbit.orbit import Orbit, find_precession, fit_orbit
+from drill_twin.whirl.orbit.runout_separation import (
+    KNOWN,
+    NOT_KNOWN,
+    SPIN_GIVEN,
+    RunoutSeparation,
+    hold,
+    separate,
+    start,
+)
+from drill_twin.whirl.orbit.string_shape import StringShape, find_shape
+from drill_twin.whirl.rotation import ANGLE, FIRST, LAST, REVOLUTIONS, Clock, accept, is_new, rotate
+from drill_twin.whirl.run_statistics import ESTIMATED, RunStatistics, add_bin
+from drill_twin.whirl.sample_bins import BINS, FORCES, TIME, Bin, SampleBins, add, close, is_full
+from drill_twin.whirl.sample_bins import REVOLUTIONS as BIN_REVOLUTIONS
+
+INTERVAL_REV = 4.0 / BINS
+"""Interval of the estimates of orbit and motion state [rev]; the onset is checked with every bin."""
+INTERVAL_S = 0.5
+"""Longest interval of these estimates [s]."""
+FEWEST = 4
+"""Fewest bins for the onset."""
+
+STEP, BIT_OUTCOME, UNDECIDED, NEW = range(4)
+"""Indices into `AnalyzerState.flow`: the step to go on with; outcome of `add_bit_speed` to be decided; 1 while a
+crossing waits for the onset to be decided; 1 where there are estimates that the findings do not have."""
+SAMPLE, BIN, ONSET, ORBIT, STATE, STATISTICS, ADD = range(7)
+"""Steps."""
+SKIPPED, TAKEN, BIN_FULL = range(3)
+"""Outcome of `take_sample`."""
+NOT_DUE, ESTIMATE, DECIDE_FIRST = range(3)
+"""Outcome of `estimate_orbit`."""
+DONE, CHECK, DECIDE, CROSSED, DESCRIBE = range(5)
+"""Outcome: all samples are analysed; or what Python must decide, below 0 the outcome of `add_bit_speed`."""
+
+
+class Steps(NamedTuple):
+    """Steps of one analysis, and what their order depends on."""
+
+    take: Call
+    add: Call
+    close: Call
+    orbit: Call
+    state: Call
+    statistics: Call
+    counts: Integers  # of the block
+    flow: Integers
+
+
+@exact_kernel
+def analyse(steps: Steps) -> int:
+    """Analyse the samples of the block, until they are done or there is something to decide."""
+    flow, counts = steps.flow, steps.counts
+    while True:
+        step = flow[STEP]
+        if step == SAMPLE:
+            if flow[BIT_OUTCOME]:
+                outcome = -flow[BIT_OUTCOME]
+                flow[BIT_OUTCOME] = 0
+                return outcome  # type: ignore[no-any-return]
+            if counts[NEXT] >= counts[COUNT]:
+                return DONE
+            taken = call(steps.take)
+            if taken == SKIPPED:
+                counts[NEXT] += 1
+            else:
+                flow[STEP] = BIN if taken == BIN_FULL else ADD
+        elif step == BIN:
+            flow[STEP] = ONSET
+            if call(steps.close):
+                return CHECK
+        elif step == ONSET:
+            flow[STEP] = ORBIT
+            if flow[UNDECIDED]:
+                return DECIDE
+        elif step == ORBIT:
+            found = call(steps.orbit)
+            flow[STEP] = STATISTICS if found == NOT_DUE else STATE
+            if found == DECIDE_FIRST:
+                return CROSSED
+        elif step == STATE:
+            flow[STEP] = STATISTICS
+            flow[NEW] = 1
+            if call(steps.state):
+                return DESCRIBE
+        elif step == STATISTICS:
+            call(steps.statistics)
+            flow[STEP] = ADD
+        else:
+            call(steps.add)
+            counts[NEXT] += 1
+            flow[STEP] = SAMPLE
+
+
+@exact_kernel
+def take_sample(
+    block: Block, samples: Samples, clock: Clock, bins: SampleBins, separation: RunoutSeparation, bit: BitSpeed,
+    flow: Integers,
+) -> int:  # fmt: skip
+    """Read the next sample and rotate; a sample that cannot be analysed is skipped and counted."""
+    at, seen = block.counts[NEXT], samples.seen
+    stamp, has_spin = block.stamp[at], block.counts[HAS_SPIN] != 0
+    if not is_new(clock.stamps, stamp):
+        return SKIPPED
+    flow[BIT_OUTCOME] = add_bit_speed(bit, stamp * 1e-9, block.speeds[at, 1])
+    if separation.flags[SPIN_GIVEN] == NOT_KNOWN:
+        start(separation, has_spin)
+    spin, top_speed, any_seen = block.spin[at], block.speeds[at, 0], False
+    for k in range(seen.size):
+        samples.point[0, k] = complex(block.position[at, k, 0], block.position[at, k, 1])
+    if has_spin:
+        cos(spin, samples.angle[0])
+        sin(spin, samples.angle[1])
+        for k in range(seen.size):
+            samples.point[1, k] = complex(samples.angle[0, k], samples.angle[1, k])
+        _find_distance(samples, separation)
+    else:
+        absolute(samples.point[0], samples.distance)
+    for k in range(seen.size):
+        seen[k] = samples.distance[k] <= samples.plausible[k]
+        any_seen = any_seen or seen[k]
+    known = has_spin or math.isfinite(top_speed)
+    if has_spin != (separation.flags[SPIN_GIVEN] != 0) or not known or not any_seen:
+        samples.quality[INCOMPLETE] += 1
+        return SKIPPED
+    if samples.quality[ACCEPTED] == 0:
+        samples.origin[0] = stamp * 1e-9
+    rotate(clock, accept(clock.stamps, stamp), top_speed, spin, has_spin)
+    return BIN_FULL if is_full(bins, _seconds(clock), clock.rotation[REVOLUTIONS]) else TAKEN
+
+
+@exact_kernel
+def _find_distance(samples: Samples, separation: RunoutSeparation) -> None:
+    """Distance of the centre line from the hole's axis in the sample."""
+    product(separation.arm, samples.point[1], samples.point[2])
+    for k in range(samples.seen.size):
+        samples.point[2, k] = samples.point[0, k] - samples.point[2, k]
+    absolute(samples.point[2], samples.distance)
+
+
+@exact_kernel
+def _seconds(clock: Clock) -> float:
+    """Time since the first sample [s]."""
+    return float((clock.stamps[LAST] - clock.stamps[FIRST]) * 1e-9)
+
+
+@exact_kernel
+def add_sample(block: Block, samples: Samples, clock: Clock, bins: SampleBins, separation: RunoutSeparation) -> int:
+    """Add the sample to the present bin."""
+    seen, distance = samples.seen, samples.distance
+    at, angle = block.counts[NEXT], clock.rotation[ANGLE]
+    if not block.counts[HAS_SPIN]:
+        samples.point[1, :] = complex(math.cos(angle), math.sin(angle))
+        _find_distance(samples, separation)
+    when = (_seconds(clock), angle, clock.rotation[REVOLUTIONS])
+    add(bins, when, samples.point[0], samples.point[1], seen, block.force[at], block.counts[HAS_FORCE] != 0)
+    samples.quality[ACCEPTED] += 1
+    for k in range(seen.size):
+        if not seen[k]:
+            samples.quality[MISSING] += 1
+            distance[k] = math.nan
+        if separation.flags[KNOWN]:
+            samples.radius[k] = distance[k]
+            if not distance[k] <= samples.largest[k] and seen[k]:
+                samples.largest[k] = distance[k]
+    return 0
+
+
+@exact_kernel
+def close_bin(
+    full: Bin, bins: SampleBins, separation: RunoutSeparation, history: History, averaged: AveragedRadius,
+    onsets: Onsets, criteria: Criteria, clearance: Array, rate: Array, quality: Integers,
+) -> int:  # fmt: skip
+    """Separate the parts of the motion in the full bin; return whether a mark may begin to whirl."""
+    contact = full.contact
+    close(bins, full)
+    separate(separation, full)
+    if not full.counts[FORCES]:
+        for k in range(contact.size):
+            near = separation.distance[k] > criteria.contact_radius * clearance[k]
+            contact[k] = 1.0 if near else 0.0
+    quality[GAPS] += append(history, full, separation.vector, contact)
+    if history.counts[LENGTH] < FEWEST:
+        drop_candidates(onsets)
+        return 0
+    average_radius(averaged, history, criteria, rate[0], onsets.active)
+    return 1 if watch(onsets, averaged, history, criteria) else 0
+
+
+@exact_kernel
+def estimate_orbit(
+    orbit: Orbit, history: History, separation: RunoutSeparation, averaged: AveragedRadius, onsets: Onsets,
+    synchronous: SynchronousOnsets, criteria: Criteria, numbers: Array, due: Array, flags: Integers,
+) -> int:  # fmt: skip
+    """Estimate the orbit where that is due; return whether it was, and whether there is something to decide."""
+    hold(separation, criteria, onsets.time, onsets.active)
+    revolutions, time = numbers[BIN_REVOLUTIONS], numbers[TIME]
+    flags[ESTIMATED] = 0
+    if history.counts[APPENDED] < 2 or (revolutions < due[0] and time < due[1]):
+        return NOT_DUE
+    flags[ESTIMATED] = 1
+    due[0], due[1] = revolutions + INTERVAL_REV - 0.25 / BINS, time + INTERVAL_S
+    fit_orbit(orbit, history, criteria, averaged.noise.level)
+    crossed = watch_synchronous(synchronous, history, orbit, criteria)
+    ended = ends(onsets, averaged, orbit, history, criteria)
+    return DECIDE_FIRST if crossed or ended else ESTIMATE
+
+
+@exact_kernel
+def estimate_state(
+    orbit: Orbit, shape: StringShape, history: History, motion: MotionClassifier, onsets: Onsets,
+    synchronous: SynchronousOnsets, criteria: Criteria, noise: Array, rolling_ratio: Array, numbers: Array,
+) -> int:  # fmt: skip
+    """Estimate precession, shape and motion states; return whether a state must be described."""
+    find_precession(orbit, criteria, onsets.active, noise)
+    find_shape(shape, history, criteria)
+    return 1 if classify(motion, orbit, shape, onsets, synchronous, criteria, rolling_ratio, numbers) else 0
+
+
+@exact_kernel
+def add_statistics(
+    statistics: RunStatistics, orbit: Orbit, whirling: Mask, full: Bin, counts: Integers, criteria: Criteria
+) -> int:
+    """Add the bin to the statistics of the run."""
+    add_bin(statistics, orbit, whirling, full, counts[LENGTH], criteria.rest_rotation)
+    return 0
+
+
+_STEPS = ("take_sample", "add_sample", "close_bin", "estimate_orbit", "estimate_state", "add_statistics", "analyse")
+_ENTRY = """
+
+@exact_entry_kernel
+def {name}({arguments}):
+    return analyzer_kernel.{name}({arguments})
+"""
+_MODULE = '''"""Analysis of samples. Generated by drill_twin; do not edit."""
+from drill_twin.base.exact_jit import exact_entry_kernel
+from drill_twin.whirl import analyzer_kernel
+'''
+
+
+@cache
+def compiled() -> Any:
+    """The module with an entry for each step and for `analyse`."""
+    sources = {name: globals()[name].py_func.__code__ for name in _STEPS}
+    arguments = {name: ", ".join(code.co_varnames[: code.co_argcount]) for name, code in sources.items()}
+    text = _MODULE + "".join(_ENTRY.format(name=name, arguments=arguments[name]) for name in _STEPS)
+    return load_generated("analysis", text)
+
+
+def bind_analysis(state: AnalyzerState) -> Bound:
+    """Bind `analyse` to the arrays of an analysis."""
+    s, numbers = state, state.full.numbers
+    steps = [
+        ("take_sample", (s.block, s.samples, s.clock, s.bins, s.separation, s.bit, s.flow)),
+        ("add_sample", (s.block, s.samples, s.clock, s.bins, s.separation)),
+        ("close_bin", (s.full, s.bins, s.separation, s.history, s.averaged, s.onsets, s.criteria, s.marks.clearance,
+                       s.orbit.rate, s.samples.quality)),
+        ("estimate_orbit", (s.orbit, s.history, s.separation, s.averaged, s.onsets, s.synchronous, s.criteria, numbers,
+                            s.due, s.statistics.flags)),
+        ("estimate_state", (s.orbit, s.shape, s.history, s.motion, s.onsets, s.synchronous, s.criteria,
+                            s.averaged.noise.level, s.marks.rolling_ratio, numbers)),
+        ("add_statistics", (s.statistics, s.orbit, s.onsets.active, s.full, s.history.counts, s.criteria)),
+    ]  # fmt: skip
+    bound = [bind(getattr(compiled(), name), arguments) for name, arguments in steps]
+    return bind(compiled().analyse, (Steps._make((*(step.call for step in bound), s.block.counts, s.flow)),))

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""State of the analysis of a stream: arrays of fixed size, for compiled code."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.base.arrays import Array, ComplexArray, Mask
+from drill_twin.base.exact_jit import Integers
+from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.history import History
+from drill_twin.whirl.marks import MarkArrays
+from drill_twin.whirl.motion.classifier import MotionClassifier
+from drill_twin.whirl.motion.stick_slip import BitSpeed
+from drill_twin.whirl.onset.asynchronous_onset import Onsets
+from drill_twin.whirl.onset.averaged_radius import AveragedRadius
+from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsets
+from drill_twin.whirl.orbit.orbit import Orbit
+from drill_twin.whirl.orbit.runout_separation import RunoutSeparation
+from drill_twin.whirl.orbit.string_shape import StringShape
+from drill_twin.whirl.rotation import Clock
+from drill_twin.whirl.run_statistics import RunStatistics
+from drill_twin.whirl.sample_bins import Bin, SampleBins
+
+LARGEST_RADIUS = 3.0
+"""Largest plausible radius of a mark over its clearance; beyond is an error of measurement."""
+BLOCK = 256
+"""Most samples in a block."""
+
+ACCEPTED, INCOMPLETE, MISSING, GAPS = range(4)
+"""Indices into `Samples.quality`: samples analysed; skipped samples and marks; gaps between bins."""
+COUNT, HAS_SPIN, HAS_FORCE, NEXT = range(4)
+"""Indices into `Block.counts`: samples, whether they contain spin and wall forces, and the next one to be analysed."""
+
+
+class Block(NamedTuple):
+    """Samples to be analysed, `BLOCK` at most."""
+
+    stamp: Integers  # (BLOCK,) [ns]
+    position: Array  # (BLOCK, m, 2) of the marked points [m]
+    spin: Array  # (BLOCK, m) [rad]
+    force: Array  # (BLOCK, m) wall force [N]
+    speeds: Array  # (BLOCK, 2) of top drive and bit [rad/s]
+    counts: Integers
+
+    @classmethod
+    def of(cls, m: int) -> Block:
+        """Empty block for m marks."""
+        spin, force = np.zeros((2, BLOCK, m))
+        position, speeds = np.zeros((BLOCK, m, 2)), np.zeros((BLOCK, 2))
+        return cls(np.zeros(BLOCK, np.int64), position, spin, force, speeds, np.zeros(4, np.int64))
+
+
+class Samples(NamedTuple):
+    """The present sample."""
+
+    quality: Integers
+    origin: Array  # (1,) time of the first sample [s]
+    radius: Array  # (m,) distance of the centre line from the hole's axis at the last sample [m]
+    largest: Array  # (m,) largest so far [m]
+    plausible: Array  # (m,) largest plausible distance of a marked point [m]
+    seen: Mask  # (m,) marks seen in the sample
+    distance: Array  # (m,) of the centre line from the hole's axis [m]
+    point: ComplexArray  # (3, m) position [m], unit vector of the spin, centre line [m]
+    angle: Array  # (2, m) work
+
+    @classmethod
+    def of(cls, plausible: Array) -> Samples:
+        """Before the first sample of m marks."""
+        m = plausible.size
+        radius, largest = np.full((2, m), math.nan)
+        return cls(
+            np.zeros(4, np.int64), np.zeros(1), radius, largest, plausible, np.zeros(m, bool), np.zeros(m),
+            np.zeros((3, m), complex), np.zeros((2, m)),
+        )  # fmt: skip
+
+
+class AnalyzerState(NamedTuple):
+    """State of the analysis of m marks."""
+
+    criteria: Criteria
+    marks: MarkArrays
+    block: Block
+    clock: Clock
+    samples: Samples
+    bins: SampleBins
+    full: Bin
+    separation: RunoutSeparation
+    history: History
+    orbit: Orbit
+    averaged: AveragedRadius
+    onsets: Onsets
+    synchronous: SynchronousOnsets
+    shape: StringShape
+    motion: MotionClassifier
+    statistics: RunStatistics
+    bit: BitSpeed
+    flow: Integers  # see `analyzer_kernel`
+    due: Array  # (2,) revolutions and time of the next estimate
+
+    @classmethod
+    def of(cls, marks: MarkArrays, wall_offset: Array, criteria: Criteria, bit: BitSpeed) -> AnalyzerState:
+        """State before the first sample of m marks, whose string has radii `wall_offset` [m], shape (m,)."""
+        m, clearance = marks.clearance.size, marks.clearance
+        return cls(
+            criteria, marks, Block.of(m), Clock.of(m), Samples.of(LARGEST_RADIUS * clearance + wall_offset),
+            SampleBins.of(m), Bin.of(m), RunoutSeparation.of(marks.wall_radius, criteria), History.of(m),
+            Orbit.of(clearance), AveragedRadius.of(clearance, criteria), Onsets.of(marks.inclined),
+            SynchronousOnsets.of(m), StringShape.of(m, marks.levels), MotionClassifier.of(m), RunStatistics.of(m), bit,
+            np.zeros(4, np.int64), np.full(2, -math.inf),
+        )  # fmt: skip

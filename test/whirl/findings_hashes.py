@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Hashes of the findings after every sample of labelled motions, to see that a change of code changes no result.
+
+    python test/whirl/findings_hashes.py            # compare with findings_hashes.json
+    python test/whirl/findings_hashes.py --write    # after a change that is meant to alter results
+
+The last bits depend on the processor and on numpy; the file names those that it is for.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import fields, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding
+import numpy as np
+from kinematics import BENCH, MARKS, Motion, clock, growth, motion
+
+from drill_twin.whirl import Analyzer, Findings, MarkInfo
+
+FILE = Path(__file__).with_suffix(".json")
+THREE = tuple(MarkInfo(name, height, "wall", 0.00825, 0.08175) for name, height in (("a", 4.0), ("b", 3.0), ("c", 2.0)))
+MANY = tuple(replace(MARKS[k % 4], name=f"m{k}", distance_from_bit=0.4 * (k // 2)) for k in range(9))
+INCLINED = tuple(replace(mark, inclined=True) for mark in THREE)
+Sample = tuple[Any, ...]
+
+
+def environment() -> dict[str, str]:
+    """What the last bits depend on besides the code."""
+    features = llvmlite.binding.get_host_cpu_features().flatten()
+    return {
+        "processor": f"{llvmlite.binding.get_host_cpu_name()} {hashlib.sha256(features.encode()).hexdigest()[:16]}",
+        "library": " ".join(platform.libc_ver()),
+        "numpy": np.__version__,
+    }
+
+
+def shaped(shape: Any, ratio: float, level: float = 0.7, rate: float = 3.0) -> Any:
+    """Growth of a shape [complex, of the largest] at a ratio of the rotation."""
+    grow = growth(5.0, 0.05, rate, ratio, limit=level)
+    return lambda time, angle: grow(time, angle)[:, None] * np.asarray(shape)
+
+
+def wander(time: Any, angle: Any) -> Any:
+    """A motion with power at many ratios, that ends."""
+    random = np.random.default_rng(4)
+    lines = zip(random.uniform(-1.5, 2.5, 6), random.uniform(0, 6, 6), strict=True)
+    return 0.2 * sum(np.exp(1j * (p * angle + a)) for p, a in lines) / (1.0 + np.exp(-3.0 * (time - 5.0)))
+
+
+def passing(time: Any, angle: Any) -> Any:
+    """A whirl that comes and goes, then another the other way round."""
+    first, second = np.exp(-(((time - 8.0) / 1.5) ** 2)), np.exp(-(((time - 20.0) / 2.0) ** 2))
+    return 0.6 * first * np.exp(0.45j * angle) + 0.4 * second * np.exp(-0.2j * angle)
+
+
+def leaning(time: Any, angle: Any) -> Any:
+    """A string that leans over in steps, and turns slowly from one place to the next."""
+    place = np.interp(time, [0, 5, 7, 12, 13, 22, 30], [0, 0, 20, 40, 100, 170, 400])
+    return 0.4 / (1.0 + np.exp(-4.0 * (time - 5.0))) * np.exp(1j * np.radians(place)) * (1.0 + 0.0 * angle)
+
+
+def samples(moved: Motion, *, spin: bool = True, force: bool = False, speed: bool = True) -> Iterator[Sample]:
+    """Arguments of `Analyzer.push` for a motion, with the bit in stick-slip."""
+    positions, stamps = moved.positions, moved.stamps.tolist()
+    contact = (np.abs(moved.centre) > 0.5 * moved.marks[0].clearance) * 3.0
+    bit = moved.top_speed * (1.0 - np.cos(2.0 * moved.time) * (moved.time > 4.0) * (moved.time < 25.0))
+    for i, stamp in enumerate(stamps):
+        turned, top = moved.spin[i] if spin else None, float(moved.top_speed[i]) if speed else np.nan
+        yield stamp, positions[i], turned, top, contact[i] if force else None, float(bit[i])
+
+
+def damaged(moved: Motion) -> Iterator[Sample]:
+    """The samples of a motion with all that can go wrong with a stream."""
+    random, last = np.random.default_rng(7), None
+    for i, (stamp, place, *rest) in enumerate(samples(moved)):
+        if 900 < i < 1000 or 1300 < i < 1320:
+            continue
+        position = place.copy()
+        position[random.uniform(size=len(position)) < 0.1] = np.nan
+        position[0, 0] += 5.0 * (i % 50 == 1)
+        if i % 10 == 8:
+            rest[0] = None
+        if i % 17 == 3:
+            rest[1] = np.nan
+        if i % 23 == 4:
+            rest[2] = np.abs(position[:, 0])
+        if i % 31 == 5:
+            rest[3] = np.inf
+        yield stamp, position, *rest
+        if i % 9 == 2:
+            yield stamp, position, *rest
+        if i % 9 == 4 and last is not None:
+            yield last - 1, position, *rest
+        last = stamp
+
+
+def cases() -> dict[str, tuple[tuple[MarkInfo, ...], Callable[[], Iterator[Sample]]]]:
+    """Name -> marks and samples."""
+    helix = np.exp(1j * np.arange(3))
+    rolling = shaped([1.0, 1.0, 1.0], BENCH.rolling_ratio, 1.0)
+    time, fast = clock(100, 24, jitter=0.1), clock(400, 12)
+    three = partial(motion, time, marks=THREE, bow=0.03)
+    found = {
+        "steady": motion(time, marks=THREE, bow=0.2, offset=0.4).with_noise(0.05, 1),
+        "forward": three(whirl=shaped([0.8, 1.0, 0.9], 0.5)).with_noise(0.01, 2),
+        "second bending": three(whirl=shaped([1.0, 0.1, -0.8], 0.5)).with_noise(0.01, 3),
+        "spiral, to the left": three(speed=-2.0, whirl=shaped(helix, 0.5)).with_noise(0.01, 4),
+        "without noise": three(whirl=shaped([0.8, 1.0, 0.9], -0.3)),
+        "irregular": three(whirl=wander).with_noise(0.01, 5),
+        "passing": three(whirl=passing).with_noise(0.005, 6),
+        "slow": three(whirl=shaped([0.8, 1.0, 0.9], 0.03, rate=1.0)).with_noise(0.01, 7),
+        "bow that grows": motion(time, marks=THREE, bow=0.05 + 0.6 / (1.0 + np.exp(-2.0 * (time - 8.0)))),
+        "leaning": three(whirl=leaning).with_noise(0.005, 8),
+        "nine marks": motion(time, marks=MANY, bow=0.03, whirl=growth(5.0, 0.05, 2.0, 0.4)).with_noise(0.01, 9),
+        "one mark": motion(time, bow=0.03, whirl=passing).with_noise(0.01, 10),
+        "fast samples": motion(fast, marks=THREE, speed=3.0, whirl=shaped([0.8, 1.0, 0.9], 0.6)).with_noise(0.03, 11),
+        "rare samples": motion(clock(7, 40), marks=THREE, whirl=shaped([0.8, 1.0, 0.9], 0.3)).with_noise(0.01, 12),
+        "slower than a bin": motion(clock(20, 60), marks=THREE, speed=0.06, bow=0.1).with_noise(0.01, 13),
+        "inclined": motion(time, marks=INCLINED, bow=0.02, offset=0.9 * (1.0 - np.exp(-time / 0.1))[:, None],
+                           whirl=growth(12.0, 0.05, 2.0, 0.5, limit=0.5)).with_noise(0.003, 14),
+    }  # fmt: skip
+    plain = {name: (moved.marks, partial(samples, moved)) for name, moved in found.items()}
+    stopped = motion(np.append(time, time + 25.0), marks=THREE, speed=0.0)
+    return plain | {
+        "rolling, forces": (THREE, partial(samples, three(whirl=rolling).with_noise(0.01, 20), force=True)),
+        "without spin": (MARKS, partial(samples, motion(time, marks=MARKS, bow=0.04, whirl=passing), spin=False)),
+        "without spin, noise": (MANY, partial(samples, found["nine marks"], spin=False, force=True)),
+        "rotation from the spin": (MANY, partial(samples, found["nine marks"], speed=False)),
+        "damaged": (THREE, partial(damaged, found["passing"])),
+        "damaged, irregular": (THREE, partial(damaged, found["irregular"])),
+        "at rest": (THREE, partial(samples, stopped)),
+    }
+
+
+def bits(found: Findings) -> bytes:
+    """All values of findings."""
+    values = (getattr(found, field.name) for field in fields(Findings))
+    return b"".join(v.tobytes() if isinstance(v, np.ndarray) else repr(v).encode() for v in values)
+
+
+def hash_of(marks: tuple[MarkInfo, ...], pushed: Iterator[Sample]) -> str:
+    """Hash of the findings after each sample, and of the summary."""
+    analyzer, digest = Analyzer(marks), hashlib.sha256()
+    for sample in pushed:
+        digest.update(bits(analyzer.push(*sample)))
+    digest.update(repr(analyzer.summary()).encode())
+    return digest.hexdigest()[:32]
+
+
+def main() -> int:
+    """Compare, or write."""
+    hashes = {name: hash_of(marks, pushed()) for name, (marks, pushed) in cases().items()}
+    if "--write" in sys.argv:
+        FILE.write_text(json.dumps({"environment": environment(), "hashes": hashes}, indent=1) + "\n", "utf-8")
+        return 0
+    known = json.loads(FILE.read_text("utf-8"))
+    changed = [name for name, value in hashes.items() if known["hashes"].get(name) != value]
+    print(f"as before: {len(hashes) - len(changed)} of {len(hashes)}; changed: {', '.join(changed) or 'none'}")
+    return 1 if changed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
