@@ -10,9 +10,9 @@ import typer
 from drill_twin import __version__
 from drill_twin.cli.bags import analyze, report
 from drill_twin.cli.doctor import doctor
-from drill_twin.cli.fit import fit
 from drill_twin.cli.load import load
 from drill_twin.cli.modes import modes
+from drill_twin.cli.new import new
 from drill_twin.cli.operating_map import operating_map
 from drill_twin.cli.rerun import rerun
 from drill_twin.cli.ros import demo, replay, topics
@@ -60,7 +60,6 @@ app.command(rich_help_panel=_RUN)(run)
 app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
 app.command(rich_help_panel=_RUN)(rerun)
-app.command(rich_help_panel=_RUN)(fit)
 app.command(rich_help_panel=_RUN)(watch)
 app.command(rich_help_panel=_RUN)(statics)
 app.command(rich_help_panel=_RUN)(modes)
@@ -75,6 +74,7 @@ app.command(rich_help_panel=_STUDY)(calibrate)
 app.command(rich_help_panel=_STUDY)(analyzer_score)
 app.command(rich_help_panel=_STUDY)(whirl_compare)
 app.command(rich_help_panel=_SCENE)(scenes)
+app.command(rich_help_panel=_SCENE)(new)
 app.command(rich_help_panel=_SCENE)(check)
 app.command(rich_help_panel=_SCENE)(schema)
 app.command(

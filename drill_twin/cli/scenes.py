@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 def scenes(json: JsonOption = False) -> None:
     """List the installed scenes."""
     from drill_twin.cli.show import grid, out, print_json
-    from drill_twin.scene import load_scene, presets
+    from drill_twin.scene import load_scene, presets, well_scenes
 
-    loaded = {name: (path, load_scene(path)) for name, path in presets().items()}
+    loaded = {name: (path, load_scene(path)) for name, path in (presets() | well_scenes()).items()}
     if json:
-        print_json([{"file": str(path), **_facts(scene)} for path, scene in loaded.values()])
+        print_json([{"file": str(path), **_facts(scene), "scene": name} for name, (path, scene) in loaded.items()])
         return
     rows = (
         (

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -17,8 +17,10 @@ if TYPE_CHECKING:
     from drill_twin.studies.torque_drag.unit_system import UnitSystem
     from drill_twin.torque_drag.analysis import Statics
 
-_NOTHING = 1e-9
-"""Smallest number that is shown: below it is the rounding error of a balance."""
+_NOTHING, _LARGEST_MARGIN = 1e-4, 1e3
+"""Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown."""
+SHAPES = ("straight", "snaking", "snaking, helix", "helix")
+"""Words for `BucklingState`, those of the columns."""
 UnitsOption = Annotated[Literal["si", "field"], typer.Option("--units", help="Units of tables, CSV and figure.")]
 
 
@@ -80,23 +82,26 @@ def statics(
 
 
 def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
-    def show(value: float, quantity: str) -> str:
-        shown = units.show(value, quantity)
-        return f"{shown if abs(shown) > _NOTHING else 0.0:.4g}"
-
     operations, u = found.operations, units
+
+    def column(values: Iterable[float], quantity: str = "") -> list[str]:
+        shown = [units.show(value, quantity) if quantity else value for value in values]
+        nothing = _NOTHING * max(abs(value) for value in shown)
+        return [f"{value if abs(value) > nothing else 0.0:.4g}" for value in shown]
+
     yield (
         f"{found.scene.name}: in {u.force}, {u.torque} and {u.length}; neutral point from the bit",
         ("operation", "hookload", "soft", "torque", "soft", "neutral", "stretch", "turns"),
-        [
-            (
-                of.operation.name, show(of.hookload, "force"), show(of.soft.hookload, "force"),
-                show(of.surface_torque, "torque"), show(of.soft.surface_torque, "torque"),
-                show(of.neutral_point, "length"), show(of.stretch, "length"),
-                f"{of.twist / math.tau if abs(of.twist) > _NOTHING else 0.0:.3g}",
-            )
-            for of in operations
-        ],
+        list(zip(
+            [of.operation.name for of in operations],
+            column((of.hookload for of in operations), "force"),
+            column((of.soft.hookload for of in operations), "force"),
+            column((of.surface_torque for of in operations), "torque"),
+            column((of.soft.surface_torque for of in operations), "torque"),
+            column((of.neutral_point for of in operations), "length"),
+            column((of.stretch for of in operations), "length"), column(of.twist / math.tau for of in operations),
+            strict=True,
+        )),
     )  # fmt: skip
     yield (
         f"margins: limit over load where least, below 1 it is passed; largest stress in {u.stress}",
@@ -106,7 +111,7 @@ def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str,
                 of.operation.name, *(_ratio(margin) for margin in of.margins),
                 _ratio(of.lock_up / of.operation.weight_on_bit if of.operation.is_on_bottom else math.nan),
                 _ratio(of.yield_margin), _ratio(of.make_up_margin),
-                show(float(of.along.stress.max()), "stress"), of.worst_state.label,
+                f"{u.show(float(of.along.stress.max()), 'stress'):.4g}", SHAPES[of.worst_state],
             )
             for of in operations
         ],
@@ -125,4 +130,6 @@ def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str,
 
 
 def _ratio(margin: float) -> str:
-    return f"{margin:.3g}" if math.isfinite(margin) else "-"
+    if not math.isfinite(margin):
+        return "-"
+    return f"{margin:.3g}" if margin < _LARGEST_MARGIN else "> 1000"

@@ -3,7 +3,7 @@
 
 from drill_twin.scene.json_schema import scene_json_schema
 from drill_twin.scene.load import load_scene, parse_scene
-from drill_twin.scene.paths import config_dir, hard_scenes, presets, scene_path
+from drill_twin.scene.paths import config_dir, hard_scenes, presets, scene_path, well_scenes
 from drill_twin.scene.schema import MarkPlace, Scene
 
 __all__ = [
@@ -16,4 +16,5 @@ __all__ = [
     "presets",
     "scene_json_schema",
     "scene_path",
+    "well_scenes",
 ]

@@ -95,9 +95,7 @@ def _string_fits_the_hole(string: String, hole: Hole) -> Iterator[Incompatibilit
     top = string.length
     for index, section in enumerate(string.sections):
         top, bottom = max(top - section.length, 0.0), top
-        narrow = min(
-            [hole.radius, *(i.radius for i in hole.intervals if i.top < bottom and i.bottom > top)]
-        )  # with the nominal radius, even where intervals cover the section: gaps between them have it
+        narrow = hole.least_radius(top, bottom)
         for key, diameter in _diameters(section):
             if diameter >= 2.0 * narrow:
                 yield Incompatibility(

@@ -36,6 +36,11 @@ def hard_scenes() -> dict[str, Path]:
     return {f"hard/{path.stem}": path for path in sorted((config_dir() / "hard").glob("*.yaml"))}
 
 
+def well_scenes() -> dict[str, Path]:
+    """Names (`wells/...`) and files, sorted, of the scenes of wells."""
+    return {f"wells/{path.stem}": path for path in sorted((config_dir() / "wells").glob("*.yaml"))}
+
+
 def scene_path(scene: str | Path) -> Path:
     """File of a scene given by its path or by the name of an installed scene.
 
@@ -49,7 +54,7 @@ def scene_path(scene: str | Path) -> Path:
     except OSError as error:
         raise SceneError(f"{str(scene)[:100]}: cannot be read: {error.strerror}") from None
     known = presets()
-    for named in (known, hard_scenes()):
+    for named in (known, well_scenes(), hard_scenes()):
         if str(scene) in named:
             return named[str(scene)]
     if path.is_dir():
@@ -63,7 +68,7 @@ def scene_path(scene: str | Path) -> Path:
     hint = f', did you mean "{close[0]}"?' if close else ""
     raise SceneError(
         f"{str(scene)[:200]}: no such scene file{hint}; "
-        f"expected a path or one of the installed scenes: {', '.join(known)}"
+        f"expected a path or one of the installed scenes: {', '.join((*known, *well_scenes()))}"
     )
 
 

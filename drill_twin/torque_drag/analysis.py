@@ -26,6 +26,8 @@ from drill_twin.torque_drag.soft_string import HoleAndString, SoftString, lock_u
 
 IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPENDENT)
 """Effects without a place in a steady balance, and the rock, in whose place the weight acts on the bit."""
+NO_TORQUE = 1e-4
+"""Torque over make-up torque below which a connection is not loaded; Newton's residual is of that size."""
 
 
 class Contact(NamedTuple):
@@ -56,7 +58,7 @@ class OperationLoads(NamedTuple):
     yield_margin: float
     """Yield strength over the largest equivalent stress; NaN in a string without `yield_strength`."""
     make_up_margin: float
-    """Make-up torque over torque, where least; NaN in a string without `make_up_torque`."""
+    """Make-up torque over torque, where least; infinite without torque, NaN in a string without `make_up_torque`."""
     contacts: tuple[Contact, ...]
     """The bit, then the stabilisers from the bit up."""
 
@@ -194,14 +196,14 @@ def _loads(scene: Scene, solver: SlidingBalance, string: HoleAndString, operatio
         balance, along, soft_string(string, operation, bit_torque), buckling, buckling.states(along.tension),
         bit_torque, lock_up_weight(string, operation) if operation.is_on_bottom else math.nan,
         least(own_yield / np.maximum(along.stress, 1e-300)),
-        least(own_torque / np.maximum(np.abs(along.torque), 1e-300)),
+        least(np.where(np.abs(along.torque) < NO_TORQUE * own_torque, np.inf, own_torque / np.abs(along.torque))),
         _contacts(scene, solver, balance, along),
     )  # fmt: skip
 
 
 def least(margins: Array) -> float:
     """Least of the margins that are known; NaN if none is."""
-    known = margins[np.isfinite(margins)]
+    known = margins[~np.isnan(margins)]
     return float(known.min()) if known.size else math.nan
 
 
@@ -212,7 +214,7 @@ def _contacts(scene: Scene, solver: SlidingBalance, balance: Balance, along: Alo
     found, bottom = [Contact("bit", 0.0, balance.bit_side_force, math.asin(min(float(tilts[0]), 1.0)))], 0.0
     for number, section in enumerate(scene.string.sections):
         top = bottom + section.length
-        if section.blade_diameter is not None:
+        if section.blade_diameter is not None and section.adjusted_mass is None:  # with one: pipe on its tool joints
             inside = (rod.arc[:-1] >= bottom - 1e-9) & (rod.arc[1:] <= top + 1e-9)
             force = float(np.sum((along.side_force * rod.length)[inside]))
             node = int(np.argmin(np.abs(rod.arc - 0.5 * (bottom + top))))

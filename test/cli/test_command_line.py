@@ -17,7 +17,7 @@ from drill_twin.cli.app import app
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import MARKS_STATE, TOPICS
 from drill_twin.report.figures import FIGURES
-from drill_twin.scene import parse_scene, presets
+from drill_twin.scene import parse_scene, presets, well_scenes
 
 SOURCE = str(Path(__file__).resolve().parents[2])
 QUICK = (
@@ -93,7 +93,7 @@ def test_report_goes_beside_the_bag_unless_told_otherwise(call, bench_run, insid
 
 def test_scenes_are_listed_and_checked(call):
     listed = json.loads(call("scenes", "--json").out)
-    assert [scene["scene"] for scene in listed] == list(presets())
+    assert [scene["scene"] for scene in listed] == [*presets(), *well_scenes()]
     assert "pa6_bench" in call("scenes").out
     checked = call("check", "pa6_bench", "--set", "hole.radius=70 mm", "--json")
     assert json.loads(checked.out)["hole_radius_m"] == 0.07

@@ -4,7 +4,7 @@
 import jsonschema
 import pytest
 
-from drill_twin.scene import config_dir, presets, scene_json_schema
+from drill_twin.scene import config_dir, presets, scene_json_schema, scene_path, well_scenes
 from drill_twin.scene.json_schema import schema_text
 from drill_twin.scene.lines import read_lines
 
@@ -24,9 +24,9 @@ def test_the_exported_file_is_current():
     )
 
 
-@pytest.mark.parametrize("name", presets())
+@pytest.mark.parametrize("name", [*presets(), *well_scenes()])
 def test_installed_scenes_are_right_in_the_editor(editor, name):
-    data = read_lines(presets()[name].read_text(encoding="utf-8"), name).data
+    data = read_lines(scene_path(name).read_text(encoding="utf-8"), name).data
     assert [error.message for error in editor.iter_errors(data)] == []
 
 

@@ -133,6 +133,13 @@ class Hole(Part):
         rows = np.array([(s.depth, s.inclination, s.azimuth) for s in self.survey]).reshape(-1, 3)
         return rows[:, 0].copy(), rows[:, 1].copy(), rows[:, 2].copy()
 
+    def least_radius(self, top: float, bottom: float) -> float:
+        """Smallest radius between two measured depths [m]."""
+        met = [i for i in self.intervals if i.top < bottom and i.bottom > top]
+        covered = math.fsum(min(i.bottom, bottom) - max(i.top, top) for i in met)
+        gaps = [self.radius] if covered < (bottom - top) * (1.0 - 1e-12) else []
+        return min([self.radius_at(bottom), *gaps, *(i.radius for i in met)])
+
     def radius_at(self, depth: float) -> float:
         """Radius at a measured depth from the top clamp [m]; where two intervals meet, that of the lower one."""
         for interval in self.intervals:

@@ -49,11 +49,11 @@ class Section(Part):
     """Outer diameter [m]."""
     inner_diameter: Annotated[Length, Within(at_least="0 m", at_most="5 m")] = 0.0
     """Inner diameter [m]; 0 m = solid."""
-    youngs_modulus: Annotated[Pressure, Within(at_least="1 kPa", at_most="10000 GPa")]
-    """Young's modulus E [Pa]."""
-    poisson_ratio: Annotated[Dimensionless, Within(above="-1", at_most="0.5")]
+    youngs_modulus: Annotated[Pressure, Within(at_least="1 kPa", at_most="10000 GPa")] = 206.8e9
+    """Young's modulus E [Pa]; left out: that of steel, as the two next."""
+    poisson_ratio: Annotated[Dimensionless, Within(above="-1", at_most="0.5")] = 0.3
     """Poisson's ratio [-], for the shear modulus."""
-    density: Annotated[Density, Within(above="0 kg/m^3", at_most="30000 kg/m^3", reason="osmium has 22600")]
+    density: Annotated[Density, Within(above="0 kg/m^3", at_most="30000 kg/m^3", reason="osmium has 22600")] = 7850.0
     """Density of the material [kg/m^3]."""
     blade_diameter: Annotated[Length, Within(above="0 m", at_most="5 m")] | None = None
     """Diameter over the blades of a stabiliser [m], for wall contact and wall marks; stiffness and mass are the tube's.

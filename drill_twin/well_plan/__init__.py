@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a well plan (survey, casing, pipe tally, mud, bit) to a scene."""

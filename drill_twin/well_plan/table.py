@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""CSV tables of a well plan: columns by their headings, numbers with the units of one system."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+from drill_twin.errors import SceneError
+from drill_twin.units import UnitError, factor_of, parse
+from drill_twin.units.dimension import ANGLE, LENGTH, LINEAR_MASS, Dimension
+
+LARGEST_FILE, MOST_ROWS = 4_000_000, 10_000
+UNITS = {
+    "si": {"depth": "m", "diameter": "mm", "mass": "kg/m", "angle": "deg"},
+    "field": {"depth": "ft", "diameter": "in", "mass": "lb/ft", "angle": "deg"},
+}
+"""Units of bare numbers, by system."""
+DIMENSIONS: dict[str, Dimension] = {"depth": LENGTH, "diameter": LENGTH, "mass": LINEAR_MASS, "angle": ANGLE}
+_HEADING = re.compile(r"\s*([^\[(]*?)\s*(?:[\[(]([^\])]*)[\])])?\s*")
+_BARE = re.compile(r"[+-]?\d+(?:\.\d*)?(?:\s+\d+/\d+|/\d+)?|[+-]?\.\d+")
+
+
+class Row(NamedTuple):
+    """Row of a table: its cells by column, and how to read them."""
+
+    place: str
+    """File and number of the line, for messages."""
+    cells: dict[str, str]
+    units: dict[str, str]
+    """Unit of a column from its heading."""
+    system: str
+
+    def text(self, column: str) -> str:
+        """Cell without spaces around; empty if the row has none."""
+        return self.cells.get(column, "").strip()
+
+    def number(self, column: str, kind: str) -> float:
+        """Number of a cell in SI; NaN if it is empty.
+
+        Args:
+            column: Heading.
+            kind: `depth`, `diameter`, `mass` or `angle`: what a number without a unit is in.
+
+        Raises:
+            SceneError: It is no such number, or its unit is not that of the column.
+        """
+        text = self.text(column)
+        if not text:
+            return math.nan
+        unit = self.units.get(column) or UNITS[self.system][kind]
+        bare = _BARE.fullmatch(text) is not None
+        try:
+            factor_of(unit, DIMENSIONS[kind])
+            value = parse(f"{text} {unit}" if bare else text, DIMENSIONS[kind])
+        except UnitError as error:
+            raise SceneError(f"{self.place}, {column}: {error}") from None
+        if not bare and text.lstrip("+-0123456789./ ") != unit:
+            raise SceneError(
+                f'{self.place}, {column}: expected a number in {unit} as in the rest of the column, found "{text}"; '
+                "convert it, or name the unit of the whole column in its heading"
+            )
+        return value
+
+
+def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str, ...], system: str) -> list[Row]:
+    """Read a CSV table; columns are known by their heading, with a unit in brackets if any; # begins a
+    comment.
+
+    Args:
+        file: The table.
+        names: Accepted headings of each column, lower case.
+        needed: Columns that must be there.
+        system: `si` or `field`.
+
+    Raises:
+        SceneError: The file cannot be read, or a column is missing.
+    """
+    try:
+        if file.stat().st_size > LARGEST_FILE:
+            raise SceneError(f"{file}: expected a table of at most {LARGEST_FILE // 1_000_000} MB, found a larger one")
+        text = file.read_text("utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "bytes that are no UTF-8 text"
+        raise SceneError(f"{file}: expected a CSV table, found {reason}") from None
+    numbered = enumerate(text.splitlines(), 1)
+    lines = [(number, line) for number, line in numbered if line.strip(" ,;\t") and not line.startswith("#")]
+    if not lines or len(lines) - 1 > MOST_ROWS:
+        raise SceneError(f"{file}: expected a heading and at most {MOST_ROWS} rows, found {len(lines)} lines")
+    heading = lines[0][1]
+    separator = max(",;\t", key=heading.count)
+    columns, units = [], {}
+    for cell in next(csv.reader([heading], delimiter=separator)):
+        match = _HEADING.fullmatch(cell.lower())
+        word = match[1] if match else cell.lower()
+        column = next((name for name, known in names.items() if word in known), "")
+        columns.append(column)
+        if match and match[2] and column:
+            units[column] = match[2].strip()
+    missing = [name for name in needed if name not in columns]
+    if missing:
+        raise SceneError(
+            f"{file}, line {lines[0][0]}: expected the columns {', '.join(needed)}, found no {' and no '.join(missing)}"
+            f"; known headings: {', '.join(name for known in names.values() for name in known)}"
+        )
+    return [
+        Row(f"{file}, line {number}", dict(zip(columns, next(csv.reader([line], delimiter=separator)), strict=False)),
+            units, system)
+        for number, line in lines[1:]
+    ]  # fmt: skip
