@@ -4,13 +4,18 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
+
+import numpy as np
 
 from drill_twin.discretisation.discretise import survey_of
-from drill_twin.io.messages.geometry import StringGeometry
+from drill_twin.io.messages.geometry import Step, StringGeometry
 from drill_twin.scene import Scene
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import MarkInfo
 
+MOST_STEPS = 100
+"""Most intervals of the string that are drawn one by one."""
 INCLINED = 0.002
 """Sine of the inclination, 0.1 degrees, from which a string falls to the low side of the hole."""
 
@@ -27,9 +32,42 @@ def string_geometry(twin: Twin) -> StringGeometry:
         length=scene.length,
         outer_radius=max(0.5 * section.outer_diameter for section in scene.string.sections),
         hole_radius=scene.hole.radius,
+        hole_steps=hole_steps(scene),
+        string_steps=string_steps(scene),
         node_distances=twin.rod.arc,
         axis_at=None if line is None else line.at,
     )
+
+
+def hole_steps(scene: Scene) -> tuple[Step, ...]:
+    """Measured depths of top and bottom, and radius, of the intervals of the hole [m], from the top down."""
+    edges = {at for interval in scene.hole.intervals for at in (interval.top, interval.bottom)}
+    depths = [0.0, *sorted(at for at in edges if 0.0 < at < scene.length), scene.length]
+    middle = (0.5 * (top + bottom) for top, bottom in pairwise(depths))
+    return _merged([(*span, scene.hole.radius_at(at)) for span, at in zip(pairwise(depths), middle, strict=True)])
+
+
+def string_steps(scene: Scene) -> tuple[Step, ...]:
+    """Distances from the bit and radius of the string's intervals [m], blades included, from the bit up.
+
+    Tool joints too, unless there are very many: then a section has the radius of its joints.
+    """
+    sections = scene.string.sections
+    pieces = scene.string.pieces
+    rows = [(piece.length, piece.contact_diameter) for piece in pieces]
+    if len(rows) > MOST_STEPS:
+        rows = [(s.length, max(s.contact_diameter, s.joints.diameter if s.joints else 0.0)) for s in sections]
+    ends = np.cumsum([0.0, *(length for length, _ in rows)]).tolist()
+    return _merged([(*span, 0.5 * wide) for span, (_, wide) in zip(pairwise(ends), rows, strict=True)])
+
+
+def _merged(steps: list[Step]) -> tuple[Step, ...]:
+    """Intervals, neighbours of one radius put together."""
+    found: list[Step] = []
+    for begin, end, radius in steps:
+        same = bool(found) and found[-1][2] == radius
+        found.append((found.pop()[0] if same else begin, end, radius))
+    return tuple(found)
 
 
 def mark_infos(scene: Scene) -> list[MarkInfo]:

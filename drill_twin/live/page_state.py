@@ -28,8 +28,11 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion, decode_onset, read_whirl_state
+from drill_twin.io.scene_geometry import string_steps
 from drill_twin.live.sources import GONE, Sources
+from drill_twin.report.loads import string_weight
 from drill_twin.report.string_curve import along_hole
+from drill_twin.report.well_geometry import well_geometry
 from drill_twin.scene import Scene, parse_scene
 
 INPUTS = (
@@ -44,6 +47,7 @@ INPUTS = (
 )
 """Topics that the page shows."""
 _TRAIL = 400  # most positions of a mark between two snapshots
+_STATIONS = 41  # depths at which the hole is drawn, and at each change of its radius
 _LARGEST = 1e6  # m
 _MOST_MARKS, _MOST_NODES = 200, 20_000
 _LONGEST_TEXT = 300
@@ -75,6 +79,7 @@ class PageState:
         self._time = 0.0
         self._scene: dict[str, Any] | None = None
         self._hole: Scene | None = None
+        self._weight = math.nan
         self._nodes: list[list[float]] = []
         self._marks: dict[str, dict[str, Any]] = {}
         self._trail: dict[str, list[list[float]]] = {}
@@ -114,6 +119,9 @@ class PageState:
                 "rps": rig.top_drive_speed / math.tau,
                 "torque": rig.top_drive_torque,
                 "bit_rps": rig.bit_speed / math.tau,
+                "bit_torque": rig.bit_torque,
+                "hookload": rig.hookload,
+                "drag": rig.hookload + rig.bit_force - self._weight,
             }
         elif topic == WHIRL_STATE:
             state = read_whirl_state(self._whirl_reader(raw))
@@ -155,13 +163,15 @@ class PageState:
         scene = parse_scene(read_string(raw), name=TWIN_SCENE)
         self._clear()
         self._hole = scene if scene.hole.survey else None
+        self._weight = string_weight(scene)
         marks = scene.string.marks
         self._scene = {
             "name": scene.name,
             "length": scene.length,
             "hole": scene.hole.radius,
-            "curved": bool(scene.hole.survey),
-            "pipe": max(0.5 * section.outer_diameter for section in scene.string.sections),
+            "well": well_geometry(scene, _STATIONS),
+            "string": string_steps(scene),
+            "walls": {mark.name: scene.hole.radius_at(scene.length - mark.distance_from_bit) for mark in marks},
             "clearance": {mark.name: scene.clearance_at(mark.distance_from_bit) for mark in marks},
             "wob": scene.rig.weight_on_bit.value,
             "rps": scene.rig.rotation.value / math.tau,

@@ -15,13 +15,10 @@ import numpy as np
 from plotly.offline import get_plotlyjs
 
 from drill_twin.base.arrays import Array
-from drill_twin.discretisation.discretise import axis_at, contact_radius
-from drill_twin.io.messages.geometry import default_exaggeration
-from drill_twin.model.survey import top_frame
-from drill_twin.model.wellbore_coordinates import transverse_axes
+from drill_twin.discretisation.discretise import contact_radius
 from drill_twin.report.figures.style import MARK_COLOURS
 from drill_twin.report.recording import Recording
-from drill_twin.scene import Scene
+from drill_twin.report.well_geometry import well_geometry, widest
 
 _POINTS, _SHAPE_POINTS = 160, 36_000
 """Most points of a shape, and of all shapes together."""
@@ -29,8 +26,6 @@ _SAMPLES = 30_000
 """Most samples of a mark's path."""
 _FULL = 16_000
 """Integer for the largest radius of the hole, or for the string's length."""
-_STATIONS = 101
-"""Depths at which the hole is given."""
 
 
 def view_data(recording: Recording) -> str:
@@ -49,7 +44,7 @@ def view_data(recording: Recording) -> str:
         "full": _FULL,
         "radius": radius,
         "length": length,
-        "well": _well(recording.scene),
+        "well": well_geometry(recording.scene),
         "pipe": contact_radius(recording.scene, np.clip(length + shapes[-1, :, 2], 0.0, length)).tolist(),
         "shapes": {
             "time": _times(recording.poses.time[times]),
@@ -66,53 +61,6 @@ def view_data(recording: Recording) -> str:
         "onset": onset.time_s if onset else None,
     }
     return json.dumps(data, allow_nan=False, separators=(",", ":"))
-
-
-def widest(scene: Scene) -> float:
-    """Largest radius of the hole [m]."""
-    return max(scene.hole.radius, *(interval.radius for interval in scene.hole.intervals), 0.0)
-
-
-def deviated(scene: Scene) -> bool:
-    """True for a curved or inclined hole, which is drawn as it is drilled; a vertical one is drawn in mm and m."""
-    return bool(scene.hole.survey) or scene.hole.top_inclination != 0.0
-
-
-def _well(scene: Scene) -> dict[str, Any]:
-    """Centre and transverse axes of the hole, and its radius, by measured depth, with a depth just above each step.
-
-    A deviated hole is in north, east and depth [m], with radii `factor` times as wide as they are. A vertical one is in
-    the frame `hole`, with x and y in mm, a factor of 1000.
-    """
-    edges = [at for interval in scene.hole.intervals for at in (interval.top, interval.bottom) if at < scene.length]
-    edge = np.array(edges)
-    at = (np.linspace(0.0, scene.length, _STATIONS), edge, edge[edge > 0.0] - 1e-6 * scene.length)
-    depth = np.unique(np.concatenate(at).round(6))
-    axis = axis_at(scene, depth)
-    if axis is None:
-        centre = np.stack((0.0 * depth, 0.0 * depth, -depth), axis=1)
-        across = tuple(np.tile(row, (depth.size, 1)) for row in np.eye(3)[:2])
-    else:
-        centre, across = axis.centre, transverse_axes(axis.tangent)
-    names, factor = ["x [mm]", "y [mm]", "z [m]"], 1e3
-    if deviated(scene):
-        hole = scene.hole
-        turn = top_frame(hole.top_inclination, hole.survey[0].azimuth if hole.survey else 0.0)
-        centre, across = centre @ turn, (across[0] @ turn, across[1] @ turn)
-        names = ["north [m]" if hole.survey else "along the section [m]", "east [m]" if hole.survey else "across [m]"]
-        names.append("vertical depth [m]")
-        factor = default_exaggeration(scene.length, hole.radius)
-    return {
-        "deviated": deviated(scene),
-        "names": names,
-        "factor": factor,
-        "depth": depth.tolist(),
-        "centre": centre.round(4).tolist(),
-        "x": across[0].round(6).tolist(),
-        "y": across[1].round(6).tolist(),
-        "hole": [scene.hole.radius_at(at) for at in depth.tolist()],
-        "rings": sorted({*np.linspace(0.0, scene.length, 6).tolist(), *edges}),
-    }
 
 
 def plotly_packed() -> str:

@@ -14,7 +14,7 @@ from typing import Any
 from drill_twin import __version__
 from drill_twin.io.messages.geometry import default_exaggeration
 from drill_twin.report.figures import CAPTIONS, OVER_TIME
-from drill_twin.report.interactive import deviated, plotly_packed, view_data
+from drill_twin.report.interactive import plotly_packed, view_data
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import (
     NOT_VALIDATED,
@@ -26,6 +26,7 @@ from drill_twin.report.text import (
     provenance,
     transient,
 )
+from drill_twin.report.well_geometry import deviated
 from drill_twin.scene import Scene
 
 _WIDTHS = (

@@ -7,6 +7,7 @@ import pytest
 
 from drill_twin.live.player import Player
 from drill_twin.report import read_recording
+from drill_twin.report.loads import loads, string_weight
 
 
 @pytest.fixture
@@ -42,3 +43,16 @@ def test_a_page_that_opens_at_the_end_begins_anew(player):
     player.on_request({"seek": player.beginning, "play": True})
     assert player.snapshot()["player"]["at"] < player.length
     assert player.snapshot()["player"]["playing"]
+
+
+def test_a_page_shows_the_loads_of_the_rig(player, bench_run):
+    recording = read_recording(bench_run.bag)
+    until(lambda: player.snapshot()["rig"])
+    picture = player.snapshot()
+    shown, rig = picture["rig"], recording.rig
+    k = int(abs(rig.hookload - shown["hookload"]).argmin())
+    assert rig.time[k] == pytest.approx(picture["time"], abs=0.05)
+    assert (shown["hookload"], shown["bit_torque"]) == (rig.hookload[k], rig.bit_torque[k])
+    assert shown["drag"] == rig.hookload[k] + rig.bit_force[k] - string_weight(recording.scene)
+    whole = loads(recording)["drag_n"]
+    assert whole["min"] <= shown["drag"] <= whole["max"]

@@ -17,6 +17,10 @@ from drill_twin.model.wellbore_coordinates import from_hole_coordinates, offsets
 _RING_SEGMENTS = 32
 
 
+Step = tuple[float, float, float]
+"""Begin, end and radius of an interval of one radius [m]."""
+
+
 @dataclass(frozen=True, eq=False)
 class StringGeometry:
     """Dimensions of a scene that the markers need."""
@@ -33,6 +37,10 @@ class StringGeometry:
     """Outer radius of the string [m], the largest where it changes."""
     hole_radius: float
     """Radius of the hole [m]."""
+    hole_steps: tuple[Step, ...] = ()
+    """Hole by measured depth; empty: of one radius."""
+    string_steps: tuple[Step, ...] = ()
+    """String by distance from the bit, blades and joints included; empty: of one radius."""
     contact_force: float = 10.0
     """Wall force [N] drawn half way between the colours of light and hard contact."""
     node_distances: Array | None = None
@@ -41,6 +49,20 @@ class StringGeometry:
     """Axis of a curved hole at measured depths [m]; None where it is straight."""
     frame_prefix: str = ""
     """Put before the names of all frames, so that two twins can share a tf tree."""
+
+    @property
+    def holes(self) -> tuple[Step, ...]:
+        """Intervals of the hole."""
+        return self.hole_steps or ((0.0, self.length, self.hole_radius),)
+
+    @property
+    def strings(self) -> list[tuple[slice, float]]:
+        """Nodes of each interval of the string, ends included, and its radius [m]."""
+        if not self.string_steps or self.node_distances is None:
+            return [(slice(0, self.node_count), self.outer_radius)]
+        ends = [int(np.abs(self.node_distances - end).argmin()) for _, end, _ in self.string_steps]
+        spans = zip([0, *ends[:-1]], ends, self.string_steps, strict=True)
+        return [(slice(begin, end + 1), radius) for begin, end, (_, _, radius) in spans if end > begin]
 
     @property
     def frame_id(self) -> str:
@@ -78,14 +100,17 @@ class ExaggeratedGeometry:
         drawn: Array = positions * self._scale
         return drawn if self._marks is None else from_hole_coordinates(self._marks, drawn)
 
-    def rings(self, depths: Array) -> Array:
-        """Line segments of circles at the wall, at measured depths [m]; shape (2 x segments, 3)."""
+    def rings(self, depths: Array, radii: Array) -> Array:
+        """Line segments of circles at measured depths, with these radii [m]; shape (2 x segments, 3)."""
         angle = np.linspace(0.0, math.tau, _RING_SEGMENTS + 1)
-        circle = self._factor * self._geometry.hole_radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+        circle = np.stack((np.cos(angle), np.sin(angle)), axis=1)
         segments = np.stack((circle[:-1], circle[1:]), axis=1).reshape(-1, 2)
+        wide = self._factor * radii[:, None, None] * segments
         if self._geometry.axis_at is None:
-            return np.concatenate([np.insert(segments, 2, -depth, axis=1) for depth in depths])
+            return np.concatenate(
+                [np.insert(ring, 2, -depth, axis=1) for ring, depth in zip(wide, depths, strict=True)]
+            )
         axis = self._geometry.axis_at(depths)
         ex, ey = transverse_axes(axis.tangent)
-        x, y = segments[None, :, 0:1], segments[None, :, 1:2]
-        return (axis.centre[:, None] + x * ex[:, None] + y * ey[:, None]).reshape(-1, 3)
+        round_axis: Array = axis.centre[:, None] + wide[..., 0:1] * ex[:, None] + wide[..., 1:2] * ey[:, None]
+        return round_axis.reshape(-1, 3)

@@ -48,12 +48,19 @@ class MarkerArrayTemplate:
         self._half_force = geometry.contact_force
         nodes, marks = geometry.node_count, len(geometry.mark_names)
         frame_id = geometry.frame_id
-        line, centres = sentinels(3 * nodes, 1), sentinels(3 * marks, 2)
+        self._strings = [part for part, _ in geometry.strings]
+        lines = [sentinels(3 * len(range(*part.indices(nodes))), 10 + k) for k, part in enumerate(self._strings)]
+        centres = sentinels(3 * marks, 2)
         spots, colours = sentinels(3 * nodes, 3), sentinels(4 * nodes, 4, np.float32)
         thickness = 2.0 * exaggeration * geometry.outer_radius
         mark_size = max(1.5 * thickness, 0.01 * geometry.length)
         markers = [
-            _marker(frame_id, "string", 0, _LINE_STRIP, _STEEL, (thickness, 0.0, 0.0), points=line),
+            *(
+                _marker(
+                    frame_id, "string", k, _LINE_STRIP, _STEEL, (2.0 * exaggeration * radius, 0.0, 0.0), points=line
+                )
+                for k, (line, (_, radius)) in enumerate(zip(lines, geometry.strings, strict=True))
+            ),
             *_hole(geometry, self._drawn_geometry, exaggeration),
             *(
                 _marker(frame_id, "marks", i, _SPHERE, _MARKS[i % len(_MARKS)], (mark_size,) * 3, position=centre)
@@ -65,7 +72,7 @@ class MarkerArrayTemplate:
             _label(geometry, exaggeration),
         ]
         self._template = Template(message(MARKER_ARRAY, markers=markers), MARKER_ARRAY)
-        self._line = self._template.view(line).reshape(nodes, 3)
+        self._lines = [self._template.view(line).reshape(-1, 3) for line in lines]
         self._marks = [self._template.view(centre) for centre in centres.reshape(marks, 3)]
         self._spots = self._template.view(spots).reshape(nodes, 3)
         self._colours = self._template.view(colours).reshape(nodes, 4)
@@ -81,7 +88,8 @@ class MarkerArrayTemplate:
                 fixed: nodes without contact are drawn transparent, at the top clamp.
         """
         drawn = self._drawn_geometry.nodes(positions)
-        self._line[:] = drawn
+        for line, part in zip(self._lines, self._strings, strict=True):
+            line[:] = drawn[part]
         for view, mark in zip(self._marks, self._drawn_geometry.marks(mark_positions), strict=True):
             view[:] = mark
         touching = wall_force > 0.0
@@ -95,26 +103,30 @@ class MarkerArrayTemplate:
 
 
 def _hole(geometry: StringGeometry, drawn_geometry: ExaggeratedGeometry, exaggeration: float) -> list[Any]:
-    """Transparent wall, with rings at both ends, at every mark, and along a curved hole."""
-    radius, length = exaggeration * geometry.hole_radius, geometry.length
-    depths = {0.0, length, *(length - distance for distance in geometry.mark_distances)}
-    if geometry.axis_at is None:
-        middle = np.array((0.0, 0.0, -0.5 * length))
-        wall = _marker(
-            geometry.frame_id, "hole", 0, _CYLINDER, _ROCK, (2.0 * radius, 2.0 * radius, length), position=middle
-        )
-    else:
-        along = np.linspace(0.0, length, _JOINTS)
-        depths |= set(along.tolist())
-        centres = geometry.axis_at(along).centre
-        wall = _marker(
-            geometry.frame_id, "hole", 0, _LINE_STRIP, _ROCK, (2.0 * radius, 0.0, 0.0), points=centres.ravel()
-        )
-    rings = drawn_geometry.rings(np.array(sorted(depths)))
-    return [
-        wall,
-        _marker(geometry.frame_id, "hole", 1, _LINE_LIST, _RING, (0.05 * radius, 0.0, 0.0), points=rings.ravel()),
+    """Transparent wall (0, and 2 on for further radii), and rings (1): at steps, marks, and along a curved hole."""
+    length, steps = geometry.length, geometry.holes
+    walls = []
+    for k, (top, bottom, radius) in enumerate(steps):
+        wide, number = 2.0 * exaggeration * radius, k and k + 1
+        if geometry.axis_at is None:
+            middle, scale = np.array((0.0, 0.0, -0.5 * (top + bottom))), (wide, wide, bottom - top)
+            walls.append(_marker(geometry.frame_id, "hole", number, _CYLINDER, _ROCK, scale, position=middle))
+        else:
+            joints = max(2, round(_JOINTS * (bottom - top) / length))
+            points = geometry.axis_at(np.linspace(top, bottom, joints)).centre.ravel()
+            walls.append(
+                _marker(geometry.frame_id, "hole", number, _LINE_STRIP, _ROCK, (wide, 0.0, 0.0), points=points)
+            )
+    along = {0.0, length, *(length - distance for distance in geometry.mark_distances)}
+    if geometry.axis_at is not None:
+        along |= set(np.linspace(0.0, length, _JOINTS).tolist())
+    ring = [
+        (depth, radius) for top, bottom, radius in steps for depth in {top, bottom, *along} if top <= depth <= bottom
     ]
+    depths, radii = np.array(sorted(set(ring))).T
+    rings, thin = drawn_geometry.rings(depths, radii), 0.05 * exaggeration * geometry.hole_radius
+    lines = _marker(geometry.frame_id, "hole", 1, _LINE_LIST, _RING, (thin, 0.0, 0.0), points=rings.ravel())
+    return [walls[0], lines, *walls[1:]]
 
 
 def _label(geometry: StringGeometry, exaggeration: float) -> Any:

@@ -13,6 +13,7 @@ from drill_twin.io.messages.geometry import ExaggeratedGeometry, StringGeometry
 from drill_twin.io.messages.markers import MarkerArrayTemplate
 from drill_twin.io.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
+from drill_twin.io.scene_geometry import hole_steps, string_steps
 from drill_twin.live.page_state import PageState
 from drill_twin.model.survey import survey
 from drill_twin.model.wellbore import axis_offset, distance_along
@@ -113,7 +114,7 @@ hole:
 """
 
 
-def test_the_page_of_watch_draws_the_string_along_the_hole_and_says_so():
+def test_the_page_of_watch_has_the_string_along_the_hole_and_the_hole_as_it_is_drilled():
     page = PageState()
     scene = parse_scene(CURVED, name="curved")
     page.update(TWIN_SCENE, encode_string(scene.to_yaml()))
@@ -122,8 +123,63 @@ def test_the_page_of_watch_draws_the_string_along_the_hole_and_says_so():
     assert np.abs(nodes[:, 0]).max() > 0.5  # far more than the hole is wide
     page.update(STRING_POSES, PoseArrayTemplate(11).fill(10**9, nodes, np.tile([0.0, 0.0, 0.0, 1.0], (11, 1))))
     picture = page.snapshot()
-    assert picture["scene"]["curved"] is True
+    well = picture["scene"]["well"]
+    assert well["deviated"]
+    radius = 5.0 / np.radians(20.0)
+    angle = np.radians(20.0)
+    assert well["centre"][-1] == pytest.approx([radius * (1.0 - np.cos(angle)), 0.0, radius * np.sin(angle)], abs=1e-3)
+    assert picture["scene"]["string"] == ((0.0, 5.0, 0.00825),)
+    assert set(picture["scene"]["walls"].values()) == {0.09}
     np.testing.assert_allclose(np.array(picture["nodes"])[:, :2], 0.0, atol=1e-6)
     np.testing.assert_allclose(np.array(picture["nodes"])[:, 2], -np.linspace(5.0, 0.0, 11), atol=1e-3)
     page.update(TWIN_SCENE, encode_string(load_scene("pa6_bench").to_yaml()))
-    assert page.snapshot()["scene"]["curved"] is False
+    assert not page.snapshot()["scene"]["well"]["deviated"]
+
+
+STEPS = {
+    "hole.intervals": "[{top: 1 m, bottom: 2 m, radius: 120 mm}]",
+    "string.sections": str([
+        {"length": f"{length} m", "outer_diameter": "16.5 mm", "youngs_modulus": "2.8 GPa", "poisson_ratio": 0.4,
+         "density": "1140 kg/m^3", **more}
+        for length, more in ((1, {"blade_diameter": "60 mm"}), (4, {"joints": {"spacing": "2 m", "length": "0.5 m",
+         "diameter": "30 mm"}}))
+    ]),
+}  # fmt: skip
+
+
+def test_hole_and_string_have_their_radius_at_every_depth():
+    scene = load_scene("pa6_bench", overrides=STEPS)
+    assert hole_steps(scene) == ((0.0, 1.0, 0.09), (1.0, 2.0, 0.12), (2.0, 5.0, 0.09))
+    assert string_steps(scene) == tuple(
+        (pytest.approx(begin), pytest.approx(end), pytest.approx(radius))
+        for begin, end, radius in ((0, 1, 0.03), (1, 2.5, 0.00825), (2.5, 3, 0.015), (3, 4.5, 0.00825), (4.5, 5, 0.015))
+    )
+    arc = np.linspace(0.0, 5.0, 11)
+    geometry = StringGeometry(
+        11, (), (), 5.0, 0.03, 0.09, hole_steps=hole_steps(scene), string_steps=string_steps(scene), node_distances=arc
+    )
+    nodes = np.stack((0.01 * arc, 0.0 * arc, arc - 5.0), axis=1)
+    raw = MarkerArrayTemplate(geometry, 2.0).fill(0, nodes, np.zeros((0, 3)), np.zeros(11))
+    markers = deserialize(raw, MARKER_ARRAY).markers
+    walls = [m for m in markers if m.ns == "hole" and m.type == 3]
+    assert sorted((m.pose.position.z, m.scale.x, m.scale.z) for m in walls) == [
+        (-3.5, 0.36, 3.0), (-1.5, 0.48, 1.0), (-0.5, 0.36, 1.0),
+    ]  # fmt: skip
+    strings = [m for m in markers if m.ns == "string"]
+    assert [m.scale.x for m in strings] == pytest.approx([0.12, 0.033, 0.06, 0.033, 0.06])
+    assert [(m.points[0].z, m.points[-1].z) for m in strings] == [
+        (-5, -4),
+        (-4, -2.5),
+        (-2.5, -2),
+        (-2, -0.5),
+        (-0.5, 0),
+    ]
+    assert all(p.x == pytest.approx(0.02 * (p.z + 5.0)) for m in strings for p in m.points)
+    assert len({(m.ns, m.id) for m in markers}) == len(markers)
+
+
+def test_thousands_of_joints_are_one_interval():
+    joints = {"spacing": "10 mm", "length": "5 mm", "diameter": "30 mm"}
+    section = {"length": "5 m", "outer_diameter": "16.5 mm", "youngs_modulus": "2.8 GPa", "poisson_ratio": 0.4,
+               "density": "1140 kg/m^3", "joints": joints}  # fmt: skip
+    assert string_steps(load_scene("pa6_bench", overrides={"string.sections": str([section])})) == ((0.0, 5.0, 0.015),)
