@@ -30,7 +30,7 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs test test-long faults faults-seeded kills soak fuzz day random-scenes browser bench peers check clean
+.PHONY: help setup setup-test demo docs test test-long faults faults-seeded kills soak fuzz day random-scenes fit-coverage browser bench peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
@@ -44,6 +44,7 @@ help:
 	@echo 'make fuzz       10 000 damaged scenes, tables, bags and checkpoints, 12 000 truncations and flips, bombs'
 	@echo 'make random-scenes  10 000 random scenes: finite, in the hole, energy accounted for; goes on where it was broken off'
 	@echo 'make day        a day of simulated rotation; goes on where it was broken off'
+	@echo 'make fit-coverage  90 % intervals of 200 random twins; goes on where it was broken off'
 	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
 	@echo 'make bench      speed of the kernel: by effect, by elements, and against earlier runs'
 	@echo 'make peers      drill_twin beside PyElastica, Exudyn and MuJoCo (installs them; half an hour)'
@@ -148,6 +149,9 @@ random-scenes: setup-test
 
 day: setup-test
 	@nice $(PYTHON) test/studies/stress/day.py
+
+fit-coverage: setup-test
+	@nice $(PYTHON) test/fitting/interval_coverage.py 200 out/fit_coverage.jsonl
 
 browser: setup-test
 	@$(PYTEST) test/ros/test_live_page.py -q -m 'long or not long'

@@ -3,6 +3,7 @@
 
 from drill_twin.api.ensemble import Ensemble
 from drill_twin.api.maps import operating_map
+from drill_twin.api.parameter_fit import fit
 from drill_twin.api.recorded_run import Rerun, rerun
 from drill_twin.api.result import Cost, Result, read_bag
 from drill_twin.api.rotordynamics import branches, campbell, growth_map, modes, whirl_states
@@ -22,6 +23,7 @@ from drill_twin.errors import (
     StoppedError,
     TableError,
 )
+from drill_twin.fitting import Posterior, Record, read_record
 from drill_twin.maps import OperatingMap, Regime, read_map
 from drill_twin.scene import Scene
 from drill_twin.whirl import AnalysisError, MotionState, Onset, Summary
@@ -39,6 +41,8 @@ __all__ = [
     "MotionState",
     "Onset",
     "OperatingMap",
+    "Posterior",
+    "Record",
     "Regime",
     "Rerun",
     "Result",
@@ -56,6 +60,7 @@ __all__ = [
     "build_scene",
     "campbell",
     "check_scene",
+    "fit",
     "growth_map",
     "load_scene",
     "modes",
@@ -63,6 +68,7 @@ __all__ = [
     "override",
     "read_bag",
     "read_map",
+    "read_record",
     "rerun",
     "scene_names",
     "statics",

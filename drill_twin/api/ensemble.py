@@ -76,8 +76,8 @@ class Ensemble:
 
         Args:
             duration: Simulated time [s]; left out: to the end of the base scene.
-            outputs: Of "findings", "extremes", "contact", "marks", "spectra" and "energy".
-            mark_rate: Samples of "marks" per simulated second [Hz], at most the frame rate.
+            outputs: Of "findings", "extremes", "contact", "marks", "channels", "spectra" and "energy".
+            mark_rate: Samples of "marks" and "channels" per simulated second [Hz], at most the frame rate.
             workers: Threads; by default one for each processor core.
             progress: Called with the number of members that have ended and of all.
 

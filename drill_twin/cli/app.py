@@ -10,6 +10,7 @@ import typer
 from drill_twin import __version__
 from drill_twin.cli.bags import analyze, report
 from drill_twin.cli.doctor import doctor
+from drill_twin.cli.fit import fit
 from drill_twin.cli.load import load
 from drill_twin.cli.modes import modes
 from drill_twin.cli.new import new
@@ -60,6 +61,7 @@ app.command(rich_help_panel=_RUN)(run)
 app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
 app.command(rich_help_panel=_RUN)(rerun)
+app.command(rich_help_panel=_RUN)(fit)
 app.command(rich_help_panel=_RUN)(watch)
 app.command(rich_help_panel=_RUN)(statics)
 app.command(rich_help_panel=_RUN)(modes)

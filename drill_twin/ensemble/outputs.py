@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Outputs of a member, gathered chunk by chunk in memory that does not grow with the duration, except for `marks`."""
+"""Outputs of a member, gathered chunk by chunk; but for `marks` and `channels` memory does not grow with the run."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import tubes_of
 from drill_twin.errors import ArgumentError
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.scene_geometry import mark_infos
+from drill_twin.model.mesh import SPIN
 from drill_twin.twin.bending_stress import bending_stress
 from drill_twin.twin.frame_kernel import Rows
 from drill_twin.twin.observer import RigRows, rig_rows
@@ -22,6 +24,8 @@ from drill_twin.whirl import Analyzer, BitOnlyAnalyzer, Summary
 
 SEGMENT = 1024
 """Frames of a segment of a spectrum."""
+_CHANNEL_UNITS = {"top_drive_torque": "N m", "motor_torque": "N m", "bit_torque": "N m", "top_drive_speed": "rad/s",
+                  "bit_speed": "rad/s"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -125,6 +129,41 @@ class Marks(Collector):
         return {
             "time": Variable(np.round(self._time, 9), ("sample",), "s"),
             "centre": Variable(self._centre, ("sample", "mark", "axis"), "m"),
+        }
+
+
+class Channels(Collector):
+    """Channels that a rig measures, each the mean since the last sample; `motor_torque` is with the drive's inertia."""
+
+    def __init__(self, twin: Twin, request: Request) -> None:
+        super().__init__(twin, request)
+        self._rows: list[Array] = []
+        self._speeds = np.array((twin.unknowns[1][-1, SPIN], twin.unknowns[1][0, SPIN]))
+
+    def add(self, rows: Rows, rig: RigRows) -> None:
+        """Add the frames: means of the forces as they are, of the speeds from those at their ends."""
+        drive = self.twin.scene.rig.top_drive
+        speeds = np.column_stack((self._speeds, (rig.top_drive_speed, rig.bit_speed)))
+        top, bit = 0.5 * (speeds[:, 1:] + speeds[:, :-1])
+        motor = rig.top_drive_torque + drive.inertia * np.diff(speeds[0]) / self.request.period + drive.damping * top
+        self._speeds = speeds[:, -1]
+        means = rig._replace(top_drive_speed=top, bit_speed=bit)
+        self._rows.append(np.array((rows.time, *means, motor)))
+
+    def close(self) -> Mapping[str, Variable]:
+        """Times of the ends of the samples, and values by channel."""
+        every, samples = self.request.every, self.request.frames // self.request.every
+        table = np.full((len(RigRows._fields) + 2, samples), np.nan)
+        frames = np.concatenate(self._rows, axis=1)
+        count = frames.shape[1] // every
+        parts = frames[:, : count * every].reshape(len(table), count, every)
+        table[:, :count] = parts.mean(axis=2)
+        table[0, :count] = parts[0, :, -1]
+        time, *values = table
+        names = (*RigRows._fields, "motor_torque")
+        return {"time": Variable(np.round(time, 9), ("sample",), "s")} | {
+            name.replace("top_drive_torque", "torque"): Variable(value, ("sample",), _CHANNEL_UNITS.get(name, "N"))
+            for name, value in zip(names, values, strict=True)
         }
 
 
@@ -283,6 +322,7 @@ OUTPUTS: Mapping[str, type[Collector]] = {
     "contact": Contact,
     "last_half": LastHalf,
     "marks": Marks,
+    "channels": Channels,
     "spectra": Spectra,
     "energy": Energy,
 }

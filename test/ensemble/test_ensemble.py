@@ -171,7 +171,7 @@ def test_bad_members_are_refused(vary, more, text):
 @pytest.mark.parametrize(
     ("more", "text"),
     [
-        ({"outputs": "colour"}, "outputs: expected some of findings, extremes, contact, last_half, marks, spectra"),
+        ({"outputs": "colour"}, "outputs: expected some of findings, extremes, contact, last_half, marks, channels"),
         ({"outputs": "energy"}, "outputs: expected numerics.audit: energy in the scene for `energy`, found none"),
         ({"duration": -1}, "duration: expected a time above 0 s, found -1 s"),
         ({"mark_rate": 1000}, "mark_rate: expected up to the frame rate of 100 Hz, found 1000 Hz"),

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fit of a scene's numbers to a record (docs/fit.md)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drill_twin.api.ensemble import Ensemble
+from drill_twin.api.quantity import Quantity, in_si
+from drill_twin.api.scenes import Overrides, as_scene, override
+from drill_twin.base.arrays import Array
+from drill_twin.errors import ArgumentError, RunError
+from drill_twin.fitting import LIKELIHOODS, Posterior, Record, Sampling, read_record, sample
+from drill_twin.fitting.posterior import full_key
+from drill_twin.scene import Scene
+from drill_twin.units.dimension import FREQUENCY, TIME
+
+LOGARITHMIC = 20.0
+"""Ratio of a range's ends from which the prior is uniform in the logarithm."""
+
+
+def fit(
+    record: Record | str | Path,
+    scene: Scene | str | Path,
+    free: Mapping[str, str | tuple[float, float]],
+    *,
+    channels: Sequence[str] = (),
+    overrides: Overrides | None = None,
+    likelihood: str = "series",
+    start: Quantity = 0.0,
+    end: Quantity | None = None,
+    rate: Quantity = 20.0,
+    window: Quantity = 5.0,
+    members: int = 64,
+    rounds: int = 12,
+    effective: float = 100.0,
+    seed: int = 1,
+    workers: int | None = None,
+    progress: Callable[[int, Sampling], None] = lambda *_: None,
+) -> Posterior:
+    """Find the numbers of a scene that explain a record, and how well the record determines them.
+
+    >>> found = fit("rig.csv", "two_mass", {"bit_torque_stribeck.sticking": "0.4..1.2"}, channels=["bit_speed=rpm:rpm"])
+    >>> found.best, found.undetermined, found.scene_text()
+
+    Args:
+        record: Record, or a CSV or MAT file or a bag with `channels`.
+        scene: The scene; its set-points should be those of the record (`rig.table`).
+        free: Range of each number by key: "0.05..0.5", with units where they are needed ("1 s/m..1e3 s/m"), or SI.
+            The prior is uniform, in the logarithm if the ends are positive and differ by a factor of 20 or more.
+        channels: Columns of a file, as `drill_twin.fitting.record.channel_column` parses them; names of those of a bag.
+        overrides: Values that replace those of the scene.
+        likelihood: "series", or "features" of windows, where the phase of the motion is not determined.
+        start: Time from which record and runs are compared [s].
+        end: Time to which they are, and length of the runs [s]; left out: the end of the scene.
+        rate: Samples that are compared per second [Hz].
+        window: Length of a window of "features" [s].
+        members: Runs of a round.
+        rounds: Rounds at most.
+        effective: Effective number of draws with which it ends.
+        seed: Of the draws.
+        workers: Threads; by default one for each processor core.
+        progress: Called after each round with its number and the draws so far.
+
+    Raises:
+        ArgumentError: An argument cannot be used.
+        SceneError: A range does not fit the scene.
+        TableError: The record cannot be read.
+        BagError: The bag cannot be read.
+        RunError: No run could be followed to the end.
+    """
+    base = as_scene(scene, overrides)
+    found = record if isinstance(record, Record) else read_record(record, channels)
+    ranges = {key: _range(base, key, given) for key, given in free.items()}
+    if not ranges or likelihood not in LIKELIHOODS:
+        raise ArgumentError(
+            f"fit: expected a range of at least one number and a likelihood of {', '.join(LIKELIHOODS)}, "
+            f"found {len(ranges)} and {likelihood!r}"
+        )
+    length = base.rig.duration if end is None else in_si("end", end, TIME)
+    frequency, first = in_si("rate", rate, FREQUENCY), in_si("start", start, TIME)
+    batches: list[dict[str, Array]] = []
+    time: Array = np.zeros(0)
+    measured: dict[str, Array] = {}
+    failed = 0
+
+    def evaluate(cube: Array) -> Array:
+        nonlocal time, measured, failed
+        drawn = in_ranges(cube, ranges)
+        vary = {key: drawn[:, place].tolist() for place, key in enumerate(ranges)}
+        runs = Ensemble(base, vary, zipped=True).run(
+            length, outputs=("channels",), mark_rate=frequency, workers=workers
+        )
+        failed += len(runs.failed)
+        if not measured:
+            time = runs["time"][runs["time"] >= first]
+            measured = {channel: found.at(channel, time) for channel in found.series}
+        batches.append({channel: runs[channel][:, -time.size :] for channel in measured})
+        merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
+        period = 1.0 / frequency
+        result = LIKELIHOODS[likelihood](measured, merged, period, in_si("window", window, TIME))
+        if not np.isfinite(result).any():
+            raise RunError(
+                f"fit: no run of {failed} could be followed to {length:g} s: {next(iter(runs.failed.values()))}"
+            )
+        return np.where(np.isfinite(result), result, -np.inf)
+
+    sampling = sample(
+        evaluate, len(ranges), members=members, rounds=rounds, effective=effective, seed=seed, done=progress
+    )
+    merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
+    return Posterior(base, ranges, in_ranges(sampling.cube, ranges), sampling, found, time, measured, merged, failed)
+
+
+def in_ranges(cube: Array, ranges: Mapping[str, tuple[float, float]]) -> Array:
+    """Values [SI] at positions in the unit cube, both of shape (N, d)."""
+    columns = []
+    for position, (low, high) in zip(cube.T, ranges.values(), strict=True):
+        logarithmic = low > 0.0 and high >= LOGARITHMIC * low
+        columns.append(low * (high / low) ** position if logarithmic else low + (high - low) * position)
+    return np.array(columns).T
+
+
+def _range(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[float, float]:
+    """Ends of a range [SI], read as the scene reads them."""
+    ends = given.split("..") if isinstance(given, str) else given
+    if len(ends) != 2:
+        raise ArgumentError(f'{key}: expected a range as "0.05..0.5", found {given!r}')
+    place = full_key(key, scene)
+    values = []
+    for end in ends:
+        value: Any = override(scene, {place: end.strip() if isinstance(end, str) else end})
+        for part in place.split("."):
+            value = value[int(part)] if part.isdigit() else getattr(value, part)
+        values.append(value)
+    low, high = values
+    if not all(isinstance(value, int | float) and math.isfinite(value) for value in values) or not low < high:
+        raise ArgumentError(f"{key}: expected a lower and a higher number, found {given!r}")
+    return float(low), float(high)

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin fit`: numbers of a scene from a record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption, SetOption, overrides
+
+if TYPE_CHECKING:
+    from drill_twin.fitting import Posterior, Sampling
+
+
+def fit(
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="A CSV or MAT file, or a bag of a twin.")],
+    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="Installed scene or scene file.")],
+    free: Annotated[
+        list[str],
+        typer.Option(
+            "--free", metavar="KEY=LO..HI", help='Range of a number, as "wall_friction.coefficient=0.05..0.5".'
+        ),
+    ],
+    channel: Annotated[
+        list[str],
+        typer.Option(
+            "--channel", metavar="NAME=COLUMN:UNIT", help='Column, as "bit_speed=Bit_Speed:rpm"; of a bag NAME.'
+        ),
+    ],
+    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    likelihood: Annotated[str, typer.Option("--likelihood", help="series, or features of windows.")] = "series",
+    start: Annotated[str, typer.Option("--from", metavar="TIME", help="Start of the comparison.")] = "0 s",
+    end: Annotated[str, typer.Option("--to", metavar="TIME", help="Its end, and the end of the runs.")] = "",
+    rate: Annotated[str, typer.Option("--rate", metavar="FREQUENCY", help="Samples compared per second.")] = "20 Hz",
+    window: Annotated[str, typer.Option("--window", metavar="TIME", help="Length of a window of features.")] = "5 s",
+    members: Annotated[int, typer.Option("--members", min=8, help="Runs of a round.")] = 64,
+    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds at most.")] = 12,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Write fit.json, fitted.yaml and fit.png to this folder."),
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
+    import drill_twin as dt
+    from drill_twin.cli.show import err, print_json
+    from drill_twin.errors import SceneError
+
+    ranges = dict(_range(text) for text in free)
+
+    def told(number: int, found: Sampling) -> None:
+        power = "" if found.power == 1.0 else f", likelihood to the power {found.power:.2g}"
+        err().print(
+            f"round {number}: {found.effective:.0f} effective draws of {len(found.weights)}{power}", markup=False
+        )
+
+    try:
+        found = dt.fit(
+            record, scene, ranges, channels=channel, overrides=overrides(change), likelihood=likelihood,
+            start=start, end=end or None, rate=rate, window=window, members=members, rounds=rounds, seed=seed,
+            progress=told,
+        )  # fmt: skip
+    except ValueError as error:
+        raise SceneError(str(error)) from error
+    if json:
+        print_json(found.to_dict())
+    else:
+        _show(found)
+    if out is not None:
+        _write(found, scene, out)
+
+
+def _range(text: str) -> tuple[str, str]:
+    from drill_twin.errors import SceneError
+
+    key, equals, ends = text.partition("=")
+    if not equals or ".." not in ends:
+        raise SceneError(f'--free: expected KEY=LO..HI, found "{text}"')
+    return key.strip(), ends
+
+
+def _show(found: Posterior) -> None:
+    from drill_twin.cli.show import grid, out
+
+    rows = []
+    for key in found.ranges:
+        inside = [f"{found.quantile(key, share):.4g}" for share in (0.05, 0.5, 0.95)]
+        rows.append((key, f"{found.best[key]:.4g}", *inside))
+    heading = ("number (SI)", "best", "5 %", "median", "95 %")
+    out().print(grid(heading, rows, title=f"{found.scene.name}: {len(found.values)} runs", right=(1, 2, 3, 4)))
+    if found.sampling.power < 1.0:
+        told = "the draws are still wider than the record allows; more --rounds narrow the intervals"
+        out().print(told, style="yellow", markup=False, soft_wrap=True)
+    for line in found.undetermined:
+        out().print(f"not determined: {line}", markup=False, soft_wrap=True)
+
+
+def _write(found: Posterior, scene: str, folder: Path) -> None:
+    from drill_twin.cli.folder import make_folder, write_file
+    from drill_twin.cli.show import err
+    from drill_twin.fitting.figure import fit_figure
+    from drill_twin.report.figures.style import save
+    from drill_twin.studies.json_io import json_text
+
+    make_folder(folder)
+    base = str(Path(scene).resolve()) if Path(scene).is_file() else scene
+    write_file(folder / "fit.json", json_text(found.to_dict()))
+    write_file(folder / "fitted.yaml", found.scene_text(base))
+    save(fit_figure(found), folder / "fit.png")
+    err().print(f"{folder}: fit.json, fitted.yaml, fit.png", markup=False, soft_wrap=True)

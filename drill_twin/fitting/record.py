@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Records to fit to: channels of a rig over time, in SI, from a CSV or MAT file or a bag."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.errors import ArgumentError, TableError
+from drill_twin.schedule.reading import read_columns
+from drill_twin.units import Dimension, UnitError, factor_of
+from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME, TORQUE
+
+CHANNELS: Mapping[str, Dimension] = {
+    "torque": TORQUE,
+    "motor_torque": TORQUE,
+    "top_drive_speed": ANGULAR_SPEED,
+    "bit_speed": ANGULAR_SPEED,
+    "bit_torque": TORQUE,
+    "bit_force": FORCE,
+    "hookload": FORCE,
+}
+"""Channels that a run computes (`drill_twin.ensemble.outputs.Channels`), and their dimensions."""
+_OF_BAG = {name: "top_drive_torque" if name == "torque" else name for name in CHANNELS if name != "motor_torque"}
+_IN_HEADER = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$")
+
+
+class ChannelColumn(NamedTuple):
+    """Column of a record."""
+
+    channel: str
+    column: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class Record:
+    """Channels over time.
+
+    Attributes:
+        source: Where it is from.
+        series: Time [s] and values [SI] by channel, each of shape (rows,).
+    """
+
+    source: str
+    series: Mapping[str, tuple[Array, Array]]
+
+    def at(self, channel: str, time: Array) -> Array:
+        """Means over the spacing before each of equally spaced times [s], as of a run; linear in a coarser record.
+
+        Raises:
+            ArgumentError: The record has no values over a part of the times.
+        """
+        stamps, values = self.series[channel]
+        spacing = float(time[1] - time[0])
+        if time[0] < stamps[0] - spacing or time[-1] > stamps[-1] + spacing:
+            raise ArgumentError(
+                f"{self.source}: expected {channel} from {time[0]:g} s to {time[-1]:g} s, "
+                f"found {stamps[0]:g} s to {stamps[-1]:g} s; choose another window"
+            )
+        if np.median(np.diff(stamps)) > 0.5 * spacing:
+            return np.interp(time - 0.5 * spacing, stamps, values)
+        edges = np.clip(np.append(time - spacing, time[-1]), stamps[0], stamps[-1])
+        total = np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(stamps))))
+        means: Array = np.diff(np.interp(edges, stamps, total)) / np.diff(edges)
+        return means
+
+
+def channel_column(text: str) -> ChannelColumn:
+    """Parse `CHANNEL=COLUMN:UNIT`; the unit may stand in brackets at the end of the column's name instead.
+
+    Raises:
+        ArgumentError: Another form, an unknown channel, or no unit.
+    """
+    channel, equals, rest = text.partition("=")
+    if not equals or (channel not in CHANNELS and channel != "time"):
+        raise ArgumentError(f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(CHANNELS)}, found "{text}"')
+    column, _, unit = rest.rpartition(":")
+    if not column:
+        found = _IN_HEADER.search(rest)
+        if found is None:
+            raise ArgumentError(f'channel: expected a unit, as in "{channel}={rest}:UNIT", found "{text}"')
+        column, unit = rest, found.group(1)
+    return ChannelColumn(channel, column, unit)
+
+
+def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, start: float = 0.0) -> Record:
+    """Read channels of a CSV or MAT file, or of `/rig/state` of a bag.
+
+    Args:
+        path: The file; a bag may be a folder.
+        columns: Names of channels of a bag; of a file column and unit of each channel and of `time`, as
+            `channel_column` parses them. Without `time`, it is the column whose name begins with "time" or "t_", in s.
+        start: Time in the record that is time zero of the scene [s].
+
+    Raises:
+        TableError: No such file or column, or a unit of another dimension.
+        ArgumentError: No channel, or one that a bag does not hold.
+        BagError: The bag cannot be read.
+    """
+    file = Path(path)
+    if not columns:
+        raise ArgumentError("channel: expected at least one, as bit_speed=COLUMN:rpm, found none")
+    if file.is_dir() or file.suffix in {".mcap", ".db3"}:
+        return _of_bag(file, columns, start)
+    found = read_columns(file)
+    wanted = {item.channel: item for item in (channel_column(c) if isinstance(c, str) else c for c in columns)}
+    if "time" not in wanted:
+        names = [name for name in found if re.match(r"(time|t_|t$)", name, re.IGNORECASE)]
+        if len(names) != 1:
+            raise TableError(f'{file}: expected one column of time, found {len(names)}; give it as "time=COLUMN:s"')
+        wanted["time"] = ChannelColumn("time", names[0], "s")
+    values = {channel: _si(file, found, item) for channel, item in wanted.items()}
+    time = values.pop("time") - start
+    return Record(str(file), {channel: _present(file, channel, time, column) for channel, column in values.items()})
+
+
+def _of_bag(path: Path, channels: Sequence[str | ChannelColumn], start: float) -> Record:
+    from drill_twin.io.bag.files import bag_path
+    from drill_twin.report.recording import Recording
+    from drill_twin.report.selection import Selection, open_bag
+
+    for channel in channels:
+        if channel not in _OF_BAG:
+            raise ArgumentError(f"channel: expected of a bag one of {', '.join(_OF_BAG)}, found {channel!r}")
+    rig = Recording(open_bag(bag_path(path), Selection())).rig
+    time = np.asarray(rig.time) - start
+    middle = time - 0.5 * float(np.median(np.diff(time)))  # forces and torques are means of a frame
+    series = {}
+    for channel in map(str, channels):
+        stamps = time if CHANNELS[channel] is ANGULAR_SPEED else middle
+        series[channel] = _present(path, channel, stamps, np.asarray(getattr(rig, _OF_BAG[channel])))
+    return Record(str(path), series)
+
+
+def _present(source: Path, channel: str, time: Array, values: Array) -> tuple[Array, Array]:
+    """Time and values without the missing ones."""
+    good = np.isfinite(time) & np.isfinite(values)
+    found = time[good], values[good]
+    if found[0].size < 2 or np.any(np.diff(found[0]) <= 0.0):
+        raise TableError(f"{source}: expected two values of {channel} or more at increasing times; mend the record")
+    return found
+
+
+def _si(file: Path, found: Mapping[str, Array], item: ChannelColumn) -> Array:
+    if item.column not in found:
+        raise TableError(f'{file}: expected a column "{item.column}" for {item.channel}, found {", ".join(found)}')
+    try:
+        return found[item.column] * factor_of(item.unit, CHANNELS.get(item.channel, TIME))
+    except UnitError as error:
+        raise TableError(f"{file}: {item.channel}: {error}") from None
