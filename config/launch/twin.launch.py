@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ros2 launch drill_twin twin.launch.py`: simulator, rig driver and analyzer, and a recorder when asked."""
+"""`ros2 launch drill_twin twin.launch.py`: simulator, rig driver and analyzer; recorder and advisor when asked."""
 
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
@@ -48,6 +48,12 @@ ARGUMENTS = (
     DeclareLaunchArgument(
         "frame_prefix", default_value="", description='Put before the names of all frames, as "rig2/"; none if empty.'
     ),
+    DeclareLaunchArgument(
+        "advise", default_value="false", choices=["true", "false"], description="Compare set-points with a map."
+    ),
+    DeclareLaunchArgument(
+        "map", default_value="", description="map.json for the advisor; it makes a coarse map of the scene if empty."
+    ),
     DeclareLaunchArgument("rviz", default_value="false", choices=["true", "false"], description="Open RViz beside it."),
     DeclareLaunchArgument("namespace", default_value="", description="Namespace of all nodes and topics."),
     DeclareLaunchArgument(
@@ -91,6 +97,7 @@ def generate_launch_description() -> LaunchDescription:
     nodes = [
         _node("recorder", {"bag": _text("bag")}, condition=IfCondition(record)),
         _node("analyzer", {}),
+        _node("advisor", {"map": _text("map")}, condition=IfCondition(LaunchConfiguration("advise"))),
         simulator,
         _node("rig_driver", driver),
     ]

@@ -18,6 +18,8 @@ from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import (
+    ADVICE_MAP,
+    ADVICE_STATE,
     DIAGNOSTICS,
     MARKS_STATE,
     RIG_STATE,
@@ -29,6 +31,7 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion, decode_onset, read_whirl_state
 from drill_twin.io.scene_geometry import string_steps
+from drill_twin.live.advice import shown_map, targets
 from drill_twin.live.sources import GONE, Sources
 from drill_twin.report.loads import string_weight
 from drill_twin.report.string_curve import along_hole
@@ -43,6 +46,8 @@ INPUTS = (
     WHIRL_STATE,
     WHIRL_MOTION,
     WHIRL_ONSET,
+    ADVICE_STATE,
+    ADVICE_MAP,
     DIAGNOSTICS,
 )
 """Topics that the page shows."""
@@ -86,6 +91,8 @@ class PageState:
         self._rig: dict[str, float] = {}
         self._motion = {"state": "", "criterion": ""}
         self._onset: dict[str, Any] | None = None
+        self._advice = {"text": "", "level": 0}
+        self._map: dict[str, Any] | None = None
         self._simulator = {"factor": "", "text": ""}
         self._starting = ""  # name of the simulator while it compiles or is not configured
 
@@ -136,6 +143,11 @@ class PageState:
         elif topic == WHIRL_ONSET:
             onset = decode_onset(raw)[1]
             self._onset = None if onset is None else {"time": _number(onset.time), "mark": _short(onset.mark)}
+        elif topic == ADVICE_STATE:
+            for status in decode_diagnostics(raw)[1][:1]:
+                self._advice = {"text": _short(status.text), "level": int(status.level), **targets(status.values)}
+        elif topic == ADVICE_MAP:
+            self._map = shown_map(read_string(raw))
         elif topic == DIAGNOSTICS:
             self._on_diagnostics(raw)
         elif topic == TWIN_SCENE:
@@ -204,6 +216,8 @@ class PageState:
                 "rig": {name: _number(value) for name, value in self._rig.items()},
                 "motion": self._motion,
                 "onset": self._onset,
+                "advice": self._advice,
+                "map": self._map,
                 "simulator": self._simulator,
                 "ages": {},
                 "graph": [],
@@ -213,7 +227,7 @@ class PageState:
 
 def _without_old_values(picture: dict[str, Any], sources: Sources, starting: str) -> dict[str, Any]:
     """Add the ages of the sources, and take away what is gone; a simulator that is `starting` has no frames as yet."""
-    ages = {source: sources.age(source) for source in ("simulator", "analyzer")}
+    ages = {source: sources.age(source) for source in ("simulator", "analyzer", "advisor")}
     gone = {source for source, age in ages.items() if age is not None and age > GONE}
     picture |= {"ages": ages, "graph": sources.nodes()}
     if "simulator" in gone:
@@ -222,6 +236,8 @@ def _without_old_values(picture: dict[str, Any], sources: Sources, starting: str
     if starting:
         text = next((row["text"] for row in picture["graph"] if row["name"] == starting), "the simulator has ended")
         picture["simulator"] = {"factor": "", "text": text}
+    if ages["advisor"] is not None and ages["advisor"] > GONE:
+        picture["advice"] = {"text": f"no advice for {ages['advisor']:.0f} s", "level": int(Level.STALE)}
     if "analyzer" in gone:
         text = f"no findings of the analyzer for {ages['analyzer']:.0f} s"
         picture |= {"motion": {"state": "", "criterion": text}, "onset": None}

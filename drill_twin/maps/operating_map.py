@@ -177,10 +177,14 @@ class OperatingMap:
             ArgumentError: It lies outside the ranges.
         """
         self._check_inside(weight, speed)
-        calm, (i, j) = self.calm, self.node(weight, speed)
+        return self.margin_of(self.calm, weight, speed)
+
+    def margin_of(self, flags: Mask, weight: float, speed: float) -> Margin:
+        """Distance of a set-point [N], [rad/s] in the ranges to the boundary of flagged nodes; negative outside it."""
+        i, j = self.node(weight, speed)
         place = np.array(self.plane.place(weight, speed))
-        sign = 1.0 if calm[i, j] else -1.0
-        other = np.argwhere(calm != calm[i, j]).astype(float)
+        sign = 1.0 if flags[i, j] else -1.0
+        other = np.argwhere(flags != flags[i, j]).astype(float)
         if not other.size:
             return Margin(*(sign * math.inf,) * 3)
         step = (self.plane.weight.high - self.plane.weight.low, self.plane.speed.high - self.plane.speed.low)

@@ -28,19 +28,33 @@ def build_page(found: OperatingMap, scene: str) -> str:
     return (files("drill_twin.maps") / "page.html").read_text("utf-8").replace("/*DATA*/", text)
 
 
-def page_data(found: OperatingMap, scene: str = "") -> dict[str, Any]:
-    """What the page draws: the map, its fields over the lattice, and the command of each run if a scene is given."""
-    data = found.to_dict()
-    rig = parse_scene(data.pop("scene")).rig
-    return data | {
+def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:
+    """What the page draws: the map, its fields over the lattice, and the command of each run."""
+    rig = parse_scene(found.scene).rig
+    return lattice_data(found) | {
+        **{name: value for name, value in found.to_dict().items() if name != "scene"},
         "version": __version__,
         "own": [rig.weight_on_bit.value, rig.rotation.value],
+        "whirling": [regime.value for regime in REGIMES if regime.whirls],
+        "growth_line": found.lines(_grows(found)) if len(found.growth) else [],
+        "commands": [found.command_of(key, scene) for key in found.records],
+    }
+
+
+def lattice_data(found: OperatingMap) -> dict[str, Any]:
+    """Ranges, safe window, and fields over the lattice as one digit a node: the map without its runs."""
+    window = found.window
+    return {
+        "scene_name": found.name,
+        "digest": found.digest,
+        "weight_on_bit_N": list(found.plane.weight),
+        "rotation_rad_s": list(found.plane.speed),
+        "steps": found.plane.steps,
+        "regimes": [regime.value for regime in REGIMES],
         "codes": "".join(map(str, found.regimes.ravel().tolist())),
         "whirls": _digits(found.whirls),
         "keeps": _digits(found.keeps_whirling),
-        "whirling": [regime.value for regime in REGIMES if regime.whirls],
-        "growth_line": found.lines(_grows(found)) if len(found.growth) else [],
-        "commands": [found.command_of(key, scene) for key in found.records] if scene else [],
+        "safe_window": None if window is None else [*window.weight, *window.speed],
     }
 
 

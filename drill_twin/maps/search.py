@@ -21,6 +21,8 @@ from drill_twin.scene import Scene
 
 ONSET_CELLS, COARSE = 8, 16
 """Cells along each range before any is split: in the search for the onset, and in all others."""
+FEW_RUNS, FEW_CELLS = 200, 4
+"""Number of runs up to which a map begins with fewer cells, so that some are left for the other boundaries."""
 REGIME_CELLS = 32
 """Cells along each range down to which boundaries between other regimes are followed, and where draws are made."""
 FEW = 3
@@ -52,17 +54,18 @@ class Search:
         self.records: dict[Key, Record] = {}
         self.notes: list[str] = []
         self.growth = growth_of(runner.scene, runner.plane) if growth else None
+        self._first, self._others = (FEW_CELLS, FEW_CELLS) if budget <= FEW_RUNS else (ONSET_CELLS, COARSE)
 
     # --- phases ---------------------------------------------------------------------------------------------------
 
     def onset(self) -> None:
         """Find where whirl begins from rest, to one step of the lattice."""
         hint = None if self.growth is None else sign_on(self.growth, self._steps)
-        self._refine("onset of whirl", lambda record: int(record.whirls), ONSET_CELLS, 1, hint)
+        self._refine("onset of whirl", lambda record: int(record.whirls), self._first, 1, hint)
 
     def regimes(self) -> None:
         """Find the boundaries between all regimes."""
-        self._refine("regimes", lambda record: record.regime.code, COARSE, max(1, self._steps // REGIME_CELLS))
+        self._refine("regimes", lambda record: record.regime.code, self._others, max(1, self._steps // REGIME_CELLS))
 
     def draws(self) -> None:
         """Repeat the runs along the onset with other seeds and numbers, all of them where the first few differ."""
@@ -93,9 +96,9 @@ class Search:
         calm = self._labels(lambda record: int(record.whirls))
         known = calm != UNKNOWN
         nearest = calm[tuple(nearest_known(known))]
-        size = max(1, self._steps // (4 * COARSE))
+        size = max(1, self._steps // (4 * self._others))
         labels = np.where(nearest == 1, 1, UNKNOWN).astype(np.int8)
-        while nodes := wanted(labels, max(1, self._steps // COARSE), size):
+        while nodes := wanted(labels, max(1, self._steps // self._others), size):
             keys = [Key(*node, 0, (int(origins[0][node]), int(origins[1][node]))) for node in nodes]
             if not self._make("end of whirl", keys):
                 break

@@ -24,6 +24,7 @@ NODES = {
     "simulator": "drill_twin.ros.simulator.node:Simulator",
     "rig_driver": "drill_twin.ros.rig_driver.node:RigDriver",
     "analyzer": "drill_twin.ros.analyzer.node:Analyzer",
+    "advisor": "drill_twin.ros.advisor.node:Advisor",
     "recorder": "drill_twin.ros.bag.recorder:Recorder",
     "replayer": "drill_twin.ros.bag.replayer:Replayer",
     "gateway": "drill_twin.ros.gateway.node:Gateway",

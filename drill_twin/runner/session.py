@@ -22,7 +22,7 @@ from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
-from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.io.messages.topics import DIAGNOSTICS, OF_EVERY_RUN, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.monitor.failure_dump import save_failure
 from drill_twin.runner.compilation import compile_kernel
@@ -204,7 +204,7 @@ class Session:
         """
         began = time.monotonic()
         frames = max(1, math.ceil(self.schedule.duration * NANOSECONDS / self._period - 0.5))
-        with BagWriter(folder) as bag:
+        with BagWriter(folder, topics=OF_EVERY_RUN) as bag:
             run = Run(self.scene, bag)
             try:
                 while run.loop.frames < frames and not stop():

@@ -140,7 +140,10 @@ def test_a_launch_file_names_executables_and_parameters_that_exist(name):
     calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
     nodes = [call for call in calls if _name(call) == "_node"]
     started = {call.args[0].value for call in nodes}
-    wanted = {"twin": {"simulator", "rig_driver", "analyzer", "recorder"}, "replay": {"replayer", "analyzer"}}
+    wanted = {
+        "twin": {"simulator", "rig_driver", "analyzer", "advisor", "recorder"},
+        "replay": {"replayer", "analyzer"},
+    }
     assert started == wanted[name]
     assigned = [node for node in ast.walk(tree) if isinstance(node, ast.Assign)]
     dictionaries = {node.targets[0].id: node.value for node in assigned if isinstance(node.targets[0], ast.Name)}

@@ -136,7 +136,7 @@ def test_a_second_simulator_in_a_domain_is_refused(bench):
     assert first.end() == 0
 
 
-@pytest.mark.parametrize("node", ["simulator", "rig_driver", "analyzer", "recorder", "replayer", "twin"])
+@pytest.mark.parametrize("node", ["simulator", "rig_driver", "analyzer", "advisor", "recorder", "replayer", "twin"])
 def test_help_names_every_parameter_with_its_unit(node, capsys):
     assert start(node, ["--help"]) == 0
     said = capsys.readouterr().out

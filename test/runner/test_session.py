@@ -15,7 +15,7 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages import topics
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.encode import TwinEncoder
-from drill_twin.io.messages.topics import TOPICS
+from drill_twin.io.messages.topics import OF_EVERY_RUN
 from drill_twin.io.scene_geometry import string_geometry
 from drill_twin.report import read_recording
 from drill_twin.runner import Session
@@ -39,7 +39,7 @@ def session(bench_scene):
 def test_bag_is_whole_and_holds_every_topic_of_the_contract(bench_run):
     bag = Bag(bench_run.bag)
     assert not bag.truncated
-    assert [name for name in TOPICS if not bag.topics[name].count] == []
+    assert [name for name in OF_EVERY_RUN if not bag.topics[name].count] == []
     assert bag.topics[topics.MARKS_STATE].count == 300
     with Reader(bench_run.bag) as reader:  # what rosbag2 would check
         assert reader.message_count == bag.message_count

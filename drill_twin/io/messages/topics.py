@@ -26,6 +26,8 @@ MARKS_STATE = "/marks/state"
 WHIRL_STATE = "/whirl/state"
 WHIRL_MOTION = "/whirl/motion"
 WHIRL_ONSET = "/whirl/onset"
+ADVICE_STATE = "/advice/state"
+ADVICE_MAP = "/advice/map"
 TWIN_SCENE = "/twin/scene"
 REALTIME_FACTOR = "/twin/realtime_factor"
 DIAGNOSTICS = "/diagnostics"
@@ -50,6 +52,8 @@ class Topic:
     """TRANSIENT_LOCAL, depth 1: a late subscriber still receives the last message."""
     depth: int = 10
     """Depth of the history (KEEP_LAST) of subscriptions and of bags; all topics are RELIABLE."""
+    optional: bool = False
+    """Of a node that a run need not have."""
 
     @property
     def publisher_depth(self) -> int:
@@ -132,6 +136,25 @@ _ROWS = (
         depth=1,
     ),
     Topic(
+        ADVICE_STATE,
+        DIAGNOSTIC_ARRAY,
+        "advisor",
+        "on change and 1 Hz",
+        "place of the set-point in the operating map, nearest boundary and margins, the nearest calmer set-point and "
+        "why; a sentence, and values by name [N, rev/s]",
+        optional=True,
+    ),
+    Topic(
+        ADVICE_MAP,
+        STRING,
+        "advisor",
+        "once it has the map",
+        "operating map (JSON): ranges, regime of each node, boundaries, safe window",
+        latched=True,
+        depth=1,
+        optional=True,
+    ),
+    Topic(
         TWIN_SCENE,
         STRING,
         "simulator",
@@ -166,6 +189,9 @@ _ROWS = (
 
 TOPICS: dict[str, Topic] = {row.name: row for row in _ROWS}
 """Topics of the contract by name."""
+
+OF_EVERY_RUN = tuple(name for name, topic in TOPICS.items() if not topic.optional)
+"""Topics that each run has."""
 
 GENERIC = frozenset({DIAGNOSTICS, CLOCK_TOPIC})
 """Topics of any ROS system; a bag with no others is not one of this package."""

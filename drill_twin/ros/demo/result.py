@@ -13,19 +13,19 @@ if TYPE_CHECKING:
 
 
 def check_bag(folder: Path) -> None:
-    """Check that the bag is complete and holds every topic of the contract.
+    """Check that the bag is complete and holds every topic that each run has.
 
     Raises:
         RunError: It is damaged, or a topic has no message.
     """
     from drill_twin.io.bag.reader import Bag
-    from drill_twin.io.messages.topics import TOPICS
+    from drill_twin.io.messages.topics import OF_EVERY_RUN
 
     try:
         bag = Bag(folder)
     except BagError as error:
         raise RunError(str(error)) from error
-    missing = [name for name in TOPICS if name not in bag.topics or not bag.topics[name].count]
+    missing = [name for name in OF_EVERY_RUN if name not in bag.topics or not bag.topics[name].count]
     if missing:
         raise RunError(f"{folder}: expected every topic of the contract, found no message on {', '.join(missing)}")
     if bag.truncated:

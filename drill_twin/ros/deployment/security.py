@@ -13,6 +13,8 @@ from dataclasses import dataclass
 
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.topics import (
+    ADVICE_MAP,
+    ADVICE_STATE,
     CLOCK_TOPIC,
     DIAGNOSTICS,
     MARKS_STATE,
@@ -82,6 +84,7 @@ RIGHTS: dict[str, Rights] = {
     ),
     "rig_driver": Rights((RIG_COMMAND, WOB_COMMAND, RPS_COMMAND), (CLOCK_TOPIC,), (), _READY),
     "analyzer": Rights((WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET), (TWIN_SCENE, MARKS_STATE, RIG_STATE)),
+    "advisor": Rights((ADVICE_STATE, ADVICE_MAP), (TWIN_SCENE, RIG_STATE, WHIRL_MOTION)),
     "recorder": Rights((), tuple(TOPICS)),
     "replayer": Rights(tuple(topic for topic in TOPICS if topic != DIAGNOSTICS), (), (), _READY),
     "gateway": Rights(

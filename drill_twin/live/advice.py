@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Advice and operating map on the live page, from messages of unknown origin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from drill_twin.base.json_reader import read_json
+from drill_twin.errors import MessageError
+
+SHOWN_STEPS = 64
+"""Steps of the map along each range on the page; a finer one is shown at every second node, or fewer."""
+_MOST_STEPS = 1024
+
+
+def targets(values: Mapping[str, str]) -> dict[str, float]:
+    """Set-point of a status of `/advice/state`, `wob` [N] and `rps` [rev/s]; empty without one."""
+    try:
+        found = {
+            "wob": float(values["target_weight_on_bit_N"]), "rps": float(values["target_speed_rev_s"])
+        }  # fmt: skip
+    except (KeyError, ValueError):
+        return {}
+    return found if all(map(math.isfinite, found.values())) else {}
+
+
+def shown_map(text: str) -> dict[str, Any]:
+    """Ranges in N and rev/s, and a digit a node for regime, whirl from rest and whirl that goes on.
+
+    Raises:
+        MessageError: It is no map of `/advice/map`.
+    """
+    data = read_json(text, largest=4 * (_MOST_STEPS + 1) ** 2)
+    try:
+        steps = int(data["steps"])
+        (low, high), (slow, fast) = (map(float, data[name]) for name in ("weight_on_bit_N", "rotation_rad_s"))
+        every, side = max(1, steps // SHOWN_STEPS), steps + 1
+        fields = {name: str(data[name]) for name in ("codes", "whirls", "keeps")}
+        window = data["safe_window"]
+        edges = [low, high, slow, fast, *map(float, window or ())]
+        good = 1 <= steps <= _MOST_STEPS and low < high and slow < fast and all(map(math.isfinite, edges))
+        if not (good and all(len(digits) == side**2 and digits.isdigit() for digits in fields.values())):
+            raise ValueError(f"{steps} steps")
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise MessageError(f"expected an operating map, found another text ({type(error).__name__})") from error
+    rows = range(0, side, every)
+    return {
+        "wob": [low, high],
+        "rps": [slow / math.tau, fast / math.tau],
+        "regimes": [str(name)[:40] for name in data.get("regimes", [])][:10],
+        "window": edges[4:6] + [edge / math.tau for edge in edges[6:]],
+        **{name: "".join(digits[i * side + j] for i in rows for j in rows) for name, digits in fields.items()},
+    }

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Advisor node: where the set-point lies in the operating map, and the nearest calmer one. It commands nothing."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rclpy.context import Context
+
+from drill_twin.errors import DrillTwinError
+from drill_twin.io.messages.decode import JointStateReader, read_string
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.rig_messages import read_rig_state
+from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.topics import (
+    ADVICE_MAP,
+    ADVICE_STATE,
+    FRAME_ID,
+    RIG_STATE,
+    TWIN_SCENE,
+    WHIRL_MOTION,
+)
+from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.pacing import Tick
+from drill_twin.ros.core.parameters import Parameter, Value
+from drill_twin.ros.core.topics.scene_gate import SceneGate
+from drill_twin.whirl import MotionState
+from drill_twin.whirl.motion.timeline import NO_WHIRL
+
+if TYPE_CHECKING:
+    from drill_twin.maps import OperatingMap
+    from drill_twin.maps.advice import Adviser
+    from drill_twin.ros.advisor.map_maker import MapMaker
+
+_SMOOTHING = 0.5  # s; weight on bit swings with the whirl
+_PERIOD = 0.1  # s of wall time between two looks at the map
+_REPEAT = 1.0  # s of wall time
+_MOVED = 0.02  # share of the ranges beyond which a whirl has a new place
+_WHIRLS = frozenset(state.value for state in MotionState if state not in NO_WHIRL)
+
+
+class Advisor(TwinNode):
+    """Compares set-points and motion with a map, and publishes advice."""
+
+    NAME: ClassVar = "advisor"
+    PURPOSE: ClassVar = (
+        "Says where the set-point lies in the operating map, and the nearest calmer one; commands nothing."
+    )
+    PARAMETERS: ClassVar = (
+        Parameter("map", "", 'map.json of `drill-twin map`; "": make a coarse one of the scene on /twin/scene'),
+        Parameter("wob", "", 'range of a map made here; "": up to 1.5 times the scene\'s', such_as="1..60 N"),
+        Parameter("rps", "", 'range of a map made here; "": up to 1.5 times the scene\'s', such_as="0.5..3 rev/s"),
+        Parameter("runs", 100, "largest number of runs of a map made here", "", 1, 1_000_000),
+        Parameter("workers", 1, "threads of a map made here", "", 1, 4096),
+        Parameter("margin", 0.05, "share of the ranges that an advised set-point keeps from a boundary", "", 0.0, 0.5),
+    )
+
+    def __init__(
+        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
+    ) -> None:
+        super().__init__(context, values, other_parameters)
+        self._maker: MapMaker | None = None
+        self._made: OperatingMap | None = None
+        self._adviser: Adviser | None = None
+        self._trouble = ""
+        self._reader = JointStateReader()
+        self._clear()
+
+    def _clear(self) -> None:
+        self._stamp = -1
+        self._place = (math.nan, math.nan)  # N, rad/s
+        self._whirls = False
+        self._since = (math.nan, math.nan, 0)  # place and stamp of a whirl
+        self._last: tuple[object, ...] = ()
+        self._repeat = Tick(_REPEAT)
+        self._said = ""
+
+    def open(self) -> None:
+        """Read the map, and create the topics.
+
+        Raises:
+            ArgumentError: The map cannot be read.
+        """
+        from drill_twin.maps import read_map
+
+        self._given = read_map(self.settings.map) if self.settings.map else None
+        self._due = Tick(_PERIOD)
+        self._scenes = SceneGate(self._on_scene)
+        for topic in (ADVICE_STATE, ADVICE_MAP):
+            self.topics.advertise(topic)
+        self.topics.subscribe(TWIN_SCENE, lambda raw, _: self._scenes.take(bytes(raw)))
+        self.topics.subscribe(RIG_STATE, self._on_rig, depth=1)
+        self.topics.subscribe(WHIRL_MOTION, self._on_motion)
+
+    # --- inputs ---------------------------------------------------------------------------------------------------
+
+    def _on_scene(self, raw: bytes) -> None:
+        from drill_twin.maps.operating_map import digest_of
+        from drill_twin.ros.advisor.map_maker import MapMaker
+        from drill_twin.scene import parse_scene
+
+        self._drop_maker()
+        self._adviser, self._trouble = None, ""
+        self._clear()
+        try:
+            scene = parse_scene(read_string(raw), name=TWIN_SCENE)
+            if self._given is not None:
+                self._given.check_scene(scene)
+            found = self._given or self._made
+            if found is not None and found.digest == digest_of(scene):
+                self._use(found)
+            else:
+                self._maker = MapMaker(scene, self.settings)
+        except DrillTwinError as error:
+            self._fail(error)
+
+    def _on_rig(self, raw: bytes, info: Mapping[str, Any]) -> None:
+        del info
+        try:
+            state = self._reader.read(bytes(raw))
+            rig = read_rig_state(state)
+        except DrillTwinError:
+            return
+        if state.stamp < self._stamp:  # a new run
+            self._clear()
+        share = 1.0
+        if self._stamp >= 0:
+            share = -math.expm1(-seconds(state.stamp - self._stamp) / _SMOOTHING)
+        weight, speed = self._place if share < 1.0 else (0.0, 0.0)
+        self._place = (weight + share * (rig.bit_force - weight), speed + share * (rig.top_drive_speed - speed))
+        self._stamp = state.stamp
+
+    def _on_motion(self, raw: bytes, info: Mapping[str, Any]) -> None:
+        del info
+        try:
+            motions = decode_motion(bytes(raw))[1]
+        except DrillTwinError:
+            return
+        self._whirls = any(motion.subject == STRING_LEVEL and motion.state in _WHIRLS for motion in motions)
+
+    # --- advice ---------------------------------------------------------------------------------------------------
+
+    def work(self) -> None:
+        """Process messages, take the map once it is made, and advise."""
+        super().work()
+        self._scenes.work()
+        if not self._due.due():
+            return
+        if self._maker is not None:
+            self._take_map(self._maker)
+        if self._adviser is not None and self._stamp >= 0:
+            self._advise(self._adviser)
+
+    def _take_map(self, maker: MapMaker) -> None:
+        try:
+            found = maker.result()
+        except DrillTwinError as error:
+            self._fail(error)
+            found = None
+        if found is not None:
+            self._made = found
+            self._use(found)
+        if found is not None or self._trouble:
+            self._drop_maker()
+
+    def _use(self, found: OperatingMap) -> None:
+        from drill_twin.maps.advice import Adviser
+        from drill_twin.maps.page import lattice_data
+
+        self._adviser = Adviser(found, self.settings.margin)
+        self.topics.publish(ADVICE_MAP, encode_string(json.dumps(lattice_data(found))))
+        self.get_logger().info(f"map of {found.name}: {len(found.records)} runs of {found.duration:g} s")
+
+    def _fail(self, error: DrillTwinError) -> None:
+        self._trouble = str(error)
+        self.get_logger().error(self._trouble)
+        self._publish(Status("advice", Level.ERROR, f"no advice: {self._trouble}"))
+
+    def _advise(self, adviser: Adviser) -> None:
+        from drill_twin.maps.advice import status_of
+
+        weight, speed = self._place
+        there = adviser.map.plane.place(weight, speed)
+        far = math.dist(there, self._since[:2]) / adviser.map.plane.steps
+        if not (self._whirls and far < _MOVED):
+            self._since = (*there, self._stamp)
+        advice = adviser.advise(weight, speed, whirls=self._whirls, seconds=seconds(self._stamp - self._since[2]))
+        status = status_of(advice, weight, speed, whirls=self._whirls)
+        now = (status.level, advice.target, advice.regime, self._whirls)
+        if now != self._last or self._repeat.due():
+            self._last, self._said = now, status.text
+            self._publish(status)
+
+    def _publish(self, status: Status) -> None:
+        self.topics.publish(ADVICE_STATE, encode_diagnostics(max(self._stamp, 0), [status], FRAME_ID))
+
+    # --- end and health -------------------------------------------------------------------------------------------
+
+    def _drop_maker(self) -> None:
+        if self._maker is not None:
+            self._maker.close()
+            self._maker = None
+
+    def close(self) -> None:
+        """End a map that is being made."""
+        self._drop_maker()
+
+    def health(self) -> Status:
+        """Progress of the map, or the last advice."""
+        if self._trouble:
+            return Status(self.NAME, Level.ERROR, self._trouble)
+        if self._maker is not None:
+            return Status(self.NAME, Level.OK, self._maker.progress)
+        if self._adviser is None:
+            return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}")
+        return Status(self.NAME, Level.OK, self._said or f"waiting for {RIG_STATE}")

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Advice on a map whose boundaries are known in closed form: calm below one diagonal, a whirl dies below another."""
+
+import math
+
+import pytest
+
+from drill_twin.io.messages.diagnostics import Level
+from drill_twin.maps import OperatingMap, Plane, Regime, Span
+from drill_twin.maps.advice import Adviser, status_of
+from drill_twin.maps.runs import Key, Record
+
+STEPS = 16
+PLANE = Plane(Span(0.0, 160.0), Span(0.0, 16.0), STEPS)  # a step is 10 N and 1 rad/s
+
+
+def adviser(*, begins=16, dies=8, margin=0.1):
+    """Whirl from rest where i + j >= begins; an existing one goes on where i + j >= dies."""
+    nodes = [(i, j) for i in range(STEPS + 1) for j in range(STEPS + 1)]
+    regimes = [Regime.FORWARD if i + j >= begins else Regime.SMOOTH for i, j in nodes]
+    records = {Key(*node): Record(regime) for node, regime in zip(nodes, regimes, strict=True)}
+    for i, j in nodes:
+        if dies <= i + j < begins:
+            records[Key(i, j, 0, (STEPS, STEPS))] = Record(Regime.FORWARD)
+        elif i + j < min(dies, begins):
+            records[Key(i, j, 0, (STEPS, STEPS))] = Record(Regime.SMOOTH)
+    return Adviser(OperatingMap("string", "", "", PLANE, 10.0, (), records), margin)
+
+
+def node_of(target):
+    return round(target.weight / 10.0), round(target.speed)
+
+
+def test_a_calm_set_point_with_margin_is_held():
+    said = adviser().advise(40.0, 4.0, whirls=False)
+    assert (said.level, said.target, said.regime) == (Level.OK, None, Regime.SMOOTH)
+    assert said.margin.weight == pytest.approx(75.0)
+    assert "75 N or 1.19 rev/s from the boundary: hold" in said.text
+
+
+def test_near_the_boundary_it_asks_for_more_margin():
+    said = adviser().advise(80.0, 7.0, whirls=False)
+    assert said.level is Level.WARN
+    assert said.target.margin >= 0.1
+    assert sum(node_of(said.target)) in {12, 13}
+    assert "for more margin" in said.text
+
+
+def test_beyond_the_boundary_it_names_the_nearest_calm_set_point():
+    said = adviser().advise(100.0, 10.0, whirls=False)
+    assert said.level is Level.ERROR
+    assert said.margin.share < 0.0
+    i, j = node_of(said.target)
+    assert (abs(i - j), i + j < 16) == (0, True) or abs(i - j) == 1
+    assert "the nearest calm set-point" in said.text
+
+
+def test_out_of_a_whirl_by_the_second_boundary():
+    calm = adviser().advise(60.0, 6.0, whirls=False)
+    whirling = adviser().advise(60.0, 6.0, whirls=True)
+    assert calm.target is None
+    assert (whirling.level, whirling.keeps) == (Level.ERROR, True)
+    assert sum(node_of(whirling.target)) < 8
+    assert "where a whirl dies" in whirling.text
+
+
+def test_a_whirl_that_dies_is_waited_for_and_one_that_does_not_sent_farther():
+    some = adviser()
+    waiting = some.advise(20.0, 2.0, whirls=True, seconds=1.0)
+    assert (waiting.level, waiting.target) == (Level.WARN, None)
+    assert "dies here within 15 s by the map: hold" in waiting.text
+    late = some.advise(20.0, 2.0, whirls=True, seconds=15.1)
+    assert (late.level, node_of(late.target)) == (Level.ERROR, (0, 0))
+    corner = some.advise(0.0, 0.0, whirls=True, seconds=15.1)
+    assert corner.target is None
+    assert "stop the rotation and begin again at 0 N at 0 rev/s" in corner.text
+
+
+def test_it_says_so_where_there_is_nothing_calm():
+    said = adviser(begins=0, dies=0).advise(40.0, 4.0, whirls=False)
+    assert (said.level, said.target) == (Level.ERROR, None)
+    assert "no calm set-point in its ranges, 0 N at 0 rev/s to 160 N at 2.546 rev/s" in said.text
+    endless = adviser(dies=0).advise(40.0, 4.0, whirls=True)
+    assert endless.target is None
+    assert "stop the rotation and begin again" in endless.text
+
+
+@pytest.mark.parametrize("whirls", [False, True])
+def test_outside_the_map_the_way_leads_into_it(whirls):
+    said = adviser().advise(500.0, 2.0, whirls=whirls)
+    assert (said.level, said.regime) == (Level.ERROR, None)
+    assert "outside the map" in said.text
+    assert said.target.weight < 160.0
+
+
+def test_advice_leads_to_a_set_point_that_is_held():
+    some = adviser()
+    for whirls in (False, True):
+        for i in range(STEPS + 1):
+            for j in range(STEPS + 1):
+                said = some.advise(10.0 * i, float(j), whirls=whirls)
+                if said.target is not None:
+                    assert some.advise(said.target.weight, said.target.speed, whirls=whirls).target is None
+
+
+def test_its_status_has_the_numbers_of_the_sentence():
+    said = adviser().advise(100.0, 10.0, whirls=False)
+    values = status_of(said, 100.0, 10.0, whirls=False).values
+    assert float(values["target_weight_on_bit_N"]) == said.target.weight
+    assert float(values["target_speed_rev_s"]) * math.tau == pytest.approx(said.target.speed)
+    assert (values["regime"], values["boundary"]) == ("forward whirl", "whirl begins from rest")

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Error of a map's boundary against a dense patch, and its journal."""
+
+from dataclasses import replace
+
+import numpy as np
+from coarse_map import COARSE
+
+import drill_twin as dt
+from benchmarks.map_boundary import error
+from drill_twin.maps.runs import Key
+
+
+def test_the_distance_to_a_dense_patch_is_that_of_the_boundaries(found, tmp_path):
+    scene = dt.load_scene("pa6_bench", COARSE)
+    distances = error(scene, found, 1, 2, tmp_path, 2)
+    assert distances.size
+    assert distances.max() < 2.0 / found.plane.steps  # of a map with steps of an eighth of the ranges
+    lines = (tmp_path / "patch_0" / "runs.jsonl").read_bytes().splitlines(keepends=True)
+    assert len(lines) == 1 + 5 * 5
+    (tmp_path / "patch_0" / "runs.jsonl").write_bytes(b"".join(lines[:-2]))
+    assert np.array_equal(error(scene, found, 1, 2, tmp_path, 1), distances)
+    moved = {Key(key.i + 1, *key[1:]): record for key, record in found.records.items() if key.i < found.plane.steps}
+    moved |= {Key(0, j): found.records[Key(0, j)] for j in range(found.plane.steps + 1) if Key(0, j) in found.records}
+    shifted = replace(found, records=moved)
+    assert error(scene, shifted, 1, 2, tmp_path / "shifted", 2).max() > distances.max()
