@@ -41,7 +41,9 @@ from drill_twin.schedule import Command  # noqa: E402
 from drill_twin.twin.twin import Twin  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
-_DOMAINS = itertools.count(os.getpid())  # each bench another one: who was killed stays in the graph for a while
+WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:])
+# Each bench another domain, also of the benches that another worker had: who was killed stays in the graph for a while.
+_DOMAINS = itertools.count(os.getpid() + 50 * WORKER)
 LONG = 180.0  # s; longest wait for anything: a kernel may have to be compiled, a busy machine may stall a process
 
 

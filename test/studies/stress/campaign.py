@@ -84,7 +84,7 @@ def result_of(number: int) -> Result:
         result = run_scene(number, scene, refined)
         if result.reason != NOT_BALANCED:
             break
-        data["numerics"]["step"] = step = 0.5 * step
+        data["numerics"]["step"] = step = min(0.5 * step, 0.1)  # the longest step that a scene may ask for
         scene = Scene.model_validate(data)
     return result
 
