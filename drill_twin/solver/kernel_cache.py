@@ -15,6 +15,7 @@ import sys
 import tempfile
 from functools import cache
 from pathlib import Path
+from threading import RLock
 from types import ModuleType
 
 import llvmlite
@@ -30,6 +31,9 @@ from drill_twin.solver.machine_code import keep_machine_code, write_own
 from drill_twin.solver.source_hash import modules_reached, source_hash
 
 _LOG = logging.getLogger(__name__)
+
+ONE_THREAD = RLock()
+"""A module is made by one thread: another must not see it half made, and Python 3.11 loses count in two `ast.parse`."""
 
 
 def cache_folder() -> Path:
@@ -83,7 +87,8 @@ def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] =
         more: Texts besides the sources on which the machine code depends, such as the types of arguments.
         packages: Packages besides this one whose source it uses.
     """
-    return _load(f"drill_twin_{kind}_{fingerprint(text, *more, packages=packages)}", text, packages)
+    with ONE_THREAD:
+        return _load(f"drill_twin_{kind}_{fingerprint(text, *more, packages=packages)}", text, packages)
 
 
 def fingerprint(text: str, *more: str, packages: tuple[str, ...] = ()) -> str:

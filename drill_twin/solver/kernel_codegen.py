@@ -207,11 +207,13 @@ def build_kernel(
         hole: "straight" or "curved": it decides the types of the arguments, and a module holds the kernel for one.
         audit: Include the energy audit.
     """
-    text = source(effects, form, audit=audit)
-    return kernel_cache.load_generated("kernel", text, hole, packages=packages_of(effects))
+    with kernel_cache.ONE_THREAD:
+        text = source(effects, form, audit=audit)
+        return kernel_cache.load_generated("kernel", text, hole, packages=packages_of(effects))
 
 
 def build_linearisation(effects: tuple[str, ...], form: str, hole: str) -> ModuleType:
     """The module with ``evaluate`` and ``Parameters``: the equations at an instant; arguments as in `build_kernel`."""
-    text = linearisation_source(effects, form)
-    return kernel_cache.load_generated("linear", text, hole, packages=packages_of(effects))
+    with kernel_cache.ONE_THREAD:
+        text = linearisation_source(effects, form)
+        return kernel_cache.load_generated("linear", text, hole, packages=packages_of(effects))

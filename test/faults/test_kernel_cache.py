@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from drill_twin.accuracy import error_model
 from drill_twin.accuracy.error_model import ErrorModel, load_model, save_model
 from drill_twin.errors import RunError
 from drill_twin.solver import kernel_cache, machine_code
-from drill_twin.solver.kernel_cache import cache_folder
+from drill_twin.solver.kernel_cache import cache_folder, load_generated
 
 ROOT = Path(__file__).parents[2]
 USE = '''
@@ -159,3 +160,12 @@ def test_a_damaged_error_model_counts_as_none(content, bench_scene, monkeypatch,
     file.chmod(0o666)
     assert load_model(bench_scene) is None
     assert machine_code.read_own(file) is None
+
+
+def test_threads_that_ask_for_one_module_get_it_whole(tmp_path, monkeypatch):
+    """Members of an ensemble are built by threads, each of which loads the kernel."""
+    monkeypatch.setenv("DRILL_TWIN_CACHE", str(tmp_path))
+    text = "import time\nfrom drill_twin.effects import gravity\ntime.sleep(0.05)\nlast = {}\n"
+    with ThreadPoolExecutor(8) as pool:
+        lasts = list(pool.map(lambda k: load_generated("test", text.format(k // 4)).last, range(40)))
+    assert lasts == [k // 4 for k in range(40)]
