@@ -65,7 +65,7 @@ setup(
             "types-PyYAML",
             "xarray",
         ],
-        "opcua": ["asyncua>=1.1"],
+        "opcua": ["asyncua>=1.1", "cryptography"],
         "xarray": ["xarray"],
         "bench": [
             "exudyn>=1.13.6",

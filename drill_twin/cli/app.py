@@ -11,6 +11,7 @@ from drill_twin import __version__
 from drill_twin.cli.bags import analyze, report
 from drill_twin.cli.doctor import doctor
 from drill_twin.cli.fit import fit
+from drill_twin.cli.gateway_keys import gateway_keys
 from drill_twin.cli.load import load
 from drill_twin.cli.modes import modes
 from drill_twin.cli.new import new
@@ -86,5 +87,6 @@ app.command(
 )(demo)
 app.command(rich_help_panel=_ROS)(replay)
 app.command(rich_help_panel=_ROS)(load)
+app.command(rich_help_panel=_ROS)(gateway_keys)
 app.command(rich_help_panel=_ROS)(doctor)
 app.command(rich_help_panel=_ROS)(topics)

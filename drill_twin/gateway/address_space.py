@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Self
 
 from asyncua import ua
 
+from drill_twin.gateway.control import HEARTBEAT, REQUEST
 from drill_twin.gateway.dwis import NAMESPACE, PROPOSED_NAMESPACE, UNITS
 from drill_twin.gateway.quantities import QUANTITIES
-from drill_twin.gateway.signals import Shown, is_ours, prototype
+from drill_twin.gateway.signals import Shown, Target, is_ours, prototype
 
+PERMISSION, HOLDER = "Permission", "Holder"
 _VERBS = (
     "BelongsToClass",
     "HasDynamicValue",
@@ -92,9 +95,35 @@ class AddressSpace:
         await variable.write_attribute(ua.AttributeIds.Value, empty)
         return variable.nodeid
 
+    async def add_control(self, targets: Sequence[Target]) -> dict[str, Any]:
+        """Add the nodes of control and the set-points; returns their ids by name."""
+        folder = await self.root.add_object(self.id("Control"), self.name("Control"))
+        rows = (
+            (REQUEST, ua.Variant(False), "true requests control, false gives it back"),
+            (HEARTBEAT, ua.Variant(0, ua.VariantType.UInt32), "number that the holder changes to keep control"),
+            (PERMISSION, ua.Variant(0, ua.VariantType.UInt16), "0 unset, 1 granted, 2 pending, 3 denied, 4 invalid"),
+            (HOLDER, ua.Variant("", ua.VariantType.String), "user who has control"),
+        )
+        ids = {}
+        for name, value, meaning in rows:
+            node = await folder.add_variable(self.id(name), self.name(name), value)
+            await node.write_attribute(ua.AttributeIds.Description, _text(meaning))
+            ids[name] = node.nodeid
+            if name in {REQUEST, HEARTBEAT}:
+                await node.set_writable()
+        for target in targets:
+            node = await folder.add_variable(
+                self.id(target.name), self.name(target.name), ua.Variant(0.0, ua.VariantType.Double)
+            )
+            await node.set_writable()
+            await self.describe(node, f"set-point of the {QUANTITIES[target.quantity].meaning}", target.unit)
+            await self.link(node, "BelongsToClass", await self._noun("SetPoint"))
+            ids[target.name] = node.nodeid
+        return ids
+
     async def describe(self, variable: Any, meaning: str, unit: str) -> None:
         """Give a variable its description, its unit as an OPC UA property, and its class and unit in D-WIS."""
-        await variable.write_attribute(ua.AttributeIds.Description, ua.DataValue(ua.Variant(ua.LocalizedText(meaning))))
+        await variable.write_attribute(ua.AttributeIds.Description, _text(meaning))
         known = UNITS.get(unit)
         information = ua.EUInformation(
             NamespaceUri="http://www.opcfoundation.org/UA/units/un/cefact",
@@ -121,3 +150,7 @@ class AddressSpace:
             index = self._spaces[PROPOSED_NAMESPACE if ours else NAMESPACE]
             self._nouns[name] = await self._vocabulary.add_object(ua.NodeId(name, index), ua.QualifiedName(name, index))
         return self._nouns[name]
+
+
+def _text(text: str) -> Any:
+    return ua.DataValue(ua.Variant(ua.LocalizedText(text)))

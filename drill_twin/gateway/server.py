@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""OPC UA server of the gateway: the signals of the twin, with their D-WIS semantics."""
+"""OPC UA server of the gateway: the signals of the twin, with their D-WIS semantics, and set-points under control.
+
+Without keys everybody on this host reads, unencrypted, and nobody writes. With keys clients need a trusted certificate,
+Basic256Sha256 and a user with a password.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +15,16 @@ from datetime import UTC, datetime
 from typing import Any
 
 from asyncua import Server, ua
-from asyncua.crypto.permission_rules import UserRole
+from asyncua.common.callback import CallbackType
 
 from drill_twin import __version__
 from drill_twin.errors import RunError
-from drill_twin.gateway.address_space import AddressSpace
+from drill_twin.gateway.address_space import HOLDER, PERMISSION, AddressSpace
+from drill_twin.gateway.control import Control
 from drill_twin.gateway.event_loop import EventLoopThread
-from drill_twin.gateway.signals import Shown
+from drill_twin.gateway.keys import Keys
+from drill_twin.gateway.sessions import Sessions
+from drill_twin.gateway.signals import Shown, Target
 
 APPLICATION = "urn:drill_twin:gateway"
 """URI of the application, and of the namespace of its nodes."""
@@ -36,40 +43,34 @@ class Sample:
     """True if it is an old one, whose source is silent."""
 
 
-@dataclass(frozen=True)
-class User:
-    """User of a session."""
-
-    name: str = ""
-    """Name; empty for an anonymous one."""
-    role: UserRole = UserRole.User
-    """Role in the library: reading, and writing where a node admits it."""
-
-
-class _Anonymous:
-    """Admits everybody to read."""
-
-    @staticmethod
-    def get_user(*_: Any, **__: Any) -> User:
-        return User()
-
-
 class OpcUaServer:
     """Server in a thread of its own."""
 
-    def __init__(self, host: str, port: int, signals: Sequence[Shown]) -> None:
+    def __init__(
+        self,
+        address: tuple[str, int],
+        signals: Sequence[Shown],
+        targets: Sequence[Target],
+        control: Control,
+        keys: Keys | None,
+    ) -> None:
         """Start to serve.
 
         Args:
-            host: Address to listen on.
-            port: Port.
+            address: Address to listen on, and port.
             signals: Signals of the twin.
+            targets: Set-points.
+            control: Decides who writes them.
+            keys: Keys; None: everybody reads, and nobody writes.
 
         Raises:
             RunError: The port is taken, or the address is none of this machine.
         """
-        self.url = f"opc.tcp://{host}:{port}/drill_twin"
+        self.url = f"opc.tcp://{address[0]}:{address[1]}/drill_twin"
         """Address for clients."""
+        self.sessions = Sessions(control, keys)
+        """Users, and refused connections and writes."""
+        self._targets, self._keys = targets, keys
         self._signals = {signal.name: signal for signal in signals}
         self._shown: dict[str, tuple[float, int]] = {}
         self._thread = EventLoopThread("opc_ua_server")
@@ -82,7 +83,7 @@ class OpcUaServer:
             ) from None
 
     async def _start(self) -> None:
-        server = Server(user_manager=_Anonymous())
+        server = Server(user_manager=self.sessions)
         await server.init()
         server.set_endpoint(self.url)
         server.set_server_name("drill_twin")
@@ -90,12 +91,26 @@ class OpcUaServer:
         server.iserver.max_pending_activation_seconds = _PENDING
         await server.set_application_uri(APPLICATION)
         await server.set_build_info(APPLICATION, "drill_twin", "drill_twin", __version__, "0", datetime.now(UTC))
-        server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
-        server.set_identity_tokens([ua.AnonymousIdentityToken])
+        await self._secure(server)
         space = await AddressSpace.build(server, APPLICATION)
         self._nodes = {signal.name: await space.add_signal(signal) for signal in self._signals.values()}
+        self._control_nodes = await space.add_control(self._targets)
+        self.sessions.watch({node: name for name, node in self._control_nodes.items()})
+        server.subscribe_server_callback(CallbackType.PreWrite, self.sessions.before_write)
+        server.subscribe_server_callback(CallbackType.PostWrite, self.sessions.after_write)
         self._server = server
         await server.start()
+
+    async def _secure(self, server: Any) -> None:
+        if self._keys is None:
+            server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
+            server.set_identity_tokens([ua.AnonymousIdentityToken])
+            return
+        await server.load_certificate(self._keys.certificate, "der")
+        await server.load_private_key(self._keys.private_key)
+        server.set_security_policy([ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt])
+        server.set_identity_tokens([ua.UserNameIdentityToken])
+        server.set_certificate_validator(self.sessions.check_certificate)
 
     def show(self, samples: Mapping[str, Sample]) -> None:
         """Show the values of signals from now on; what has not changed is not sent again."""
@@ -107,6 +122,17 @@ class OpcUaServer:
                 changed.append((name, *value))
         if changed:
             self._thread.post(self._write(changed))
+
+    def show_control(self, permission: int, holder: str) -> None:
+        """Show who has control."""
+        self._thread.post(self._write_control(permission, holder))
+
+    async def _write_control(self, permission: int, holder: str) -> None:
+        for name, value in (
+            (PERMISSION, ua.Variant(permission, ua.VariantType.UInt16)),
+            (HOLDER, ua.Variant(holder, ua.VariantType.String)),
+        ):
+            await self._server.write_attribute_value(self._control_nodes[name], ua.DataValue(value))
 
     async def _write(self, changed: Sequence[tuple[str, float, int]]) -> None:
         now = datetime.now(UTC)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -16,7 +17,9 @@ from drill_twin.gateway.quantities import QUANTITIES
 from drill_twin.scene.paths import config_dir
 from drill_twin.units import UnitError, factor_of
 
-_SECTIONS = {"show": ("value", "unit", "class")}
+_SECTIONS = {"show": ("value", "unit", "class"), "command": ("value", "unit", "low", "high")}
+SET_POINTS = ("weight_on_bit", "surface_rotation")
+"""Quantities that can be commanded."""
 
 
 class SignalsError(DrillTwinError):
@@ -40,11 +43,31 @@ class Shown:
 
 
 @dataclass(frozen=True)
+class Target:
+    """Set-point that a client with control writes."""
+
+    name: str
+    """Name of its node."""
+    quantity: str
+    """One of `SET_POINTS`."""
+    unit: str
+    """Unit on the server."""
+    factor: float
+    """SI value of one unit."""
+    low: float
+    """Smallest value taken, in the unit."""
+    high: float
+    """Largest value taken, in the unit."""
+
+
+@dataclass(frozen=True)
 class Signals:
     """Signals of a gateway."""
 
     show: tuple[Shown, ...] = ()
     """Twin -> OPC UA."""
+    command: tuple[Target, ...] = ()
+    """OPC UA -> twin."""
 
 
 def signals_path(name: str) -> Path:
@@ -82,8 +105,11 @@ class _Reader:
         if not isinstance(data, dict) or not data:
             raise self._error((), f"expected the sections {', '.join(_SECTIONS)}, found none")
         self._known((), data, tuple(_SECTIONS))
-        show = self._section(data, "show")
-        return Signals(tuple(self._shown(name, line) for name, line in show.items()))
+        show, command = self._section(data, "show"), self._section(data, "command")
+        return Signals(
+            tuple(self._shown(name, line) for name, line in show.items()),
+            tuple(self._target(name, line) for name, line in command.items()),
+        )
 
     def _section(self, data: Mapping[str, Any], name: str) -> dict[str, dict[str, Any]]:
         section = data.get(name) or {}
@@ -100,10 +126,20 @@ class _Reader:
         kind = str(line.get("class", name))
         return Shown(name, quantity, unit, factor, kind)
 
-    def _quantity(self, place: Place, line: Mapping[str, Any]) -> tuple[str, str, float]:
+    def _target(self, name: str, line: Mapping[str, Any]) -> Target:
+        place = ("command", name)
+        quantity, unit, factor = self._quantity(place, line, SET_POINTS)
+        low, high = (line.get(key, default) for key, default in (("low", -math.inf), ("high", math.inf)))
+        if not (isinstance(low, int | float) and isinstance(high, int | float) and low < high):
+            raise self._error(place, f"{name}: expected numbers low < high [{unit}], found {low!r} and {high!r}")
+        return Target(name, quantity, unit, factor, float(low), float(high))
+
+    def _quantity(
+        self, place: Place, line: Mapping[str, Any], known: tuple[str, ...] = tuple(QUANTITIES)
+    ) -> tuple[str, str, float]:
         """Quantity, unit and its SI factor."""
         quantity, unit = str(line.get("value", "")), str(line.get("unit", ""))
-        self._known((*place, "value"), (quantity,), tuple(QUANTITIES))
+        self._known((*place, "value"), (quantity,), known)
         dimension = QUANTITIES[quantity].dimension
         try:
             return quantity, unit, factor_of(unit, dimension)

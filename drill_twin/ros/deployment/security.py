@@ -88,7 +88,9 @@ RIGHTS: dict[str, Rights] = {
     "recorder": Rights((), tuple(TOPICS)),
     "replayer": Rights(tuple(topic for topic in TOPICS if topic != DIAGNOSTICS), (), (), _READY),
     "gateway": Rights(
-        (), (RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR, DIAGNOSTICS)
+        (RIG_COMMAND,),
+        (RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR, DIAGNOSTICS),
+        ("~/grant_control", "~/withdraw_control"),
     ),
 }
 """Least privilege: a test compares the permissions with the topics and services of running nodes."""

@@ -1,59 +1,78 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gateway node: shows the twin to rig software by OPC UA.
+"""Gateway node: shows the twin to rig software by OPC UA, and takes set-points of a client that has control.
 
-The OPC UA server runs in a thread of its own. This node takes messages some tens of times a second instead of waiting
-for each, which would cost more than all the rest.
+The OPC UA server runs in a thread of its own; a target that a client writes is published from there. This node takes
+messages some tens of times a second instead of waiting for each, which would cost more than all the rest.
 """
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rclpy.context import Context
+from std_srvs.srv import Trigger
 
 from drill_twin.errors import DrillTwinError, MessageError
+from drill_twin.gateway.control import Control, Permission
 from drill_twin.gateway.quantities import QUANTITIES, TwinQuantities
-from drill_twin.gateway.signals import read_signals, signals_path
+from drill_twin.gateway.signals import Signals, read_signals, signals_path
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import TOPICS
+from drill_twin.io.messages.topics import RIG_STATE, TOPICS
+from drill_twin.live.access import is_loopback
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
-from drill_twin.ros.core.parameters import Value
+from drill_twin.ros.core.parameters import ParameterError, Value
+from drill_twin.ros.gateway.commands import CommandOutput
 from drill_twin.ros.gateway.parameters import PARAMETERS
+from drill_twin.schedule.command import Command
 
 if TYPE_CHECKING:
     from drill_twin.gateway.server import OpcUaServer, Sample
 
-_TURN = 0.02  # s between two turns of the loop
+_TURN = 0.05  # s between two turns of the loop
+_CONTROL_PERIOD = 0.1  # s
 _DEPTH = 100  # messages; half a second at 200 Hz
 
 
 class Gateway(TwinNode):
-    """Shows the quantities of the twin on an OPC UA server."""
+    """Shows the quantities of the twin on an OPC UA server, and commands it for a client."""
 
     NAME: ClassVar = "gateway"
-    PURPOSE: ClassVar = "Shows the twin to rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
+    PURPOSE: ClassVar = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
     PARAMETERS: ClassVar = PARAMETERS
 
     def __init__(
         self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
     ) -> None:
         super().__init__(context, values, other_parameters)
+        if not self.settings.keys and not is_loopback(self.settings.host):
+            raise ParameterError(
+                f"parameter host: expected an address of this host only, as keys is not set, found "
+                f"{self.settings.host}; make keys with drill-twin gateway-keys"
+            )
         self._signals = read_signals(signals_path(self.settings.signals))
         self._quantities = TwinQuantities(time.monotonic)
-        self._due = Tick(1.0 / self.settings.rate)
-        self._unread = ""
+        self._output = CommandOutput(self, self._quantities)
+        self._control = Control(self._signals.command, self.settings.heartbeat_timeout, self._on_targets)
+        self._due, self._control_due = Tick(1.0 / self.settings.rate), Tick(_CONTROL_PERIOD)
+        self._told_control: tuple[Permission, str] | None = None
+        self._unread = self._denied = ""
         self._server: OpcUaServer | None = None
 
     def open(self) -> None:
         """Start the server, and subscribe to the topics of its signals."""
-        self._server = _make_server(self.settings.host, self.settings.port, self._signals.show)
-        for topic in {QUANTITIES[signal.quantity].topic for signal in self._signals.show}:
-            latched = TOPICS[topic].latched
-            self.topics.subscribe(topic, partial(self._on_message, topic), depth=1 if latched else _DEPTH)
+        self._server = _make_server(self.settings, self._signals, self._control)
+        topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
+        for topic in topics | ({RIG_STATE} if self._signals.command else set()):
+            depth = 1 if TOPICS[topic].latched else _DEPTH
+            self.topics.subscribe(topic, partial(self._on_message, topic), depth=depth)
+        self.create_service(Trigger, "~/grant_control", self._on_grant)
+        self.create_service(Trigger, "~/withdraw_control", self._on_withdraw)
         self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}")
 
     def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
@@ -64,11 +83,17 @@ class Gateway(TwinNode):
             self._unread = f"{topic}: {error}"
 
     def work(self) -> None:
-        """Take messages, and show the values once they are due."""
+        """Take messages, decide about control, and show the values once they are due."""
         time.sleep(_TURN)
         self.spin_once(0.0)
-        if self._server is not None and self._due.due():
+        if self._server is None:
+            return
+        if self._control_due.due():
+            self._work_control(self._server)
+        if self._due.due():
             self._server.show(self._samples())
+
+    # --- twin -> OPC UA -------------------------------------------------------------------------------------------
 
     def _samples(self) -> dict[str, Sample]:
         from drill_twin.gateway.server import Sample
@@ -86,48 +111,117 @@ class Gateway(TwinNode):
         slow = TOPICS[QUANTITIES[quantity].topic].rate == "1 Hz"
         return self._quantities.age(quantity) > float(self.settings.stale_after) + slow
 
+    # --- OPC UA -> twin -------------------------------------------------------------------------------------------
+
+    def _on_targets(self) -> None:
+        """Publish the targets at once; called in the server's thread."""
+        self._output.send(self._control)
+
+    def _work_control(self, server: OpcUaServer) -> None:
+        if self._control.check_heartbeat():
+            safe = Command(self.settings.safe_weight_on_bit, self.settings.safe_speed * math.tau)
+            self._output.go_safe(safe, self.settings.safe_ramp_time)
+            self.publish_diagnostics()
+        if self._control.permission is Permission.PENDING and self.settings.grant != "ask":
+            self._decide(granted=self.settings.grant == "always")
+        if self._control.permission is Permission.UNSET and self._output.command is not None:
+            self._output.end()
+        now = (self._control.permission, self._control.holder)
+        if now != self._told_control:
+            self._told_control = now
+            server.show_control(*now)
+        self._output.repeat()
+
+    def _decide(self, *, granted: bool) -> str:
+        """Grant or deny what is requested; returns the reason of a denial."""
+        others = ", ".join(self._output.others())
+        reason = f"{others} commands" if others else "" if granted else "the parameter grant is never"
+        self._denied = f"control denied: {reason}" if reason else ""
+        if reason:
+            self._control.deny(reason)
+        elif self._control.grant():
+            self._output.begin()
+            self.get_logger().info(f"{self._control.holder} has control")
+        return reason
+
+    def _on_grant(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        del request
+        pending = self._control.permission is Permission.PENDING
+        response.message = self._decide(granted=True) if pending else "nobody requests control"
+        response.success = not response.message
+        return response
+
+    def _on_withdraw(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Take control away; the last set-point stays in force until another source commands."""
+        del request
+        response.success = self._control.deny("withdrawn") or self._output.command is not None
+        self._output.end()
+        self._denied = "control was withdrawn" if response.success else ""
+        return response
+
+    # --- end and health -------------------------------------------------------------------------------------------
+
     def close(self) -> None:
         """End the server."""
         if self._server is not None:
             self._server.close()
 
     def health(self) -> Status:
-        """Clients, and the signals that have no value or an old one."""
-        absent = [one.name for one in self._signals.show if one.quantity not in self._quantities.values]
-        stale = [
-            one.name
-            for one in self._signals.show
-            if one.quantity in self._quantities.values and self._is_stale(one.quantity)
-        ]
+        """Clients, control, and the signals that have no value or an old one."""
+        present = [one for one in self._signals.show if one.quantity in self._quantities.values]
+        stale = [one.name for one in present if self._is_stale(one.quantity)]
+        server, command = self._server, self._output.command
+        refused = server.sessions.refused if server else {}
         values = {
-            "url": self._server.url if self._server else "",
-            "clients": str(self._server.clients if self._server else 0),
+            "url": server.url if server else "",
+            "clients": str(server.clients if server else 0),
             "signals": str(len(self._signals.show)),
-            "without_value": " ".join(absent),
+            "without_value": " ".join(one.name for one in self._signals.show if one not in present),
             "stale": " ".join(stale),
+            "permission": self._control.permission.name.lower(),
+            "holder": self._control.holder,
+            "commands_sent": str(self._output.sent),
+            **{f"refused_{kind}": str(count) for kind, count in refused.items()},
         }
+        if command is not None:
+            values |= {
+                "weight_on_bit": f"{command.weight_on_bit:g}",
+                "speed_rev_s": f"{command.rotation / math.tau:g}",
+            }
+        level, text = self._verdict(stale, present=bool(present))
+        return Status(self.NAME, level, text, values)
+
+    def _verdict(self, stale: Sequence[str], *, present: bool) -> tuple[Level, str]:
+        """Level and sentence: the worst first."""
+        if self._output.is_safe:
+            return Level.ERROR, f"control lost: {self._control.lost}; the safe set-point is in force"
+        if self._control.permission is Permission.PENDING and self._control.user is not None:
+            return Level.WARN, f"{self._control.user.name} requests control: call ~/grant_control"
+        if self._server is not None and (refusal := self._server.sessions.refusal):
+            return Level.WARN, f"refused: {refusal}"
+        if self._denied and self._control.permission is Permission.DENIED:
+            return Level.WARN, self._denied
         if self._unread:
             text, self._unread = f"a message could not be read: {self._unread}", ""
-            return Status(self.NAME, Level.WARN, text, values)
+            return Level.WARN, text
         if stale:
-            return Status(
-                self.NAME, Level.WARN, f"the twin is silent: {len(stale)} signals are marked uncertain", values
-            )
-        text = "waiting for the twin" if len(absent) == len(self._signals.show) else "showing the twin"
-        return Status(self.NAME, Level.OK, text, values)
+            return Level.WARN, f"the twin is silent: {len(stale)} signals are marked uncertain"
+        return Level.OK, "showing the twin" if present else "waiting for the twin"
 
 
-def _make_server(*arguments: Any) -> OpcUaServer:
+def _make_server(settings: Any, signals: Signals, control: Control) -> OpcUaServer:
     """Start the server.
 
     Raises:
-        DrillTwinError: asyncua is not installed.
+        DrillTwinError: asyncua is not installed, or the keys cannot be used.
         RunError: The port is taken.
     """
     try:
+        from drill_twin.gateway.keys import read_keys
         from drill_twin.gateway.server import OpcUaServer
     except ModuleNotFoundError as error:
         raise DrillTwinError(
             f"expected the Python module {error.name!r}, found none; pip install 'drill_twin[opcua]'"
         ) from error
-    return OpcUaServer(*arguments)
+    keys = read_keys(Path(settings.keys)) if settings.keys else None
+    return OpcUaServer((settings.host, settings.port), signals.show, signals.command, control, keys)

@@ -8,5 +8,22 @@ PARAMETERS = (
     Parameter("host", "127.0.0.1", "address of the OPC UA server; 0.0.0.0: all of this machine"),
     Parameter("port", 4840, "port of the OPC UA server", "", 1, 65535),
     Parameter("rate", 10.0, "values a second on the OPC UA server", "Hz", 0.1, 50.0),
+    Parameter(
+        "keys",
+        "",
+        "folder of keys (drill-twin gateway-keys): clients need a trusted certificate, encryption and a user; "
+        '"": everybody reads without encryption, on this host only, and nobody commands',
+    ),
+    Parameter(
+        "grant",
+        "ask",
+        "control that a client requests: ask: granted by ~/grant_control; always: granted at once; never: denied",
+        choices=("ask", "always", "never"),
+        live=True,
+    ),
+    Parameter("heartbeat_timeout", 2.0, "wall time without a heartbeat after which control is lost", "s", 0.2, 60.0),
+    Parameter("safe_weight_on_bit", 0.0, "weight on bit once control is lost", "N", -1e7, 1e7, live=True),
+    Parameter("safe_speed", 0.0, "top-drive speed once control is lost", "rev/s", -100.0, 100.0, live=True),
+    Parameter("safe_ramp_time", 5.0, "time to the safe set-point, by the wall clock", "s", 0.0, 3600.0, live=True),
     Parameter("stale_after", 1.0, "age at which a value of the twin is marked uncertain", "s", 0.1, 3600.0),
 )

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin gateway-keys`: certificate, private key and users of the gateway."""
+
+from __future__ import annotations
+
+import socket
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def gateway_keys(
+    folder: Annotated[Path, typer.Argument(help="Folder of the keys; made where it is missing.")],
+    user: Annotated[str, typer.Option(help="User to add.")],
+    password: Annotated[str, typer.Option(prompt=True, hide_input=True, help="His password; asked for without it.")],
+    host: Annotated[str, typer.Option(help="Name of the machine in the certificate; without it this one's.")] = "",
+) -> None:
+    """Make the keys of the gateway: a self-signed certificate, and users that may command. Needs the extra opcua.
+
+    Certificates of clients go into the folder trusted of it.
+    """
+    try:
+        from drill_twin.gateway.keys import CERTIFICATE, TRUSTED, make_keys
+    except ModuleNotFoundError as error:
+        from drill_twin.errors import DrillTwinError
+
+        raise DrillTwinError(
+            f"expected the Python module {error.name!r}, found none; pip install 'drill_twin[opcua]'"
+        ) from error
+    make_keys(folder, "urn:drill_twin:gateway", host or socket.gethostname(), {user: password})
+    print(f"{folder / CERTIFICATE}: for clients to trust; put theirs into {folder / TRUSTED}")

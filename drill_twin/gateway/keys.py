@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Folder of keys of the gateway: its certificate and private key, trusted certificates of clients, and users.
+
+`certificate.der`, `private_key.pem`, `trusted/*.der` (or `.pem`), and `users.yaml` with a line a user: name, salt and
+hash of the password (scrypt).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import rsa
+from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+
+from drill_twin.base.yaml_reader import plain_yaml
+from drill_twin.errors import DrillTwinError
+
+CERTIFICATE, PRIVATE_KEY, TRUSTED, USERS = "certificate.der", "private_key.pem", "trusted", "users.yaml"
+_COST = {"n": 2**13, "r": 8, "p": 1}
+_DAYS = 3650
+
+
+class KeysError(DrillTwinError):
+    """A folder of keys that cannot be used."""
+
+
+@dataclass(frozen=True)
+class Keys:
+    """Keys of a gateway."""
+
+    folder: Path
+    """Folder that they are read from."""
+    certificate: bytes
+    """Certificate of this application, DER."""
+    trusted: frozenset[bytes]
+    """Certificates of others, DER."""
+    users: Mapping[str, str]
+    """Salt and hash of the password of each user."""
+
+    @property
+    def private_key(self) -> Path:
+        """File of the private key."""
+        return self.folder / PRIVATE_KEY
+
+    def distrust(self, certificate: bytes) -> str:
+        """Reason why a certificate is not trusted; empty if it is."""
+        if certificate not in self.trusted:
+            return f"its certificate is not in {self.folder / TRUSTED}"
+        known, now = x509.load_der_x509_certificate(certificate), datetime.now(UTC)
+        if not known.not_valid_before_utc <= now <= known.not_valid_after_utc:
+            return f"its certificate is valid from {known.not_valid_before_utc} to {known.not_valid_after_utc} only"
+        return ""
+
+    def is_user(self, name: str, password: str) -> bool:
+        """Return True for a known user with this password."""
+        salt, _, expected = self.users.get(name, "00:").partition(":")
+        return hmac.compare_digest(_hash(password, salt), expected)
+
+
+def read_keys(folder: Path) -> Keys:
+    """Keys of a folder.
+
+    Raises:
+        KeysError: A file is missing or no certificate.
+    """
+    remedy = "make one with drill-twin gateway-keys"
+    for name in (CERTIFICATE, PRIVATE_KEY, USERS):
+        if not (folder / name).is_file():
+            raise KeysError(f"{folder}: expected a folder of keys with {name}, found none; {remedy}")
+    users = plain_yaml((folder / USERS).read_text("utf-8"), str(folder / USERS)) or {}
+    if not isinstance(users, dict) or not all(isinstance(one, str) and ":" in one for one in users.values()):
+        raise KeysError(f"{folder / USERS}: expected lines NAME: SALT:HASH, found others; {remedy}")
+    trusted = frozenset(_certificate(path) for path in sorted((folder / TRUSTED).glob("*.[dp]e[rm]")))
+    return Keys(folder, _certificate(folder / CERTIFICATE), trusted, users)
+
+
+def _certificate(path: Path) -> bytes:
+    data = path.read_bytes()
+    try:
+        load = x509.load_pem_x509_certificate if data.startswith(b"-----") else x509.load_der_x509_certificate
+        return load(data).public_bytes(serialization.Encoding.DER)
+    except ValueError as error:
+        raise KeysError(f"{path}: expected a certificate (DER or PEM), found {error}") from error
+
+
+def make_keys(folder: Path, application: str, host: str, users: Mapping[str, str]) -> None:
+    """Write a folder of keys with a self-signed certificate, or add users to one.
+
+    Args:
+        folder: The folder; its private key is readable by its owner only.
+        application: URI of the application.
+        host: Name or address of the machine.
+        users: Passwords by name.
+
+    Raises:
+        KeysError: It cannot be written.
+    """
+    try:
+        (folder / TRUSTED).mkdir(parents=True, exist_ok=True)
+        if not (folder / CERTIFICATE).exists():
+            _make_certificate(folder, application, host)
+        with (folder / USERS).open("a", encoding="utf-8") as lines:
+            for name, password in users.items():
+                salt = secrets.token_hex(16)
+                lines.write(f'"{name}": "{salt}:{_hash(password, salt)}"\n')
+    except OSError as error:
+        raise KeysError(f"{folder}: expected a folder that can be written, found {error.strerror}") from error
+
+
+def _make_certificate(folder: Path, application: str, host: str) -> None:
+    key = rsa.generate_private_key(public_exponent=65537, key_size=2048)
+    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, application)])
+    now = datetime.now(UTC)
+    usage = x509.KeyUsage(
+        digital_signature=True, content_commitment=True, key_encipherment=True, data_encipherment=True,
+        key_agreement=False, key_cert_sign=True, crl_sign=False, encipher_only=False, decipher_only=False,
+    )  # fmt: skip
+    names = x509.SubjectAlternativeName([x509.UniformResourceIdentifier(application), x509.DNSName(host)])
+    purposes = x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH])
+    certificate = (
+        x509.CertificateBuilder()
+        .subject_name(name)
+        .issuer_name(name)
+        .public_key(key.public_key())
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(now - timedelta(minutes=5))
+        .not_valid_after(now + timedelta(days=_DAYS))
+        .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
+        .add_extension(usage, critical=True)
+        .add_extension(purposes, critical=False)
+        .add_extension(names, critical=False)
+        .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
+        .sign(key, hashes.SHA256())
+    )
+    private = folder / PRIVATE_KEY
+    private.touch(mode=0o600)
+    private.write_bytes(
+        key.private_bytes(serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption())
+    )
+    (folder / CERTIFICATE).write_bytes(certificate.public_bytes(serialization.Encoding.DER))
+
+
+def _hash(password: str, salt: str) -> str:
+    return hashlib.scrypt(password.encode("utf-8"), salt=bytes.fromhex(salt), **_COST).hex()
