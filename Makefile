@@ -116,12 +116,12 @@ KILLS := 50
 # Field checks: a message refuses an int where a float belongs, which the wheels would send as rubbish.
 PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 
-# Compiling takes most of the time, so two workers share the files; those of test/ros run processes of their own and
-# want the machine for themselves.
+# Two workers share the files, those of test/ros in a turn of their own: they start processes, and a worker that compiles
+# would keep these waiting. Long ones, which kill and load the nodes, want the machine for themselves.
 test: setup-test
 	@found=0; \
 	$(PYTEST) -n 2 --dist loadfile --ignore=test/ros || found=$$?; \
-	$(PYTEST) test/ros || found=$$?; \
+	$(PYTEST) -n 2 --dist loadfile test/ros || found=$$?; \
 	exit $$found
 
 test-long: setup-test
