@@ -31,7 +31,7 @@ def draw(curve: Curve, path: Path) -> None:
             _panel(right, curve, "radius", "mean orbit radius over the clearance")
         else:
             _panel(right, curve, "onset", f"onset time ({curve.onset_s:.2f} s)")
-        left.legend(loc="lower left")
+        figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
         save(figure, path)
 
 
@@ -53,12 +53,9 @@ def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:
     for run in front:
         if _error(run, quantity) < LABEL_RATIO * last:
             last = _error(run, quantity)
-            on_left = len(axis.texts) % 2  # neighbours on both sides of the curve, so that they do not overlap
-            axis.annotate(
+            axis.annotate(  # on the left: above and to the right of the curve are the other runs
                 f"{run.resolution.elements} el., {run.resolution.step * 1e3:.2g} ms", (1e3 * run.cost, last),
-                fontsize=7, xytext=(-5, -3) if on_left else (5, 3), textcoords="offset points",
-                ha="right" if on_left else "left", va="top" if on_left else "bottom",
-                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
+                fontsize=7, xytext=(-5, -1), textcoords="offset points", ha="right", va="top",
             )  # fmt: skip
     noise = getattr(curve.noise, quantity)
     if noise:
