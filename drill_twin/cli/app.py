@@ -22,6 +22,7 @@ from drill_twin.cli.run import run
 from drill_twin.cli.scenes import check, scenes, schema
 from drill_twin.cli.statics import statics
 from drill_twin.cli.studies.analyzer_score import analyzer_score
+from drill_twin.cli.studies.compare import compare
 from drill_twin.cli.studies.cost import cost
 from drill_twin.cli.studies.effects import effects
 from drill_twin.cli.studies.hard import hard
@@ -68,6 +69,7 @@ app.command(rich_help_panel=_RUN)(statics)
 app.command(rich_help_panel=_RUN)(modes)
 app.command(rich_help_panel=_RUN)(whirl_states)
 app.command("map", rich_help_panel=_RUN)(operating_map)
+app.command(rich_help_panel=_RUN)(compare)
 app.command(rich_help_panel=_STUDY)(cost)
 app.command(rich_help_panel=_STUDY)(effects)
 app.command(rich_help_panel=_STUDY)(verify)

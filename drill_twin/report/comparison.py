@@ -1,22 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two runs beside each other: a recorded one and the same commands computed again."""
+"""Runs beside each other, such as a recorded one and the same commands computed again."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drill_twin.base.arrays import Array
-from drill_twin.report.figures.style import BLUE, RIGHT, VERMILION, over_time, styled
+from drill_twin.report.figures.style import BLUE, GREEN, PURPLE, RIGHT, VERMILION, over_time, styled
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import millimetres
 
 _RECORDED: dict[str, Any] = {"color": BLUE, "linewidth": 2.2, "alpha": 0.45}
 _COMPUTED: dict[str, Any] = {"color": VERMILION, "linewidth": 0.9}
+_BESIDE = tuple({"color": colour, "linewidth": 1.2, "alpha": 0.85} for colour in (BLUE, VERMILION, GREEN, PURPLE))
 _NEWTONS = (("hookload", "hookload_n", "N"), ("weight on bit", "weight_on_bit_n", "N"), ("drag", "drag_n", "N"))
 _TORQUES = (
     ("top-drive torque", "top_drive_torque_nm", "N m"),
@@ -52,17 +51,33 @@ def _text(value: float | None, form: str) -> str:
 
 def draw_comparison(recorded: Recording, computed: Recording) -> Figure:
     """Both runs over time: distance of the marks from the axis, hookload, torque and speed of the bit."""
-    marks = recorded.scene.mark_table if len(recorded.marks) and len(computed.marks) else ()
+    return draw_runs(
+        [("recorded", recorded), ("computed again", computed)], "Recorded, and computed again", (_RECORDED, _COMPUTED)
+    )
+
+
+def draw_runs(runs: Sequence[tuple[str, Recording]], title: str, styles: Sequence[dict[str, Any]] = _BESIDE) -> Figure:
+    """Runs over time: distance of the marks that all have from the axis, hookload, torque and speed of the bit.
+
+    Args:
+        runs: Name and recording.
+        title: Of the figure.
+        styles: Of the lines of each run.
+    """
+    with_marks = all(len(run.marks) for _, run in runs)
+    tables = [[place.name for place in run.scene.mark_table] if with_marks else [] for _, run in runs]
+    marks = [name for name in tables[0] if all(name in table for table in tables)]
     with styled():
-        title = "Recorded, and computed again"
-        longer = max(recorded, computed, key=lambda run: run.duration)
+        longer = max((run for _, run in runs), key=lambda run: run.duration)
         figure, panels = over_time(longer, [1.1] * (len(marks) + 3), title=title, headed=True)
-        for number, place in enumerate(marks):
-            radii = [1e3 * np.abs(run.centre_lines()[:, number]) for run in (recorded, computed)]
-            _draw(panels[number], (recorded.marks.time, radii[0]), (computed.marks.time, radii[1]))
-            panels[number].set_title(f"{place.name}: distance of the centre line from the axis", fontsize=10.5, pad=3)
-            panels[number].set_ylabel("[mm]")
-        for panel, name, title, unit, factor in zip(
+        styled_runs = [(run, styles[k % len(styles)]) for k, (_, run) in enumerate(runs)]
+        for panel, name in zip(panels, marks, strict=False):
+            for (run, style), table in zip(styled_runs, tables, strict=True):
+                radius = 1e3 * np.abs(run.centre_lines()[:, table.index(name)])
+                panel.plot(run.marks.time, radius, **style)
+            panel.set_title(f"{name}: distance of the centre line from the axis", fontsize=10.5, pad=3)
+            panel.set_ylabel("[mm]")
+        for panel, name, heading, unit, factor in zip(
             panels[len(marks) :],
             ("hookload", "top_drive_torque", "bit_speed"),
             ("hookload", "torque of the top drive", "speed of the bit"),
@@ -70,20 +85,16 @@ def draw_comparison(recorded: Recording, computed: Recording) -> Figure:
             (1.0, 1.0, 0.5 / np.pi),
             strict=True,
         ):
-            series = [(run.rig.time, factor * getattr(run.rig, name)) for run in (recorded, computed)]
-            _draw(panel, *series)
-            panel.set_title(title, fontsize=10.5, pad=3)
+            for run, style in styled_runs:
+                panel.plot(run.rig.time, factor * getattr(run.rig, name), **style)
+            panel.set_title(heading, fontsize=10.5, pad=3)
             panel.set_ylabel(unit)
-        for run, style in ((recorded, _RECORDED), (computed, _COMPUTED)):
+        for run, style in styled_runs:
             if run.summary.onset is not None:
                 for panel in panels:
                     panel.axvline(run.summary.onset.time_s, **{**style, "linewidth": 1.2}, linestyle=(0, (4, 2)))
-        handles = panels[0].get_lines()[:2]
-        labels = ["recorded", "computed again (dashed: onset of whirl)"]
+        labels = [name for name, _ in runs]
+        labels[-1] += " (dashed: onset of whirl)"
+        handles = panels[-1].get_lines()[: len(runs)]
         figure.legend(handles, labels, loc="upper right", bbox_to_anchor=(RIGHT, 1.0), ncols=2, borderaxespad=0.3)
     return figure
-
-
-def _draw(panel: Axes, recorded: tuple[Array, Array], computed: tuple[Array, Array]) -> None:
-    for (time, values), style in ((recorded, _RECORDED), (computed, _COMPUTED)):
-        panel.plot(time, values, **style)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import discretise, tubes_of
@@ -17,6 +18,7 @@ from drill_twin.effects.wall import parameters as wall_parameters
 from drill_twin.model.mesh import SPIN, Rod, build_rod
 from drill_twin.model.wellbore_coordinates import offsets
 from drill_twin.report.recording import Recording
+from drill_twin.twin.bending_stress import bending_stress
 
 _ITERATIONS = 20
 """Repetitions of `_slopes`, each of which halves its error at least."""
@@ -64,6 +66,18 @@ def string_forces(recording: Recording, poses: slice = slice(None)) -> StringFor
         depth = np.maximum(np.linalg.norm(off, axis=-1) - law.bore.clearance, 0.0)
         side = (law.stiffness * depth ** (1.5 - 0.5 * law.linear)).reshape(*tension.shape, 2).mean(axis=-1)
     return StringForces(scene.length - rod.arc, tension, torque, side)
+
+
+def bending_stress_at(recording: Recording, poses: NDArray[np.int64]) -> Array | None:
+    """Largest bending stress of each element at chosen poses [Pa], shape (k, n); None where they are of no mesh."""
+    scene, nodes = recording.scene, recording.nodes
+    rod = build_rod(tubes_of(scene), max(nodes - 1, 1))
+    if rod.arc.size != nodes:
+        return None
+    position = recording.poses.position[poses]
+    slopes = _strain(rod, position, recording.poses.tangent[poses])[1]
+    rows = np.concatenate([position, slopes, np.zeros((*position.shape[:2], 1))], axis=2)
+    return np.stack([bending_stress(rod, tubes_of(scene), u) for u in rows])
 
 
 def _strain(rod: Rod, position: Array, tangent: Array) -> tuple[Array, Array]:
