@@ -14,6 +14,7 @@ from drill_twin import __version__
 from drill_twin.errors import BagError
 from drill_twin.io.bag.checked_stream import CheckedStream
 from drill_twin.io.bag.chunk_indices import pack_indices
+from drill_twin.io.bag.message_records import message_appender
 from drill_twin.io.bag.metadata import RecordedTopic, to_yaml
 
 _CHUNK_SIZE = 256 * 1024
@@ -41,6 +42,7 @@ class FileWriter:
         self._stream = CheckedStream(path)
         self._writer = Writer(cast("Any", self._stream), chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
         pack_indices(self._writer)
+        self._append = message_appender(self._writer)
         self._writer.start(profile="ros2", library=f"drill_twin {__version__}")
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
@@ -67,11 +69,12 @@ class FileWriter:
 
     def write(self, topic: str, stamp: int, raw: bytes, number: int) -> None:
         """Append a message with its time of recording [ns] and its number on the topic."""
-        self.start = stamp if self.start is None else min(self.start, stamp)
+        if self.start is None or stamp < self.start:
+            self.start = stamp
         self.end = max(self.end, stamp)
         self.count += 1
         try:
-            self._writer.add_message(self._channels[topic], stamp, raw, stamp, number)
+            self._append(self._channels[topic], stamp, raw, number)
         except OSError as error:
             raise self.broken(error) from error
 
