@@ -90,7 +90,7 @@ class Ensemble:
         if not isinstance(threads, int) or threads < 1:
             raise ArgumentError(f"workers: expected a whole number of 1 or more, found {workers!r}")
         first = self.members.scene(next(iter(self.members)))
-        compile_kernel(first, request.period)
+        compile_kernel(first, request.period, analysis="findings" in request.names)
         count = len(self.members)
 
         def done(ended: int) -> None:

@@ -74,7 +74,7 @@ def operating_map(
     threads = len(os.sched_getaffinity(0)) if workers is None else workers
     ranges = {key: split_range(f"vary {key}", text) for key, text in (vary or {}).items()}
     plan = Plan(plane, length, seeds, ranges, runs, hysteresis, growth, threads)
-    compile_kernel(own, 1.0 / own.numerics.frame_rate)
+    compile_kernel(own, 1.0 / own.numerics.frame_rate, analysis=True)
     place = None if folder is None else Path(folder)
     return build_map(own, plan, place, *([progress] if progress is not None else []))
 

@@ -106,7 +106,7 @@ class Simulation:
         self._period = round(NANOSECONDS / self.scene.numerics.frame_rate)
         progress = CompileProgress()
         try:
-            compile_kernel(self.scene, self.frame_time, progress)
+            compile_kernel(self.scene, self.frame_time, progress, analysis=True)
         finally:
             progress.end()
         self._bag = MemoryBag(f"run of {self.scene.name}")

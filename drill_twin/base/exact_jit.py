@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compiler flags of kernels whose results are those of numpy to the last bit: no sum is reordered, no product fused."""
+"""Compiler flags of kernels whose results are those of numpy to the last bit: no sum is reordered, no product fused.
+
+They allocate nothing, as those of the time loop (`drill_twin.base.jit`); an assignment of an array to a slice would.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +13,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drill_twin.base.inlined_compiler import InlinedCompiler
+from drill_twin.base.inlined_compiler import EntryCompiler, InlinedCompiler
 
 Integers = NDArray[np.int64]
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
 
 
 def exact_kernel(function: Function) -> Function:
@@ -25,4 +28,11 @@ def exact_kernel(function: Function) -> Function:
 
 def exact_entry_kernel(function: Function) -> Function:
     """Compile a function that Python calls, lazily."""
-    return cast("Function", njit(**FLAGS)(function))
+    return cast("Function", njit(**FLAGS, pipeline_class=EntryCompiler)(function))
+
+
+@exact_kernel
+def copy(values: NDArray[Any], out: NDArray[Any]) -> None:
+    """Copy an array of one dimension."""
+    for k in range(out.size):
+        out[k] = values[k]

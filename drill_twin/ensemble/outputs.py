@@ -78,20 +78,17 @@ class Findings(Collector):
         self._bit = BitOnlyAnalyzer()
 
     def add(self, rows: Rows, rig: RigRows) -> None:
-        """Push a sample for each frame."""
+        """Add a sample for each frame."""
         stamps = [stamp_ns(time) for time in rows.time.tolist()]
-        top, bit = rig.top_drive_speed.tolist(), rig.bit_speed.tolist()
         if self._analyzer is None:
-            for k, stamp in enumerate(stamps):
-                self._bit.push(stamp, top[k], bit[k])
+            for sample in zip(stamps, rig.top_drive_speed.tolist(), rig.bit_speed.tolist(), strict=True):
+                self._bit.push(*sample)
             return
         outwards = rows.centre[:, :, :2]
         radius = np.maximum(np.hypot(outwards[..., 0], outwards[..., 1]), np.finfo(float).tiny)
         effort = -(rows.wall_force / radius)[..., None] * outwards  # as `/marks/state` has it
         force = np.hypot(effort[..., 0], effort[..., 1])
-        push = self._analyzer.push
-        for k, stamp in enumerate(stamps):
-            push(stamp, rows.position[k], rows.spin[k], top[k], force[k], bit[k])
+        self._analyzer.push_block(np.array(stamps), rows.position, rows.spin, rig.top_drive_speed, force, rig.bit_speed)
 
     def close(self) -> Mapping[str, Variable]:
         """Onset, motion and precession; `summary` has the rest."""

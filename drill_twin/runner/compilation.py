@@ -17,12 +17,14 @@ import time
 from collections.abc import Callable
 
 from drill_twin.base.child_environment import child_environment
+from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.monitor.run_timing import EffectTiming
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.solver.compile_events import NotCachedError, from_cache_only
 from drill_twin.solver.kernel_cache import permanent_folder
 from drill_twin.twin.twin import Twin
+from drill_twin.whirl import Analyzer
 
 COMPILING = "compiling the effects of the scene"
 """First words of each text of progress."""
@@ -34,7 +36,12 @@ Progress = Callable[[str], None]
 
 
 def compile_kernel(
-    scene: Scene, period: float, progress: Progress | None = None, *, time_effects: bool = False
+    scene: Scene,
+    period: float,
+    progress: Progress | None = None,
+    *,
+    time_effects: bool = False,
+    analysis: bool = False,
 ) -> None:
     """Compile the kernels of a scene, or load them from the cache, by the first frame of a twin that is then dropped.
 
@@ -43,6 +50,7 @@ def compile_kernel(
         period: Simulated time of a frame [s].
         progress: Called ten times a second while a child process compiles; None: compile in this process.
         time_effects: Whether the functions that measure the cost of each effect are needed too.
+        analysis: Whether the whirl analysis is needed too; a child process always compiles it, for the analyzer node.
 
     Raises:
         DrillTwinError: The scene cannot be run (as `Twin`).
@@ -50,20 +58,22 @@ def compile_kernel(
     if progress is not None:
         try:
             with from_cache_only():
-                first_frame(scene, period, time_effects=time_effects)
+                first_frame(scene, period, time_effects=time_effects, analysis=analysis)
         except NotCachedError:
             _compile_in_child(scene, period, progress, time_effects=time_effects)
         else:
             return
-    first_frame(scene, period, time_effects=time_effects)
+    first_frame(scene, period, time_effects=time_effects, analysis=analysis)
 
 
-def first_frame(scene: Scene, period: float, *, time_effects: bool) -> None:
+def first_frame(scene: Scene, period: float, *, time_effects: bool, analysis: bool = False) -> None:
     """Call everything that a run of the scene calls, once."""
     twin = Twin(scene)
     twin.advance(Command(*scene.rig.first), period)
     if time_effects:
         EffectTiming(twin)
+    if analysis and scene.string.marks:
+        Analyzer(mark_infos(scene))
 
 
 def _compile_in_child(scene: Scene, period: float, progress: Progress, *, time_effects: bool) -> None:

@@ -29,7 +29,7 @@ def main() -> None:
     with os.fdopen(int(sys.argv[1]), "rb") as given:
         scene, period, time_effects = pickle.load(given)  # noqa: S301 - written by the parent process
     with before_each_compilation(lambda: _write_byte(progress)):
-        first_frame(scene, period, time_effects=time_effects)
+        first_frame(scene, period, time_effects=time_effects, analysis=True)
 
 
 def _write_byte(progress: int) -> None:

@@ -181,7 +181,7 @@ class Session:
         self.scene = scene
         self.schedule = schedule or Schedule.from_scene(scene)
         self._period = round(NANOSECONDS / scene.numerics.frame_rate)
-        compile_kernel(scene, seconds(self._period), compiling)
+        compile_kernel(scene, seconds(self._period), compiling, analysis=True)
 
     def run(
         self,

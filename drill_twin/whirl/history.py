@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.exact_jit import Integers, copy, exact_kernel
 from drill_twin.base.numpy_loops import arctan2, product
 from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME, Bin
 
@@ -130,7 +130,8 @@ def append(history: History, full: Bin, vector: ComplexArray, contact: Array) ->
     counts, clock, parts, angle = history.counts, history.clock, history.complex_part, history.angle_now
     step, back, turn = history.step, history.back, history.turn
     gap = False
-    step[:] = vector[:2]
+    copy(vector[0], step[0])
+    copy(vector[1], step[1])
     if counts[APPENDED]:
         last = end_of(history) - 1
         gap = (
@@ -146,15 +147,17 @@ def append(history: History, full: Bin, vector: ComplexArray, contact: Array) ->
         for k in range(contact.size):
             angle[row, k] = angle[row, k] + turn[row, k] if counts[APPENDED] else turn[row, k]
     slot = counts[APPENDED] % CAPACITY
-    for copy in range(2):
-        at = slot + copy * CAPACITY
+    for half in range(2):
+        at = slot + half * CAPACITY
         for k in range(3):
             clock[at, k] = full.numbers[k]
-        parts[at, :POSITION] = vector
-        parts[at, POSITION] = full.position
-        parts[at, PHASOR] = full.phasor
-        history.real_part[at, :CONTACT] = angle
-        history.real_part[at, CONTACT] = contact
+        for row in range(POSITION):
+            copy(vector[row], parts[at, row])
+        copy(full.position, parts[at, POSITION])
+        copy(full.phasor, parts[at, PHASOR])
+        for row in range(CONTACT):
+            copy(angle[row], history.real_part[at, row])
+        copy(contact, history.real_part[at, CONTACT])
         for k in range(contact.size):
             history.real_part[at, SEEN, k] = full.valid[k]
     counts[APPENDED] += 1

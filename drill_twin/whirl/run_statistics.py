@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array, Mask
-from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.exact_jit import Integers, copy, exact_kernel
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.lasting import lasting_motion, whirl_end
@@ -101,7 +101,7 @@ def add_bin(
     begun = flags[BEGUN]
     flags[BEGUN] = 1
     seconds, angle, revolutions = now[TIME] - last[TIME], now[ANGLE] - last[ANGLE], now[REVOLUTIONS] - last[REVOLUTIONS]
-    last[:] = now
+    copy(now, last)
     if flags[WHIRLED] and not flags[COUNTED]:
         flags[COUNTED] = 1
         numbers[SECONDS] = numbers[TURNS] = 0.0

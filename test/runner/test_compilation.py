@@ -93,7 +93,7 @@ def _nothing_cached():
 def test_the_child_fills_the_cache_for_this_process(empty_cache, scene):
     texts, here = [], []
     with before_each_compilation(lambda: here.append(1)):
-        compilation.compile_kernel(scene, PERIOD, texts.append, time_effects=True)
+        compilation.compile_kernel(scene, PERIOD, texts.append, time_effects=True, analysis=True)
     assert any(" functions, " in text and ": 0 functions" not in text for text in texts)
     # One attempt was refused; the rest came from the cache.
     assert len(here) == 1

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array
-from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.exact_jit import Integers, copy, exact_kernel
 from drill_twin.base.jit import as_python
 
 CORNER = 15.0
@@ -158,7 +158,7 @@ def _track_cycle(bit: BitSpeed, before: float, now: float, step: float) -> int:
         start = time - step * (now - rise) / (now - before)
         if within:
             cycle[CYCLE_END] = start
-            bit.complete[:] = cycle
+            copy(cycle, bit.complete)
             bit.numbers[PERIOD] = start - cycle[CYCLE_START]
         cycle[CYCLE_START], cycle[SLOWEST], cycle[FASTEST], cycle[FELL] = start, now, now, 0.0
         counts[IN_CYCLE] = 1

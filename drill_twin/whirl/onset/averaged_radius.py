@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray, Mask
-from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.exact_jit import Integers, copy, exact_kernel
 from drill_twin.base.numpy_loops import absolute, complex_exp, product, quotient
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import ASYNCHRONOUS, History, bins_in, end_of
@@ -51,7 +51,7 @@ def average_radius(averaged: AveragedRadius, history: History, criteria: Criteri
     longest = min(LONGEST, max(1, bins_in(history, 0.5)))
     bins = max(4, longest)
     divisor, factor = averaged.work[0], averaged.work[1]
-    divisor[:] = averaged.clearance
+    copy(averaged.clearance, divisor)
     for i in range(bins):
         at = end - bins + i
         since = history.clock[at, TIME] - history.clock[end - 1, TIME]
@@ -63,7 +63,10 @@ def average_radius(averaged: AveragedRadius, history: History, criteria: Criteri
         quotient(row, divisor, row)
     update_noise(averaged.noise, averaged.demodulated[bins - 4 : bins], whirling)
     level = averaged.noise.level
-    width = averaged.width[0] = width_for(criteria, level.max(), longest)
+    largest = level[0]
+    for k in range(1, m):
+        largest = np.maximum(largest, level[k])
+    width = averaged.width[0] = width_for(criteria, largest, longest)
     complex_sum_rows(averaged.demodulated[bins - width : bins], factor)
     absolute(factor, averaged.radius)
     for k in range(m):

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray, Mask
-from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.exact_jit import Integers, copy, exact_kernel
 from drill_twin.base.numpy_loops import absolute, exp, product, quotient
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.orbit.orbit_refit import OrbitRefit
@@ -95,7 +95,7 @@ def start(separation: RunoutSeparation, spin_given: bool) -> None:
     flags[SPIN_GIVEN] = spin_given
     flags[KNOWN] = flags[CALIBRATED] = spin_given or not flags[DIRECTED]
     if spin_given:
-        separation.arm[:] = separation.radius
+        copy(separation.radius, separation.arm)
 
 
 @exact_kernel
@@ -148,8 +148,8 @@ def _fit(separation: RunoutSeparation, full: Bin, fade: Array) -> None:
     """Fit offset and synchronous part of the marked point, shape (m,)."""
     sums, held, work = separation.sums, separation.held, separation.work
     row, back, factor = work[:5], work[5], work[6]
-    row[2] = full.phasor
-    row[3] = full.position
+    copy(full.phasor, row[2])
+    copy(full.position, row[3])
     for k in range(fade.size):
         row[0, k] = 1.0 if full.valid[k] else 0.0
         back[k] = full.phasor[k].conjugate()
@@ -162,7 +162,7 @@ def _fit(separation: RunoutSeparation, full: Bin, fade: Array) -> None:
             factor[k] = 0.0 if held[k] else 1.0
         for i in range(5):
             product(row[i], factor, row[i])
-    factor[:] = fade
+    copy(fade, factor)
     for i in range(5):
         product(sums[i], factor, sums[i])
         for k in range(fade.size):
@@ -206,10 +206,12 @@ def _update_direction(separation: RunoutSeparation, elapsed: float) -> None:
     """Rotate the arms of wall marks towards their synchronous part, for samples without spin."""
     arm, radius, flags, work = separation.arm, separation.radius, separation.flags, separation.work
     length, long, whole, new = separation.numbers, work[0], work[1], work[2]
-    whole[:] = radius
+    copy(radius, whole)
     if not flags[CALIBRATED]:
         # Before 2/3 of a revolution, the string is assumed to be near the axis.
-        flags[CALIBRATED] = separation.determinant.min() > CALIBRATED_FROM
+        flags[CALIBRATED] = True
+        for k in range(length.size):
+            flags[CALIBRATED] &= separation.determinant[k] > CALIBRATED_FROM
         source = separation.synchronous if flags[CALIBRATED] else separation.sums[4]
         absolute(source, length)
         for k in range(length.size):

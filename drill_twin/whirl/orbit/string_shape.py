@@ -73,7 +73,11 @@ def find_shape(shape: StringShape, history: History, criteria: Criteria) -> None
             moving = parts[end - n + i, MOVING, k]
             shape.powers[i, k] = moving.real * moving.real + moving.imag * moving.imag
     sum_rows(shape.powers[:n], shape.power)
-    reference = shape.reference[0] = np.argmax(shape.power)
+    reference = 0
+    for k in range(1, m):
+        if not shape.power[k] <= shape.power[reference] and not math.isnan(shape.power[reference]):
+            reference = k
+    shape.reference[0] = reference
     largest = shape.power[reference]
     if largest <= 0.0:
         shape.phase[:] = math.nan
