@@ -27,9 +27,9 @@ from drill_twin.rotordynamics.turning_frame import quarter_turn
 from drill_twin.schedule.command import Command
 
 SPEEDS = 43
-"""Whirl speeds tried."""
+"""Whirl speeds tried between backward and forward whirl at the speed of rotation; more where rolling is faster."""
 RANGE = 1.05
-"""Largest whirl speed tried, over the rotation."""
+"""Largest whirl speed tried, over the rotation; backward over the speed of rolling, where that is larger."""
 STEPS, FOLLOWING_STEPS, RESTART_STEPS = 250, 30, 80
 """Most pseudo-transient steps from a first shape, from the shape at the speed before, and from a first shape again."""
 CONVERGED = 1e-7
@@ -97,10 +97,13 @@ class ShapeSearch:
     def family(self, start: Array) -> list[Shape]:
         """Shapes over whirl speeds, from the fastest forward whirl down; each begins from the one before."""
         fastest = RANGE * max(abs(self.command.rotation), 1e-3)
+        model = self.turning.equations.model
+        rolling = max(1.0, float((model.contact_radius / model.wellbore.clearance).max()))
+        count = 1 + round((SPEEDS - 1) * (1.0 + rolling) / 2.0)
         shapes: list[Shape] = []
         last = start
         tries = STEPS
-        for omega in np.linspace(fastest, -fastest, SPEEDS):
+        for omega in np.linspace(fastest, -rolling * fastest, count):
             found = self.relax(last, float(omega), tries)
             if found is None and last is not start:
                 found = self.relax(start, float(omega), RESTART_STEPS)

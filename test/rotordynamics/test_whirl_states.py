@@ -12,6 +12,7 @@ from drill_twin.cli.app import app
 from drill_twin.errors import RunError, SceneError
 from drill_twin.rotordynamics import whirl_start
 from drill_twin.rotordynamics.equations import EquationsOfMotion
+from drill_twin.rotordynamics.shape_search import ShapeSearch
 from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
 from drill_twin.rotordynamics.turning_frame import quarter_turn
 from drill_twin.rotordynamics.whirl_states import whirl_states
@@ -140,6 +141,18 @@ def test_a_state_on_the_command_line(tmp_path):
     assert all(state["rotation_rev_s"] == pytest.approx(6.5) for state in found)
     assert json.loads((tmp_path / "states.json").read_text()) == found
     assert (tmp_path / "states.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(("radius", "slowest", "count"), [("90 mm", -1.05, 43), ("13.5 mm", -1.65, 55)])
+def test_whirl_speeds_are_tried_up_to_rolling(bench, monkeypatch, radius, slowest, count):
+    """In a narrow hole a string that rolls whirls faster than it turns: 8.25 mm over 5.25 mm."""
+    equations = EquationsOfMotion(override(bench, {"hole.radius": radius}))
+    search, tried = ShapeSearch(TurningEquations(equations), FAST), []
+    monkeypatch.setattr(search, "relax", lambda _start, omega, _steps: tried.append(omega))
+    assert not search.family(search.axis)
+    assert len(tried) == count
+    assert tried[0] == pytest.approx(1.05 * FAST.rotation)
+    assert tried[-1] == pytest.approx(slowest * FAST.rotation)
 
 
 def test_scenes_without_a_steady_whirl_are_told(bench):
