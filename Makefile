@@ -30,7 +30,7 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs test test-long faults faults-seeded kills soak fuzz day random-scenes fit-coverage browser bench map-boundary peers check clean
+.PHONY: help setup setup-test demo docs test test-long faults faults-seeded kills soak fuzz day random-scenes fit-coverage browser bench map-boundary advice-loop peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
@@ -48,6 +48,7 @@ help:
 	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
 	@echo 'make bench      speed of the kernel: by effect, by elements, and against earlier runs'
 	@echo 'make map-boundary  error of a map against dense grids of runs; goes on where it was broken off'
+	@echo 'make advice-loop  50 random scenes in closed loop with the advice; goes on where it was broken off'
 	@echo 'make peers      drill_twin beside PyElastica, Exudyn and MuJoCo (installs them; half an hour)'
 	@echo 'make check      lint, types, layers'
 	@echo 'make setup      the virtual environment in $(VENV) (the others call it)'
@@ -165,6 +166,9 @@ bench: $(STAMPS)/bench-$(KIND)
 
 map-boundary: setup
 	@nice $(PYTHON) -m benchmarks.map_boundary
+
+advice-loop: setup
+	@nice $(PYTHON) -m benchmarks.advice_loop
 
 peers: $(STAMPS)/bench-$(KIND)
 	@$(PYTHON) -m benchmarks.peers

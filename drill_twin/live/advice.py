@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from drill_twin.base.json_reader import read_json
-from drill_twin.errors import MessageError
+from drill_twin.errors import MessageError, printable
 
 SHOWN_STEPS = 64
 """Steps of the map along each range on the page; a finer one is shown at every second node, or fewer."""
@@ -38,7 +38,7 @@ def shown_map(text: str) -> dict[str, Any]:
         (low, high), (slow, fast) = (map(float, data[name]) for name in ("weight_on_bit_N", "rotation_rad_s"))
         every, side = max(1, steps // SHOWN_STEPS), steps + 1
         fields = {name: str(data[name]) for name in ("codes", "whirls", "keeps")}
-        window = data["safe_window"]
+        names, digest, window = list(data["regimes"]), str(data["digest"]), data["safe_window"]
         edges = [low, high, slow, fast, *map(float, window or ())]
         good = 1 <= steps <= _MOST_STEPS and low < high and slow < fast and all(map(math.isfinite, edges))
         if not (good and all(len(digits) == side**2 and digits.isdigit() for digits in fields.values())):
@@ -47,9 +47,10 @@ def shown_map(text: str) -> dict[str, Any]:
         raise MessageError(f"expected an operating map, found another text ({type(error).__name__})") from error
     rows = range(0, side, every)
     return {
+        "digest": digest[:64],
         "wob": [low, high],
         "rps": [slow / math.tau, fast / math.tau],
-        "regimes": [str(name)[:40] for name in data.get("regimes", [])][:10],
+        "regimes": [printable(str(name)[:40], keep="") for name in names[:10]],
         "window": edges[4:6] + [edge / math.tau for edge in edges[6:]],
         **{name: "".join(digits[i * side + j] for i in rows for j in rows) for name, digits in fields.items()},
     }

@@ -33,6 +33,7 @@ from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion, dec
 from drill_twin.io.scene_geometry import string_steps
 from drill_twin.live.advice import shown_map, targets
 from drill_twin.live.sources import GONE, Sources
+from drill_twin.maps.operating_map import digest_of
 from drill_twin.report.loads import string_weight
 from drill_twin.report.string_curve import along_hole
 from drill_twin.report.well_geometry import well_geometry
@@ -172,8 +173,10 @@ class PageState:
             del trail[:-_TRAIL]
 
     def _on_scene(self, raw: bytes) -> None:
-        scene = parse_scene(read_string(raw), name=TWIN_SCENE)
+        scene, found = parse_scene(read_string(raw), name=TWIN_SCENE), self._map
         self._clear()
+        if found is not None and found["digest"] == digest_of(scene):  # it may come before its scene
+            self._map = found
         self._hole = scene if scene.hole.survey else None
         self._weight = string_weight(scene)
         marks = scene.string.marks

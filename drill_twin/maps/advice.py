@@ -15,9 +15,16 @@ from drill_twin.maps.operating_map import Margin, OperatingMap
 from drill_twin.maps.plane import Node
 from drill_twin.maps.regimes import REGIMES, Regime
 from drill_twin.maps.runs import RAMP, STAY
+from drill_twin.whirl import MotionState
+from drill_twin.whirl.motion.timeline import NO_WHIRL
 
 MARGIN = 0.05
 """Distance to the boundary that a set-point should have, as a share of the ranges."""
+SMOOTHING = 0.5
+"""Time over which set-points are smoothed [s]: the weight on bit swings with the whirl."""
+MOVED = 0.02
+"""Distance beyond which a whirl has a new place, as a share of the ranges."""
+_WHIRLS = frozenset(state.value for state in MotionState if state not in NO_WHIRL)
 FROM_REST, DIES = "whirl begins from rest", "an existing whirl dies"
 """Names of the two boundaries."""
 
@@ -49,7 +56,7 @@ class Advice(NamedTuple):
     margin: Margin
     """Distance to that boundary; negative beyond it."""
     target: Target | None
-    """Set-point to go to; None: stay, or there is none."""
+    """Set-point to go to, with speed 0 where the rotation must stop; None: stay, or there is none."""
 
 
 class Adviser:
@@ -97,29 +104,47 @@ class Adviser:
         good = bool(inside and allowed[node])
         late = whirls and good and seconds > self.patience
         margin = found.margin_of(allowed, weight, speed) if inside else Margin(-math.inf, -math.inf, -math.inf)
-        stay = good and not late and margin.share >= self._margin
-        target = None if stay else self._target(allowed, weight, speed, deepest=late)
+        target = None
+        if not good or late or margin.share < self._margin:
+            target = self._target(allowed, weight, speed, above=float(_depth(allowed)[node]) if late else 0.0)
         if target is not None and inside and found.node(target.weight, target.speed) == node:
             target = None
+        again, slower = None, whirls and 0.0 <= speed < found.plane.speed.low
+        if slower or (whirls and target is None and (late or not good)):  # a rotation that stops must not be resumed
+            again = self._target(self._calm, *found.plane.command((0, 0)), above=math.inf)
+            target = None if again is None else Target(again.weight, 0.0, math.inf)
         keeps = bool(found.keeps_whirling[node])
         level = Level.ERROR if late or not good else Level.WARN if whirls or target is not None else Level.OK
-        text = self._text(regime, margin, target, whirls=whirls, good=good, late=late)
+        text = self._text(regime, margin, target, again, whirls=whirls, good=good, late=late)
         return Advice(level, text, regime, keeps, boundary, margin, target)
 
-    def _target(self, allowed: Mask, weight: float, speed: float, *, deepest: bool) -> Target | None:
-        """Nearest allowed set-point with the wanted margin; where there is none, or for `deepest`, with the largest."""
+    def _target(self, allowed: Mask, weight: float, speed: float, *, above: float = 0.0) -> Target | None:
+        """Nearest allowed set-point that is farther from the boundary than `above` [steps] and has the wanted margin.
+
+        Where none has it, one of those with the largest; `above` infinite asks for these.
+        """
         if not allowed.any():
             return None
         depth = _depth(allowed)
-        least = self._margin * self.map.plane.steps + 0.5
         most = float(depth.max())
-        nodes = np.argwhere(depth >= (most if deepest or most < least else least))
+        if not math.isinf(above) and above >= most:
+            return None
+        least = min(max(self._margin * self.map.plane.steps + 0.5, above + 0.5), most)
+        nodes = np.argwhere(depth >= least)
         place = np.array(self.map.plane.place(weight, speed))
         nearest: Node = tuple(nodes[int(np.argmin(np.hypot(*(nodes - place).T)))].tolist())
         return Target(*self.map.plane.command(nearest), (float(depth[nearest]) - 0.5) / self.map.plane.steps)
 
     def _text(
-        self, regime: Regime | None, margin: Margin, target: Target | None, *, whirls: bool, good: bool, late: bool
+        self,
+        regime: Regime | None,
+        margin: Margin,
+        target: Target | None,
+        again: Target | None,
+        *,
+        whirls: bool,
+        good: bool,
+        late: bool,
     ) -> str:
         low, high = (_point(*ends) for ends in zip(self.map.plane.weight, self.map.plane.speed, strict=True))
         if regime is None:
@@ -132,15 +157,53 @@ class Adviser:
             )
         else:
             where = f"{regime.value} from rest by the map{_near(margin) if good else ''}"
+        if again is not None:
+            begin = _point(again.weight, again.speed)
+            return f"{where}, and no better set-point is known: stop the rotation, and begin again at {begin}"
         if target is not None:
             reason = "where a whirl dies" if whirls else "for more margin" if good else "the nearest calm set-point"
             return f"{where}: go to {_point(target.weight, target.speed)}, {reason}"
         if good and not late:
             return f"{where}: hold"
-        if whirls and (best := self._target(self._calm, *self.map.plane.command((0, 0)), deepest=True)):
-            again = _point(best.weight, best.speed)
-            return f"{where}; no other set-point is known to end it: stop the rotation and begin again at {again}"
         return f"{where}: no calm set-point in its ranges, {low} to {high}"
+
+
+class Tracker:
+    """Set-points smoothed over time, and how long a whirl has lasted at one of them."""
+
+    def __init__(self) -> None:
+        """Begin without a set-point."""
+        self.time = -math.inf
+        """Time of the last set-point [s]."""
+        self.weight = self.speed = math.nan
+        """Weight on bit [N] and speed [rad/s]."""
+        self._place = (math.nan, math.nan)
+        self._since = 0.0
+
+    def take(self, time: float, weight: float, speed: float) -> None:
+        """Take the weight on bit [N] and the speed [rad/s] at a time [s]; one before the last begins anew."""
+        if time < self.time:
+            self.time = -math.inf
+        share = -math.expm1((self.time - time) / SMOOTHING)
+        if share == 1.0:
+            self.weight, self.speed = weight, speed
+        else:
+            self.weight += share * (weight - self.weight)
+            self.speed += share * (speed - self.speed)
+        self.time = time
+
+    def advise(self, adviser: Adviser, *, whirls: bool) -> Advice:
+        """Advice at the present set-point."""
+        plane = adviser.map.plane
+        place = plane.place(self.weight, self.speed)
+        if not (whirls and math.dist(place, self._place) < MOVED * plane.steps and self._since <= self.time):
+            self._place, self._since = place, self.time
+        return adviser.advise(self.weight, self.speed, whirls=whirls, seconds=self.time - self._since)
+
+
+def whirls_in(motion: str) -> bool:
+    """A motion state, as on `/whirl/motion`, is a whirl."""
+    return motion in _WHIRLS
 
 
 def status_of(advice: Advice, weight: float, speed: float, *, whirls: bool) -> Status:

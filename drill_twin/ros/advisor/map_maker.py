@@ -16,7 +16,7 @@ from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.maps import OperatingMap, read_map
 from drill_twin.scene import Scene
 
-_LOW, _HIGH = 0.025, 1.5
+_LOW, _HIGH = 0.025, 1.1
 """Ranges that the map has by default, over the set-points of the scene."""
 _STEPS = 8
 _NICE = 10

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -15,7 +14,7 @@ from drill_twin.io.messages.decode import JointStateReader, read_string
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.rig_messages import read_rig_state
-from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.topics import (
     ADVICE_MAP,
     ADVICE_STATE,
@@ -25,23 +24,18 @@ from drill_twin.io.messages.topics import (
     WHIRL_MOTION,
 )
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion
+from drill_twin.maps.advice import Adviser, Tracker, status_of, whirls_in
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, Value
 from drill_twin.ros.core.topics.scene_gate import SceneGate
-from drill_twin.whirl import MotionState
-from drill_twin.whirl.motion.timeline import NO_WHIRL
 
 if TYPE_CHECKING:
     from drill_twin.maps import OperatingMap
-    from drill_twin.maps.advice import Adviser
     from drill_twin.ros.advisor.map_maker import MapMaker
 
-_SMOOTHING = 0.5  # s; weight on bit swings with the whirl
 _PERIOD = 0.1  # s of wall time between two looks at the map
 _REPEAT = 1.0  # s of wall time
-_MOVED = 0.02  # share of the ranges beyond which a whirl has a new place
-_WHIRLS = frozenset(state.value for state in MotionState if state not in NO_WHIRL)
 
 
 class Advisor(TwinNode):
@@ -53,8 +47,8 @@ class Advisor(TwinNode):
     )
     PARAMETERS: ClassVar = (
         Parameter("map", "", 'map.json of `drill-twin map`; "": make a coarse one of the scene on /twin/scene'),
-        Parameter("wob", "", 'range of a map made here; "": up to 1.5 times the scene\'s', such_as="1..60 N"),
-        Parameter("rps", "", 'range of a map made here; "": up to 1.5 times the scene\'s', such_as="0.5..3 rev/s"),
+        Parameter("wob", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="1..60 N"),
+        Parameter("rps", "", 'range of a map made here; "": up to 1.1 times the scene\'s', such_as="0.5..3 rev/s"),
         Parameter("runs", 100, "largest number of runs of a map made here", "", 1, 1_000_000),
         Parameter("workers", 1, "threads of a map made here", "", 1, 4096),
         Parameter("margin", 0.05, "share of the ranges that an advised set-point keeps from a boundary", "", 0.0, 0.5),
@@ -72,10 +66,8 @@ class Advisor(TwinNode):
         self._clear()
 
     def _clear(self) -> None:
-        self._stamp = -1
-        self._place = (math.nan, math.nan)  # N, rad/s
+        self._tracker = Tracker()
         self._whirls = False
-        self._since = (math.nan, math.nan, 0)  # place and stamp of a whirl
         self._last: tuple[object, ...] = ()
         self._repeat = Tick(_REPEAT)
         self._said = ""
@@ -126,14 +118,9 @@ class Advisor(TwinNode):
             rig = read_rig_state(state)
         except DrillTwinError:
             return
-        if state.stamp < self._stamp:  # a new run
+        if seconds(state.stamp) < self._tracker.time:  # a new run
             self._clear()
-        share = 1.0
-        if self._stamp >= 0:
-            share = -math.expm1(-seconds(state.stamp - self._stamp) / _SMOOTHING)
-        weight, speed = self._place if share < 1.0 else (0.0, 0.0)
-        self._place = (weight + share * (rig.bit_force - weight), speed + share * (rig.top_drive_speed - speed))
-        self._stamp = state.stamp
+        self._tracker.take(seconds(state.stamp), rig.bit_force, rig.top_drive_speed)
 
     def _on_motion(self, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
@@ -141,7 +128,7 @@ class Advisor(TwinNode):
             motions = decode_motion(bytes(raw))[1]
         except DrillTwinError:
             return
-        self._whirls = any(motion.subject == STRING_LEVEL and motion.state in _WHIRLS for motion in motions)
+        self._whirls = any(motion.subject == STRING_LEVEL and whirls_in(motion.state) for motion in motions)
 
     # --- advice ---------------------------------------------------------------------------------------------------
 
@@ -153,7 +140,7 @@ class Advisor(TwinNode):
             return
         if self._maker is not None:
             self._take_map(self._maker)
-        if self._adviser is not None and self._stamp >= 0:
+        if self._adviser is not None and self._tracker.time >= 0.0:
             self._advise(self._adviser)
 
     def _take_map(self, maker: MapMaker) -> None:
@@ -169,7 +156,6 @@ class Advisor(TwinNode):
             self._drop_maker()
 
     def _use(self, found: OperatingMap) -> None:
-        from drill_twin.maps.advice import Adviser
         from drill_twin.maps.page import lattice_data
 
         self._adviser = Adviser(found, self.settings.margin)
@@ -182,22 +168,17 @@ class Advisor(TwinNode):
         self._publish(Status("advice", Level.ERROR, f"no advice: {self._trouble}"))
 
     def _advise(self, adviser: Adviser) -> None:
-        from drill_twin.maps.advice import status_of
-
-        weight, speed = self._place
-        there = adviser.map.plane.place(weight, speed)
-        far = math.dist(there, self._since[:2]) / adviser.map.plane.steps
-        if not (self._whirls and far < _MOVED):
-            self._since = (*there, self._stamp)
-        advice = adviser.advise(weight, speed, whirls=self._whirls, seconds=seconds(self._stamp - self._since[2]))
-        status = status_of(advice, weight, speed, whirls=self._whirls)
+        advice = self._tracker.advise(adviser, whirls=self._whirls)
+        status = status_of(advice, self._tracker.weight, self._tracker.speed, whirls=self._whirls)
         now = (status.level, advice.target, advice.regime, self._whirls)
         if now != self._last or self._repeat.due():
             self._last, self._said = now, status.text
             self._publish(status)
 
     def _publish(self, status: Status) -> None:
-        self.topics.publish(ADVICE_STATE, encode_diagnostics(max(self._stamp, 0), [status], FRAME_ID))
+        self.topics.publish(
+            ADVICE_STATE, encode_diagnostics(stamp_ns(max(self._tracker.time, 0.0)), [status], FRAME_ID)
+        )
 
     # --- end and health -------------------------------------------------------------------------------------------
 

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Advice and operating map on the page: those of the scene, and nothing of a hostile node."""
+
+import json
+import math
+
+import pytest
+
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, TWIN_SCENE
+from drill_twin.live.page_state import PageState
+from drill_twin.live.sources import Sources
+from drill_twin.maps import OperatingMap, Plane, Regime, Span
+from drill_twin.maps.operating_map import digest_of
+from drill_twin.maps.page import lattice_data
+from drill_twin.maps.runs import Key, Record
+from drill_twin.scene import load_scene
+
+SCENE = load_scene("pa6_bench")
+
+
+def lattice(steps=8):
+    """Calm on the lower half."""
+    plane = Plane(Span(0.0, 80.0), Span(0.0, 4.0 * math.pi), steps)
+    nodes = [(i, j) for i in range(steps + 1) for j in range(steps + 1)]
+    runs = {Key(*node): Record(Regime.FORWARD if 2 * node[0] > steps else Regime.SMOOTH) for node in nodes}
+    return lattice_data(OperatingMap(SCENE.name, digest_of(SCENE), SCENE.to_yaml(), plane, 10.0, (), runs))
+
+
+@pytest.mark.parametrize("first", [ADVICE_MAP, TWIN_SCENE])
+def test_map_and_advice_are_shown_in_whatever_order_they_come(first):
+    page = PageState(Sources())
+    messages = {ADVICE_MAP: encode_string(json.dumps(lattice())), TWIN_SCENE: encode_string(SCENE.to_yaml())}
+    for topic in sorted(messages, key=lambda topic: topic != first):
+        page.update(topic, messages[topic])
+    values = {"target_weight_on_bit_N": "20.0", "target_speed_rev_s": "1.5"}
+    page.update(ADVICE_STATE, encode_diagnostics(0, [Status("advice", Level.ERROR, "go to 20 N", values)]))
+    picture = page.snapshot()
+    assert picture["advice"] == {"text": "go to 20 N", "level": 2, "wob": 20.0, "rps": 1.5}
+    assert (picture["map"]["wob"], picture["map"]["rps"]) == ([0.0, 80.0], [0.0, 2.0])
+    assert picture["map"]["window"] == [0.0, 40.0, 0.0, 2.0]
+    assert (picture["map"]["codes"].count("0"), picture["map"]["codes"].count("3")) == (45, 36)
+
+
+def test_another_scene_takes_the_map_away():
+    page = PageState(Sources())
+    page.update(ADVICE_MAP, encode_string(json.dumps(lattice())))
+    other = load_scene("pa6_bench", overrides={"hole.radius": "80 mm"})
+    page.update(TWIN_SCENE, encode_string(other.to_yaml()))
+    assert page.snapshot()["map"] is None
+
+
+def test_a_fine_map_is_thinned_out():
+    page = PageState(Sources())
+    page.update(ADVICE_MAP, encode_string(json.dumps(lattice(128))))
+    assert len(page.snapshot()["map"]["codes"]) == 65**2
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"steps": 9}, {"steps": 10**9}, {"steps": math.inf}, {"codes": "9"}, {"codes": "x" * 81}, {"regimes": None},
+        {"weight_on_bit_N": [1.0, 1.0]}, {"rotation_rad_s": [0.0, math.inf]}, {"safe_window": ["a"]}, {"digest": ...},
+    ],
+)  # fmt: skip
+def test_what_is_no_map_is_skipped_and_counted(change):
+    page = PageState(Sources())
+    data = {name: value for name, value in (lattice() | change).items() if value is not ...}
+    page.update(ADVICE_MAP, encode_string(json.dumps(data)))
+    assert page.snapshot()["map"] is None
+    assert ADVICE_MAP in page.skipped
+
+
+def test_odd_names_and_targets_are_plain():
+    page = PageState(Sources())
+    page.update(ADVICE_MAP, encode_string(json.dumps(lattice() | {"regimes": ["\x1b[2J" * 100] * 100})))
+    values = {"target_weight_on_bit_N": "nan", "target_speed_rev_s": "x" * 100}
+    page.update(ADVICE_STATE, encode_diagnostics(0, [Status("advice", Level.OK, "\n" * 10_000, values)]))
+    picture = page.snapshot()
+    assert len(json.dumps(picture, allow_nan=False)) < 5_000
+    assert all(name.isprintable() for name in picture["map"]["regimes"])
+    assert set(picture["advice"]) == {"text", "level"}
