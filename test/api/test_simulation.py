@@ -10,7 +10,7 @@ import pytest
 import drill_twin as dt
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.io.messages.topics import DIAGNOSTICS, REALTIME_FACTOR, TOPICS, TWIN_SCENE
+from drill_twin.io.messages.topics import DIAGNOSTICS, OF_EVERY_RUN, REALTIME_FACTOR, TWIN_SCENE
 from drill_twin.report import summarise
 from drill_twin.report.figures import FIGURES
 from drill_twin.report.run_log import RunLog
@@ -31,7 +31,7 @@ def recorded(bag):
 def test_a_run_in_memory_has_the_messages_of_a_session(result, bench_run, tmp_path):
     written = Bag(result.to_bag(tmp_path / "bag_0"))
     assert recorded(written) == recorded(Bag(bench_run.bag))
-    assert {name for name, topic in written.topics.items() if topic.count} == set(TOPICS)
+    assert {name for name, topic in written.topics.items() if topic.count} == set(OF_EVERY_RUN)
 
 
 def test_a_bag_gives_the_same_result(result, bench_run):

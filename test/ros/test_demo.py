@@ -11,7 +11,7 @@ import pytest
 
 from drill_twin.errors import RunError
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.messages.topics import TOPICS
+from drill_twin.io.messages.topics import OF_EVERY_RUN
 from drill_twin.ros.demo.result import check_bag
 from drill_twin.ros.demo.stall_detector import StallDetector
 
@@ -50,7 +50,7 @@ def test_a_short_demo_leaves_bag_report_figures_and_summary(bench, demo):
     out = bench.folder / "demo"
     bag = Bag(out / "bag_0")
     assert not bag.truncated
-    assert all(bag.topics[topic].count for topic in TOPICS)
+    assert all(bag.topics[topic].count for topic in OF_EVERY_RUN)
     assert bag.topics["/rig/state"].count == 300
     summary = json.loads((out / "summary.json").read_text("utf-8"))
     wanted = {

@@ -17,11 +17,11 @@ from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
     DIAGNOSTICS,
     MARKS_STATE,
+    OF_EVERY_RUN,
     REALTIME_FACTOR,
     RIG_COMMAND,
     RIG_STATE,
     STRING_POSES,
-    TOPICS,
     TWIN_SCENE,
     WHIRL_MOTION,
     WHIRL_ONSET,
@@ -59,7 +59,7 @@ def test_a_recorded_run_is_whole(eager_bag):
     frames = round(DURATION * 100)
     for topic in (RIG_STATE, MARKS_STATE, STRING_POSES, WHIRL_STATE):
         assert bag.topics[topic].count == frames
-    assert all(bag.topics[topic].count for topic in TOPICS)
+    assert all(bag.topics[topic].count for topic in OF_EVERY_RUN)
     stamps = [read_clock(raw) for _, _, raw in bag.messages((CLOCK_TOPIC,))]
     # the clock of time zero is latched for late drivers; a recorder need not have been there yet
     assert stamps[-frames:] == [k * 10_000_000 for k in range(1, frames + 1)]
@@ -144,7 +144,7 @@ def test_a_replay_keeps_its_time(bench, eager_bag):
 
 def test_two_runs_in_lockstep_are_alike(bench, eager_bag, payloads, tmp_path):
     again = _run(bench, tmp_path / "again_0")
-    topics = set(TOPICS) - {DIAGNOSTICS, TWIN_SCENE, REALTIME_FACTOR}  # these tell wall time
+    topics = set(OF_EVERY_RUN) - {DIAGNOSTICS, TWIN_SCENE, REALTIME_FACTOR}  # these tell wall time
     for topic in topics:
         first, second = payloads(eager_bag, topic), payloads(again, topic)
         if topic == CLOCK_TOPIC:  # but for that of time zero

@@ -11,7 +11,7 @@ import yaml
 from rclpy.serialization import deserialize_message
 
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.messages.topics import FRAME_ID, JOINT_STATE, MARKER_ARRAY, POSE_ARRAY, TOPICS
+from drill_twin.io.messages.topics import FRAME_ID, JOINT_STATE, MARKER_ARRAY, OF_EVERY_RUN, POSE_ARRAY, TOPICS
 from drill_twin.ros.core.topics.rclpy_topics import message_class
 
 VIEWS = Path(__file__).resolve().parents[2] / "config" / "views"
@@ -23,7 +23,7 @@ FOXGLOVE_PATH = re.compile(r"(?P<topic>/\w+(?:/\w+)*)(?:\.(?P<field>\w+)\[(?P<in
 def messages(small_bag):
     """The last message of each topic of a run of the paper's scene."""
     bag = Bag(small_bag)
-    return {topic: deserialize_message(bag.last(topic), message_class(TOPICS[topic])) for topic in TOPICS}
+    return {topic: deserialize_message(bag.last(topic), message_class(TOPICS[topic])) for topic in OF_EVERY_RUN}
 
 
 def test_rviz_shows_topics_of_the_twin_in_its_frame(messages):
