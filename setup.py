@@ -52,6 +52,7 @@ setup(
         "test": [
             "asyncua>=1.1",
             "colcon-common-extensions",
+            "foxglove-sdk>=0.14",
             "hypothesis",
             "import-linter",
             "jsonschema",
@@ -65,6 +66,7 @@ setup(
             "types-PyYAML",
             "xarray",
         ],
+        "foxglove": ["foxglove-sdk>=0.14"],
         "opcua": ["asyncua>=1.1", "cryptography"],
         "xarray": ["xarray"],
         "bench": [

@@ -43,7 +43,7 @@ def main(seconds: float = 20.0) -> None:
         make_keys(folder, "urn:drill_twin:gateway", "localhost", {_USER: _USER})
         (folder / TRUSTED / "own.der").write_bytes((folder / CERTIFICATE).read_bytes())
         given = ["-p", f"port:={port}", "-p", f"keys:={folder}", "-p", "grant:=always"]
-        children = [_node("simulator"), _node("analyzer"), _node("gateway", *given)]
+        children = [node("simulator"), node("analyzer"), node("gateway", *given)]
         try:
             _measure(children[-1].pid, f"opc.tcp://127.0.0.1:{port}/drill_twin", folder, seconds)
         finally:
@@ -53,7 +53,8 @@ def main(seconds: float = 20.0) -> None:
             claim.release()
 
 
-def _node(name: str, *given: str) -> subprocess.Popen[bytes]:
+def node(name: str, *given: str) -> subprocess.Popen[bytes]:
+    """Start a node as a process."""
     words = [sys.executable, "-m", "drill_twin.ros", name, "--ros-args", *given]
     return subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
@@ -115,13 +116,14 @@ def _measure(gateway: int, url: str, folder: Path, seconds: float) -> None:
 
 
 def _share(pid: int, seconds: float, turn: Any) -> float:
-    begun, before = time.monotonic(), _processor_time(pid)
+    begun, before = time.monotonic(), processor_time(pid)
     while time.monotonic() - begun < seconds:
         turn()
-    return (_processor_time(pid) - before) / (time.monotonic() - begun)
+    return (processor_time(pid) - before) / (time.monotonic() - begun)
 
 
-def _processor_time(pid: int) -> float:
+def processor_time(pid: int) -> float:
+    """User and system time of a process [s]."""
     fields = Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / float(os.sysconf("SC_CLK_TCK"))
 

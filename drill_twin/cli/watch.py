@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from drill_twin.cli.options import NamespaceOption
+from drill_twin.errors import DrillTwinError
 
 
 def watch(
@@ -30,11 +31,19 @@ def watch(
     ] = [],  # noqa: B006  typer does not change the default
     browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
     namespace: NamespaceOption = "",
+    foxglove: Annotated[
+        int | None,
+        typer.Option(
+            min=0, max=65535, metavar="PORT", help="Also serve all topics of a running twin to Foxglove, at this port."
+        ),
+    ] = None,
 ) -> None:
     """Show a run in the browser: the string in the hole, orbits, motion states, and sliders for the set-points.
 
     A running twin is found by ROS_DOMAIN_ID; set-points go through the rig driver where there is one.
     """
+    if bag is not None and foxglove is not None:
+        raise DrillTwinError("expected --foxglove without a bag, found both; Foxglove opens the bag itself")
     if bag is not None:
         _play(bag, host, port, allow_host, namespace or None, browser=browser)
         return
@@ -42,6 +51,8 @@ def watch(
 
     names = [word for name in allow_host for word in ("--allow-host", name)]
     arguments = ["--host", host, "--port", str(port), *names, *([] if browser else ["--no-browser"])]
+    if foxglove is not None:
+        arguments += ["--foxglove", str(foxglove)]
     if namespace:
         arguments += ["--ros-args", "-r", f"__ns:=/{namespace.strip('/')}"]
     raise typer.Exit(start("watch", arguments))

@@ -23,6 +23,7 @@ from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
+from drill_twin.live.foxglove_server import FoxgloveServer
 from drill_twin.live.page_state import INPUTS, PageState
 from drill_twin.live.sources import GONE, Sources
 from drill_twin.ros.core.node import TwinNode
@@ -43,8 +44,15 @@ class LivePage(TwinNode):
     NAME: ClassVar = "watch"
     PURPOSE: ClassVar = "Shows a running twin in the browser."
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: Context, viewers: FoxgloveServer | None = None) -> None:
+        """Create the node.
+
+        Args:
+            context: The rclpy context.
+            viewers: Server that all topics of the contract are passed on to.
+        """
         super().__init__(context)
+        self._viewers = viewers
         self._sources = Sources()
         self.page_state = PageState(self._sources)
         self._encoder = CommandEncoder()
@@ -57,16 +65,20 @@ class LivePage(TwinNode):
     def open(self) -> None:
         """Create the topics."""
         self._scenes = SceneGate(partial(self.page_state.update, TWIN_SCENE))
-        self.topics.subscribe(TWIN_SCENE, lambda raw, _: self._scenes.take(bytes(raw)), depth=1, latched=True)
-        for topic in (topic for topic in INPUTS if topic != TWIN_SCENE):
+        for topic in INPUTS if self._viewers is None else TOPICS:
             latched = TOPICS[topic].latched
             self.topics.subscribe(
                 topic, partial(self._on_message, topic), depth=1 if latched else _DEPTH, latched=latched
             )
 
     def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
-        self.page_state.update(topic, bytes(raw))
+        message = bytes(raw)
+        if self._viewers is not None:
+            self._viewers.publish(topic, message, info["received_timestamp"])
+        if topic == TWIN_SCENE:
+            self._scenes.take(message)
+        elif topic in INPUTS:
+            self.page_state.update(topic, message)
 
     def snapshot(self) -> Mapping[str, Any]:
         """State of the page."""
@@ -154,13 +166,16 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     parser.add_argument("--port", type=int, default=8000, help="port of the page; 0: a free one (%(default)s)")
     parser.add_argument("--allow-host", action="append", default=[], help="name of this server; repeatable")
     parser.add_argument("--no-browser", action="store_true", help="do not open the browser")
+    parser.add_argument("--foxglove", type=int, help="port for viewers that speak the Foxglove protocol; 0: a free one")
     own = list(arguments)
     ros = own[own.index("--ros-args") :] if "--ros-args" in own else []
     given = parser.parse_args(own[: len(own) - len(ros)])
     context = init_context(ros, stop)
+    viewers = None
     try:
         with stop.at_once(), readable_refusal():
-            node = LivePage(context)
+            viewers = None if given.foxglove is None else FoxgloveServer(given.host, given.foxglove)
+            node = LivePage(context, viewers)
         server = PageServer(
             node.snapshot, node.on_request, host=given.host, port=given.port, allowed_hosts=given.allow_host
         )
@@ -168,10 +183,14 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
             print(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()} at {server.url}", flush=True)
             if server.remote_url:
                 print(f"on other machines, to command: {server.remote_url}", flush=True)
+            if viewers is not None:
+                print(f"for Foxglove: {viewers.url}", flush=True)
             if not given.no_browser:
                 webbrowser.open(server.url)
             run_in_order(node, stop)
         finally:
             server.close()
     finally:
+        if viewers is not None:
+            viewers.close()
         context.try_shutdown()

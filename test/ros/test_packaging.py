@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NODES = {name: entry_points.load(name) for name in entry_points.NODES}
 EXECUTABLES = {*NODES, "twin"}
 # Import name -> distribution, where they differ.
-DISTRIBUTIONS = {"yaml": "pyyaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
+DISTRIBUTIONS = {"foxglove": "foxglove-sdk", "yaml": "pyyaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
 FROM_ROS = {"rclpy", "rcl_interfaces", "std_srvs", "ament_index_python"}
 
 
@@ -68,7 +68,7 @@ def test_all_data_is_installed(setup_arguments):
 
 def test_every_import_is_declared(setup_arguments):
     extras = setup_arguments["extras_require"]
-    lines = [*setup_arguments["install_requires"], *extras["opcua"], *extras["xarray"]]
+    lines = [*setup_arguments["install_requires"], *extras["foxglove"], *extras["opcua"], *extras["xarray"]]
     declared = {re.split(r"[<>=!~ ]", line)[0].lower() for line in lines}
     found = set()
     for file in (ROOT / "drill_twin").rglob("*.py"):

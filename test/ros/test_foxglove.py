@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`drill-twin watch --foxglove`: a client of the Foxglove protocol gets the topics, and the layout is about them."""
+
+import json
+import re
+import struct
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from rclpy.serialization import deserialize_message
+from websockets.sync.client import connect
+
+from drill_twin.io.messages.topics import OF_EVERY_RUN, RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_COMMAND
+from drill_twin.ros.core.topics.rclpy_topics import message_class
+
+pytest.importorskip("foxglove", reason="needs foxglove-sdk: pip install 'drill_twin[foxglove]'")
+
+STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
+LAYOUT = Path(__file__).resolve().parents[2] / "config" / "views" / "foxglove.json"
+DATA = struct.Struct("<BIQ")  # operation, subscription, time [ns]
+
+
+def _messages(url, wanted):
+    """Channels, and one message of each wanted topic."""
+    with connect(url, subprotocols=["foxglove.sdk.v1"], max_size=None) as socket:
+        channels = {}
+        while not set(TOPICS) <= channels.keys():
+            told = json.loads(socket.recv(timeout=20.0))
+            channels |= {one["topic"]: one for one in told.get("channels", [])}
+        topics = dict(enumerate(wanted))
+        asked = [{"id": number, "channelId": channels[topic]["id"]} for number, topic in topics.items()]
+        socket.send(json.dumps({"op": "subscribe", "subscriptions": asked}))
+        found, end = {}, time.monotonic() + 60.0
+        while len(found) < len(topics):
+            assert time.monotonic() < end, set(wanted) - found.keys()
+            data = socket.recv(timeout=20.0)
+            if isinstance(data, bytes):
+                operation, number, _ = DATA.unpack_from(data)
+                assert operation == 1
+                found[topics[number]] = data[DATA.size :]
+    return channels, found
+
+
+def test_a_viewer_gets_every_topic_and_the_layout_leads_to_numbers(bench):
+    bench.start("analyzer")
+    bench.start("simulator", overrides=STEADY)
+    bench.start("rig_driver", overrides=STEADY)
+    command = [sys.executable, "-m", "drill_twin.cli", "watch", "--no-browser", "--port", "0", "--foxglove", "0"]
+    page = bench.command("watch", command)
+    bench.until(lambda: "for Foxglove: " in page.text, what="the address")
+    url = re.search(r"for Foxglove: (\S+)", page.text)[1]
+    bench.until(lambda: bench.simulated_time() > 1.0, what="a second of the run")
+    # Set-points are echoed on change only; the scene and the onset are latched, and come again to a late viewer.
+    channels, found = _messages(url, sorted(set(OF_EVERY_RUN) - {WOB_COMMAND, RPS_COMMAND}))
+    for topic, row in TOPICS.items():
+        assert channels[topic]["schemaName"] == row.type_name
+        assert (channels[topic]["encoding"], channels[topic]["schemaEncoding"]) == ("cdr", "ros2msg")
+    messages = {topic: deserialize_message(raw, message_class(TOPICS[topic])) for topic, raw in found.items()}
+    assert set(messages[RIG_COMMAND].name) == {"bit", "top_drive"}
+    layout = json.loads(LAYOUT.read_text("utf-8"))
+    paths = [path["value"] for panel in layout["configById"].values() for path in panel.get("paths", [])]
+    for path in paths:
+        topic, field, index = re.fullmatch(r"([/\w]+)\.(\w+)\[(\d+)\]", path).groups()
+        assert isinstance(getattr(messages[topic], field)[int(index)], float), path
+
+
+def test_a_bag_is_not_served_to_viewers(bench):
+    command = [sys.executable, "-m", "drill_twin.cli", "watch", "bag_0", "--foxglove", "0"]
+    process = bench.command("watch", command)
+    assert process.wait() == 2
+    assert "expected --foxglove without a bag" in process.text
