@@ -100,6 +100,19 @@ _RIG = {
 """Quantities and their fields of a `RigState`."""
 
 
+MEASURED = {
+    "weight_on_bit": ("bit", "effort"),
+    "surface_rotation": ("top_drive", "velocity"),
+    "surface_torque": ("top_drive", "effort"),
+    "bit_rotation": ("bit", "velocity"),
+    "bit_torque": ("bit_torque", "effort"),
+    "hookload": ("block", "effort"),
+    "block_position": ("block", "position"),
+    "block_velocity": ("block", "velocity"),
+}
+"""Quantities that a rig measures, with their joint and array on `/measured/rig/state`."""
+
+
 class Severity:
     """Stick-slip index of a speed over the last ten seconds, kept as extremes of each second."""
 

@@ -13,11 +13,20 @@ from typing import Any
 from drill_twin.base.yaml_reader import Place, read_yaml
 from drill_twin.errors import DrillTwinError
 from drill_twin.gateway.dwis import PROPOSED, PROTOTYPES
-from drill_twin.gateway.quantities import QUANTITIES
+from drill_twin.gateway.quantities import MEASURED, QUANTITIES
 from drill_twin.scene.paths import config_dir
 from drill_twin.units import UnitError, factor_of
 
-_SECTIONS = {"show": ("value", "unit", "class"), "command": ("value", "unit", "low", "high")}
+_RIG = ("node", "unit", "low", "high", "stale_after", "frozen_after")
+_SECTIONS = {
+    "show": ("value", "unit", "class"),
+    "command": ("value", "unit", "low", "high"),
+    "measure": _RIG,
+    "follow": _RIG,
+}
+_STALE_AFTER = 2.0  # s
+_WITS_UNITS = {"kdaN": ("daN", 1000.0)}
+"""Units of WITS that no other file of this package has."""
 SET_POINTS = ("weight_on_bit", "surface_rotation")
 """Quantities that can be commanded."""
 
@@ -61,6 +70,28 @@ class Target:
 
 
 @dataclass(frozen=True)
+class RigSignal:
+    """Signal of the rig, on its server."""
+
+    quantity: str
+    """Key of `MEASURED`."""
+    node: str
+    """Node id on the rig's server, as `ns=2;s=WOB` or `nsu=urn:rig;s=WOB`."""
+    unit: str
+    """Unit there."""
+    factor: float
+    """SI value of one unit."""
+    low: float
+    """Smallest value that is used, in the unit."""
+    high: float
+    """Largest value that is used, in the unit."""
+    stale_after: float
+    """Age of its stamp at which it is not used any more [s]; 0: none."""
+    frozen_after: float
+    """Time without a change at which it is not used any more [s]; 0: none."""
+
+
+@dataclass(frozen=True)
 class Signals:
     """Signals of a gateway."""
 
@@ -68,6 +99,10 @@ class Signals:
     """Twin -> OPC UA."""
     command: tuple[Target, ...] = ()
     """OPC UA -> twin."""
+    measure: tuple[RigSignal, ...] = ()
+    """Server of the rig -> `/measured/rig/state`."""
+    follow: tuple[RigSignal, ...] = ()
+    """Set-points on the server of the rig -> twin."""
 
 
 def signals_path(name: str) -> Path:
@@ -109,6 +144,10 @@ class _Reader:
         return Signals(
             tuple(self._shown(name, line) for name, line in show.items()),
             tuple(self._target(name, line) for name, line in command.items()),
+            *(
+                tuple(self._of_rig((section, name), line) for name, line in self._section(data, section).items())
+                for section in ("measure", "follow")
+            ),
         )
 
     def _section(self, data: Mapping[str, Any], name: str) -> dict[str, dict[str, Any]]:
@@ -129,10 +168,24 @@ class _Reader:
     def _target(self, name: str, line: Mapping[str, Any]) -> Target:
         place = ("command", name)
         quantity, unit, factor = self._quantity(place, line, SET_POINTS)
+        return Target(name, quantity, unit, factor, *self._range(place, line))
+
+    def _of_rig(self, place: Place, line: Mapping[str, Any]) -> RigSignal:
+        known = SET_POINTS if place[0] == "follow" else tuple(MEASURED)
+        quantity, unit, factor = self._quantity(place, {"value": place[-1], **line}, known)
+        node = line.get("node")
+        if not isinstance(node, str) or "=" not in node:
+            raise self._error(place, f'{quantity}: expected a node such as "ns=2;s=WOB", found {node!r}')
+        times = [line.get("stale_after", _STALE_AFTER), line.get("frozen_after", 0.0)]
+        if not all(isinstance(one, int | float) and 0.0 <= one < math.inf for one in times):
+            raise self._error(place, f"{quantity}: expected times [s] from 0, found {times}")
+        return RigSignal(quantity, node, unit, factor, *self._range(place, line), *map(float, times))
+
+    def _range(self, place: Place, line: Mapping[str, Any]) -> tuple[float, float]:
         low, high = (line.get(key, default) for key, default in (("low", -math.inf), ("high", math.inf)))
         if not (isinstance(low, int | float) and isinstance(high, int | float) and low < high):
-            raise self._error(place, f"{name}: expected numbers low < high [{unit}], found {low!r} and {high!r}")
-        return Target(name, quantity, unit, factor, float(low), float(high))
+            raise self._error(place, f"{place[-1]}: expected numbers low < high, found {low!r} and {high!r}")
+        return float(low), float(high)
 
     def _quantity(
         self, place: Place, line: Mapping[str, Any], known: tuple[str, ...] = tuple(QUANTITIES)
@@ -141,8 +194,9 @@ class _Reader:
         quantity, unit = str(line.get("value", "")), str(line.get("unit", ""))
         self._known((*place, "value"), (quantity,), known)
         dimension = QUANTITIES[quantity].dimension
+        base, multiple = _WITS_UNITS.get(unit, (unit, 1.0))
         try:
-            return quantity, unit, factor_of(unit, dimension)
+            return quantity, unit, multiple * factor_of(base, dimension)
         except UnitError as error:
             raise self._error((*place, "unit"), f"{place[-1]}: {error}") from None
 

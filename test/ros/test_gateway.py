@@ -91,11 +91,13 @@ def test_nothing_can_be_written_by_a_client_without_rights(twin):
     assert client("write", twin.url, "Signals/WOB", 100.0) == "BadUserAccessDenied"
 
 
+@pytest.mark.long
 def test_open62541_reads_the_same(twin):
     pytest.importorskip("o6", reason="needs o6, the open62541 of Python")
     assert run(sys.executable, HERE / "open62541_client.py", twin.url)["SurfaceRPM"] == pytest.approx(120.0)
 
 
+@pytest.mark.long
 def test_node_opcua_reads_the_same(twin):
     modules = os.environ.get("DRILL_TWIN_NODE_MODULES", "")
     if not shutil.which("node") or not (Path(modules) / "node-opcua-client").is_dir():
@@ -104,6 +106,7 @@ def test_node_opcua_reads_the_same(twin):
     assert read["SurfaceRPM"] == pytest.approx(120.0)
 
 
+@pytest.mark.long
 def test_a_twin_that_falls_silent_leaves_uncertain_values_and_comes_back(twin):
     twin.simulator.send(signal.SIGSTOP)
     try:

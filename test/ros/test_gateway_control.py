@@ -136,6 +136,7 @@ def test_control_is_granted_used_lost_and_given_back(rig, joints):
     rig.until(lambda: rig.node.count_publishers(RIG_COMMAND) == 0, what="the gateway to leave /rig/command")
 
 
+@pytest.mark.long
 def test_nobody_gets_control_beside_a_driver(rig):
     rig.set_parameter("gateway", "grant", "always")
     driver = rig.start("rig_driver", overrides=STEADY)

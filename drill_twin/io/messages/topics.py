@@ -20,6 +20,7 @@ RIG_COMMAND = "/rig/command"
 WOB_COMMAND = "/rig/wob_command"
 RPS_COMMAND = "/rig/rps_command"
 RIG_STATE = "/rig/state"
+MEASURED_RIG_STATE = "/measured/rig/state"
 STRING_POSES = "/string/poses"
 STRING_MARKERS = "/string/markers"
 MARKS_STATE = "/marks/state"
@@ -88,6 +89,15 @@ _ROWS = (
         "as applied: `top_drive` angle [rad], speed [rad/s], torque [N m]; `bit` angle [rad], "
         "speed [rad/s], effort = weight on bit [N]; `block` position [m], velocity [m/s], "
         "effort = hookload [N]; `bit_torque` angle and speed of the bit, effort = torque on the bit [N m]",
+    ),
+    Topic(
+        MEASURED_RIG_STATE,
+        JOINT_STATE,
+        "gateway",
+        "as the rig is read (10 Hz)",
+        "measured on a rig: joints and units of `/rig/state`, NaN where there is no sound value; stamp = source "
+        "timestamp of the newest value",
+        optional=True,
     ),
     Topic(
         STRING_POSES,

@@ -18,6 +18,7 @@ from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
     DIAGNOSTICS,
     MARKS_STATE,
+    MEASURED_RIG_STATE,
     REALTIME_FACTOR,
     RIG_COMMAND,
     RIG_STATE,
@@ -88,7 +89,7 @@ RIGHTS: dict[str, Rights] = {
     "recorder": Rights((), tuple(TOPICS)),
     "replayer": Rights(tuple(topic for topic in TOPICS if topic != DIAGNOSTICS), (), (), _READY),
     "gateway": Rights(
-        (RIG_COMMAND,),
+        (RIG_COMMAND, MEASURED_RIG_STATE),
         (RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR, DIAGNOSTICS),
         ("~/grant_control", "~/withdraw_control"),
     ),

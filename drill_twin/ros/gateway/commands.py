@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
+from collections.abc import Mapping
 
-from drill_twin.gateway.control import Control
 from drill_twin.gateway.quantities import TwinQuantities
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND
@@ -42,23 +43,25 @@ class CommandOutput:
             self._to_safe = None
             self.command = Command(values.get("weight_on_bit", 0.0), values.get("surface_rotation", 0.0))
 
-    def send(self, control: Control) -> None:
-        """Send the targets of the holder now."""
+    def send(self, wanted: Mapping[str, float]) -> None:
+        """Send set-points, by quantity [SI], now; one that is missing stays."""
         with self._lock:
             if self.command is None or self._to_safe is not None:
                 return
-            wanted = control.values
             self.command = Command(
                 wanted.get("weight_on_bit", self.command.weight_on_bit),
                 wanted.get("surface_rotation", self.command.rotation),
             )
             self._publish()
 
-    def go_safe(self, safe: Command, seconds: float) -> None:
-        """Go to the safe set-point within some seconds of wall time, and hold it."""
+    def go_safe(self) -> None:
+        """Go to the safe set-point of the parameters within their ramp time, by the wall clock, and hold it."""
+        settings = self._node.settings
+        safe = Command(settings.safe_weight_on_bit, settings.safe_speed * math.tau)
         with self._lock:
             if self.command is not None:
-                self._to_safe = SetPointTransition(self.command, lambda _: safe, time.monotonic(), seconds)
+                begin = time.monotonic()
+                self._to_safe = SetPointTransition(self.command, lambda _: safe, begin, settings.safe_ramp_time)
 
     def end(self) -> None:
         """End commanding: others may."""

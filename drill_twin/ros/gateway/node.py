@@ -29,9 +29,10 @@ from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import ParameterError, Value
 from drill_twin.ros.gateway.commands import CommandOutput
 from drill_twin.ros.gateway.parameters import PARAMETERS
-from drill_twin.schedule.command import Command
+from drill_twin.ros.gateway.rig import Rig
 
 if TYPE_CHECKING:
+    from drill_twin.gateway.keys import Keys
     from drill_twin.gateway.server import OpcUaServer, Sample
 
 _TURN = 0.05  # s between two turns of the loop
@@ -63,12 +64,16 @@ class Gateway(TwinNode):
         self._told_control: tuple[Permission, str] | None = None
         self._unread = self._denied = ""
         self._server: OpcUaServer | None = None
+        self._rig: Rig | None = None
 
     def open(self) -> None:
-        """Start the server, and subscribe to the topics of its signals."""
-        self._server = _make_server(self.settings, self._signals, self._control)
+        """Start server and client, and subscribe to the topics of the signals."""
+        keys = _read_keys(self.settings.keys)
+        self._server = _make_server(self.settings, self._signals, self._control, keys)
+        if self.settings.rig_url:
+            self._rig = Rig(self, self._output, self._signals, keys)
         topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
-        for topic in topics | ({RIG_STATE} if self._signals.command else set()):
+        for topic in topics | ({RIG_STATE} if self._signals.command or self._rig else set()):
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe(topic, partial(self._on_message, topic), depth=depth)
         self.create_service(Trigger, "~/grant_control", self._on_grant)
@@ -90,6 +95,8 @@ class Gateway(TwinNode):
             return
         if self._control_due.due():
             self._work_control(self._server)
+            if self._rig is not None:
+                self._rig.work()
         if self._due.due():
             self._server.show(self._samples())
 
@@ -115,16 +122,16 @@ class Gateway(TwinNode):
 
     def _on_targets(self) -> None:
         """Publish the targets at once; called in the server's thread."""
-        self._output.send(self._control)
+        self._output.send(self._control.values)
 
     def _work_control(self, server: OpcUaServer) -> None:
         if self._control.check_heartbeat():
-            safe = Command(self.settings.safe_weight_on_bit, self.settings.safe_speed * math.tau)
-            self._output.go_safe(safe, self.settings.safe_ramp_time)
+            self._output.go_safe()
             self.publish_diagnostics()
         if self._control.permission is Permission.PENDING and self.settings.grant != "ask":
             self._decide(granted=self.settings.grant == "always")
-        if self._control.permission is Permission.UNSET and self._output.command is not None:
+        held = self._output.is_safe or (self._rig is not None and self._rig.follows)
+        if self._control.permission is Permission.UNSET and self._output.command is not None and not held:
             self._output.end()
         now = (self._control.permission, self._control.holder)
         if now != self._told_control:
@@ -135,6 +142,8 @@ class Gateway(TwinNode):
     def _decide(self, *, granted: bool) -> str:
         """Grant or deny what is requested; returns the reason of a denial."""
         others = ", ".join(self._output.others())
+        if self._rig is not None and self._rig.follows:
+            others = "the rig"
         reason = f"{others} commands" if others else "" if granted else "the parameter grant is never"
         self._denied = f"control denied: {reason}" if reason else ""
         if reason:
@@ -155,6 +164,8 @@ class Gateway(TwinNode):
         """Take control away; the last set-point stays in force until another source commands."""
         del request
         response.success = self._control.deny("withdrawn") or self._output.command is not None
+        if self._rig is not None:
+            self._rig.stop_following()
         self._output.end()
         self._denied = "control was withdrawn" if response.success else ""
         return response
@@ -162,7 +173,9 @@ class Gateway(TwinNode):
     # --- end and health -------------------------------------------------------------------------------------------
 
     def close(self) -> None:
-        """End the server."""
+        """End server and client."""
+        if self._rig is not None:
+            self._rig.close()
         if self._server is not None:
             self._server.close()
 
@@ -188,13 +201,18 @@ class Gateway(TwinNode):
                 "weight_on_bit": f"{command.weight_on_bit:g}",
                 "speed_rev_s": f"{command.rotation / math.tau:g}",
             }
+        if self._rig is not None:
+            values |= self._rig.values()
         level, text = self._verdict(stale, present=bool(present))
         return Status(self.NAME, level, text, values)
 
     def _verdict(self, stale: Sequence[str], *, present: bool) -> tuple[Level, str]:
         """Level and sentence: the worst first."""
         if self._output.is_safe:
-            return Level.ERROR, f"control lost: {self._control.lost}; the safe set-point is in force"
+            lost = self._rig.lost if self._rig is not None and self._rig.lost else self._control.lost
+            return Level.ERROR, f"control lost: {lost}; the safe set-point is in force"
+        if self._rig is not None and (fault := self._rig.fault()):
+            return Level.WARN, fault
         if self._control.permission is Permission.PENDING and self._control.user is not None:
             return Level.WARN, f"{self._control.user.name} requests control: call ~/grant_control"
         if self._server is not None and (refusal := self._server.sessions.refusal):
@@ -209,19 +227,31 @@ class Gateway(TwinNode):
         return Level.OK, "showing the twin" if present else "waiting for the twin"
 
 
-def _make_server(settings: Any, signals: Signals, control: Control) -> OpcUaServer:
-    """Start the server.
+_REMEDY = "pip install 'drill_twin[opcua]'"
+
+
+def _read_keys(folder: str) -> Keys | None:
+    """Keys of a folder; None for an empty name.
 
     Raises:
         DrillTwinError: asyncua is not installed, or the keys cannot be used.
-        RunError: The port is taken.
     """
     try:
         from drill_twin.gateway.keys import read_keys
+    except ModuleNotFoundError as error:
+        raise DrillTwinError(f"expected the Python module {error.name!r}, found none; {_REMEDY}") from error
+    return read_keys(Path(folder)) if folder else None
+
+
+def _make_server(settings: Any, signals: Signals, control: Control, keys: Keys | None) -> OpcUaServer:
+    """Start the server.
+
+    Raises:
+        DrillTwinError: asyncua is not installed.
+        RunError: The port is taken.
+    """
+    try:
         from drill_twin.gateway.server import OpcUaServer
     except ModuleNotFoundError as error:
-        raise DrillTwinError(
-            f"expected the Python module {error.name!r}, found none; pip install 'drill_twin[opcua]'"
-        ) from error
-    keys = read_keys(Path(settings.keys)) if settings.keys else None
+        raise DrillTwinError(f"expected the Python module {error.name!r}, found none; {_REMEDY}") from error
     return OpcUaServer((settings.host, settings.port), signals.show, signals.command, control, keys)

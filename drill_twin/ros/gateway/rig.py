@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A rig's signals as topics: what it measures on `/measured/rig/state`, and its set-points as commands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
+
+import numpy as np
+
+from drill_twin.gateway.quantities import MEASURED
+from drill_twin.gateway.rig_reader import RigReader
+from drill_twin.gateway.signals import RigSignal, Signals
+from drill_twin.gateway.wits0 import WitsReader
+from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.rig_messages import RIG_JOINTS
+from drill_twin.io.messages.stamps import stamp_ns
+from drill_twin.io.messages.topics import MEASURED_RIG_STATE
+from drill_twin.live.access import is_loopback
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.parameters import ParameterError
+from drill_twin.ros.gateway.commands import CommandOutput
+
+if TYPE_CHECKING:
+    from drill_twin.gateway.keys import Keys
+    from drill_twin.gateway.soundness import Judged
+
+_ARRAYS = ("position", "velocity", "effort")
+
+
+class Rig:
+    """Publishes what a rig measures, and sends its set-points."""
+
+    def __init__(self, node: TwinNode, output: CommandOutput, signals: Signals, keys: Keys | None) -> None:
+        """Begin to read.
+
+        Args:
+            node: The gateway.
+            output: Publisher of set-points.
+            signals: Signals of the file.
+            keys: Keys of the gateway.
+
+        Raises:
+            ParameterError: The connection would not be secure enough for what is asked of it.
+        """
+        settings = node.settings
+        read = (*signals.measure, *signals.follow)
+        wits = urlsplit(settings.rig_url).scheme == "wits"
+        secure = settings.rig_security == "sign_and_encrypt" and not wits
+        if secure and keys is None:
+            raise ParameterError("parameter keys: expected a folder of keys, as rig_security is sign_and_encrypt")
+        if signals.follow and not secure and not is_loopback(urlsplit(settings.rig_url).hostname or ""):
+            raise ParameterError(
+                "parameter rig_security: expected sign_and_encrypt, as set-points of another host are followed; "
+                "WITS has none"
+            )
+        self._node, self._output, self._signals = node, output, signals
+        self._client: RigReader = (
+            WitsReader(settings.rig_url, read) if wits else _opc_ua_client(settings, read, keys if secure else None)
+        )
+        self._judged = self._client.judged()
+        self._published, self._withdrawn = 0, False
+        self._template = JointStateTemplate(RIG_JOINTS)
+        node.topics.advertise(MEASURED_RIG_STATE)
+        self.follows = False
+        """True while the set-points of the rig are in force."""
+        self.lost = ""
+        """Reason why they are not any more; empty before, and once they are again."""
+
+    def work(self) -> None:
+        """Publish what has come, and send the set-points; the safe one when they are not sound any more."""
+        self._judged = self._client.judged()
+        self._publish()
+        if self._signals.follow and not self._withdrawn:
+            self._follow()
+
+    def _publish(self) -> None:
+        """Publish the measured values, unless none is sound or newer than the last."""
+        sound = {one: self._judged[one] for one in self._signals.measure if not self._judged[one].fault}
+        stamp = max((stamp_ns(one.stamp) for one in sound.values() if math.isfinite(one.stamp)), default=0)
+        if not sound or stamp <= self._published:
+            return
+        values = np.full((len(_ARRAYS), len(RIG_JOINTS)), np.nan)
+        for signal, judged in sound.items():
+            joint, array = MEASURED[signal.quantity]
+            values[_ARRAYS.index(array), RIG_JOINTS.index(joint)] = judged.value
+        self._published = stamp
+        self._node.topics.publish(MEASURED_RIG_STATE, self._template.fill(stamp, *values))
+
+    def _follow(self) -> None:
+        fault = self._fault_of(self._signals.follow)
+        free = self._output.command is None or bool(self.lost)  # no client has control, or lost it
+        if not fault and (self.follows or (free and not self._output.others())):
+            if not self.follows:
+                self._output.begin()
+            self.follows, self.lost = True, ""
+            self._output.send({one.quantity: self._judged[one].value for one in self._signals.follow})
+        elif fault and self.follows:
+            self.follows, self.lost = False, fault
+            self._output.go_safe()
+            self._node.publish_diagnostics()
+
+    def stop_following(self) -> None:
+        """Leave the set-points of the rig alone from now on."""
+        self._withdrawn, self.follows, self.lost = True, False, ""
+
+    def _fault_of(self, signals: Sequence[RigSignal]) -> str:
+        """First fault of some signals, with its quantity; empty if all are sound."""
+        found = ((one, self._judged[one]) for one in signals)
+        return next((f"{one.quantity} of the rig: {judged.fault}" for one, judged in found if judged.fault), "")
+
+    def fault(self) -> str:
+        """First fault of all, as a sentence; empty if all is sound."""
+        if self._client.fault:
+            return f"no connection to the rig: {self._client.fault}"
+        return self._fault_of((*self._signals.measure, *self._signals.follow))
+
+    def values(self) -> dict[str, str]:
+        """Values for the diagnostics."""
+        return {
+            "rig_connections": str(self._client.connections),
+            "rig_follows": str(self.follows).lower(),
+            **{f"measured_{one.quantity}": _text(self._judged[one]) for one in self._signals.measure},
+        }
+
+    def close(self) -> None:
+        """Disconnect."""
+        self._client.close()
+
+
+def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | None) -> RigReader:
+    from drill_twin.gateway.rig_client import Access, RigClient
+    from drill_twin.gateway.server import APPLICATION
+
+    password = ""
+    if settings.rig_user:
+        file = Path(settings.keys) / "rig_password"
+        if not file.is_file():
+            raise ParameterError(f"parameter rig_user: expected the password in {file}, found no such file")
+        password = file.read_text("utf-8").strip()
+    access = Access(settings.rig_url, keys, APPLICATION, settings.rig_user, password)
+    return RigClient(access, signals, 1.0 / settings.rig_rate)
+
+
+def _text(judged: Judged) -> str:
+    return judged.fault or f"{judged.value:g}"

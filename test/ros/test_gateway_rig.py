@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Servers of a rig, processes of asyncua, open62541 and node-opcua: signals as /measured, set-points as commands."""
+
+import json
+import math
+import os
+import shutil
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
+
+from drill_twin.gateway.keys import CERTIFICATE, TRUSTED, make_keys  # noqa: E402
+from drill_twin.io.messages.diagnostics import Level  # noqa: E402
+from drill_twin.io.messages.topics import MEASURED_RIG_STATE, RIG_COMMAND  # noqa: E402
+
+HERE = Path(__file__).resolve().parent / "gateway"
+SIGNALS = """
+measure:
+  weight_on_bit:    {node: "nsu=urn:rig;s=WOB", unit: kN, high: 100, frozen_after: 0}
+  hookload:         {node: "nsu=urn:rig;s=Hook", unit: kN, frozen_after: 1.5}
+  surface_rotation: {node: "nsu=urn:rig;s=RPM", unit: rpm}
+  surface_torque:   {node: "nsu=urn:rig;s=Wrong", unit: N m}
+"""
+FOLLOW = """
+follow:
+  weight_on_bit:    {node: "nsu=urn:rig;s=WOBSet", unit: N, stale_after: 1}
+  surface_rotation: {node: "nsu=urn:rig;s=RPMSet", unit: rpm, stale_after: 1}
+"""
+
+
+def free_port():
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+class Server:
+    """Server of a rig as a process that is told what to do."""
+
+    def __init__(self, *command, **environment):
+        self._process = subprocess.Popen(
+            [*map(str, command)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            text=True, env={**os.environ, **environment},
+        )  # fmt: skip
+        while json.dumps("serving") not in (line := self._process.stdout.readline()):
+            assert line, "the server ended"
+
+    def ask(self, *words):
+        self._process.stdin.write(json.dumps(words) + "\n")
+        self._process.stdin.flush()
+        return json.loads(self._process.stdout.readline())
+
+    def kill(self):
+        self._process.kill()
+        self._process.wait()
+
+
+@pytest.fixture
+def serve():
+    servers = []
+
+    def start(*command, **environment):
+        servers.append(Server(*command, **environment))
+        return servers[-1]
+
+    yield start
+    for server in servers:
+        server.kill()
+
+
+def _gateway(bench, port, text, **given):
+    file = bench.folder / "signals.yaml"
+    file.write_text(text, "utf-8")
+    given = {"rig_security": "none", **given}
+    return bench.start(
+        "gateway", signals=str(file), port=free_port(), rig_url=f"opc.tcp://127.0.0.1:{port}/rig", **given
+    )
+
+
+def _fault(bench, text, seconds=60.0):
+    return bench.until_status("gateway", lambda status: text in status.text, seconds)
+
+
+def test_a_rig_is_measured_its_faults_are_told_and_it_is_found_again(bench, serve, joints):
+    port, messages = free_port(), bench.collect(MEASURED_RIG_STATE)
+    rig = serve(sys.executable, HERE / "asyncua_rig.py", port)
+    _gateway(bench, port, SIGNALS)
+    bench.until(lambda: messages, what="a measured state")
+    state = joints(messages[-1:])[0]
+    assert state.effort[state.index("bit")] == 10e3
+    assert state.velocity[state.index("top_drive")] == pytest.approx(math.tau / 6.0)
+    status = _fault(bench, "wrong unit")
+    assert status.text == "surface_torque of the rig: wrong unit: expected N m, found lbf on the server"
+    assert np.isnan(state.effort[state.index("top_drive")])
+
+    bench.until_status("gateway", lambda one: one.values["measured_hookload"] == "frozen for more than 1.5 s")
+    for value, fault in ((math.nan, "expected a finite number, found nan"), (101.0, "expected -inf to 100 kN")):
+        rig.ask("set", "WOB", value)
+        bench.until_status("gateway", lambda one, fault=fault: fault in one.values["measured_weight_on_bit"])
+        last = joints(messages[-1:])[0]
+        assert np.isnan(last.effort[last.index("bit")])
+    rig.ask("set", "WOB", 20.0)
+    rig.ask("stamp", -60.0)
+    bench.until_status("gateway", lambda one: one.values["measured_weight_on_bit"] == "stale stamp")
+    assert all(one.effort[one.index("bit")] in {10e3, 20e3} for one in joints(messages) if _known(one))
+
+    rig.kill()
+    _fault(bench, "no connection to the rig")
+    count = len(messages)
+    bench.spin(0.5)
+    assert len(messages) == count
+    rig = serve(sys.executable, HERE / "asyncua_rig.py", port)
+    rig.ask("set", "WOB", 30.0)
+    bench.until(lambda: len(messages) > count and _known(joints(messages[-1:])[0]), what="the rig, found again")
+    assert joints(messages[-1:])[0].effort[1] == 30e3
+
+
+def _known(state):
+    return math.isfinite(state.effort[state.index("bit")])
+
+
+@pytest.mark.long
+def test_set_points_of_a_rig_are_followed_until_they_are_stale(bench, serve, joints):
+    port, commands = free_port(), bench.collect(RIG_COMMAND)
+    rig = serve(sys.executable, HERE / "asyncua_rig.py", port)
+    rig.ask("set", "WOBSet", 35.0)
+    rig.ask("set", "RPMSet", 90.0)
+    _gateway(bench, port, FOLLOW, safe_weight_on_bit=4.0, safe_ramp_time=0.2)
+
+    def last():
+        state = joints(commands[-1:])[0]
+        return float(state.effort[state.index("bit")]), float(state.velocity[state.index("top_drive")])
+
+    bench.until(lambda: commands and last() == (35.0, pytest.approx(1.5 * math.tau)), what="the set-points")
+    rig.kill()
+    status = bench.until_status("gateway", lambda one: one.level == Level.ERROR)
+    assert status.text.startswith("control lost: weight_on_bit of the rig: no connection")
+    bench.until(lambda: last() == (4.0, 0.0), what="the safe set-point")
+    rig = serve(sys.executable, HERE / "asyncua_rig.py", port)
+    bench.until(lambda: last() == (10.0, pytest.approx(10.0 * math.tau / 60.0)), what="the rig's again")
+    bench.until_status("gateway", lambda one: one.level == Level.OK)
+
+
+@pytest.mark.long
+def test_the_certificate_of_the_rig_must_be_trusted(bench, serve):
+    port, keys, rig_keys = free_port(), bench.folder / "keys", bench.folder / "rig_keys"
+    for folder in (keys, rig_keys):
+        make_keys(folder, "urn:drill_twin:gateway", "localhost", {"driller": "x"})
+    serve(sys.executable, HERE / "asyncua_rig.py", port, rig_keys)
+    gateway = _gateway(bench, port, SIGNALS, keys=str(keys), rig_security="sign_and_encrypt")
+    status = _fault(bench, "its certificate is not in")
+    assert status.text.startswith("no connection to the rig: server of the rig: ")
+    assert gateway.end() == 0
+    (keys / TRUSTED / "rig.der").write_bytes((rig_keys / CERTIFICATE).read_bytes())
+    messages = bench.collect(MEASURED_RIG_STATE)
+    _gateway(bench, port, SIGNALS, keys=str(keys), rig_security="sign_and_encrypt")
+    bench.until(lambda: messages, what="a measured state")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("stack", ["open62541", "node-opcua"])
+def test_servers_of_other_stacks_are_read(bench, serve, joints, stack):
+    port, messages = free_port(), bench.collect(MEASURED_RIG_STATE)
+    line, node = 'measure: {{weight_on_bit: {{node: "{}", unit: kN, stale_after: {}}}}}', "nsu=urn:rig;s=WOB"
+    if stack == "open62541":
+        pytest.importorskip("o6", reason="needs o6, the open62541 of Python")
+        serve(sys.executable, HERE / "open62541_rig.py", port)
+        line = line.format("ns=1;s=WOB", 0)  # it gives a value its stamp when it is written, here once
+    else:
+        modules = os.environ.get("DRILL_TWIN_NODE_MODULES", "")
+        if not shutil.which("node") or not (Path(modules) / "node-opcua-server").is_dir():
+            pytest.skip("needs node, and node-opcua-server in the folder DRILL_TWIN_NODE_MODULES")
+        serve("node", HERE / "node_opcua_rig.js", port, NODE_PATH=modules)
+        line = line.format(node, 2)
+    _gateway(bench, port, line)
+    bench.until(lambda: messages, 60.0, what=f"a measured state of {stack}")
+    state = joints(messages[-1:])[0]
+    assert state.effort[state.index("bit")] == 7500.0
