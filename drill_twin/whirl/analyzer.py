@@ -53,6 +53,8 @@ class Analyzer:
         self._analyse = bind_analysis(self._state).run
         self._decisions = WhirlEstimator(self._names, self._state)
         self._flow, self._radius = self._state.flow, self._state.samples.radius
+        self._shapes = frozenset(((len(self.marks), 2), (len(self.marks), 3)))
+        self._counted = self._state.clock.stamps, self._state.samples.quality, self._state.statistics.numbers
         self._findings = self._new_findings()
 
     @property
@@ -66,11 +68,10 @@ class Analyzer:
         return self._stamp_and_quality()[1]
 
     def _stamp_and_quality(self) -> tuple[int, Quality]:
-        state = self._state
-        _, _, stamp, duplicate, late = state.clock.stamps.tolist()
-        accepted, incomplete, missing, gaps = state.samples.quality.tolist()
-        rate = state.statistics.numbers.item(SAMPLE_RATE)
-        return stamp, Quality(accepted, duplicate, late, incomplete, missing, gaps, rate)
+        stamps, samples, numbers = self._counted
+        _, _, stamp, duplicate, late = stamps.tolist()
+        accepted, incomplete, missing, gaps = samples.tolist()
+        return stamp, Quality(accepted, duplicate, late, incomplete, missing, gaps, numbers.item(SAMPLE_RATE))
 
     def summary(self) -> Summary:
         """The findings of the whole run so far."""
@@ -166,11 +167,12 @@ class Analyzer:
         self, stamp_ns: int, position: FloatArray, spin: FloatArray | None, wall_force: FloatArray | None
     ) -> int:
         m = len(self.marks)
-        if position.shape not in {(m, 3), (m, 2)}:
+        if position.shape not in self._shapes:
             raise AnalysisError(f"expected positions of shape ({m}, 3) for {m} marks, found {position.shape}")
-        for name, values in (("spin", spin), ("wall force", wall_force)):
-            if values is not None and values.shape != (m,):
-                raise AnalysisError(f"expected {name} of shape ({m},) for {m} marks, found {values.shape}")
+        if spin is not None and spin.shape != self._radius.shape:
+            raise AnalysisError(f"expected spin of shape ({m},) for {m} marks, found {spin.shape}")
+        if wall_force is not None and wall_force.shape != self._radius.shape:
+            raise AnalysisError(f"expected wall force of shape ({m},) for {m} marks, found {wall_force.shape}")
         try:
             stamp = operator.index(stamp_ns)
         except TypeError as error:
