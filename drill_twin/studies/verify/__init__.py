@@ -28,6 +28,7 @@ TOPICS = {
     "statics.curved_hole": "walled, in a curved hole",
     "statics.torque_drag": "walled, in a curved hole",
     "contact.whirl_states": "walled",
+    "contact.rub": "walled",
     "contact.bit": "bit",
     "contact.stick_slip": "two masses",
     "numerics.conservation": "quiet",
