@@ -22,8 +22,9 @@ def allowed_depth(twin: Twin, speed: float) -> float:
     From K d^(p+1) / (p+1) = m v^2 / 2 + q d + h d^2 / 2 for a slice of mass m per length that meets the wall at the
     speed v and is pressed suddenly by q per length: by its weight, by six times the rms of a random force, and by the
     wall force of a helix, h (c + d) with h = P^2 / (4 EI) and c the clearance (Mitchell 1988). The
-    uneven distribution along a bent string counts twice. A wall softer than h supports no helix: the string buckles
-    into it as on an elastic foundation (Hetenyi 1946, section 7), and only its length bounds the depth.
+    uneven distribution along a bent string counts twice. A body at the bit meets the wall with half an element of
+    string. A wall softer than h supports no helix: the string buckles into it as on an elastic foundation (Hetenyi
+    1946, section 7), and only its length bounds the depth.
 
     Args:
         twin: The twin after its run.
@@ -34,7 +35,7 @@ def allowed_depth(twin: Twin, speed: float) -> float:
         return np.inf
     power = 1.5 if wall.stiffness is not None else 1.0
     stiffness = float(wall.stiffness or wall.linear_stiffness)
-    mass = float(twin.rod.line_mass.max())
+    mass = max(float(twin.rod.line_mass.max()), line_mass_at_the_bit(twin))
     helix = extremes(twin.scene).weight_on_bit ** 2 / (4.0 * float(twin.rod.bending.min()))
     pressed = PEAK_FACTOR * (pressing_force(twin) + helix * float(twin.model.wellbore.clearance.max()))
 
@@ -51,6 +52,12 @@ def allowed_depth(twin: Twin, speed: float) -> float:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if sinks_further(middle) else (low, middle)
     return high
+
+
+def line_mass_at_the_bit(twin: Twin) -> float:
+    """Mass per length of the last half element, with that of a body at the bit [kg/m]."""
+    body = twin.scene.effects.bit_mass
+    return float(twin.rod.line_mass[0]) + (body.mass / (0.5 * float(twin.rod.length[0])) if body is not None else 0.0)
 
 
 def pressing_force(twin: Twin) -> float:
