@@ -2,9 +2,12 @@
 """Layout of the report page on a telephone and on a desk, measured in headless Chromium."""
 
 import json
+import os
 import re
 import shutil
+import signal
 import subprocess
+from contextlib import suppress
 from html import unescape
 
 import pytest
@@ -78,7 +81,21 @@ def measure(text, script, width, folder, *more):
     measured = folder / "page.html"
     measured.write_text(text.replace("</body></html>", f"{script}</body></html>"), "utf-8")
     words = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={folder}", f"--window-size={width},900"]
-    dom = subprocess.run(
-        [browser, *words, *more, "--dump-dom", measured.as_uri()], capture_output=True, text=True, check=True
+    return json.loads(
+        unescape(
+            re.search("<title>(.*?)</title>", _page_of([browser, *words, *more, "--dump-dom", measured.as_uri()]))[1]
+        )
     )
-    return json.loads(unescape(re.search("<title>(.*?)</title>", dom.stdout)[1]))
+
+
+def _page_of(command):
+    """What a browser prints; it has many children, which end with it."""
+    browser = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True
+    )
+    try:
+        return browser.communicate(timeout=120.0)[0]
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(browser.pid, signal.SIGKILL)
+        browser.wait()
