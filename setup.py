@@ -56,6 +56,7 @@ setup(
             "hypothesis",
             "import-linter",
             "jsonschema",
+            "lasio>=0.31",
             "mcap-ros2-support",
             "mypy",
             "pytest",
@@ -67,6 +68,7 @@ setup(
             "xarray",
         ],
         "foxglove": ["foxglove-sdk>=0.14"],
+        "las": ["lasio>=0.31"],
         "opcua": ["asyncua>=1.1", "cryptography"],
         "xarray": ["xarray"],
         "bench": [

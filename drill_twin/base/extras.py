@@ -13,9 +13,22 @@ def import_xarray() -> Any:
     Raises:
         ArgumentError: It is not installed.
     """
+    return _import("xarray", "to_xarray", "xarray")
+
+
+def import_lasio() -> Any:
+    """Import lasio, for LAS files.
+
+    Raises:
+        ArgumentError: It is not installed.
+    """
+    return _import("lasio", "LAS file", "las")
+
+
+def _import(package: str, purpose: str, extra: str) -> Any:
     try:
-        return import_module("xarray")
+        return import_module(package)
     except ImportError:
         raise ArgumentError(
-            "to_xarray: expected the package xarray, found none; install it: pip install 'drill_twin[xarray]'"
+            f"{purpose}: expected the package {package}, found none; install it: pip install 'drill_twin[{extra}]'"
         ) from None

@@ -10,6 +10,7 @@ import typer
 from drill_twin import __version__
 from drill_twin.cli.bags import analyze, report
 from drill_twin.cli.doctor import doctor
+from drill_twin.cli.export import export
 from drill_twin.cli.fit import fit
 from drill_twin.cli.gateway_keys import gateway_keys
 from drill_twin.cli.load import load
@@ -63,6 +64,7 @@ app.command(rich_help_panel=_RUN)(run)
 app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
 app.command(rich_help_panel=_RUN)(rerun)
+app.command(rich_help_panel=_RUN)(export)
 app.command(rich_help_panel=_RUN)(fit)
 app.command(rich_help_panel=_RUN)(watch)
 app.command(rich_help_panel=_RUN)(statics)

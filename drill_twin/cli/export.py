@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin export`: the rig's channels of a bag as CSV and LAS."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drill_twin.cli.options import BagArgument, NamespaceOption, ReplaceOption
+from drill_twin.errors import ArgumentError, BagError
+
+
+def export(
+    bag: BagArgument,
+    las: Annotated[bool, typer.Option("--las", help="Write LAS 2.0; needs the extra drill_twin[las].")] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="Write CSV.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FILE", help="The files, without ending.", show_default="rig, beside the report"),
+    ] = None,
+    begin: Annotated[
+        float, typer.Option("--from", metavar="SECONDS", help="Leave out earlier samples.", show_default=False)
+    ] = -math.inf,
+    end: Annotated[
+        float, typer.Option("--to", metavar="SECONDS", help="Leave out later samples.", show_default=False)
+    ] = math.inf,
+    namespace: NamespaceOption = "",
+    replace: ReplaceOption = False,
+) -> None:
+    """Write weight on bit, hookload, torques and speeds of a bag over time, as CSV or LAS 2.0, in kN, kN.m and rpm."""
+    from drill_twin.cli.bags import default_folder
+    from drill_twin.cli.folder import check_new, write_file
+    from drill_twin.cli.show import err
+    from drill_twin.report.recording import read_recording
+    from drill_twin.report.rig_table import csv_text, las_text, rig_channels
+    from drill_twin.report.selection import Selection
+
+    if not (las or csv):
+        raise ArgumentError("export: expected --las, --csv or both, found none")
+    base = out or default_folder(bag) / "rig"
+    files = [base.with_name(f"{base.name}.{ending}") for ending, wanted in (("csv", csv), ("las", las)) if wanted]
+    for file in files:
+        check_new(file, replace=replace)
+    with err().status("reading the bag"):
+        recording = read_recording(bag, None, Selection(begin=begin, end=end, namespace=namespace or None))
+    if not len(recording.rig):
+        raise BagError(f"{bag}: expected messages on /rig/state in this time, found none")
+    channels = rig_channels(recording)
+    name = recording.scene.name if recording.scene_known else ""
+    for file in files:
+        write_file(file, csv_text(channels) if file.suffix == ".csv" else las_text(channels, name))
+        print(file)
+    err().print(
+        f"{len(recording.rig)} samples; converted: N to kN, N m to kN.m, rad/s to rpm", markup=False, soft_wrap=True
+    )

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Channels of the rig over time as CSV and as LAS 2.0, in the units of a rig's own records."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from drill_twin import __version__
+from drill_twin.base.arrays import Array
+from drill_twin.base.extras import import_lasio
+from drill_twin.report.recording import Recording
+
+NULL = -999.25
+"""Value of LAS for none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """Samples of a channel, shape (T,)."""
+
+    mnemonic: str
+    name: str
+    unit: str
+    values: Array
+
+
+def rig_channels(bag: Recording) -> list[Channel]:
+    """Channels of `/rig/state`, converted: N to kN, N m to kN.m, rad/s to rpm; the first is the time [s]."""
+    rig, rpm = bag.rig, 30.0 / math.pi
+    return [
+        Channel("TIME", "time", "s", rig.time),
+        Channel("WOB", "weight on bit", "kN", 1e-3 * rig.bit_force),
+        Channel("HKLD", "hookload", "kN", 1e-3 * rig.hookload),
+        Channel("RPM", "speed of the top drive", "rpm", rpm * rig.top_drive_speed),
+        Channel("TQA", "torque of the top drive on the string", "kN.m", 1e-3 * rig.top_drive_torque),
+        Channel("BRPM", "speed of the bit", "rpm", rpm * rig.bit_speed),
+        Channel("BTQ", "torque of the rock on the bit", "kN.m", 1e-3 * rig.bit_torque),
+        Channel("BPOS", "height of the travelling block above its start", "m", rig.block_position),
+    ]
+
+
+def csv_text(channels: Sequence[Channel]) -> str:
+    """A header of names and units, a line a sample; empty where a channel has none."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(f"{channel.name} [{channel.unit}]" for channel in channels)
+    for row in zip(*(channel.values.tolist() for channel in channels), strict=True):
+        writer.writerow(f"{value:.10g}" if math.isfinite(value) else "" for value in row)
+    return text.getvalue()
+
+
+def las_text(channels: Sequence[Channel], well: str) -> str:
+    """LAS 2.0 (Canadian Well Logging Society 1992) over time.
+
+    Raises:
+        ArgumentError: The package lasio is not installed.
+    """
+    las = import_lasio().LASFile()
+    las.well["WELL"].value = well
+    las.well["COMP"].value = f"drill_twin {__version__}, simulated"
+    las.well["NULL"].value = NULL
+    for channel in channels:
+        las.append_curve(channel.mnemonic, channel.values, unit=channel.unit, descr=channel.name)
+    text = io.StringIO()
+    las.write(text, version=2.0, fmt="%.10g", len_numeric_field=18)
+    return text.getvalue()
