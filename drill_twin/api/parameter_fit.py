@@ -102,7 +102,7 @@ def fit(
             measured = {channel: found.at(channel, time) for channel in found.series}
         batches.append({channel: runs[channel][:, -time.size :] for channel in measured})
         merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
-        period = 1.0 / frequency
+        period = float(time[1] - time[0])
         result = LIKELIHOODS[likelihood](measured, merged, period, in_si("window", window, TIME))
         if not np.isfinite(result).any():
             raise RunError(

@@ -28,6 +28,7 @@ from drill_twin.cli.studies.cost import cost
 from drill_twin.cli.studies.effects import effects
 from drill_twin.cli.studies.hard import hard
 from drill_twin.cli.studies.paper import calibrate, paper
+from drill_twin.cli.studies.validate import validate
 from drill_twin.cli.studies.verify import verify
 from drill_twin.cli.studies.whirl_compare import whirl_compare
 from drill_twin.cli.watch import watch
@@ -75,6 +76,7 @@ app.command(rich_help_panel=_RUN)(compare)
 app.command(rich_help_panel=_STUDY)(cost)
 app.command(rich_help_panel=_STUDY)(effects)
 app.command(rich_help_panel=_STUDY)(verify)
+app.command(rich_help_panel=_STUDY)(validate)
 app.command(rich_help_panel=_STUDY)(hard)
 app.command(rich_help_panel=_STUDY)(paper)
 app.command(rich_help_panel=_STUDY)(calibrate)

@@ -22,6 +22,9 @@ Quad = tuple[float, float, float, float]
 class WallFriction(EffectConfig):
     """Friction force mu(v) N sign(v) against the slip velocity v, mu(v) = mu_d + (mu - mu_d) / (1 + delta |v|).
 
+    With an `exponent` n instead Stribeck's law, mu(v) = mu_d + (mu - mu_d) exp(-(delta |v|)^n) (Armstrong-Helouvry,
+    Dupont and Canudas de Wit 1994): the larger n, the nearer to a threshold at the slip speed 1 / delta.
+
     sign(v) is v / sqrt(v^2 + c^2), c = pi / (2 xi), or 2/pi arctan(xi v) as in the paper's Eq. 10. Slope at zero slip
     and limits are the same; at v = c arctan gives 0.64 and the other 0.71, at v = 10 c 0.96 and 0.995.
     """
@@ -36,6 +39,8 @@ class WallFriction(EffectConfig):
     """Decrease of friction with slip speed, delta [s/m]; 0 = Coulomb."""
     sliding: Annotated[Dimensionless, Within(at_least="0", at_most="5")] = 0.0
     """Friction coefficient at high slip speed, mu_d [-], which `decay` leads to; not above `coefficient`."""
+    exponent: Annotated[Dimensionless, Within(at_least="1", at_most="20")] | None = None
+    """Exponent n of Stribeck's law [-]; left out: the hyperbola."""
     accuracy: Annotated[InverseSpeed, Within(at_least="1 s/m", at_most="1e12 s/m")] = 1e6
     """Steepness xi of the regularised sign at zero slip [s/m]."""
     sign: Literal["root", "arctan"] = "root"
@@ -52,12 +57,13 @@ class WallFriction(EffectConfig):
     @property
     def variant(self) -> str:
         """The law, by what it adds to the default one."""
-        return "_".join((("arctan",) if self.sign == "arctan" else ()) + (("sliding",) if self.sliding > 0.0 else ()))
+        falls = ("stribeck",) if self.exponent is not None else ("sliding",) if self.sliding > 0.0 else ()
+        return "_".join((("arctan",) if self.sign == "arctan" else ()) + falls)
 
 
 class Parameters(NamedTuple):
-    """Coefficient, decay with slip [s/m], slip below which the contact sticks [m/s], the last Newton iterate, and the
-    coefficient at high slip.
+    """Coefficient, decay with slip [s/m], slip below which the contact sticks [m/s], the last Newton iterate, the
+    coefficient at high slip, and the exponent of Stribeck's law.
     """  # in this order: LLVM joins loads of neighbours, and with that the last bits of the result change
 
     coefficient: float
@@ -67,13 +73,15 @@ class Parameters(NamedTuple):
         Array  # per Gauss point: slip across and along, its smoothed size, dual across and along, iteration; (2 n, 6)
     )
     sliding: float
+    exponent: float
 
 
 def parameters(block: WallFriction, model: DiscreteModel) -> Parameters:
     """Compute the creep from the initial slope of the paper's arctan: 2 xi / pi = 1 / creep."""
     memory = np.zeros((model.places.size, 6))
     memory[:, 5] = -1.0
-    return Parameters(block.coefficient, block.decay, np.pi / (2.0 * block.accuracy), memory, block.sliding)
+    creep = np.pi / (2.0 * block.accuracy)
+    return Parameters(block.coefficient, block.decay, creep, memory, block.sliding, block.exponent or 0.0)
 
 
 @kernel
@@ -122,7 +130,7 @@ def row(
     stiff[i, 3] += (slip[0] * own[0] + slip[1] * own[1]) * round_[3]
 
 
-def bind(*, arctan: bool = False, sliding: bool = False) -> Callable[..., None]:
+def bind(*, arctan: bool = False, sliding: bool = False, stribeck: bool = False) -> Callable[..., None]:
     """The load for one law; the branches of the others leave no machine code."""
 
     @kernel
@@ -145,7 +153,11 @@ def bind(*, arctan: bool = False, sliding: bool = False) -> Callable[..., None]:
             else:
                 size, bend = np.sqrt(slip * slip + law.creep * law.creep), 1.0
             falling = 1.0 + law.decay * slip
-            if sliding:
+            if stribeck:
+                steep = (law.decay * slip) ** law.exponent
+                excess = (law.coefficient - law.sliding) * np.exp(-steep)
+                limit = law.sliding + excess
+            elif sliding:
                 excess = (law.coefficient - law.sliding) / falling
                 limit = law.sliding + excess
             else:
@@ -161,7 +173,11 @@ def bind(*, arctan: bool = False, sliding: bool = False) -> Callable[..., None]:
             tt, zz = scale * (1.0 - bend * dt * st), scale * (1.0 - bend * dz * sz)
             mixed = -0.5 * bend * scale * (dt * sz + dz * st)
             # the limit decreases with slip (without a branch; negligible within the creep)
-            fall = excess * at.force * law.decay / (falling * max(slip, law.creep))
+            if stribeck:
+                slower = max(slip, law.creep)
+                fall = excess * at.force * law.exponent * steep / (slower * slower)
+            else:
+                fall = excess * at.force * law.decay / (falling * max(slip, law.creep))
             tt, zz, mixed = tt - fall * st * around, zz - fall * sz * along, mixed - fall * st * along
             # friction depends on the normal force: unsymmetric
             tn, zn = limit * at.slope * st, limit * at.slope * sz
@@ -180,3 +196,5 @@ distributed_load = bind()
 distributed_load_arctan = bind(arctan=True)
 distributed_load_sliding = bind(sliding=True)
 distributed_load_arctan_sliding = bind(arctan=True, sliding=True)
+distributed_load_stribeck = bind(stribeck=True)
+distributed_load_arctan_stribeck = bind(arctan=True, stribeck=True)

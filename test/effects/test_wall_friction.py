@@ -27,7 +27,8 @@ class Both(NamedTuple):
     wall_friction: wall_friction.Parameters
 
 
-LAWS = [{"decay": 1.0}, {"sign": "arctan", "decay": 1.0}, {"decay": 20.0, "sliding": 0.2}]
+LAWS = [{"decay": 1.0}, {"sign": "arctan", "decay": 1.0}, {"decay": 20.0, "sliding": 0.2},
+        {"decay": 20.0, "sliding": 0.2, "exponent": 3.0}]  # fmt: skip
 
 
 def scene_of(hole: str, friction: dict[str, float]) -> Scene:
