@@ -51,9 +51,8 @@ def modes(
     from drill_twin.api import rotordynamics
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
-    from drill_twin.discretisation.discretise import tubes_of
+    from drill_twin.discretisation.grading import mesh
     from drill_twin.discretisation.resolution import resolution_of
-    from drill_twin.model.mesh import build_rod
     from drill_twin.report.figures.style import save
     from drill_twin.studies.rotordynamics import data, linear_figures
 
@@ -71,9 +70,7 @@ def modes(
             speeds, loads = np.linspace(0.0, fastest, growth + 1)[1:], np.linspace(0.0, heaviest, growth)
             grown = rotordynamics.growth_map(own, weights=loads, speeds=speeds)
     result = data.modes_data(table)
-    figures = {
-        "modes": linear_figures.shapes_figure(table, build_rod(tubes_of(own), resolution_of(own)[0]).arc, own.name)
-    }
+    figures = {"modes": linear_figures.shapes_figure(table, mesh(own, resolution_of(own)[0]).arc, own.name)}
     if diagram is not None:
         result["campbell"], figures["campbell"] = (
             data.campbell_data(diagram), linear_figures.campbell_figure(diagram, own.name),

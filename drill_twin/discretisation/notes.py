@@ -5,7 +5,8 @@ import math
 from collections.abc import Iterator
 
 from drill_twin.discretisation.discretise import sections_of
-from drill_twin.discretisation.resolution import ELEMENTS_PER_PITCH, MOST, wanted_elements
+from drill_twin.discretisation.grading import LONG, PER_WAVE
+from drill_twin.discretisation.resolution import ELEMENTS_PER_PITCH, most_elements, wanted_elements
 from drill_twin.model.mesh import tube_constants
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.numerics import MOST_ELEMENTS
@@ -32,14 +33,19 @@ def frequency_error(elements: float) -> float:
 def _coarse_mesh(scene: Scene) -> Iterator[str]:
     if scene.numerics.elements != "auto" or scene.numerics.accuracy is not None:
         return
-    wanted = wanted_elements(sections_of(scene), max(extremes(scene).weight_on_bit, 1.0))
-    if wanted > MOST:
-        each = ELEMENTS_PER_PITCH * MOST / wanted
+    wanted, most = wanted_elements(scene, max(extremes(scene).weight_on_bit, 1.0)), most_elements(scene)
+    if wanted > most:
+        per_wave, of = (
+            (PER_WAVE, "a bending wave at the frequency of rotation, locally")
+            if scene.length >= LONG
+            else (ELEMENTS_PER_PITCH, "a pitch of the buckling helix")
+        )
+        each = per_wave * most / wanted
         yield (
-            f"`numerics.elements: auto` takes {MOST} elements, its most, where its rule ({ELEMENTS_PER_PITCH} a pitch "
-            f"of the buckling helix) asks for {wanted}: with {each:.1f} a pitch, frequencies of such waves are about "
+            f"`numerics.elements: auto` takes {most} elements, its most, where its rule ({per_wave} {of}) "
+            f"asks for {wanted}: with {each:.1f}, frequencies of such waves are about "
             f"{100.0 * frequency_error(each):.2g} % too high in place of "
-            f"{100.0 * frequency_error(ELEMENTS_PER_PITCH):.2g} %; for more write "
+            f"{100.0 * frequency_error(per_wave):.2g} %; for more write "
             f"`numerics.elements: {min(wanted, MOST_ELEMENTS)}`"
         )
 

@@ -6,6 +6,7 @@ import math
 import numpy as np
 
 from drill_twin.discretisation.discretise import sections_of
+from drill_twin.discretisation.grading import LONG, elements_needed
 from drill_twin.effects.wall import Parameters as Wall
 from drill_twin.errors import SceneError
 from drill_twin.model.mesh import Rod, Tube, tube_constants
@@ -13,7 +14,7 @@ from drill_twin.scene import Scene
 from drill_twin.schedule import extremes
 
 ELEMENTS_PER_PITCH = 8
-FEWEST, MOST = 16, 400
+FEWEST, MOST, MOST_LONG = 16, 400, 1000
 IMPACT, OF_DEPTH = 0.1, 2e-3
 """Speed of a slow impact [m/s], and the Newton tolerance as a share of its depth in the wall."""
 
@@ -35,33 +36,41 @@ def resolution_of(scene: Scene) -> tuple[int, float]:
         return int(numerics.elements), float(numerics.step)
     tubes, most = sections_of(scene), extremes(scene)
     compression = max(most.weight_on_bit, 1.0)
-    elements = auto_elements(tubes, compression) if numerics.elements == "auto" else int(numerics.elements)
+    elements = auto_elements(scene, compression) if numerics.elements == "auto" else int(numerics.elements)
     if numerics.step == "auto":
         return elements, auto_step(tubes, compression, most.rotation, 1.0 / numerics.frame_rate)
     return elements, float(numerics.step)
 
 
-def auto_elements(tubes: list[Tube], compression: float) -> int:
-    """Eight elements per pitch of the buckling helix of each section, 400 at most (`notes.notes_on` tells where).
+def auto_elements(scene: Scene, compression: float) -> int:
+    """Elements of `wanted_elements`, but at most 400, or 1,000 in a long string (`notes.notes_on` tells where).
 
     Args:
-        tubes: Sections.
+        scene: The scene.
         compression: Largest axial compression expected [N].
     """
-    return min(wanted_elements(tubes, compression), MOST)
+    return min(wanted_elements(scene, compression), most_elements(scene))
 
 
-def wanted_elements(tubes: list[Tube], compression: float) -> int:
+def most_elements(scene: Scene) -> int:
+    """Most elements that `auto` takes."""
+    return MOST_LONG if scene.length >= LONG else MOST
+
+
+def wanted_elements(scene: Scene, compression: float) -> int:
     """Elements for eight per pitch of the buckling helix of each section, without an upper limit.
 
-    The pitch 2 pi sqrt(2 EI / F) (Lubinski, Althouse and Logan 1962) is the shortest wave caused by the load.
+    The pitch 2 pi sqrt(2 EI / F) (Lubinski, Althouse and Logan 1962) is the shortest wave caused by the load. In a long
+    string that load is the local one, and the mesh is graded (`grading.elements_needed`).
 
     Args:
-        tubes: Sections.
+        scene: The scene.
         compression: Largest axial compression expected [N].
     """
+    if scene.length >= LONG:
+        return max(int(np.ceil(elements_needed(scene).sum())), FEWEST)
     count = 0.0
-    for tube in tubes:
+    for tube in sections_of(scene):
         bending = tube_constants(tube)[1]
         pitch = math.tau * np.sqrt(2.0 * bending / max(compression, 1e-9))
         count += tube.length / min(pitch, tube.length * 4.0) * ELEMENTS_PER_PITCH

@@ -13,11 +13,14 @@ from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import discretise, tubes_of
+from drill_twin.discretisation.grading import mesh
 from drill_twin.discretisation.initial_state import axial_weight, untwisted
 from drill_twin.effects.wall import parameters as wall_parameters
-from drill_twin.model.mesh import SPIN, Rod, build_rod
+from drill_twin.errors import TableError
+from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.model.wellbore_coordinates import offsets
 from drill_twin.report.recording import Recording
+from drill_twin.scene import Scene
 from drill_twin.twin.bending_stress import bending_stress
 
 _ITERATIONS = 20
@@ -42,10 +45,8 @@ class StringForces(NamedTuple):
 def string_forces(recording: Recording, poses: slice = slice(None)) -> StringForces | None:
     """Forces at the kept poses of a recording; None where they are none of a mesh of its scene."""
     scene, nodes = recording.scene, recording.nodes
-    if nodes < 2:
-        return None
-    rod = build_rod(tubes_of(scene), nodes - 1)
-    if rod.arc.size != nodes:
+    rod = _mesh(scene, nodes)
+    if rod is None:
         return None
     model = discretise(scene, rod)
     position, spin = recording.poses.position[poses], recording.poses.spin[poses]
@@ -71,13 +72,24 @@ def string_forces(recording: Recording, poses: slice = slice(None)) -> StringFor
 def bending_stress_at(recording: Recording, poses: NDArray[np.int64]) -> Array | None:
     """Largest bending stress of each element at chosen poses [Pa], shape (k, n); None where they are of no mesh."""
     scene, nodes = recording.scene, recording.nodes
-    rod = build_rod(tubes_of(scene), max(nodes - 1, 1))
-    if rod.arc.size != nodes:
+    rod = _mesh(scene, nodes)
+    if rod is None:
         return None
     position = recording.poses.position[poses]
     slopes = _strain(rod, position, recording.poses.tangent[poses])[1]
     rows = np.concatenate([position, slopes, np.zeros((*position.shape[:2], 1))], axis=2)
     return np.stack([bending_stress(rod, tubes_of(scene), u) for u in rows])
+
+
+def _mesh(scene: Scene, nodes: int) -> Rod | None:
+    """Mesh with this number of nodes; None where the scene has none, or needs a record that is not at hand."""
+    if nodes < 2:
+        return None
+    try:
+        rod = mesh(scene, nodes - 1)
+    except TableError:
+        return None
+    return rod if rod.arc.size == nodes else None
 
 
 def _strain(rod: Rod, position: Array, tangent: Array) -> tuple[Array, Array]:

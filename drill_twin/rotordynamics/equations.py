@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array, Mask
 from drill_twin.discretisation.boundary_conditions import BoundaryConditions
-from drill_twin.discretisation.discretise import axis_at, discretise, tubes_of
+from drill_twin.discretisation.discretise import axis_at, discretise
+from drill_twin.discretisation.grading import mesh
 from drill_twin.discretisation.initial_state import set_initial_state
 from drill_twin.discretisation.kernel_arguments import LATERAL, form_of, parameters_of, variants_of
 from drill_twin.discretisation.resolution import resolution_of
 from drill_twin.errors import SceneError
-from drill_twin.model.mesh import SPIN, build_rod
+from drill_twin.model.mesh import SPIN
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.solver import state
@@ -109,7 +110,7 @@ class EquationsOfMotion:
         refuse_time_dependent(scene)
         self.scene, self.form = scene, form_of(scene)
         elements, _ = resolution_of(scene)
-        rod = build_rod(tubes_of(scene), elements)
+        rod = mesh(scene, elements)
         self.model = discretise(scene, rod)
         hole = "straight" if self.model.wellbore.axis is None else "curved"
         self._kernel = build_linearisation(variants_of(scene), self.form, hole)

@@ -12,6 +12,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import axis_at, contact_radius
+from drill_twin.discretisation.resolution import MOST, resolution_of
 from drill_twin.effects.gravity import line_weight
 from drill_twin.effects.stretch import Stretch
 from drill_twin.effects.torsion import Torsion
@@ -143,7 +144,9 @@ def steady(scene: Scene) -> Scene:
         changes["bit_cutting"] = cutting.model_copy(update={"rock_stiffness": None})
     weight = rig.weight_on_bit.model_copy(update={"at": "bit"})
     still = rig.model_copy(update={"weight_on_bit": weight, "top_drive": TopDrive(), "start": "axis"})
-    return scene.model_copy(update={"effects": effects.model_copy(update=changes), "rig": still})
+    elements = min(resolution_of(scene)[0], MOST) if scene.numerics.elements == "auto" else scene.numerics.elements
+    numerics = scene.numerics.model_copy(update={"elements": elements})
+    return scene.model_copy(update={"effects": effects.model_copy(update=changes), "rig": still, "numerics": numerics})
 
 
 def analyse(scene: Scene, operations: Sequence[Operation]) -> Statics:
@@ -189,14 +192,16 @@ def _loads(scene: Scene, solver: SlidingBalance, string: HoleAndString, operatio
     balance = solver.solve(operation)
     along = along_string(scene, model, wall, balance.u)
     buckling = string.buckling(along.tension)
+    torque = np.abs(along.torque)
     bit_torque = float(along.torque[0]) if operation.is_on_bottom else 0.0
     own_yield = np.array([section.yield_strength or math.nan for section in scene.string.sections])[model.section]
     own_torque = np.array([section.make_up_torque or math.nan for section in scene.string.sections])[model.section]
+    loaded = ~(torque < NO_TORQUE * own_torque)
     return OperationLoads(
         balance, along, soft_string(string, operation, bit_torque), buckling, buckling.states(along.tension),
         bit_torque, lock_up_weight(string, operation) if operation.is_on_bottom else math.nan,
         least(own_yield / np.maximum(along.stress, 1e-300)),
-        least(np.where(np.abs(along.torque) < NO_TORQUE * own_torque, np.inf, own_torque / np.abs(along.torque))),
+        least(np.divide(own_torque, torque, out=np.full_like(torque, np.inf), where=loaded)),
         _contacts(scene, solver, balance, along),
     )  # fmt: skip
 

@@ -10,13 +10,14 @@ from drill_twin.audit.effect_timing import EffectTimer
 from drill_twin.audit.energy_ledger import make_energy_ledger
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.boundary_conditions import BoundaryConditions
-from drill_twin.discretisation.discretise import axis_at, discretise, survey_of, tubes_of
+from drill_twin.discretisation.discretise import axis_at, discretise, survey_of
+from drill_twin.discretisation.grading import mesh
 from drill_twin.discretisation.initial_state import set_initial_state
 from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL, effects_of, form_of, parameters_of, variants_of
 from drill_twin.discretisation.resolution import newton_place, resolution_of
 from drill_twin.effects import effect_module
 from drill_twin.equilibrium.static_start import start_in_equilibrium
-from drill_twin.model.mesh import Rod, build_rod
+from drill_twin.model.mesh import Rod
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.solver import state
@@ -61,7 +62,7 @@ class Dynamics:
         """
         self.scene = scene
         elements, self.step = resolution_of(scene)
-        rod = build_rod(tubes_of(scene), elements)
+        rod = mesh(scene, elements)
         self.model = discretise(scene, rod)
         self.boundary_conditions = BoundaryConditions.of(scene)
         self.effects = effects_of(scene)

@@ -12,6 +12,7 @@ from drill_twin.discretisation.resolution import resolution_of
 from drill_twin.runner import RunLoop
 from drill_twin.scene import load_scene, presets
 
+LOADED = {"string.sections[1].length": "800 m", "rig.weight_on_bit.value": "800 kN"}
 LONG = {"string.sections[1].length": "3420 m"}
 
 
@@ -21,7 +22,7 @@ def test_the_installed_scenes_need_no_note(name):
 
 
 def test_a_mesh_at_the_cap_is_told_with_its_cost():
-    scene = load_scene("bha_full_size", overrides=LONG | {"effects.drag.rotary": "0 N s"})
+    scene = load_scene("bha_full_size", overrides=LOADED | {"effects.drag.rotary": "0 N s"})
     assert resolution_of(scene)[0] == 400
     (note,) = notes_on(scene)
     assert "`numerics.elements: auto` takes 400 elements" in note
@@ -31,7 +32,7 @@ def test_a_mesh_at_the_cap_is_told_with_its_cost():
     assert (
         notes_on(
             load_scene(
-                "bha_full_size", overrides=LONG | {"effects.drag.rotary": "0 N s", "numerics.elements": str(wanted)}
+                "bha_full_size", overrides=LOADED | {"effects.drag.rotary": "0 N s", "numerics.elements": str(wanted)}
             )
         )
         == []
@@ -63,5 +64,5 @@ def test_a_rotary_drag_copied_to_a_long_string_is_told():
 
 
 def test_notes_are_in_the_diagnostics():
-    loop = RunLoop(load_scene("bha_full_size", overrides=LONG), 0.01, lambda *_: None)
+    loop = RunLoop(load_scene("bha_full_size", overrides=LOADED), 0.01, lambda *_: None)
     assert loop.diagnostics()["notes"].startswith("`numerics.elements: auto` takes 400 elements")

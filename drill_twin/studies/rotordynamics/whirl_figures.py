@@ -10,8 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from drill_twin.discretisation.discretise import tubes_of
-from drill_twin.model.mesh import build_rod
+from drill_twin.discretisation.grading import mesh
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, blank, head, styled
 from drill_twin.rotordynamics.branches import Branch
 from drill_twin.rotordynamics.whirl_states import WhirlState
@@ -25,7 +24,7 @@ LABELS = {"load": ("weight on bit [N]", 1.0), "speed": ("rotation [rev/s]", math
 def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
     """Shapes of the states in the turning frame: along the string, and seen from above with the clearance."""
     shown, command = states[:MOST_STATES], states[0].whirl.command
-    arc = build_rod(tubes_of(scene), shown[0].whirl.u.shape[0] - 1).arc
+    arc = mesh(scene, shown[0].whirl.u.shape[0] - 1).arc
     clearance = 1e3 * scene.least_clearance
     turn = np.linspace(0.0, math.tau, 200)
     with styled():
