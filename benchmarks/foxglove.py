@@ -15,6 +15,7 @@ import sys
 import tempfile
 import threading
 import time
+from contextlib import ExitStack
 from typing import Any
 
 from websockets.exceptions import ConnectionClosed
@@ -62,7 +63,8 @@ def main(seconds: float = 15.0) -> None:
 
 def _subscribe(url: str) -> tuple[list[int], ClientConnection]:
     """Subscribe to all topics; returns the count of messages, which grows, and the connection."""
-    socket, received = connect(url, subprotocols=[_PROTOCOL], max_size=None), [0]
+    opened = connect(url, subprotocols=[_PROTOCOL], max_size=None)
+    socket, received = ExitStack().enter_context(opened), [0]
     channels: list[dict[str, Any]] = []
     while not channels:
         channels = json.loads(socket.recv()).get("channels", [])

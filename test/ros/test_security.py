@@ -8,6 +8,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from drill_twin.io.messages.topics import MEASURED_RIG_STATE, OF_EVERY_RUN, RIG_COMMAND, TOPICS
 from drill_twin.ros.deployment.security import RIGHTS, WHERE_INSTALLED, policy_text
 
 FOLDER = Path(__file__).resolve().parents[2] / "config" / "security"
@@ -56,8 +57,10 @@ def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag
     if node in {"rig_driver", "replayer"}:  # they offer ~/ready once they are through waiting, and wait here for ever
         bench.until(lambda: "waiting for /simulator" in process.text, what=node)
     bench.until(done, what=f"the services of {node}")
-    # The gateway publishes commands only while a client has control.
-    assert names("publisher") == wanted["publish"] - ({"/rig/command"} if node == "gateway" else set())
+    # The gateway publishes commands while a client has control, and the measured state where there is a rig; the
+    # replayer what the bag holds.
+    absent = {"gateway": {RIG_COMMAND, MEASURED_RIG_STATE}, "replayer": set(TOPICS) - set(OF_EVERY_RUN)}
+    assert names("publisher") == wanted["publish"] - absent.get(node, set())
     assert names("subscriber") == wanted["subscribe"]
     assert names("service") | {f"/{node}/ready"} == wanted["reply"]
     assert names("client") == wanted["request"]
