@@ -84,3 +84,7 @@ def test_paths_of_the_table_where_to_go_exist():
     assert len(names) > 20
     missing = [name for name in names if not ((PACKAGE / name).exists() or (ROOT / name).exists())]
     assert not missing
+
+
+def test_the_readme_is_read_in_one_sitting():
+    assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= 200
