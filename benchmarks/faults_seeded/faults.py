@@ -47,7 +47,7 @@ FAULTS = (
     Fault("lost message: the first one of each further file of a bag", "io/bag/writer.py",
           "                self._begin_next()\n", "                self._begin_next()\n                return\n",
           "io/bag/test_bag_writer.py", "split_bag"),
-    Fault("chunk of a bag not flushed", "io/bag/file_writer.py",
+    Fault("chunk of a bag not flushed", "io/bag/writing/file_writer.py",
           '        """Close the open chunk and pass it to the operating system."""\n        try:\n'
           "            self._writer.flush()  # type: ignore[no-untyped-call]\n",
           '        """Close the open chunk and pass it to the operating system."""\n        try:\n'

@@ -14,9 +14,9 @@ import numpy as np
 from drill_twin.api.plots import Plots
 from drill_twin.api.whirl import Whirl
 from drill_twin.base.arrays import Array
-from drill_twin.io.bag.files import bag_path
 from drill_twin.io.bag.memory import copy_bag
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries
 from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection, open_bag

@@ -8,20 +8,22 @@ from typing import Annotated
 import typer
 
 from drill_twin import __version__
-from drill_twin.cli.bags import analyze, report
-from drill_twin.cli.doctor import doctor
-from drill_twin.cli.export import export
-from drill_twin.cli.fit import fit
-from drill_twin.cli.gateway_keys import gateway_keys
-from drill_twin.cli.load import load
-from drill_twin.cli.modes import modes
-from drill_twin.cli.new import new
-from drill_twin.cli.operating_map import operating_map
-from drill_twin.cli.rerun import rerun
-from drill_twin.cli.ros import demo, replay, topics
-from drill_twin.cli.run import run
-from drill_twin.cli.scenes import check, scenes, schema
-from drill_twin.cli.statics import statics
+from drill_twin.cli.bags.analyze import analyze, report
+from drill_twin.cli.bags.export import export
+from drill_twin.cli.bags.rerun import rerun
+from drill_twin.cli.bags.watch import watch
+from drill_twin.cli.ros.doctor import doctor
+from drill_twin.cli.ros.gateway_keys import gateway_keys
+from drill_twin.cli.ros.load import load
+from drill_twin.cli.ros.nodes import demo, replay, topics
+from drill_twin.cli.runs.fit import fit
+from drill_twin.cli.runs.operating_map import operating_map
+from drill_twin.cli.runs.run import run
+from drill_twin.cli.scenes.new import new
+from drill_twin.cli.scenes.scenes import check, scenes, schema
+from drill_twin.cli.steady_states.modes import modes
+from drill_twin.cli.steady_states.statics import statics
+from drill_twin.cli.steady_states.whirl_states import whirl_states
 from drill_twin.cli.studies.analyzer_score import analyzer_score
 from drill_twin.cli.studies.compare import compare
 from drill_twin.cli.studies.cost import cost
@@ -31,8 +33,6 @@ from drill_twin.cli.studies.paper import calibrate, paper
 from drill_twin.cli.studies.validate import validate
 from drill_twin.cli.studies.verify import verify
 from drill_twin.cli.studies.whirl_compare import whirl_compare
-from drill_twin.cli.watch import watch
-from drill_twin.cli.whirl_states import whirl_states
 
 app = typer.Typer(
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]demo[/], "

@@ -122,7 +122,7 @@ def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, sta
 
 
 def _of_bag(path: Path, channels: Sequence[str | ChannelColumn], start: float) -> Record:
-    from drill_twin.io.bag.files import bag_path
+    from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.report.recording import Recording
     from drill_twin.report.selection import Selection, open_bag
 

@@ -34,9 +34,9 @@ from drill_twin.io.scene_geometry import string_steps
 from drill_twin.live.advice import shown_map, targets
 from drill_twin.live.sources import GONE, Sources
 from drill_twin.maps.operating_map import digest_of
-from drill_twin.report.loads import string_weight
-from drill_twin.report.string_curve import along_hole
-from drill_twin.report.well_geometry import well_geometry
+from drill_twin.report.page.well_geometry import well_geometry
+from drill_twin.report.quantities.loads import string_weight
+from drill_twin.report.quantities.string_curve import along_hole
 from drill_twin.scene import Scene, parse_scene
 
 INPUTS = (

@@ -56,8 +56,8 @@ def build_report(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         files.summary.write_text(to_json(summary), "utf-8")
-        from drill_twin.report.charts import CHARTS, chart
-        from drill_twin.report.page import build_page
+        from drill_twin.report.page.charts import CHARTS, chart
+        from drill_twin.report.page.page import build_page
 
         charts = {}
         for name, path in files.figures.items():

@@ -16,8 +16,8 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.errors import BagError, MessageError
-from drill_twin.io.bag.files import bag_path
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, WhirlSeries
 from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
 from drill_twin.io.messages.stamps import seconds, unpack_stamp
@@ -34,9 +34,9 @@ from drill_twin.io.messages.topics import (
 from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.live_findings import LiveFindings
+from drill_twin.report.quantities.string_curve import along_hole, smooth
 from drill_twin.report.run_log import RunLog
 from drill_twin.report.selection import Selection, marks_without_scene, missing_topics, open_bag
-from drill_twin.report.string_curve import along_hole, smooth
 from drill_twin.scene import Scene
 from drill_twin.whirl import Findings, MarkInfo, Summary
 from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE

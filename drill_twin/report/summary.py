@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from drill_twin.io.bag.reader import Bag
-from drill_twin.report.loads import loads
-from drill_twin.report.precession import precession
+from drill_twin.report.quantities.loads import loads
+from drill_twin.report.quantities.precession import precession
+from drill_twin.report.quantities.wall_depth import soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
-from drill_twin.report.wall_depth import soft_wall, wall_depth
 from drill_twin.twin.frame import COUNTS
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
 
@@ -40,16 +40,17 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `whirl_frequency_hz`: most frequent precession after the onset [Hz], positive = the sense of rotation, at
           `frequency_mark`; `precession_ratio`: the same over the rotation, `rotation_rev_s`. None for irregular motion,
           which has no single frequency.
-        * `whirl_frequency_interval_hz`, `window_rev`, `spectrum_lines`, `ratios`: `drill_twin.report.precession`.
+        * `whirl_frequency_interval_hz`, `window_rev`, `spectrum_lines`, `ratios`: see
+          `drill_twin.report.quantities.precession`.
         * `max_radius_m`: largest distance of the centre line from the hole's axis by mark [m].
         * `motion`, `mark_motion`: timelines of the motion states, each with start and end, criterion and confidence.
         * `whirl_observable`: whether the bag has positions of marks.
         * `bit`, `stick_slip`: motion of the bit at the end, and its stretches of stick-slip; `bit_spectral_peak_hz`:
           the highest line in the spectrum of its speed.
         * `loads`: `mean`, `min` and `max` of weight on bit, hookload and drag [N] and of the torques of top drive and
-          bit [N m] (`drill_twin.report.loads`).
+          bit [N m] (`drill_twin.report.quantities.loads`).
         * `wall`: the largest penetration of the wall, its place and time, and that at rest under the largest weight on
-          bit (`drill_twin.report.wall_depth`).
+          bit (`drill_twin.report.quantities.wall_depth`).
         * `realtime_factor`: simulated over wall time; `physics_speed`: simulated time over the time spent computing
           the motion. None where not recorded.
         * `steps`, `cut_steps`, `loose_steps`: time steps taken, how often one was halved, and how many were taken while

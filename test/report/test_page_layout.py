@@ -13,7 +13,7 @@ from html import unescape
 import pytest
 
 from drill_twin.report import build_report
-from drill_twin.report.charts import CHARTS
+from drill_twin.report.page.charts import CHARTS
 
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 MEASURE = """

@@ -16,10 +16,10 @@ from PIL import Image
 
 from drill_twin.errors import BagError
 from drill_twin.report import build_report, read_recording, summarise
-from drill_twin.report.charts import CHARTS
 from drill_twin.report.figures import FIGURES, OVER_TIME
 from drill_twin.report.figures.style import STATE_COLOURS, styled
-from drill_twin.report.page import build_page
+from drill_twin.report.page.charts import CHARTS
+from drill_twin.report.page.page import build_page
 from drill_twin.report.text import NOT_VALIDATED
 from drill_twin.scene import load_scene
 from drill_twin.whirl import MotionState

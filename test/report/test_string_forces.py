@@ -9,7 +9,7 @@ import pytest
 from drill_twin.io.messages.pose import orientation, spin_of, tangent_of
 from drill_twin.report import read_recording
 from drill_twin.report.build import draw
-from drill_twin.report.string_forces import string_forces
+from drill_twin.report.quantities.string_forces import string_forces
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin

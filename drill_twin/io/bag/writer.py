@@ -17,8 +17,8 @@ from typing import Any, Self
 
 from drill_twin import __version__
 from drill_twin.errors import BagError
-from drill_twin.io.bag.file_writer import FileWriter
 from drill_twin.io.bag.metadata import RecordedTopic, bag_information, contract_topic, to_yaml
+from drill_twin.io.bag.writing.file_writer import FileWriter
 from drill_twin.io.messages.topics import TOPICS
 
 FLUSH_INTERVAL = 0.1

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array
-from drill_twin.report.string_forces import bending_stress_at
+from drill_twin.report.quantities.string_forces import bending_stress_at
 from drill_twin.report.text import KILO
 from drill_twin.studies.compare.case import Case
 

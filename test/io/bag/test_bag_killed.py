@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from drill_twin.errors import BagError
-from drill_twin.io.bag.mcap_file import McapFile
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.reading.mcap_file import McapFile
 from drill_twin.io.bag.series import PoseSeries
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.topics import STRING_POSES

@@ -6,8 +6,8 @@ from io import BytesIO
 import pytest
 from mcap.writer import CompressionType, Writer
 
-from drill_twin.io.bag import message_records
-from drill_twin.io.bag.message_records import message_appender
+from drill_twin.io.bag.writing import message_records
+from drill_twin.io.bag.writing.message_records import message_appender
 
 MESSAGES = [(1 + k % 3, (k * 7919) % 5000 + 100, bytes([k % 256]) * (k % 211), k) for k in range(3000)]
 

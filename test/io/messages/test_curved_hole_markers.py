@@ -18,7 +18,7 @@ from drill_twin.live.page_state import PageState
 from drill_twin.model.survey import survey
 from drill_twin.model.wellbore import axis_offset, distance_along
 from drill_twin.model.wellbore_coordinates import from_hole_coordinates, offsets, to_hole_coordinates, transverse_axes
-from drill_twin.report.string_curve import along_hole
+from drill_twin.report.quantities.string_curve import along_hole
 from drill_twin.scene import load_scene, parse_scene
 
 FACTOR = 20.0

@@ -69,7 +69,7 @@ def build_page(done: Reproduction, figures: Mapping[str, Path]) -> str:
         ]  # fmt: skip
     body.append(f"<details><summary>the bench, as it was run</summary><pre>{bench}</pre></details>")
     body.append(f"<footer>made by drill-twin paper, drill_twin {escape(__version__)}</footer>")
-    style = files("drill_twin.report").joinpath("assets", "page.css").read_text("utf-8")
+    style = files("drill_twin.report.page").joinpath("assets", "page.css").read_text("utf-8")
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'

@@ -13,9 +13,9 @@ from rosbags.rosbag2 import Reader
 from rosbags.rosbag2.metadata import dump_qos_v9
 
 from drill_twin.errors import BagError
-from drill_twin.io.bag.decompression import decompressed_message
 from drill_twin.io.bag.metadata import RecordedTopic
-from drill_twin.io.bag.qos import refuse_large
+from drill_twin.io.bag.reading.decompression import decompressed_message
+from drill_twin.io.bag.reading.qos import refuse_large
 
 _TABLES = ("topics", "messages", "schema", "metadata", "message_definitions")
 _LARGEST_DEFINITION = 4000  # characters of the SQL that made a table

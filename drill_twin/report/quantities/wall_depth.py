@@ -13,8 +13,8 @@ from drill_twin.discretisation.resolution import MOST
 from drill_twin.effects.wall import parameters as wall_parameters
 from drill_twin.errors import DrillTwinError
 from drill_twin.model.mesh import build_rod
+from drill_twin.report.quantities.string_curve import along_hole, refined
 from drill_twin.report.recording import Recording
-from drill_twin.report.string_curve import along_hole, refined
 from drill_twin.scene import Scene
 from drill_twin.schedule import extremes
 from drill_twin.twin.state_bounds import bounds_of

@@ -122,7 +122,7 @@ def draw(recording: Recording, folder: Path) -> ReportFiles:
 
 def default_folder(bag: Path) -> Path:
     """Default folder of a report: `out/run/bag_0` -> `out/run`; any other `x` -> `x_report` beside it."""
-    from drill_twin.io.bag.files import bag_path
+    from drill_twin.io.bag.reading.files import bag_path
 
     found = bag_path(bag).absolute()
     if found.suffix in {".mcap", ".db3"} and found.is_file():

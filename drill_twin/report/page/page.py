@@ -14,7 +14,8 @@ from typing import Any
 from drill_twin import __version__
 from drill_twin.io.messages.geometry import default_exaggeration
 from drill_twin.report.figures import CAPTIONS, OVER_TIME
-from drill_twin.report.interactive import plotly_packed, view_data
+from drill_twin.report.page.interactive import plotly_packed, view_data
+from drill_twin.report.page.well_geometry import deviated
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import (
     NOT_VALIDATED,
@@ -26,7 +27,6 @@ from drill_twin.report.text import (
     provenance,
     transient,
 )
-from drill_twin.report.well_geometry import deviated
 from drill_twin.scene import Scene
 
 _WIDTHS = (
@@ -48,7 +48,7 @@ def build_page(
         recording: The run.
         summary: Its summary.
         figures: PNG files by name.
-        charts: Those of them that are drawn by plotly, by name (`drill_twin.report.charts`).
+        charts: Those of them that are drawn by plotly, by name (`drill_twin.report.page.charts`).
     """
     scene = recording.scene
     body = [
@@ -198,4 +198,4 @@ def _scripts(charts: Mapping[str, Any], recording: Recording) -> str:
 
 
 def _asset(name: str) -> str:
-    return files("drill_twin.report").joinpath("assets", name).read_text("utf-8")
+    return files("drill_twin.report.page").joinpath("assets", name).read_text("utf-8")

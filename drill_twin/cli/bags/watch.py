@@ -60,7 +60,7 @@ def watch(
 
 def _play(bag: Path, host: str, port: int, allowed: list[str], namespace: str | None, *, browser: bool) -> None:
     from drill_twin.cli.show import err
-    from drill_twin.io.bag.files import bag_path
+    from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.live.player import Player
     from drill_twin.live.server import PageServer
 

@@ -17,8 +17,8 @@ from plotly.offline import get_plotlyjs
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import contact_radius
 from drill_twin.report.figures.style import MARK_COLOURS
+from drill_twin.report.page.well_geometry import well_geometry, widest
 from drill_twin.report.recording import Recording
-from drill_twin.report.well_geometry import well_geometry, widest
 
 _POINTS, _SHAPE_POINTS = 160, 36_000
 """Most points of a shape, and of all shapes together."""

@@ -71,7 +71,7 @@ def run(
         console.print(f"the older result is now {moved}", markup=False, soft_wrap=True)
     plan = None
     if described.numerics.accuracy is not None:
-        from drill_twin.cli.accuracy import planned
+        from drill_twin.cli.runs.accuracy import planned
 
         plan = planned(described)
         described = plan.scene
@@ -94,12 +94,12 @@ def run(
         recording = read_recording(outcome.bag)
         summary = summarise(recording)
     if plan is not None:
-        from drill_twin.cli.accuracy import checked
+        from drill_twin.cli.runs.accuracy import checked
 
         summary["accuracy"] = checked(plan, recording, rerun=rerun)
     write_file(folder / "summary.json", to_json(summary))
     if with_report:
-        from drill_twin.cli.bags import draw
+        from drill_twin.cli.bags.analyze import draw
 
         draw(recording, folder)
     if json:

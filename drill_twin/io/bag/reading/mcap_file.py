@@ -21,9 +21,9 @@ from mcap.records import Channel, Chunk, Schema
 from mcap.writer import MCAP0_MAGIC
 
 from drill_twin.errors import BagError
-from drill_twin.io.bag.decompression import DAMAGED, LARGEST_CHUNK, decompressed, decompressed_message
 from drill_twin.io.bag.metadata import RecordedTopic
-from drill_twin.io.bag.qos import qos_profiles
+from drill_twin.io.bag.reading.decompression import DAMAGED, LARGEST_CHUNK, decompressed, decompressed_message
+from drill_twin.io.bag.reading.qos import qos_profiles
 
 _RECORD = struct.Struct("<BQ")  # opcode, length
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time

@@ -12,10 +12,10 @@ from mcap.writer import CompressionType, Writer
 
 from drill_twin import __version__
 from drill_twin.errors import BagError
-from drill_twin.io.bag.checked_stream import CheckedStream
-from drill_twin.io.bag.chunk_indices import pack_indices
-from drill_twin.io.bag.message_records import message_appender
 from drill_twin.io.bag.metadata import RecordedTopic, to_yaml
+from drill_twin.io.bag.writing.checked_stream import CheckedStream
+from drill_twin.io.bag.writing.chunk_indices import pack_indices
+from drill_twin.io.bag.writing.message_records import message_appender
 
 _CHUNK_SIZE = 256 * 1024
 

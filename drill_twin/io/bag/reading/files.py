@@ -11,9 +11,9 @@ from typing import Any
 
 from drill_twin.base.yaml_reader import LARGEST_TEXT, YamlError, plain_yaml
 from drill_twin.errors import BagError
-from drill_twin.io.bag.decompression import DAMAGED, decompress_stream
-from drill_twin.io.bag.mcap_file import McapFile
-from drill_twin.io.bag.rosbags_file import RosbagsFile
+from drill_twin.io.bag.reading.decompression import DAMAGED, decompress_stream
+from drill_twin.io.bag.reading.mcap_file import McapFile
+from drill_twin.io.bag.reading.rosbags_file import RosbagsFile
 
 _SUFFIXES = (".mcap", ".db3", ".zstd")
 _EXPANSION, _EXPANSION_OF_ANY = 50, 64_000_000  # bytes of a decompressed file: per byte, and beyond it

@@ -31,7 +31,7 @@ def export(
     replace: ReplaceOption = False,
 ) -> None:
     """Write weight on bit, hookload, torques and speeds of a bag over time, as CSV or LAS 2.0, in kN, kN.m and rpm."""
-    from drill_twin.cli.bags import default_folder
+    from drill_twin.cli.bags.analyze import default_folder
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.cli.show import err
     from drill_twin.report.recording import read_recording

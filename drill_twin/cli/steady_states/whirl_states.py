@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.modes import TurnOption, WeightOption, WithoutOption
 from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrides
+from drill_twin.cli.steady_states.modes import TurnOption, WeightOption, WithoutOption
 
 if TYPE_CHECKING:
     from rich.table import Table

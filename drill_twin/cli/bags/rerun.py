@@ -42,7 +42,7 @@ def rerun(
     difference that is printed.
     """
     from drill_twin.api.recorded_run import rerun as run_again
-    from drill_twin.cli.bags import default_folder
+    from drill_twin.cli.bags.analyze import default_folder
     from drill_twin.cli.folder import new_folder, write_file
     from drill_twin.cli.show import err, grid, print_json
     from drill_twin.cli.show import out as console
