@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drill_twin.base.inlined_compiler import EntryCompiler, InlinedCompiler
+from drill_twin.base.exact_compiler import AddressCompiler, LinkedCompiler
 
 Integers = NDArray[np.int64]
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -23,12 +23,12 @@ FLAGS: dict[str, Any] = {"error_model": "numpy", "nogil": True, "_nrt": False}
 
 def exact_kernel(function: Function) -> Function:
     """Compile a function that other kernels call, lazily."""
-    return cast("Function", njit(**FLAGS, pipeline_class=InlinedCompiler)(function))
+    return cast("Function", njit(**FLAGS, pipeline_class=LinkedCompiler)(function))
 
 
 def exact_entry_kernel(function: Function) -> Function:
-    """Compile a function that Python calls, lazily."""
-    return cast("Function", njit(**FLAGS, pipeline_class=EntryCompiler)(function))
+    """Compile an entry point that is called by its address, lazily."""
+    return cast("Function", njit(**FLAGS, pipeline_class=AddressCompiler)(function))
 
 
 @exact_kernel

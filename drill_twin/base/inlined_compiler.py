@@ -55,13 +55,14 @@ class LoweringWithoutMachineCode(_LOWERING):  # type: ignore[misc]
     """Lowering to LLVM's intermediate code, registered with the target so that callers link and inline it."""
 
     _name = "lowering_without_machine_code"
+    library_class: Any = InlinedLibrary
 
     def run_pass(self, state: Any) -> bool:
         """Lower the function of a compiler state."""
         state.flags.no_compile = True
         state.flags.no_cpython_wrapper = True
         state.flags.no_cfunc_wrapper = True
-        state.library = InlinedLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library = self.library_class(state.targetctx.codegen(), state.func_id.func_qualname)
         identity = state.func_id
         if name := lasting_name(identity.func):  # numba numbers the functions of a process: kept ones would clash
             identity.unique_id = _number(f"{name}({type_text(state.args)})")
@@ -78,13 +79,13 @@ class LoweringWithoutMachineCode(_LOWERING):  # type: ignore[misc]
 class InlinedCompiler(CompilerBase):
     """numba's pipeline with the lowering replaced."""
 
+    lowering: Any = LoweringWithoutMachineCode
+
     def define_pipelines(self) -> list[Any]:
         """The pipeline, as numba asks for it."""
         builder: Any = DefaultPassBuilder
         pipeline = builder.define_nopython_pipeline(self.state)
-        pipeline.passes = [
-            (LoweringWithoutMachineCode if step is NativeLowering else step, text) for step, text in pipeline.passes
-        ]
+        pipeline.passes = [(self.lowering if step is NativeLowering else step, text) for step, text in pipeline.passes]
         pipeline.finalize()
         return [pipeline]
 
