@@ -9,7 +9,7 @@ from pathlib import Path
 
 from drill_twin.errors import BagError
 
-_RESULTS = ("bag_0", "summary.json", "report.html")
+_RESULTS = ("bag_0", "summary.json", "report.html", "compare.json")
 
 
 def new_folder(folder: Path, *, replace: bool) -> Path | None:

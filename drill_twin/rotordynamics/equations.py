@@ -57,12 +57,17 @@ def without(scene: Scene, effects: Sequence[str]) -> Scene:
     """The scene without some of its effects.
 
     Raises:
-        SceneError: One of them is not listed by the scene.
+        SceneError: One of them is not listed by the scene, or one that stays needs it.
     """
     for key in effects:
         if key not in scene.effect_names:
             raise SceneError(
                 f"--without: expected an effect of the scene ({', '.join(scene.effect_names)}), found {key}"
+            )
+    for key in set(scene.effect_names).difference(effects):
+        for needed in set(effects).intersection(getattr(scene.effects, key).requires):
+            raise SceneError(
+                f"--without {needed}: expected no effect that needs it, found {key}; --without {key} leaves it out too"
             )
     return scene.model_copy(update={"effects": scene.effects.model_copy(update=dict.fromkeys(effects))})
 

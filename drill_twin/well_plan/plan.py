@@ -12,6 +12,7 @@ from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.units import parse
 from drill_twin.units.dimension import ANGULAR_SPEED, DENSITY, FORCE, LENGTH, Dimension
+from drill_twin.units.parse import short
 from drill_twin.well_plan.catalogue import INCH
 from drill_twin.well_plan.survey_file import as_block, read_survey
 from drill_twin.well_plan.tally import Piece, read_tally
@@ -115,8 +116,9 @@ class WellPlan(NamedTuple):
         found, top = [], 0.0
         for casing in self.casing:
             inner, _, shoe = casing.partition(" to ")
-            diameter = _quantity("--casing", inner, LENGTH)
-            depth = _quantity("--casing", shoe or "nothing", LENGTH)
+            if not shoe:
+                raise SceneError(f'--casing: expected ID and shoe as "12.415 in to 1500 m", found "{short(casing)}"')
+            diameter, depth = _quantity("--casing", inner, LENGTH), _quantity("--casing", shoe, LENGTH)
             if depth <= top:
                 raise SceneError(
                     f'--casing "{casing}": expected a shoe below {top:.6g} m, found {depth:.6g} m; give the casings '
@@ -146,6 +148,9 @@ def _check_fit(pieces: list[Piece], hole: float, casing: list[tuple[float, float
 
 def _quantity(option: str, text: str, dimension: Dimension) -> float:
     try:
-        return parse(text, dimension)
+        value = parse(text, dimension)
     except SceneError as error:
         raise SceneError(f"{option}: {error}") from None
+    if dimension is LENGTH and value <= 0.0:
+        raise SceneError(f'{option}: expected a length above 0, found "{short(text)}"')
+    return value

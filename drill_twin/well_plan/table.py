@@ -21,6 +21,7 @@ UNITS = {
 """Units of bare numbers, by system."""
 DIMENSIONS: dict[str, Dimension] = {"depth": LENGTH, "diameter": LENGTH, "mass": LINEAR_MASS, "angle": ANGLE}
 _HEADING = re.compile(r"\s*([^\[(]*?)\s*(?:[\[(]([^\])]*)[\])])?\s*")
+_DECIMAL_COMMA = re.compile(r"^(\s*[+-]?\d*),(\d+)(?=\s|$)")
 _BARE = re.compile(r"[+-]?\d+(?:\.\d*)?(?:\s+\d+/\d+|/\d+)?|[+-]?\.\d+")
 
 
@@ -68,7 +69,7 @@ class Row(NamedTuple):
 
 def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str, ...], system: str) -> list[Row]:
     """Read a CSV table; columns are known by their heading, with a unit in brackets if any; # begins a
-    comment.
+    comment. Where semicolons separate the cells, numbers may have a decimal comma.
 
     Args:
         file: The table.
@@ -106,8 +107,15 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
             f"{file}, line {lines[0][0]}: expected the columns {', '.join(needed)}, found no {' and no '.join(missing)}"
             f"; known headings: {', '.join(name for known in names.values() for name in known)}"
         )
-    return [
-        Row(f"{file}, line {number}", dict(zip(columns, next(csv.reader([line], delimiter=separator)), strict=False)),
-            units, system)
-        for number, line in lines[1:]
-    ]  # fmt: skip
+    rows = []
+    for number, line in lines[1:]:
+        place, cells = f"{file}, line {number}", next(csv.reader([line], delimiter=separator))
+        if any(cell.strip() for cell in cells[len(columns) :]):
+            raise SceneError(
+                f"{place}: expected at most {len(columns)} cells as in the heading, found {len(cells)}; a number has "
+                "no separator of thousands"
+            )
+        if separator == ";":
+            cells = [re.sub(_DECIMAL_COMMA, r"\1.\2", cell) for cell in cells]
+        rows.append(Row(place, dict(zip(columns, cells, strict=False)), units, system))
+    return rows

@@ -13,6 +13,7 @@ from drill_twin.units.dimension import LENGTH
 from drill_twin.well_plan.catalogue import (
     COLLAR_YIELD,
     HEAVY_WEIGHT_YIELD,
+    INCH,
     LARGE_COLLAR,
     LARGE_COLLAR_YIELD,
     MATERIALS,
@@ -133,7 +134,9 @@ def _drill_pipe(row: Row, outer: float) -> dict[str, Any]:
 def _heavy(row: Row, outer: float) -> dict[str, Any]:
     pipe = heavy_weight(outer)
     if pipe is None:
-        raise SceneError(f"{row.place}, od: expected heavy-weight pipe of 3 1/2 to 6 5/8 in, found {row.text('od')}")
+        raise SceneError(
+            f"{row.place}, od: expected heavy-weight pipe of 3 1/2 to 6 5/8 in, found {outer / INCH:.4g} in"
+        )
     return _tube(outer, pipe.inner_diameter, HEAVY_WEIGHT_YIELD) | {
         "adjusted_mass": f"{pipe.adjusted_mass:.6g} kg/m", "blade_diameter": f"{pipe.joint_diameter:.10g} m",
         "make_up_torque": f"{pipe.make_up_torque:.6g} N m",

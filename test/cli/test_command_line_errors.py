@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from drill_twin.cli.folder import new_folder
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import encode_diagnostics
@@ -140,6 +141,23 @@ def test_replaced_result_is_moved_aside_not_lost(call, inside):
     assert (inside / "made.old" / "notes.txt").read_text() == "first"
     assert (inside / "made.old2" / "notes.txt").read_text() == "again"
     assert (inside / "made.old" / "bag_0" / "bag_0.mcap").exists()
+
+
+def test_a_comparison_is_a_result_that_is_moved_aside(tmp_path):
+    (tmp_path / "compare").mkdir()
+    (tmp_path / "compare/compare.json").write_text("{}")
+    moved = new_folder(tmp_path / "compare", replace=True)
+    assert moved is not None
+    assert (moved / "compare.json").read_text() == "{}"
+
+
+def test_a_mistake_beside_replace_keeps_the_runs_of_a_map(call, inside):
+    (inside / "map").mkdir()
+    (inside / "map/runs.jsonl").write_text("hours")
+    said = call("map", "pa6_bench", "--wob", "40..1 N", "--rps", "1..2", "--out", "map", "--replace")
+    assert said.code == 2
+    assert len(said.err.splitlines()) == 1
+    assert (inside / "map/runs.jsonl.old").read_text() == "hours"
 
 
 def test_report_is_not_overwritten_unasked(call, field):

@@ -128,3 +128,16 @@ def test_the_command(bent_well: Scene, found: Statics, tmp_path) -> None:
     assert len(rows) == 5 * 200
     assert float(rows[0]["measured depth [ft]"]) < float(rows[1]["measured depth [ft]"])
     assert (tmp_path / "out" / "statics.png").stat().st_size > 30_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--rop", "-18 m/h"], "--rop: expected a speed above 0"),
+        (["--trip-speed", "fast"], "--trip-speed: expected a speed"),
+        (["--without", "wall"], "--without wall: expected no effect that needs it, found wall_friction"),
+    ],
+)
+def test_the_command_refuses_what_has_no_balance(arguments: list[str], words: str) -> None:
+    said = CliRunner().invoke(app, ["statics", "wells/s_shaped", *arguments])
+    assert words in str(said.exception)

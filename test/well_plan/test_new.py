@@ -35,6 +35,11 @@ def test_new_replaces_no_file_and_asks_for_what_is_missing(tmp_path: Path) -> No
     missing = CliRunner().invoke(app, ["new", str(tmp_path / "other.yaml"), *OPTIONS[2:]])
     assert "--survey: expected it, found nothing" in str(missing.exception)
     assert not (tmp_path / "other.yaml").exists()
+    survey = tmp_path / "survey.csv"
+    survey.write_text("mine")
+    taken = CliRunner().invoke(app, ["new", str(survey), "--survey", str(survey), *OPTIONS[2:], "--replace"])
+    assert "found the table of --survey" in str(taken.exception)
+    assert survey.read_text() == "mine"
 
 
 @pytest.mark.long

@@ -118,7 +118,11 @@ MISTAKES = {
     "depth": ({"depth": "1600 m"}, r"--depth: .*within the survey \(1500 m\), found 1600 m"),
     "bit": ({"bit": "13 in"}, r"--bit: expected at most the hole"),
     "casing": ({"casing": ("13 in to 500 m", "13 in to 400 m")}, r"--casing .*expected a shoe below 500 m"),
-    "shoe": ({"casing": ("13 in",)}, r"--casing: .*nothing"),
+    "shoe": ({"casing": ("13 in",)}, r'--casing: expected ID and shoe as .*found "13 in"'),
+    "hole": ({"hole": "-12 in"}, r'--hole: expected a length above 0, found "-12 in"'),
+    "above the rotary table": ({"depth": "-5 m"}, r"--depth: expected a length above 0"),
+    "thousands": ({"survey": SURVEY.replace("900,40", "1,900,40")}, r"survey.csv, line 4: .*at most 3 cells"),
+    "heavy in mm": ({"tally": TALLY.replace("hwdp,100,5", "hwdp,100,8")}, r"line 5, od: .*found 8 in"),
     "unit": ({"hole": "12 kg"}, r"--hole: .*12 kg"),
 }  # fmt: skip
 
@@ -129,3 +133,10 @@ def test_a_mistake_is_one_line_that_names_row_and_remedy(tmp_path: Path, mistake
     with pytest.raises(SceneError, match=message) as caught:
         made(tmp_path, **changes)
     assert "\n" not in str(caught.value)
+
+
+def test_semicolons_and_decimal_commas_are_read(tmp_path: Path) -> None:
+    def written(text: str) -> str:
+        return text.replace(",", ";").replace(".", ",")
+
+    assert made(tmp_path, survey=written(SURVEY), tally=written(TALLY)) == made(tmp_path)

@@ -15,7 +15,7 @@ from drill_twin.errors import ArgumentError, BagError
 
 def export(
     bag: BagArgument,
-    las: Annotated[bool, typer.Option("--las", help="Write LAS 2.0; needs the extra drill_twin[las].")] = False,
+    las: Annotated[bool, typer.Option("--las", help="Write LAS 2.0; needs the extra `las` of drill_twin.")] = False,
     csv: Annotated[bool, typer.Option("--csv", help="Write CSV.")] = False,
     out: Annotated[
         Path | None,

@@ -84,8 +84,9 @@ def operating_map(
     described = load_scene(scene, overrides=changes)
     folder = out or Path("out") / f"map_{folder_name(described.name)}"
     make_folder(folder)
-    if replace:
-        (folder / "runs.jsonl").unlink(missing_ok=True)
+    runs_file = folder / "runs.jsonl"
+    if replace and runs_file.exists():
+        runs_file.replace(folder / "runs.jsonl.old")
     with _bar() as progress:
         found = make(
             described, wob=wob, rps=rps, seeds=seeds, vary=ranges, runs=runs, hysteresis=not no_hysteresis,
@@ -112,7 +113,7 @@ class _Bar(AbstractContextManager[Callable[[str, int, int], None]]):
         from drill_twin.cli.show import err
 
         columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        self._bar = Progress(*columns, console=err(), transient=True)
+        self._bar = Progress(*columns, console=err(), transient=True, disable=not err().is_terminal)
         self._bar.start()
         task = self._bar.add_task("onset of whirl", total=None)
 

@@ -45,12 +45,16 @@ def new(
     """Make a scene from a well plan; in a terminal, what is not given is asked for."""
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.cli.show import err
+    from drill_twin.errors import SceneError
     from drill_twin.scene.write import yaml_text
     from drill_twin.well_plan.plan import WellPlan
 
     check_new(out, replace=replace)
     given = {"--survey": survey, "--tally": tally, "--hole": hole}
     answers = {option: text or _ask(option) for option, text in given.items()}
+    for option in ("--survey", "--tally"):
+        if Path(answers[option]).resolve() == out.resolve():
+            raise SceneError(f"{out}: expected a scene file to write, found the table of {option}; choose another name")
     plan = WellPlan(
         out.stem, Path(answers["--survey"]), Path(answers["--tally"]), answers["--hole"], tuple(casing), bit, depth,
         mud, viscosity, friction, wob, rpm, units,

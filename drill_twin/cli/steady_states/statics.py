@@ -52,13 +52,16 @@ def statics(
     from drill_twin.cli.show import out as stdout
     from drill_twin.studies.torque_drag.data import depth_table, statics_data
     from drill_twin.studies.torque_drag.unit_system import SYSTEMS
-    from drill_twin.units import parse
-    from drill_twin.units.dimension import SPEED
 
+    speeds = {option: _speed(option, text) for option, text in (("--trip-speed", trip_speed), ("--rop", feed))}
+    if out is not None:
+        from drill_twin.cli.folder import make_folder
+
+        make_folder(out)
     with err().status("computing"):
         found = computed(
             scene, overrides(change, wob=wob, rps=rps), without=without,
-            trip_speed=parse(trip_speed, SPEED), feed=parse(feed, SPEED),
+            trip_speed=speeds["--trip-speed"], feed=speeds["--rop"],
         )  # fmt: skip
     shown, data = SYSTEMS[units], statics_data(found)
     if json:
@@ -69,16 +72,29 @@ def statics(
         for title, columns, rows in _tables(found, shown):
             stdout().print(grid(columns, rows, title=title, right=tuple(range(1, len(columns)))))
     if out is not None:
-        from drill_twin.cli.folder import make_folder, write_file
+        from drill_twin.cli.folder import write_file
         from drill_twin.report.figures.style import save
         from drill_twin.studies.json_io import json_text
         from drill_twin.studies.torque_drag.figure import tracks
 
-        make_folder(out)
         write_file(out / "statics.json", json_text(data))
         write_file(out / "statics.csv", depth_table(found, shown))
         save(tracks(found, shown), out / "statics.png")
         err().print(f"{out}: statics.json, statics.csv, statics.png", markup=False, soft_wrap=True)
+
+
+def _speed(option: str, text: str) -> float:
+    from drill_twin.errors import SceneError
+    from drill_twin.units import parse
+    from drill_twin.units.dimension import SPEED
+
+    try:
+        value = parse(text, SPEED)
+    except SceneError as error:
+        raise SceneError(f"{option}: {error}") from None
+    if value <= 0.0:
+        raise SceneError(f'{option}: expected a speed above 0, found "{text}"; the operation says the direction')
+    return value
 
 
 def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:

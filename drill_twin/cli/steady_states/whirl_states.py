@@ -35,7 +35,7 @@ def whirl_states(
         typer.Option(
             "--over",
             metavar="KEY=LOW:HIGH",
-            help='Follow each state over "load=5:80" [N], "speed=1:8" [rev/s], or a key of the scene in SI.',
+            help='Follow each state over "load=5:80" [N], "speed=1:8" in rev/s, or a key of the scene in SI.',
         ),
     ] = "",
     simulate: Annotated[

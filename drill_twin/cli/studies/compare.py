@@ -83,7 +83,8 @@ def compare(
             stdout().print(f"{letter}: {text}", markup=False, soft_wrap=True)
         columns = ("", "", *letters)
         table = [(row.name, row.shown_unit, *(row.text(k) for k in range(len(cases)))) for row in shown]
-        stdout().print(grid(columns, table))
+        if table:
+            stdout().print(grid(columns, table))
         if not everything:
             same = len(rows) - len(differing)
             stdout().print(f"{same} quantities agree to {100 * tolerance:g} %; --all shows them", markup=False)

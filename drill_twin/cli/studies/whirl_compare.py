@@ -20,8 +20,8 @@ GRID = "LOW:HIGH:N"
 def whirl_compare(
     scene: SceneArgument,
     loads: Annotated[str, typer.Option("--loads", metavar=GRID, help="Weights on bit [N].")],
-    speeds: Annotated[str, typer.Option("--speeds", metavar=GRID, help="Speeds [rev/s].")],
-    duration: Annotated[float, typer.Option("--duration", min=1.0, help="Simulated time of each run [s].")] = 60.0,
+    speeds: Annotated[str, typer.Option("--speeds", metavar=GRID, help="Speeds in rev/s.")],
+    duration: Annotated[float, typer.Option("--duration", min=1.0, help="Simulated time of each run in s.")] = 60.0,
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     record: Annotated[
         Path | None,
