@@ -135,8 +135,13 @@ def _range(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[fl
     values = []
     for end in ends:
         value: Any = override(scene, {place: end.strip() if isinstance(end, str) else end})
-        for part in place.split("."):
-            value = value[int(part)] if part.isdigit() else getattr(value, part)
+        try:
+            for part in place.split("."):
+                value = value[int(part)] if part.isdigit() else getattr(value, part)
+        except AttributeError:
+            raise ArgumentError(
+                f"{key}: expected the key of a number, found no {part}; name an item of a list by its number, from 0"
+            ) from None
         values.append(value)
     low, high = values
     if not all(isinstance(value, int | float) and math.isfinite(value) for value in values) or not low < high:

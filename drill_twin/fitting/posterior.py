@@ -15,6 +15,7 @@ from drill_twin.fitting.record import Record
 from drill_twin.fitting.sampling import Sampling
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
+from drill_twin.scene.overrides import SHORTHANDS
 
 UNDETERMINED = 0.6
 """Width of a 90 % interval over that of the range, above which the record does not determine a number."""
@@ -165,5 +166,6 @@ def predictive_band(runs: Array, weights: Array, error: float, share: float) -> 
 
 
 def full_key(key: str, scene: Scene) -> str:
-    """Full key of a scene; an effect needs no `effects.` before it."""
+    """Full key of a scene; an effect needs no `effects.` before it, and `wob` and `rps` are short names."""
+    key = SHORTHANDS.get(key, (key, ""))[0]
     return f"effects.{key}" if key.partition(".")[0] in scene.effect_names else key

@@ -106,3 +106,15 @@ def test_a_channel_needs_a_name_of_the_contract_and_a_unit():
     for text in ("torque", "speed=x:rpm", "torque=T"):
         with pytest.raises(ArgumentError, match="channel: expected"):
             channel_column(text)
+
+
+@pytest.mark.parametrize(
+    ("key", "given", "message"),
+    [
+        ("wob", "58 kN..50 kN", "wob: expected a lower and a higher number"),
+        ("string.sections.spring.length", "1 m..2 m", "expected the key of a number, found no spring"),
+    ],
+)
+def test_a_short_name_is_a_key_and_a_name_in_a_list_is_none(record, key, given, message):
+    with pytest.raises(ArgumentError, match=message):
+        dt.fit(record, "two_mass", {key: given}, channels=["bit_speed=bit speed [rpm]"])
