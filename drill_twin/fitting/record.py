@@ -96,7 +96,8 @@ def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, sta
     Args:
         path: The file; a bag may be a folder.
         columns: Names of channels of a bag; of a file column and unit of each channel and of `time`, as
-            `channel_column` parses them. Without `time`, it is the column whose name begins with "time" or "t_", in s.
+            `channel_column` parses them. Without `time`, it is the column whose name begins with ``time`` or ``t_``,
+            in s.
         start: Time in the record that is time zero of the scene [s].
 
     Raises:

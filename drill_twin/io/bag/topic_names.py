@@ -36,9 +36,10 @@ def twin_namespaces(topics: Mapping[str, RecordedTopic]) -> list[str]:
     """Namespaces of the twins in a bag, as "/rig2", or "" for the root: those with states of marks or rig, if any."""
     found: dict[str, set[str]] = {}
     for name, topic in topics.items():
-        for known, row in TOPICS.items():
-            if known not in GENERIC and name.endswith(known) and topic.type_name == row.type_name and topic.count:
-                found.setdefault(name.removesuffix(known), set()).add(known)
+        ends = [known for known, row in TOPICS.items() if name.endswith(known) and topic.type_name == row.type_name]
+        known = max(ends, key=len, default="")  # /measured/rig/state is no /rig/state in a namespace
+        if known and known not in GENERIC and topic.count:
+            found.setdefault(name.removesuffix(known), set()).add(known)
     with_states = [namespace for namespace, held in found.items() if held & {MARKS_STATE, RIG_STATE}]
     return sorted(with_states or found)
 

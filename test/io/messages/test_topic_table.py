@@ -21,12 +21,15 @@ def test_the_contract():
         "/whirl/state": "JointState",
         "/whirl/motion": "DiagnosticArray",
         "/whirl/onset": "DiagnosticArray",
+        "/measured/rig/state": "JointState",
+        "/advice/state": "DiagnosticArray",
+        "/advice/map": "String",
         "/twin/scene": "String",
         "/twin/realtime_factor": "Float64",
         "/diagnostics": "DiagnosticArray",
         "/clock": "Clock",
     }
-    assert {name for name, topic in TOPICS.items() if topic.latched} == {"/whirl/onset", "/twin/scene"}
+    assert {name for name, topic in TOPICS.items() if topic.latched} == {"/whirl/onset", "/advice/map", "/twin/scene"}
     assert all(topic.depth == 1 for topic in TOPICS.values() if topic.latched)
 
 

@@ -179,6 +179,7 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
         "decay": or_zero(1e-3, 100.0),
         "accuracy": log(1e3, 1e8),
         "sliding": just(0.0),
+        "exponent": just(None),
         "sign": just("root"),
     },
     "rock_floor": {
