@@ -7,7 +7,7 @@ import os
 import signal
 from types import FrameType
 
-from drill_twin.base.import_state import is_importing
+from drill_twin.base.unraisable import is_unraisable
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _STOPPED = b"drill-twin: stopped\n"
@@ -37,7 +37,7 @@ def ignore() -> None:
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
-    if is_importing(frame):
+    if is_unraisable(frame):
         # a module swallows the exception, or prints it: leave at once, there is nothing to complete
         os.write(2, (_SHOW_CURSOR if os.isatty(2) else b"") + _STOPPED)
         os._exit(128 + number)

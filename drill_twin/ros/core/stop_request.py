@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from drill_twin.base.import_state import is_importing
+from drill_twin.base.unraisable import is_unraisable
 
 _RETRY = 0.02  # s until a signal that came during an import is handled again
 
@@ -69,7 +69,7 @@ class StopRequest:
         self._requested = True
         if not self._at_once:
             return
-        if is_importing(frame):
+        if is_unraisable(frame):
             self._timer_set = True
             signal.setitimer(signal.ITIMER_REAL, _RETRY)
             return
