@@ -36,7 +36,7 @@ def test_the_bit_of_the_laboratory_rig_is_predicted_at_half_the_error_of_a_stiff
 def test_the_start_up_of_well_b_sticks_and_slips_with_the_recorded_period():
     error, _, period, _ = well_b.validate(FOLDER / "well_b", refit=False).comparisons
     assert error.computed < 0.8
-    assert period.met
+    assert period.computed == pytest.approx(period.measured, rel=0.08)  # 0.05 where the friction is fitted anew
 
 
 def test_the_length_of_a_cycle_is_found_between_two_lags():
