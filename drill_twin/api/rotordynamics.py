@@ -24,6 +24,7 @@ from drill_twin.rotordynamics.modes import ModeTable, Resting
 from drill_twin.rotordynamics.steady_whirl import TurningEquations
 from drill_twin.rotordynamics.whirl_states import WhirlState
 from drill_twin.scene import Scene
+from drill_twin.scene.keys import number_at
 from drill_twin.schedule import Command
 
 
@@ -204,9 +205,7 @@ def branches(
 
 def _number(scene: Scene, key: str) -> float:
     """Value of a number of a scene."""
-    inside: object = scene
-    for part in key.split("."):
-        inside = getattr(inside, part, None)
-    if not isinstance(inside, int | float) or isinstance(inside, bool):
+    found = number_at(scene, key)
+    if found is None:
         raise SceneError(f"{scene.name}: expected load, speed or the key of a number of the scene, found {key}")
-    return float(inside)
+    return found

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from drill_twin.errors import ArgumentError
 from drill_twin.scene import Scene
+from drill_twin.scene.keys import number_at
 
 SEED = "numerics.seed"
 MOST = 1000
@@ -56,9 +57,7 @@ def draws_of(
 
 def _number(scene: Scene, key: str) -> float:
     """Value of a number of a scene in SI."""
-    found: object = scene
-    for part in key.split("."):
-        found = getattr(found, part, None)
-    if not isinstance(found, int | float) or isinstance(found, bool):
+    found = number_at(scene, key)
+    if found is None:
         raise ArgumentError(f"vary: expected the key of a number of {scene.name}, found {key}")
-    return float(found)
+    return found

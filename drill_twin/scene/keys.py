@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Numbers of a scene by their keys."""
+
+from drill_twin.scene.schema import Scene
+
+
+def number_at(scene: Scene, key: str) -> float | None:
+    """Value of a number of a scene in SI, by a key as `effects.wall_friction.coefficient`; None if there is none."""
+    found: object = scene
+    for part in key.split("."):
+        found = getattr(found, part, None)
+    return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else None
