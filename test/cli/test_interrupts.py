@@ -22,7 +22,7 @@ COMMANDS = (
     (*CLI, "scenes", "--json"),
     (*CLI, "check", "pa6_bench"),
     (*CLI, "run", "pa6_bench", "--duration", "500 s"),
-    (*CLI, "verify", "--only", "tension", "--workers", "2"),
+    (*CLI, "verify", "--only", "buckling.heavy_string", "--workers", "2"),
 )
 NODES = tuple(("-m", "drill_twin.ros", name) for name in ("simulator", "rig_driver", "analyzer", "recorder"))
 
