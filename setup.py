@@ -52,6 +52,7 @@ setup(
         "test": [
             "asyncua>=1.1",
             "colcon-common-extensions",
+            "filterpy>=2",
             "foxglove-sdk>=0.14",
             "hypothesis",
             "import-linter",
