@@ -34,7 +34,9 @@ ARGUMENTS = (
     DeclareLaunchArgument(
         "accuracy", default_value="", description='Largest error before the onset, as "1 %"; chooses elements and step.'
     ),
-    DeclareLaunchArgument("table", default_value="", description="CSV or MAT table of measured set-points to play."),
+    DeclareLaunchArgument(
+        "table", default_value="", description="CSV, MAT, LAS or WITSML table of measured set-points to play."
+    ),
     DeclareLaunchArgument("record", default_value="false", choices=["true", "false"], description="Record a bag."),
     DeclareLaunchArgument("bag", default_value="", description="New folder of the bag; named by date if empty."),
     DeclareLaunchArgument(

@@ -49,7 +49,7 @@ def fit(
     >>> found.best, found.undetermined, found.scene_text()
 
     Args:
-        record: Record, or a CSV or MAT file or a bag with `channels`.
+        record: Record, or a CSV, MAT, LAS or WITSML file or a bag with `channels`.
         scene: The scene; its set-points should be those of the record (`rig.table`).
         free: Range of each number by key: "0.05..0.5", with units where they are needed ("1 s/m..1e3 s/m"), or SI.
             The prior is uniform, in the logarithm if the ends are positive and differ by a factor of 20 or more.

@@ -215,7 +215,7 @@ def read_bag(
     """Open a bag, or the bag in the folder of a run, and analyse it.
 
     Args:
-        path: Folder of a run or a bag, or a bag file.
+        path: Folder of a run or a bag, a bag file, or a record of a rig (CSV, MAT, LAS, WITSML).
         scene: The scene of the run, where the bag does not hold it.
         begin: Samples before this time are left out [s].
         end: Samples after this time are left out [s].
@@ -223,6 +223,7 @@ def read_bag(
 
     Raises:
         BagError: Not a bag of this package, nothing in it that could be analysed, or several twins without a choice.
+        TableError: The record cannot be read.
     """
     selection = Selection(begin=begin, end=end, namespace=namespace)
     result = Result(open_bag(bag_path(path), selection), scene, selection)

@@ -21,6 +21,10 @@ BagArgument = Annotated[
         metavar="BAG", help="Folder of a bag, a .mcap or .db3 file, or the folder of a run with bag_0 in it."
     ),
 ]
+RecordedArgument = Annotated[
+    Path,
+    typer.Argument(metavar="BAG", help="A bag, or the folder of a run; or a record of a rig (CSV, MAT, LAS, WITSML)."),
+]
 SetOption = Annotated[
     list[str],
     typer.Option(

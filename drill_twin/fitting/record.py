@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Records to fit to: channels of a rig over time, in SI, from a CSV or MAT file or a bag."""
+"""Records to fit to: channels of a rig over time, in SI, from a CSV, MAT, LAS or WITSML file or a bag."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import ArgumentError, TableError
-from drill_twin.schedule.reading import read_columns
-from drill_twin.units import Dimension, UnitError, factor_of
+from drill_twin.schedule.reading import Columns, read_columns
+from drill_twin.units import Dimension
 from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME, TORQUE
 
 CHANNELS: Mapping[str, Dimension] = {
@@ -28,7 +28,8 @@ CHANNELS: Mapping[str, Dimension] = {
 }
 """Channels that a run computes (`drill_twin.ensemble.outputs.Channels`), and their dimensions."""
 _OF_BAG = {name: "top_drive_torque" if name == "torque" else name for name in CHANNELS if name != "motor_torque"}
-_IN_HEADER = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$")
+_MNEMONICS = {"motor_torque": "torque", "top_drive_speed": "rotation", "bit_force": "weight_on_bit"}
+"""Channels whose columns have the mnemonics of another name."""
 
 
 class ChannelColumn(NamedTuple):
@@ -36,7 +37,9 @@ class ChannelColumn(NamedTuple):
 
     channel: str
     column: str
+    """Its name; empty: the one that has a known mnemonic of the channel."""
     unit: str
+    """Its unit; empty: the one that the file gives."""
 
 
 @dataclass(frozen=True)
@@ -73,36 +76,31 @@ class Record:
 
 
 def channel_column(text: str) -> ChannelColumn:
-    """Parse `CHANNEL=COLUMN:UNIT`; the unit may stand in brackets at the end of the column's name instead.
+    """Parse `CHANNEL=COLUMN:UNIT`, `CHANNEL=COLUMN` where the file gives the unit, or `CHANNEL` for a known mnemonic.
 
     Raises:
-        ArgumentError: Another form, an unknown channel, or no unit.
+        ArgumentError: An unknown channel.
     """
-    channel, equals, rest = text.partition("=")
-    if not equals or (channel not in CHANNELS and channel != "time"):
+    channel, _, rest = text.partition("=")
+    if channel not in CHANNELS and channel != "time":
         raise ArgumentError(f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(CHANNELS)}, found "{text}"')
-    column, _, unit = rest.rpartition(":")
-    if not column:
-        found = _IN_HEADER.search(rest)
-        if found is None:
-            raise ArgumentError(f'channel: expected a unit, as in "{channel}={rest}:UNIT", found "{text}"')
-        column, unit = rest, found.group(1)
-    return ChannelColumn(channel, column, unit)
+    column, colon, unit = rest.rpartition(":")
+    return ChannelColumn(channel, column, unit) if colon else ChannelColumn(channel, rest, "")
 
 
 def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, start: float = 0.0) -> Record:
-    """Read channels of a CSV or MAT file, or of `/rig/state` of a bag.
+    """Read channels of a CSV, MAT, LAS or WITSML file, or of `/rig/state` of a bag.
 
     Args:
         path: The file; a bag may be a folder.
         columns: Names of channels of a bag; of a file column and unit of each channel and of `time`, as
             `channel_column` parses them. Without `time`, it is the column whose name begins with ``time`` or ``t_``,
-            in s.
+            in s where the file gives no unit.
         start: Time in the record that is time zero of the scene [s].
 
     Raises:
-        TableError: No such file or column, or a unit of another dimension.
-        ArgumentError: No channel, or one that a bag does not hold.
+        TableError: No such file or column, or no unit or one of another dimension.
+        ArgumentError: No channel, or one that a bag does not hold; or a LAS file without the package lasio.
         BagError: The bag cannot be read.
     """
     file = Path(path)
@@ -112,12 +110,8 @@ def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, sta
         return _of_bag(file, columns, start)
     found = read_columns(file)
     wanted = {item.channel: item for item in (channel_column(c) if isinstance(c, str) else c for c in columns)}
-    if "time" not in wanted:
-        names = [name for name in found if re.match(r"(time|t_|t$)", name, re.IGNORECASE)]
-        if len(names) != 1:
-            raise TableError(f'{file}: expected one column of time, found {len(names)}; give it as "time=COLUMN:s"')
-        wanted["time"] = ChannelColumn("time", names[0], "s")
-    values = {channel: _si(file, found, item) for channel, item in wanted.items()}
+    wanted.setdefault("time", ChannelColumn("time", "", ""))
+    values = {channel: _si(found, item) for channel, item in wanted.items()}
     time = values.pop("time") - start
     return Record(str(file), {channel: _present(file, channel, time, column) for channel, column in values.items()})
 
@@ -149,10 +143,15 @@ def _present(source: Path, channel: str, time: Array, values: Array) -> tuple[Ar
     return found
 
 
-def _si(file: Path, found: Mapping[str, Array], item: ChannelColumn) -> Array:
-    if item.column not in found:
-        raise TableError(f'{file}: expected a column "{item.column}" for {item.channel}, found {", ".join(found)}')
-    try:
-        return found[item.column] * factor_of(item.unit, CHANNELS.get(item.channel, TIME))
-    except UnitError as error:
-        raise TableError(f"{file}: {item.channel}: {error}") from None
+def _si(found: Columns, item: ChannelColumn) -> Array:
+    channel, dimension = item.channel, CHANNELS.get(item.channel, TIME)
+    names = [item.column] if item.column else found.named(_MNEMONICS.get(channel, channel))
+    if channel == "time" and not names:
+        names = [name for name in found if re.match(r"(time|t_|t$)", name, re.IGNORECASE)]
+    if len(names) != 1:
+        what = f'{len(names)} of {found.listed}; give it as "{channel}=COLUMN:{dimension.unit}"'
+        raise TableError(f"{found.file}: expected one column of {channel}, found {what}")
+    unit = item.unit or found.unit(names[0], dimension) or ("s" if channel == "time" else "")
+    if not unit and names[0] in found:
+        raise TableError(f'{found.file}: expected a unit of {channel}, as in "{channel}={names[0]}:UNIT", found none')
+    return found.si(names[0], unit, dimension, channel)

@@ -65,6 +65,8 @@ def las_text(channels: Sequence[Channel], well: str) -> str:
     las.well["NULL"].value = NULL
     for channel in channels:
         las.append_curve(channel.mnemonic, channel.values, unit=channel.unit, descr=channel.name)
+    for item in ("STRT", "STOP", "STEP"):
+        las.well[item].descr = las.well[item].descr.replace("DEPTH", "TIME")
     text = io.StringIO()
     las.write(text, version=2.0, fmt="%.10g", len_numeric_field=18)
     return text.getvalue()

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from drill_twin.errors import MessageError
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.record import RecordBag, is_record
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
 from drill_twin.whirl import MarkInfo
@@ -47,11 +48,14 @@ class Selection:
 
 
 def open_bag(path: Path, selection: Selection) -> Bag:
-    """Bag at a path, its topics under the names of the contract.
+    """Bag at a path, its topics under the names of the contract; or the record of a rig, as a bag.
 
     Raises:
         BagError: It is not a bag, or lacks a topic of the selection.
+        TableError: The record cannot be read.
     """
+    if is_record(path):
+        return RecordBag(path)
     return Bag(path, names=selection.topics, namespace=selection.namespace)
 
 

@@ -62,8 +62,8 @@ def record_of(scene: Scene) -> Table:
     source = scene.rig.table
     if source is None or not source.file:
         raise TableError(
-            f"scene {scene.name}: rig.table.file: expected the CSV or MAT file of the record to play, found none; "
-            'give it as the override "rig.table.file=PATH" or write it into the scene'
+            f"scene {scene.name}: rig.table.file: expected the CSV, MAT, LAS or WITSML file of the record to play, "
+            'found none; give it as the override "rig.table.file=PATH" or write it into the scene'
         )
     wanted = tuple(name for name in ("weight_on_bit", "rotation") if getattr(scene.rig, name).shape == "table")
     file = Path(source.file)

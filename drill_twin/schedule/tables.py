@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recorded set-points of a rig: columns selected, converted to SI, cleaned, with a report."""
 
-import difflib
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,22 +13,16 @@ from drill_twin.base.arrays import Array
 from drill_twin.errors import TableError
 from drill_twin.scene.blocks.rig import Column
 from drill_twin.schedule.clean import Cleaning, clean
-from drill_twin.schedule.reading import Columns, read_columns
-from drill_twin.units import Dimension, UnitError, factor_of
-from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME
+from drill_twin.schedule.reading import CHANNELS, Columns, read_columns
 
-_WANTED: dict[str, tuple[Dimension, str]] = {
-    "time": (TIME, r"(^|[^a-z])(time|timestamp|stamp|t)([^a-z]|$)"),
-    "weight_on_bit": (FORCE, r"(^|[^a-z])(wob|weight[ _-]?on[ _-]?bit)([^a-z]|$)"),
-    "rotation": (
-        ANGULAR_SPEED,
-        r"(^|[^a-z])(rpm|rps|top[ _-]?(drive)?[ _-]?(speed|rpm)|rotary[ _-]?speed|rotation)([^a-z]|$)",
-    ),
+_WANTED: dict[str, str] = {
+    "time": r"(^|[^a-z])(time|timestamp|stamp|t)([^a-z]|$)",
+    "weight_on_bit": r"(^|[^a-z])(wob|weight[ _-]?on[ _-]?bit)([^a-z]|$)",
+    "rotation": r"(^|[^a-z])(rpm|rps|top[ _-]?(drive)?[ _-]?(speed|rpm)|rotary[ _-]?speed|rotation)([^a-z]|$)",
 }
-"""Quantity -> its dimension and the pattern of its column's name, if the scene does not give it."""
+"""Quantity -> pattern of its column's name, if the scene does not give it and it is no known mnemonic."""
 
-_MOST_NAMES, _LONGEST_NAME = 20, 60  # in a message
-_UNIT_IN_NAME = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]")
+_LONGEST_NAME = 60  # in a message
 _UNIT_BY_NAME = {"rpm": "rpm", "rps": "rev/s"}
 
 
@@ -77,18 +70,22 @@ def read_table(
     longest_gap: float = 1.0,
     spike_window: float = 0.1,
 ) -> Table:
-    """Read a CSV or MAT record; a column that is not given is found by a common name and the unit in its header.
+    """Read a record; a column that is not given is found by its mnemonic or a common name, its unit by the header.
 
     Gaps (missing stamps, NaN) up to `longest_gap` [s] are interpolated linearly; spikes are detected against a running
     median over `spike_window` [s] (0 keeps them).
 
     Raises:
         TableError: No such file or column, an unknown unit, decreasing time, or a gap longer than `longest_gap`.
+        ArgumentError: A LAS file, and the package lasio is not installed.
     """
     file = Path(path)
     columns = read_columns(file)
     given = {"time": time, "weight_on_bit": weight_on_bit, "rotation": rotation}
-    raw = {name: _si(file, columns, name, given[name]) for name in ("time", *wanted)}
+    chosen = {name: given[name] or _found(columns, name) for name in ("time", *wanted)}
+    raw = {
+        name: columns.si(column.column, column.unit, CHANNELS[name].dimension, name) for name, column in chosen.items()
+    }
     lengths = {name: len(values) for name, values in raw.items()}
     if len(set(lengths.values())) > 1:
         said = ", ".join(f"{name} {length}" for name, length in lengths.items())
@@ -107,40 +104,30 @@ def read_table(
         weight_on_bit=cleaned.get("weight_on_bit"),
         rotation=cleaned.get("rotation"),
         cleaning=cleaning,
-        report=_report(file, stamps, cleaning, note),
+        report=_report(file, stamps, cleaning, note, chosen),
     )
 
 
-def _si(file: Path, columns: Columns, name: str, given: Column | None) -> Array:
-    dimension, pattern = _WANTED[name]
-    there = ", ".join([name[:_LONGEST_NAME] for name in columns][:_MOST_NAMES]) or "no column of numbers"
-    if given is None:
-        found = [column for column in columns if re.search(pattern, column, re.IGNORECASE)]
-        if len(found) != 1:
-            what = f"{len(found)} ({', '.join(found[:3])[:_LONGEST_NAME]})" if found else "none"
-            raise TableError(
-                f"{file}: expected one column for {name}, found {what}; name it (`rig.table.{name}`) out of: {there}"
-            )
-        given = Column(column=found[0], unit=_unit_of(file, found[0], name))
-    if given.column not in columns:
-        close = difflib.get_close_matches(given.column, columns, n=1, cutoff=0.5)
-        hint = f', did you mean "{close[0]}"?' if close else ""
-        raise TableError(f'{file}: expected a column "{given.column}" for {name}, found {there}{hint}')
-    try:
-        return columns[given.column] * factor_of(given.unit, dimension)
-    except UnitError as error:
-        raise TableError(f'{file}: column "{given.column}" for {name}: {error}') from None
+def _found(columns: Columns, name: str) -> Column:
+    found = columns.named(name) or [c for c in columns if re.search(_WANTED[name], c, re.IGNORECASE)]
+    if len(found) != 1:
+        what = f"{len(found)} ({', '.join(found[:3])[:_LONGEST_NAME]})" if found else "none"
+        raise TableError(
+            f"{columns.file}: expected one column for {name}, found {what}; name it (`rig.table.{name}`) out of: "
+            f"{columns.listed}"
+        )
+    return Column(column=found[0], unit=_unit_of(columns, found[0], name))
 
 
-def _unit_of(file: Path, column: str, name: str) -> str:
-    in_name = _UNIT_IN_NAME.search(column)
-    if in_name:
-        return in_name.group(1)
+def _unit_of(columns: Columns, column: str, name: str) -> str:
+    dimension = CHANNELS[name].dimension
+    if unit := columns.unit(column, dimension):
+        return unit
     for word, unit in _UNIT_BY_NAME.items():
         if name == "rotation" and word in column.lower():
             return unit
     raise TableError(
-        f'{file}: expected a unit in the header, such as "{column[:_LONGEST_NAME]} [{_WANTED[name][0].unit}]", '
+        f'{columns.file}: expected a unit in the header, such as "{column[:_LONGEST_NAME]} [{dimension.unit}]", '
         f'found "{column[:_LONGEST_NAME]}"; '
         f"or give column and unit in `rig.table.{name}`"
     )
@@ -166,10 +153,16 @@ def _increasing(file: Path, stamps: Array) -> tuple[npt.NDArray[np.intp], str]:
     return rows, f"; left out {' and '.join(said)}" if said else ""
 
 
-def _report(file: Path, stamps: Array, cleaning: dict[str, Cleaning], note: str) -> str:
+def _report(file: Path, stamps: Array, cleaning: dict[str, Cleaning], note: str, chosen: Mapping[str, Column]) -> str:
     spacing = float(np.median(np.diff(stamps)))
     head = f"{file.name}: {len(stamps)} rows over {stamps[-1] - stamps[0]:.6g} s, {1.0 / spacing:.6g} per second{note}"
-    return "; ".join([head, *(f"{name}: {_cleaning_text(done)}" for name, done in cleaning.items())])
+    read = ", ".join(map(_text, chosen.values()))
+    return "; ".join([f"{head}; read: {read}", *(f"{name}: {_cleaning_text(done)}" for name, done in cleaning.items())])
+
+
+def _text(column: Column) -> str:
+    """Name and unit of a column."""
+    return column.column if f"[{column.unit}]" in column.column else f"{column.column} [{column.unit}]"
 
 
 def _cleaning_text(done: Cleaning) -> str:

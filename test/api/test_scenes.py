@@ -83,6 +83,6 @@ def test_a_scene_is_written_and_read_again(tmp_path):
 
 def test_check_names_what_loading_does_not_see():
     assert dt.check_scene("pa6_bench") == []
-    assert "expected the CSV or MAT file" in dt.check_scene("ufrj_rig")[0]
+    assert "expected the CSV, MAT, LAS or WITSML file" in dt.check_scene("ufrj_rig")[0]
     assert "no such scene file" in dt.check_scene("pa6_bensh")[0]
     assert {"pa6_bench", "two_mass"} <= set(dt.scene_names())

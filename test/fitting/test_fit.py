@@ -101,11 +101,15 @@ def test_a_record_that_is_dense_is_averaged_over_the_spacing():
     assert record.at("torque", time) == pytest.approx((time**3 - (time - 0.5) ** 3) / 1.5, rel=1e-5)
 
 
-def test_a_channel_needs_a_name_of_the_contract_and_a_unit():
-    assert channel_column("torque=T [kN m]") == ("torque", "T [kN m]", "kN m")
-    for text in ("torque", "speed=x:rpm", "torque=T"):
-        with pytest.raises(ArgumentError, match="channel: expected"):
-            channel_column(text)
+def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
+    assert channel_column("torque=T:kN m") == ("torque", "T", "kN m")
+    with pytest.raises(ArgumentError, match="channel: expected"):
+        channel_column("speed=x:rpm")
+    record = tmp_path / "rig.csv"
+    record.write_text("time [s],T,TQA [kft-lb]\n0,1,1\n1,2,2\n")
+    with pytest.raises(TableError, match='expected a unit of torque, as in "torque=T:UNIT", found none'):
+        dt.read_record(record, ["torque=T"])
+    assert dt.read_record(record, ["torque"]).series["torque"][1] == pytest.approx([1355.818, 2711.636], rel=1e-6)
 
 
 @pytest.mark.parametrize(

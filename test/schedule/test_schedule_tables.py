@@ -252,7 +252,7 @@ def test_a_scene_plays_its_table_and_holds_the_ends(write):
 def test_a_scene_without_its_record_says_how_to_give_it():
     with pytest.raises(TableError) as caught:
         Schedule.from_scene(load_scene("ufrj_rig"))
-    assert "scene ufrj_rig: rig.table.file: expected the CSV or MAT file" in str(caught.value)
+    assert "scene ufrj_rig: rig.table.file: expected the CSV, MAT, LAS or WITSML file" in str(caught.value)
     assert '"rig.table.file=PATH"' in str(caught.value)
 
 

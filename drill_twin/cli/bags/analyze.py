@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drill_twin.cli.options import BagArgument, JsonOption, NamespaceOption, ReplaceOption, SceneOption
+from drill_twin.cli.options import JsonOption, NamespaceOption, RecordedArgument, ReplaceOption, SceneOption
 from drill_twin.errors import BagError
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def analyze(
-    bag: BagArgument,
+    bag: RecordedArgument,
     scene: SceneOption = "",
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Write the findings to this new file too, as JSON.")
@@ -82,7 +82,7 @@ def analyze(
 
 
 def report(
-    bag: BagArgument,
+    bag: RecordedArgument,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Folder of the report.", show_default="beside bag_0, or BAG_report"),
@@ -123,18 +123,24 @@ def draw(recording: Recording, folder: Path) -> ReportFiles:
 def default_folder(bag: Path) -> Path:
     """Default folder of a report: `out/run/bag_0` -> `out/run`; any other `x` -> `x_report` beside it."""
     from drill_twin.io.bag.reading.files import bag_path
+    from drill_twin.io.bag.record import is_record
 
     found = bag_path(bag).absolute()
-    if found.suffix in {".mcap", ".db3"} and found.is_file():
+    if (found.suffix in {".mcap", ".db3"} and found.is_file()) or is_record(found):
         found = found.parent if found.parent.name == "bag_0" else found.with_suffix("")
     return found.parent if found.name == "bag_0" else found.with_name(f"{found.name}_report")
 
 
 def _recording(bag: Path, scene: str, selection: Selection | None = None) -> Recording:
+    from drill_twin.cli.show import err
+    from drill_twin.io.bag.record import RecordBag
     from drill_twin.report.recording import read_recording
     from drill_twin.scene import load_scene
 
-    return read_recording(bag, load_scene(scene) if scene else None, selection)
+    found = read_recording(bag, load_scene(scene) if scene else None, selection)
+    if isinstance(found.bag, RecordBag):
+        err().print(found.bag.read, markup=False, soft_wrap=True)
+    return found
 
 
 def _selection(

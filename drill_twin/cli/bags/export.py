@@ -9,12 +9,12 @@ from typing import Annotated
 
 import typer
 
-from drill_twin.cli.options import BagArgument, NamespaceOption, ReplaceOption
+from drill_twin.cli.options import NamespaceOption, RecordedArgument, ReplaceOption
 from drill_twin.errors import ArgumentError, BagError
 
 
 def export(
-    bag: BagArgument,
+    bag: RecordedArgument,
     las: Annotated[bool, typer.Option("--las", help="Write LAS 2.0; needs the extra `las` of drill_twin.")] = False,
     csv: Annotated[bool, typer.Option("--csv", help="Write CSV.")] = False,
     out: Annotated[

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 
 def fit(
-    record: Annotated[Path, typer.Argument(metavar="RECORD", help="A CSV or MAT file, or a bag of a twin.")],
+    record: Annotated[
+        Path, typer.Argument(metavar="RECORD", help="A CSV, MAT, LAS or WITSML file, or a bag of a twin.")
+    ],
     scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="Installed scene or scene file.")],
     free: Annotated[
         list[str],

@@ -26,8 +26,8 @@ PARAMETERS = (
     Parameter(
         "table",
         "",
-        "CSV or MAT file of measured set-points to play in place of the schedule; its columns and units are those "
-        'of rig.table in the scene (or overrides), or are found by their names; "": the schedule of the scene',
+        "CSV, MAT, LAS or WITSML file of measured set-points to play in place of the schedule; its columns and units "
+        'are those of rig.table in the scene (or overrides), or are found by their names; "": the scene\'s schedule',
     ),
     OVERRIDES,
     Parameter(

@@ -88,7 +88,7 @@ class RecordedTable(Part):
     """Recorded set-points of a rig; without `file` the scene loads, but cannot be run."""
 
     file: str = ""
-    """CSV or MAT file; a relative path is taken from the scene file (for an override, from the working folder)."""
+    """CSV, MAT, LAS or WITSML file; paths begin at the scene file, those of overrides in the working folder."""
     time: Column | None = None
     """Time stamps."""
     weight_on_bit: Column | None = None

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Time log of WITSML 1.4.1 (Energistics 2011), read as a stream by expat.
+
+A document type is refused, and with it every entity, internal or external, that expat would expand or fetch: no log has
+one. So the standard library is as safe here as defusedxml, which refuses the same; and as no tree is built, a file of
+200 MB takes the memory of its numbers.
+"""
+
+from __future__ import annotations
+
+import csv
+from array import array
+from collections import Counter
+from pathlib import Path
+from typing import Any
+from xml.parsers import expat
+
+import numpy as np
+
+from drill_twin.errors import TableError
+from drill_twin.schedule.reading.cells import date, from_first, number
+from drill_twin.schedule.reading.columns import Columns
+from drill_twin.schedule.reading.mnemonics import null_values
+
+_VERSION = "1.4.1"
+_TIME = ("date time", "elapsed time")
+_TEXTS = ("indexType", "indexCurve", "nullValue", "dataDelimiter", "mnemonicList", "unitList", "data")
+_DEEPEST, _LONGEST, _MOST_COLUMNS = 20, 1_000_000, 10_000
+_NONE = ("unitless", "none", "euc", "----")
+"""Units of WITSML that say that there is none."""
+
+
+class _RefusedError(Exception):
+    """A document that is not taken; the text says what was expected and found."""
+
+
+class _LogReader:
+    """Handlers of the parser: header and numbers of one log."""
+
+    def __init__(self) -> None:
+        self.header: dict[str, str] = {}
+        self.names: list[str] = []
+        self.numbers = array("d")
+        self._texts: dict[int, str] = {}
+        self._dates: set[int] = set()
+        self._open: list[str] = []
+        self._text: list[str] = []
+        self._length = self._logs = self._rows = 0
+
+    def start(self, name: str, attributes: dict[str, str]) -> None:
+        name = name.rpartition(" ")[2]
+        if not self._open and (name != "logs" or not attributes.get("version", "").startswith(_VERSION)):
+            found = f"<{name[:40]}> of version {attributes.get('version', 'none')[:20]}"
+            raise _RefusedError(f'expected <logs version="{_VERSION}.1"> of WITSML, found {found}')
+        if len(self._open) >= _DEEPEST:
+            raise _RefusedError(f"expected elements at most {_DEEPEST} deep, found more")
+        if name == "log":
+            self._logs += 1
+            if self._logs > 1:
+                raise _RefusedError("expected one log, found more; export them one by one")
+        self._open.append(name)
+        self._text, self._length = [], 0
+
+    def text(self, data: str) -> None:
+        self._length += len(data)
+        if self._length > _LONGEST:
+            raise _RefusedError(f"expected texts of at most {_LONGEST} characters, found a longer one")
+        self._text.append(data)
+
+    def end(self, name: str) -> None:
+        name = name.rpartition(" ")[2]
+        parent = self._open[-2] if len(self._open) > 1 else ""
+        if name in _TEXTS and parent in {"log", "logData"}:
+            content = "".join(self._text).strip()
+            if name == "data":
+                self._row(content)
+            else:
+                self.header[name] = content
+        self._open.pop()
+        self._text = []
+
+    def refuse(self, *_: Any) -> None:
+        raise _RefusedError("expected no document type (<!DOCTYPE>), found one; no log of WITSML has it")
+
+    def _row(self, content: str) -> None:
+        self._rows += 1
+        if not self.names:
+            self._begin()
+        cells = next(csv.reader([content], delimiter=self.header.get("dataDelimiter") or ","), [])
+        if len(cells) != len(self.names):
+            raise _RefusedError(f"expected {len(self.names)} values in row {self._rows}, found {len(cells)}")
+        for k, cell in enumerate(map(str.strip, cells)):
+            value = date(cell) if k in self._dates else number(cell)
+            if value is None and self._rows == 1 and (value := date(cell)) is not None:
+                self._dates.add(k)
+            if value is None:
+                if k == 0:
+                    raise _RefusedError(f'expected a time in row {self._rows}, found "{cell[:40]}"')
+                self._texts.setdefault(k, f'"{cell[:40]}" in row {self._rows}')
+            self.numbers.append(np.nan if value is None else value)
+
+    def _begin(self) -> None:
+        kind = self.header.get("indexType", "none")
+        if kind not in _TIME:
+            raise _RefusedError(
+                f'expected a log over time (indexType "date time"), found "{kind[:40]}"; export that one'
+            )
+        self.names = [name.strip() for name in self.header.get("mnemonicList", "").split(",")]
+        twice = [name for name, count in Counter(self.names).items() if count > 1]
+        if not 1 < len(self.names) <= _MOST_COLUMNS or twice:
+            found = f"{', '.join(twice)[:100]} again" if twice else f"{len(self.names)} names"
+            raise _RefusedError(f"expected 2 to {_MOST_COLUMNS} names in mnemonicList, each once, found {found}")
+
+    def columns(self, path: Path) -> Columns:
+        """The columns of numbers, the index first and in s."""
+        if not self._rows:
+            raise _RefusedError("expected <data> in the log, found none: a header only; export the log with its data")
+        nulls = list(null_values(self.header.get("nullValue", ""), f"{path}: nullValue"))
+        table = np.frombuffer(self.numbers).reshape(-1, len(self.names))
+        units = dict(zip(self.names, map(str.strip, self.header.get("unitList", "").split(",")), strict=False))
+        values = {}
+        for k, name in enumerate(self.names):
+            if k in self._dates:
+                values[name], units[name] = from_first(table[:, k]), "s"
+            elif k not in self._texts:
+                values[name] = np.where(np.isin(table[:, k], nulls), np.nan, table[:, k])
+        units = {name: unit for name, unit in units.items() if unit not in _NONE}
+        return Columns(path, values, units, {self.names[k]: text for k, text in self._texts.items()})
+
+
+def read_witsml(path: Path) -> Columns:
+    """Read a time log; its nullValue and -999.25 are missing values, columns of text are left out.
+
+    Raises:
+        TableError: It is none.
+    """
+    reader = _LogReader()
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.StartElementHandler, parser.EndElementHandler = reader.start, reader.end
+    parser.CharacterDataHandler, parser.StartDoctypeDeclHandler = reader.text, reader.refuse
+    try:
+        with path.open("rb") as stream:
+            parser.ParseFile(stream)
+        return reader.columns(path)
+    except (expat.ExpatError, _RefusedError, OSError, csv.Error, ValueError) as error:
+        line = parser.CurrentLineNumber
+        raise TableError(f"{path}:{line}: {_sentence(error)}") from None
+
+
+def _sentence(error: Exception) -> str:
+    if isinstance(error, _RefusedError):
+        return str(error)
+    return f"expected a WITSML log, found {' '.join(str(error).split())[:200]}; export it again"
