@@ -33,6 +33,7 @@ from drill_twin.cli.studies.paper import calibrate, paper
 from drill_twin.cli.studies.validate import validate
 from drill_twin.cli.studies.verify import verify
 from drill_twin.cli.studies.whirl_compare import whirl_compare
+from drill_twin.cli.studies.whirl_cost import whirl_cost
 
 app = typer.Typer(
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]demo[/], "
@@ -82,6 +83,7 @@ app.command(rich_help_panel=_STUDY)(paper)
 app.command(rich_help_panel=_STUDY)(calibrate)
 app.command(rich_help_panel=_STUDY)(analyzer_score)
 app.command(rich_help_panel=_STUDY)(whirl_compare)
+app.command(rich_help_panel=_STUDY)(whirl_cost)
 app.command(rich_help_panel=_SCENE)(scenes)
 app.command(rich_help_panel=_SCENE)(new)
 app.command(rich_help_panel=_SCENE)(check)

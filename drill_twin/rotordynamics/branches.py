@@ -108,7 +108,7 @@ class _Follower:
         own = replace(whirl, command=command)
         system = turning.at(own)
         residual = system.residual
-        matrix = turning.stiffness(system, own.omega)
+        matrix = system.rows.dense(turning.stiffness(system, own.omega))
         matrix[:, self.held] = turning.by_omega(system, own)
         step = DIFFERENCE * self.range
         beside, other = self.parameter.at(value + step)

@@ -63,7 +63,7 @@ def campbell(equations: EquationsOfMotion, weight_on_bit: float, speeds: Array, 
     shapes: ComplexArray | None = None
     for k, speed in enumerate(speeds):
         system = balance(equations, Command(weight_on_bit, float(speed))).system
-        pencil = Pencil(*(frame.as_complex(matrix) for matrix in system[1:]))
+        pencil = Pencil(*(frame.as_complex(matrix) for matrix in system.matrices))
         found, vectors = damped_modes(pencil, bit_unknowns(equations, frame))
         order = np.argsort(np.abs(found))[: count + SPARE]
         found, vectors = found[order], vectors[frame.at_node][:, order]

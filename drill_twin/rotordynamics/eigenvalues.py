@@ -59,12 +59,22 @@ def undamped_basis(pencil: Pencil, count: int, loaded: Numbers | None = None) ->
 
 def eigenvalues(pencil: Pencil) -> tuple[ComplexArray, ComplexArray]:
     """Eigenvalues [rad/s], shape (2 m,), and their shapes as columns, shape (m, 2 m)."""
+    values, vectors = np.linalg.eig(_first_order(pencil))
+    return values, vectors[: pencil.mass.shape[0]]
+
+
+def eigenvalues_only(pencil: Pencil) -> ComplexArray:
+    """As `eigenvalues`, without shapes, in half the time."""
+    return np.asarray(np.linalg.eigvals(_first_order(pencil)), np.complex128)
+
+
+def _first_order(pencil: Pencil) -> NDArray[Any]:
+    """Matrix of the same motion in position and velocity, shape (2 m, 2 m)."""
     m = pencil.mass.shape[0]
     state = np.zeros((2 * m, 2 * m), dtype=np.result_type(*pencil))
     state[:m, m:] = np.eye(m)
     state[m:] = -np.linalg.solve(pencil.mass, np.hstack([pencil.stiffness, pencil.damping]))
-    values, vectors = np.linalg.eig(state)
-    return values, vectors[:m]
+    return state
 
 
 def damped_modes(pencil: Pencil, loaded: Numbers | None = None) -> tuple[ComplexArray, ComplexArray]:

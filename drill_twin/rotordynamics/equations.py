@@ -8,10 +8,11 @@ from every direction, unless the hole is inclined. An effect that depends on tim
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array, Mask
 from drill_twin.discretisation.boundary_conditions import BoundaryConditions
@@ -22,6 +23,7 @@ from drill_twin.discretisation.kernel_arguments import LATERAL, form_of, paramet
 from drill_twin.discretisation.resolution import resolution_of
 from drill_twin.errors import SceneError
 from drill_twin.model.mesh import SPIN
+from drill_twin.rotordynamics.block_rows import BlockRows
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.solver import state
@@ -42,15 +44,36 @@ COLUMNS = {"lateral": np.array([0, 1, 3, 4]), "spatial": np.arange(7)}
 """Columns of the unknowns in a node's row of seven."""
 
 
-class Linearised(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Linearised:
     """Residual and its derivatives by acceleration, velocity and position; m free unknowns."""
 
     residual: Array
     """Forces out of balance [N, N m], shape (m,)."""
-    mass: Array
-    """Shape (m, m), as the others."""
-    damping: Array
-    stiffness: Array
+    tangents: Array
+    """Mass, damping and stiffness as block rows, shape (3, n + 1, k, 3 k)."""
+    rows: BlockRows
+    """Operations on them."""
+
+    @cached_property
+    def mass(self) -> Array:
+        """Shape (m, m), as the others."""
+        return self.rows.dense(self.tangents[MASS])
+
+    @cached_property
+    def damping(self) -> Array:
+        """Derivative by the velocity."""
+        return self.rows.dense(self.tangents[DAMPING])
+
+    @cached_property
+    def stiffness(self) -> Array:
+        """Derivative by the position."""
+        return self.rows.dense(self.tangents[STIFFNESS])
+
+    @property
+    def matrices(self) -> tuple[Array, Array, Array]:
+        """Mass, damping and stiffness."""
+        return self.mass, self.damping, self.stiffness
 
 
 def without(scene: Scene, effects: Sequence[str]) -> Scene:
@@ -102,6 +125,7 @@ class EquationsOfMotion:
         model: Discrete model.
         parameters: Parameters of drive and effects; replace numbers by `_replace`, arrays in place.
         free: Mask of the unknowns that are not constrained, shape (n + 1, k) with k unknowns a node.
+        block_rows: Operations on block rows of the tangents.
         unknowns: Number m of free unknowns.
         constrained: Mask of the constrained unknowns of bit and top, shape (2, 7).
     """
@@ -132,7 +156,7 @@ class EquationsOfMotion:
         self._residual = np.zeros((count + 1, width))
         self._tangents = np.zeros((3, count + 1, width, 3 * width))
         self.unknowns = int(self.free.sum())
-        self._from, self._to = places_in_matrix(self.free)
+        self.block_rows = BlockRows(self.free, self.columns)
         self._entry: Any = None
         self._remove_imperfections()
 
@@ -161,8 +185,7 @@ class EquationsOfMotion:
             a: Their accelerations.
         """
         residual, tangents = self.blocks(command, u, v, a, self.constrained)
-        mass, damping, stiffness = (self._dense(tangents[k]) for k in (MASS, DAMPING, STIFFNESS))
-        return Linearised(residual[self.free], mass, damping, stiffness)
+        return Linearised(residual[self.free], tangents.copy(), self.block_rows)
 
     def blocks(self, command: Command, u: Array, v: Array, a: Array, constrained: Mask) -> tuple[Array, Array]:
         """Residual and tangents by node, valid until the next call.
@@ -202,24 +225,3 @@ class EquationsOfMotion:
         own[self.free] = free
         result[:, self.columns] = own
         return result
-
-    def _dense(self, blocks: Array) -> Array:
-        matrix = np.zeros((self.unknowns, self.unknowns))
-        matrix.flat[self._to] = blocks.flat[self._from]
-        return matrix
-
-
-def places_in_matrix(free: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Flat indices of the entries of block rows [lower, own, upper], and of the same entries in the full matrix.
-
-    Args:
-        free: Mask of the unknowns in the matrix, shape (n + 1, k).
-    """
-    nodes, width = free.shape
-    number = np.full((nodes + 2, width), -1)
-    number[1:-1][free] = np.arange(int(free.sum()))
-    row = np.broadcast_to(number[1:-1, :, None], (nodes, width, 3 * width))
-    column = np.stack([number[i : i + 3].ravel() for i in range(nodes)])[:, None, :]
-    column = np.broadcast_to(column, row.shape)
-    taken = ((row >= 0) & (column >= 0)).ravel()
-    return np.flatnonzero(taken), (row.ravel() * int(free.sum()) + column.ravel())[taken]

@@ -78,8 +78,8 @@ def growth_map(
         bases: tuple[Array, ...] = ()
         for k, speed in enumerate(speeds):
             system = balance(equations, Command(float(weight), float(speed))).system
-            whirl = Pencil(*(frame.as_complex(matrix) for matrix in system[1:]))
-            about = Pencil(*(matrix[part] for matrix in system[1:]))
+            whirl = Pencil(*(frame.as_complex(matrix) for matrix in system.matrices))
+            about = Pencil(*(matrix[part] for matrix in system.matrices))
             if not bases:
                 bases = (undamped_basis(whirl, BASIS, bit_unknowns(equations, frame)),)
                 if torsional is not None:

@@ -140,7 +140,7 @@ def modes(
     """
     found = balance(equations, command, resting)
     frame, system = TurningFrame(equations), found.system
-    pencil = Pencil(system.mass, system.damping, system.stiffness)
+    pencil = Pencil(*system.matrices)
     on_axis = is_vertical(equations) and all(frame.is_isotropic(matrix) for matrix in pencil)
     if on_axis:
         all_modes = _lateral(equations, frame, pencil)

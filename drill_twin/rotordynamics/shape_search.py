@@ -22,9 +22,10 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.equilibrium.static_equilibrium import random_shape
 from drill_twin.rotordynamics.eigenvalues import Pencil, undamped_basis
-from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl, solve
+from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
 from drill_twin.rotordynamics.turning_frame import quarter_turn
 from drill_twin.schedule.command import Command
+from drill_twin.solver.linearisation import MASS
 
 SPEEDS = 43
 """Whirl speeds tried between backward and forward whirl at the speed of rotation; more where rolling is faster."""
@@ -120,15 +121,14 @@ class ShapeSearch:
         whirl, drive, length, last = Whirl(self.command, start, omega), 0.0, first, np.inf
         for _ in range(steps):
             system = turning.at(whirl)
-            driving = frame.times_j(system.mass)
-            along = system.mass @ frame.values(quarter_turn(whirl.u))
+            mass, rows = system.tangents[MASS], system.rows
+            along = rows.times(mass, frame.values(quarter_turn(whirl.u)))
             if last == np.inf:
                 drive = -float(along @ system.residual) / max(float(along @ along), 1e-300)
-            matrix = turning.stiffness(system, omega) + drive * driving + system.mass / length
+            matrix = turning.stiffness(system, omega) + drive * rows.times_j(mass) + mass / length
             held = frame.farthest(frame.values(whirl.u))
-            matrix[:, held] = along
             residual = system.residual + drive * along
-            step = solve(matrix, -residual)
+            step = rows.solve(matrix, -residual, held, along)
             change, step[held] = float(step[held]), 0.0
             size = float(np.abs(step).max()) / turning.clearance
             if not np.isfinite(size):

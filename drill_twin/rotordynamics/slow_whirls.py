@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from drill_twin.base.arrays import Array
 from drill_twin.model.mesh import SPIN
 from drill_twin.rotordynamics.shape_search import ShapeSearch
-from drill_twin.rotordynamics.steady_whirl import Whirl, solve
+from drill_twin.rotordynamics.steady_whirl import Whirl
 
 TURNS = (-1.0, 1.0)
 """Turns of the helices over the length, from the bit up, positive in the sense of rotation."""
@@ -64,7 +64,8 @@ def damped(search: ShapeSearch, start: Array) -> Whirl | None:
         ahead = u.copy()
         ahead[:, ACROSS] += length * v[:, ACROSS]
         system = equations.evaluate(command, ahead, v, np.zeros_like(u))
-        change = solve(system.mass / length + system.damping + length * system.stiffness, -system.residual)
+        mass, damping, stiffness = system.tangents
+        change = system.rows.solve(mass / length + damping + length * stiffness, -system.residual)
         corrected = v + equations.rows(change)
         move = length * float(np.abs(corrected[:, :2]).max()) / turning.clearance
         correction = length * float(np.abs(change).max()) / turning.clearance

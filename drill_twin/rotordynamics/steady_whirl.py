@@ -20,10 +20,11 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.model.mesh import SPIN
-from drill_twin.rotordynamics.eigenvalues import Pencil, eigenvalues
+from drill_twin.rotordynamics.eigenvalues import Pencil, eigenvalues_only
 from drill_twin.rotordynamics.equations import EquationsOfMotion, Linearised
 from drill_twin.rotordynamics.turning_frame import TurningFrame, quarter_turn
 from drill_twin.schedule.command import Command
+from drill_twin.solver.linearisation import DAMPING, MASS
 
 ITERATIONS = 25
 TOLERANCE = 1e-9
@@ -83,16 +84,18 @@ class TurningEquations:
         return self.equations.evaluate(whirl.command, *whirl.motion)
 
     def stiffness(self, system: Linearised, omega: float) -> Array:
-        """Derivative of the residual by the shape, K + omega C J - omega^2 M across the axis."""
-        frame = self.frame
-        result: Array = system.stiffness + omega * frame.times_j(system.damping) - omega**2 * frame.across(system.mass)
+        """Derivative of the residual by the shape, K + omega C J - omega^2 M across the axis, as block rows."""
+        mass, damping, stiffness = system.tangents
+        rows = system.rows
+        result: Array = stiffness + omega * rows.times_j(damping) - omega**2 * rows.across(mass)
         return result
 
     def by_omega(self, system: Linearised, whirl: Whirl) -> Array:
         """Derivative of the residual by the whirl speed, C J u - 2 omega M u across the axis."""
         turned = quarter_turn(whirl.u)
-        values = self.frame.values
-        result: Array = system.damping @ values(turned) + 2.0 * whirl.omega * system.mass @ values(quarter_turn(turned))
+        damped = system.rows.times(system.tangents[DAMPING], self.frame.values(turned))
+        moved = system.rows.times(system.tangents[MASS], self.frame.values(quarter_turn(turned)))
+        result: Array = damped + 2.0 * whirl.omega * moved
         return result
 
     def newton(self, start: Whirl, away: StepFactor | None = None, iterations: int = ITERATIONS) -> Whirl | None:
@@ -111,8 +114,7 @@ class TurningEquations:
             system = self.at(whirl)
             matrix = self.stiffness(system, whirl.omega)
             held = self.frame.farthest(self.frame.values(whirl.u))
-            matrix[:, held] = self.by_omega(system, whirl)
-            step = solve(matrix, -system.residual)
+            step = system.rows.solve(matrix, -system.residual, held, self.by_omega(system, whirl))
             change, step[held] = float(step[held]), 0.0
             size = max(float(np.abs(step).max()) / self.clearance, abs(change) / fastest)
             if not size < FARTHEST:
@@ -129,7 +131,8 @@ class TurningEquations:
         """Eigenvalues in the turning frame without the zero one [rad/s], fastest growth first."""
         system = self.at(whirl)
         gyroscopic = system.damping + 2.0 * whirl.omega * self.frame.times_j(system.mass)
-        values, _ = eigenvalues(Pencil(system.mass, gyroscopic, self.stiffness(system, whirl.omega)))
+        stiffness = system.rows.dense(self.stiffness(system, whirl.omega))
+        values = eigenvalues_only(Pencil(system.mass, gyroscopic, stiffness))
         values = np.delete(values, int(np.argmin(np.abs(values))))
         return np.asarray(values[np.argsort(-values.real)], np.complex128)
 

@@ -109,7 +109,7 @@ def linearisation_source(effects: Sequence[str], form: str) -> str:
     """The text of the module with the equations at an instant (`drill_twin.solver.linearisation`)."""
     title = f"The {form} equations at an instant for: {', '.join(effects) or 'no effects'}"
     return f"""{_bound(effects, form, title, "linearisation", "", [])}
-instant = linearisation.bind_{form}(form)
+instant = linearisation.bind_{form}(form, effects)
 
 
 @entry_kernel

@@ -8,10 +8,11 @@ h separates M from K. What a formulation evaluates between the ends of a step (w
 instant, up to h^2.
 
 The time loop can do with a simplified tangent where Newton's method converges with it; that of the bit's friction
-leaves out the change of its coefficient with the slide. So the damping at the bit is taken from differences.
+leaves out the change of its coefficient with the slide. So the damping of the load at the bit is taken from differences
+of that load alone.
 
-Friction in a primal-dual form has its exact tangent when the dual variable has converged: the second of two builds at
-one place.
+Friction in a primal-dual form has its exact tangent when the dual variable has converged: from the second build at one
+place on, whatever its half step.
 """
 
 from collections.abc import Callable
@@ -20,7 +21,9 @@ from typing import Any
 from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.model.mesh import Rod
-from drill_twin.solver.interface import Formulation
+from drill_twin.solver.boundary.bit_frame import from_bit, to_bit, turn_row, turn_row_back
+from drill_twin.solver.boundary.rig import BIT, RESIDUAL
+from drill_twin.solver.interface import Effects, Formulation
 from drill_twin.solver.lateral import formulation as lateral
 from drill_twin.solver.lateral.linear_solver import NODE as LATERAL_NODE
 from drill_twin.solver.spatial import formulation as spatial
@@ -58,17 +61,17 @@ def spatial_right(work: Any, i: int, k: int) -> float:
     return value
 
 
-def bind_lateral(form: Formulation) -> Callable[..., None]:
+def bind_lateral(form: Formulation, effects: Effects) -> Callable[..., None]:
     """The equations at an instant in the lateral form."""
-    return _bind(form, LATERAL_NODE, lateral.column, lateral_right)
+    return _bind(form, effects.end_load, LATERAL_NODE, lateral.column, lateral_right)
 
 
-def bind_spatial(form: Formulation) -> Callable[..., None]:
+def bind_spatial(form: Formulation, effects: Effects) -> Callable[..., None]:
     """The equations at an instant in the spatial form."""
-    return _bind(form, SPATIAL_NODE, spatial.column, spatial_right)
+    return _bind(form, effects.end_load, SPATIAL_NODE, spatial.column, spatial_right)
 
 
-def _bind(form: Formulation, count: int, column: Any, right: Any) -> Callable[..., None]:
+def _bind(form: Formulation, end_load: Any, count: int, column: Any, right: Any) -> Callable[..., None]:
     begin, build = form.begin, form.build
 
     @kernel
@@ -85,6 +88,35 @@ def _bind(form: Formulation, count: int, column: Any, right: Any) -> Callable[..
                         out[i, r, 2 * count + c] += factor * work.upper[i, r, c]
 
     @kernel
+    def add_bit_damping(parameters: Any, rod: Rod, work: Any, state: State, own: Array) -> None:
+        """Replace the damping of the load at the bit by its differences; shape (count, count), in the bit's frame.
+
+        Called after `set_instant` for the half step LONG.
+        """
+        frame, trial, ends = state.bit_frame, state.trial, work.ends
+        to_bit(frame, state.place[0], trial[0])
+        turn_row(frame, state.v[0])
+        for sign in range(2):
+            ends[:] = 0.0
+            h2 = LONG if sign == 0 else -LONG
+            end_load(parameters, rod, work.command, 0.0, h2, state.place, trial, state.v, ends)
+            for k in range(count):
+                for c in range(count):
+                    own[k, c] -= 0.5 * ends[BIT, column(k), column(c)]
+        for c in range(count):
+            speed = trial[0, column(c)]
+            for sign in range(2):
+                way = 0.5 if sign == 0 else -0.5
+                trial[0, column(c)] = speed + 2.0 * way * CHANGE
+                ends[:] = 0.0
+                end_load(parameters, rod, work.command, 0.0, LONG, state.place, trial, state.v, ends)
+                for k in range(count):
+                    own[k, c] += way / CHANGE * ends[BIT, column(k), RESIDUAL]
+            trial[0, column(c)] = speed
+        from_bit(frame, state.place[0], trial[0])
+        turn_row_back(frame, state.v[0])
+
+    @kernel
     def evaluate(
         parameters: Any,
         rod: Rod,
@@ -98,48 +130,29 @@ def _bind(form: Formulation, count: int, column: Any, right: Any) -> Callable[..
         tangents: Array,
     ) -> None:
         """Fill `residual`, shape (n + 1, count), and `tangents`, shape (3, n + 1, count, 3 count): mass, damping,
-        stiffness; rows and columns of constrained unknowns are without meaning. `v` is changed and restored.
+        stiffness; rows and columns of constrained unknowns are without meaning.
         """
         tangents[:] = 0.0
-        number = 0.0
         long2, short2 = LONG * LONG, SHORT * SHORT
         whole = long2 - short2
-        for pair in range(2):
-            size = SHORT if pair == 0 else LONG
-            for sign in range(2):
-                h2 = size if sign == 0 else -size
-                for _ in range(2):  # friction: the second has the converged dual variable
-                    set_instant(state, u, v, a, h2)
-                    begin(work)
-                    build(parameters, rod, work, constrained, state, 0.0, h2, number == 0.0, number)
-                    number += 1.0
-                if pair == 0 and sign == 0:
-                    for i in range(residual.shape[0]):
-                        for k in range(count):
-                            residual[i, k] = right(work, i, k)
-                odd = 0.5 if sign == 0 else -0.5  # of T(h): M / h + h K, at both sizes
-                if pair == 0:
-                    add_blocks(work, tangents[MASS], odd * SHORT * long2 / whole)
-                    add_blocks(work, tangents[STIFFNESS], -odd * SHORT / whole)
-                else:
-                    add_blocks(work, tangents[MASS], -odd * LONG * short2 / whole)
-                    add_blocks(work, tangents[STIFFNESS], odd * LONG / whole)
-                    add_blocks(work, tangents[DAMPING], 0.5)
-
-        for c in range(count):
-            speed = v[0, column(c)]
-            for k in range(count):
-                tangents[DAMPING, 0, k, count + c] = 0.0
-            for sign in range(2):
-                way = 0.5 if sign == 0 else -0.5
-                v[0, column(c)] = speed + 2.0 * way * CHANGE
-                for _ in range(2):
-                    set_instant(state, u, v, a, LONG)
-                    begin(work)
-                    build(parameters, rod, work, constrained, state, 0.0, LONG, False, number)
-                    number += 1.0
-                for k in range(count):
-                    tangents[DAMPING, 0, k, count + c] += way / CHANGE * right(work, 0, k)
-            v[0, column(c)] = speed
+        for number in range(5):  # friction: the first build leads to the converged dual variable
+            size = SHORT if number < 3 else LONG
+            h2 = -size if number == 2 or number == 3 else size  # noqa: PLR1714  no set in a kernel
+            set_instant(state, u, v, a, h2)
+            begin(work)
+            build(parameters, rod, work, constrained, state, 0.0, h2, number == 0, float(number))
+            odd = 0.5 if h2 > 0.0 else -0.5  # of T(h): M / h + h K, at both sizes
+            if number == 0:
+                for i in range(residual.shape[0]):
+                    for k in range(count):
+                        residual[i, k] = right(work, i, k)
+            elif size == SHORT:
+                add_blocks(work, tangents[MASS], odd * SHORT * long2 / whole)
+                add_blocks(work, tangents[STIFFNESS], -odd * SHORT / whole)
+            else:
+                add_blocks(work, tangents[MASS], -odd * LONG * short2 / whole)
+                add_blocks(work, tangents[STIFFNESS], odd * LONG / whole)
+                add_blocks(work, tangents[DAMPING], 0.5)
+        add_bit_damping(parameters, rod, work, state, tangents[DAMPING, 0, :, count : 2 * count])
 
     return evaluate
