@@ -13,6 +13,7 @@ from dataclasses import replace
 
 from drill_twin.discretisation.notes import notes_on
 from drill_twin.errors import RunError
+from drill_twin.io.measurements import Measurements, sensor_topics
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.encode import TwinEncoder, encode_float64, encode_string
 from drill_twin.io.messages.geometry import StringGeometry
@@ -38,7 +39,13 @@ from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
 
 TOPICS = (RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, REALTIME_FACTOR, CLOCK_TOPIC)
-"""Topics that the loop sends."""
+"""Topics that the loop sends in every run."""
+
+
+def topics_of(scene: Scene) -> tuple[str, ...]:
+    """Topics that the loop sends in a run of a scene."""
+    return TOPICS + sensor_topics(scene)
+
 
 Sink = Callable[[str, bytes], None]
 """Takes a topic and the CDR bytes of a message."""
@@ -100,6 +107,7 @@ class RunLoop:
         self.rejected_steps = RejectedSteps()
         self._drilling = DrillingProgress(twin)
         self._effect_timing = EffectTiming(twin) if self._time_effects else None
+        self._measurements = Measurements(twin) if self.scene.sensors is not None else None
 
     @property
     def geometry(self) -> StringGeometry:
@@ -125,6 +133,8 @@ class RunLoop:
         checkpoint.restore(self.twin)
         self.rejected_steps = RejectedSteps()
         self._drilling = DrillingProgress(self.twin)
+        if self._measurements is not None:
+            self._measurements = Measurements(self.twin)
         self.frames = round(self.twin.time / self.period)
 
     def advance(
@@ -170,6 +180,9 @@ class RunLoop:
         sink(STRING_POSES, encoder.poses(frame))
         if markers:
             sink(STRING_MARKERS, encoder.markers(frame, exaggeration))
+        if self._measurements is not None:
+            for topic, raw in self._measurements.messages(frame):
+                sink(topic, raw)
         if also is not None:
             also(frame)
         # Last: a driver that answers the clock can rely on the frame being out.

@@ -19,6 +19,7 @@ from typing import Protocol
 
 from drill_twin.errors import RunError, StoppedError
 from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.measurements import sensor_topics
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
@@ -204,7 +205,7 @@ class Session:
         """
         began = time.monotonic()
         frames = max(1, math.ceil(self.schedule.duration * NANOSECONDS / self._period - 0.5))
-        with BagWriter(folder, topics=OF_EVERY_RUN) as bag:
+        with BagWriter(folder, topics=OF_EVERY_RUN + sensor_topics(self.scene)) as bag:
             run = Run(self.scene, bag)
             try:
                 while run.loop.frames < frames and not stop():

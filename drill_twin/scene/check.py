@@ -14,8 +14,10 @@ from typing import Any, Protocol, get_args
 from drill_twin.effects.config import BitReaction, EffectConfig, Incompatibility
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
+from drill_twin.scene.blocks.numerics import Numerics
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.section import Section
+from drill_twin.scene.blocks.sensors import Sensors
 from drill_twin.scene.blocks.string import String
 
 TOGETHER = ("stretch", "torsion")
@@ -42,6 +44,14 @@ class SceneParts(Protocol):
     @property
     def effects(self) -> Effects:
         """Effects to simulate."""
+
+    @property
+    def numerics(self) -> Numerics:
+        """Resolution."""
+
+    @property
+    def sensors(self) -> Sensors | None:
+        """Simulated measurements, if any."""
 
 
 class UnknownPartError(Exception):
@@ -71,6 +81,7 @@ def contradictions(scene: SceneParts) -> Iterator[Incompatibility]:
         lambda: _string_carries_the_load(scene.string, scene.rig, effects),
         lambda: _top_can_turn(scene.rig, effects),
         lambda: _bit_is_held(scene.string, effects),
+        lambda: _sensors_fit(scene),
         *(partial(_required_are_listed, key, block, effects) for key, block in _blocks(effects)),
         *(partial(_effect_fits, key, block, scene) for key, block in _blocks(effects)),
     ]
@@ -189,3 +200,29 @@ def _top_can_turn(rig: Rig, effects: Effects) -> Iterator[Incompatibility]:
             ("rig", "top_drive", "model"),
             f'expected "prescribed" in a scene without torsion, found "{rig.top_drive.model}": list `torsion` too',
         )
+
+
+def _sensors_fit(scene: SceneParts) -> Iterator[Incompatibility]:
+    if scene.sensors is None:
+        return
+    string, fastest = scene.string, scene.numerics.frame_rate * (1.0 + 1e-9)
+    surface = [] if scene.sensors.surface is None else [(("surface",), scene.sensors.surface.rate)]
+    for place, rate in [*surface, *((("subs", k), sub.rate) for k, sub in enumerate(scene.sensors.subs))]:
+        if rate > fastest:
+            yield Incompatibility(
+                ("sensors", *place, "rate"),
+                f"expected at most numerics.frame_rate ({scene.numerics.frame_rate:.6g} Hz), found {rate:.6g} Hz; "
+                "a higher frame_rate allows it",
+            )
+    for index, sub in enumerate(scene.sensors.subs):
+        if sub.distance_from_bit > string.length * (1.0 + 1e-12):
+            yield Incompatibility(
+                ("sensors", "subs", index, "distance_from_bit"),
+                f'expected "{sub.name}" on the string ({string.length:.6g} m long), '
+                f"found {sub.distance_from_bit:.6g} m from the bit",
+            )
+        elif sub.radius > (outer := string.radius_at(sub.distance_from_bit)):
+            yield Incompatibility(
+                ("sensors", "subs", index, "radius"),
+                f"expected a sensor inside the string (outer radius {outer:.6g} m there), found {sub.radius:.6g} m",
+            )

@@ -11,6 +11,7 @@ from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.numerics import Numerics
 from drill_twin.scene.blocks.part import Label, Part, refuse_all
 from drill_twin.scene.blocks.rig import Rig
+from drill_twin.scene.blocks.sensors import Sensors
 from drill_twin.scene.blocks.string import String
 from drill_twin.scene.check import contradictions
 from drill_twin.scene.write import yaml_text
@@ -54,6 +55,8 @@ class Scene(Part):
     """Effects to simulate."""
     numerics: Numerics = Numerics()
     """Resolution."""
+    sensors: Sensors | None = None
+    """Simulated measurements of a rig; left out: none."""
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

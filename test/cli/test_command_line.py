@@ -15,7 +15,7 @@ import pytest
 from drill_twin import __version__
 from drill_twin.cli.app import app
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.messages.topics import MARKS_STATE, TOPICS
+from drill_twin.io.messages.topics import MARKS_STATE, OF_SUBS, TOPICS
 from drill_twin.report.figures import FIGURES
 from drill_twin.scene import parse_scene, presets, well_scenes
 
@@ -109,7 +109,10 @@ def test_schema_is_that_of_the_package(call, inside):
 
 
 def test_topics_are_those_of_the_contract(call):
-    assert [topic["name"] for topic in json.loads(call("topics", "--json").out)] == list(TOPICS)
+    assert [topic["name"] for topic in json.loads(call("topics", "--json").out)] == [
+        *TOPICS,
+        *(row.name for row in OF_SUBS),
+    ]
     assert all(name in call("topics").out for name in TOPICS)
     assert call("topics", "--markdown").out.startswith("| topic | type |")
 

@@ -10,7 +10,7 @@ import pytest
 import drill_twin as dt
 from drill_twin.effects import EFFECTS
 from drill_twin.io.messages.diagnostics import decode_diagnostics
-from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS
+from drill_twin.io.messages.topics import DIAGNOSTICS, OF_SUBS, TOPICS
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -42,7 +42,7 @@ def test_every_part_is_on_a_page(printed):
 
 
 def test_topics_and_effects(printed):
-    assert _keys(printed("topics")) == _keys(printed("topics_quality")) == TOPICS.keys()
+    assert _keys(printed("topics")) == _keys(printed("topics_quality")) == TOPICS.keys() | {row.name for row in OF_SUBS}
     text = printed("effect_keys")
     assert _headings(text) == list(EFFECTS)
     assert _keys(text) == {key for config in EFFECTS.values() for key in config.model_fields}

@@ -65,10 +65,11 @@ def topics(
 ) -> None:
     """List the topics of the nodes and of the bags: names, types, units."""
     from drill_twin.cli.show import grid, out, print_json
-    from drill_twin.io.messages.topics import TOPICS, topic_table
+    from drill_twin.io.messages.topics import OF_SUBS, TOPICS, topic_table
 
+    topics = (*TOPICS.values(), *OF_SUBS)
     if json:
-        print_json([asdict(topic) for topic in TOPICS.values()])
+        print_json([asdict(topic) for topic in topics])
     elif rig:
         print(rig_table(), end="")
     elif markdown:
@@ -76,25 +77,27 @@ def topics(
     else:
         rows = (
             (topic.name, topic.type_name.replace("/msg/", "/"), f"{topic.publisher}, {topic.rate}", topic.meaning)
-            for topic in TOPICS.values()
+            for topic in topics
         )
         out().print(grid(("topic", "type", "publisher, rate", "meaning"), rows))
 
 
 def rig_table() -> str:
     """Table of the topics for rig software, in Markdown: publisher, quality of service, stamp and frame."""
-    from drill_twin.io.messages.topics import CLOCK_TOPIC, FLOAT64, FRAME_ID, STRING, TOPICS
+    from drill_twin.io.messages.topics import CLOCK_TOPIC, FLOAT64, FRAME_ID, IMU, OF_SUBS, STRING, TOPICS
 
     unstamped = (FLOAT64, STRING)
     lines = [
         "| topic | type | from | rate | quality of service | stamp and frame |",
         "| --- | --- | --- | --- | --- | --- |",
     ]
-    for topic in TOPICS.values():
+    for topic in (*TOPICS.values(), *OF_SUBS):
         latched = ", latched" if topic.latched or topic.name == CLOCK_TOPIC else ""
         stamp = "none" if topic.type_name in unstamped else f"simulated time, `{FRAME_ID}`"
         if topic.name == CLOCK_TOPIC:
             stamp = "simulated time"
+        elif topic.type_name == IMU:
+            stamp = "time of the measurement, name of the sub"
         elif topic.publisher == "all nodes":
             stamp = "wall time"
         lines.append(

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from drill_twin.errors import BagError
 from drill_twin.io.bag.metadata import RecordedTopic
-from drill_twin.io.messages.topics import GENERIC, MARKS_STATE, RIG_STATE, TOPICS
+from drill_twin.io.messages.topics import GENERIC, MARKS_STATE, MEASURED, RIG_STATE, TOPICS, sub_of
 
 _HARDWARE = "drill_twin"
 _NAMED = 8  # namespaces in an error
@@ -36,12 +36,19 @@ def twin_namespaces(topics: Mapping[str, RecordedTopic]) -> list[str]:
     """Namespaces of the twins in a bag, as "/rig2", or "" for the root: those with states of marks or rig, if any."""
     found: dict[str, set[str]] = {}
     for name, topic in topics.items():
-        ends = [known for known, row in TOPICS.items() if name.endswith(known) and topic.type_name == row.type_name]
+        ends = [known for known in ends_of(name) if topic.type_name == TOPICS[known].type_name]
         known = max(ends, key=len, default="")  # /measured/rig/state is no /rig/state in a namespace
         if known and known not in GENERIC and topic.count:
             found.setdefault(name.removesuffix(known), set()).add(known)
     with_states = [namespace for namespace, held in found.items() if held & {MARKS_STATE, RIG_STATE}]
     return sorted(with_states or found)
+
+
+def ends_of(name: str) -> list[str]:
+    """Topics of the contract with which a name ends, in whatever namespace."""
+    sub = name[name.rfind("/downhole/") :] if "/downhole/" in name else ""
+    subs = [known for known in (sub, MEASURED + sub) if sub in TOPICS and name.endswith(known)]
+    return [*(known for known in TOPICS if name.endswith(known)), *subs]
 
 
 def choose_namespace(topics: Mapping[str, RecordedTopic], wanted: str | None, where: str) -> str:
@@ -91,6 +98,8 @@ def recorded_names(
         if present in topics and topics[present].count and present not in remappings:
             raise BagError(f"{where}: expected no topic {present} beside {name} that is to be read as it, found one")
     own = {known: namespace + known for known in TOPICS if namespace + known in topics}
+    inside = {name.removeprefix(namespace): name for name in topics if name.startswith(namespace)}
+    own |= {known: name for known, name in inside.items() if sub_of(known)}
     others = {name: name for name in topics if name not in TOPICS and name not in own.values()}
     generic = {name: name for name in GENERIC if name in topics and name not in own}
     given = {wanted: name for name, wanted in remappings.items()}

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Topic contract, one row a topic; source of the table in the README (`topic_table`)."""
+"""Topic contract, one row a topic; source of the tables in README and reference (`topic_table`)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
+IMU = "sensor_msgs/msg/Imu"
 POSE_ARRAY = "geometry_msgs/msg/PoseArray"
 MARKER_ARRAY = "visualization_msgs/msg/MarkerArray"
 DIAGNOSTIC_ARRAY = "diagnostic_msgs/msg/DiagnosticArray"
@@ -21,6 +23,9 @@ WOB_COMMAND = "/rig/wob_command"
 RPS_COMMAND = "/rig/rps_command"
 RIG_STATE = "/rig/state"
 MEASURED_RIG_STATE = "/measured/rig/state"
+SURFACE_STATE = "/surface/state"
+MEASURED = "/measured"
+"""Namespace of what a real rig measures."""
 STRING_POSES = "/string/poses"
 STRING_MARKERS = "/string/markers"
 MARKS_STATE = "/marks/state"
@@ -97,6 +102,15 @@ _ROWS = (
         "as the rig is read (10 Hz)",
         "measured on a rig: joints and units of `/rig/state`, NaN where there is no sound value; stamp = source "
         "timestamp of the newest value",
+        optional=True,
+    ),
+    Topic(
+        SURFACE_STATE,
+        JOINT_STATE,
+        "simulator, where the scene lists it",
+        "rate of the scene's `sensors.surface`",
+        "measured at the surface: joints and units of `/rig/state`, NaN where nothing is measured; torque of the "
+        "drive, its own inertia included; stamp = time of the measurement",
         optional=True,
     ),
     Topic(
@@ -197,8 +211,57 @@ _ROWS = (
     ),
 )
 
-TOPICS: dict[str, Topic] = {row.name: row for row in _ROWS}
-"""Topics of the contract by name."""
+_SUB = "SUB"
+_IMU_MEANING = (
+    "sub: specific force [m/s^2] and rate of rotation [rad/s]; x outwards through the sensor, y in the sense of "
+    "rotation, z towards the top, turning with the string; covariances = noise; stamp = time of the measurement"
+)
+_SUMMARY_MEANING = (
+    "sub, in position, of each half second or so: least, mean and largest speed [rad/s]; rms and peak of radial, "
+    "tangential and axial acceleration about their mean, mean of the radial one [m/s^2]"
+)
+_LISTED, _OF_A_RIG = "simulator, where the scene lists it", "gateway, or a bag of a rig"
+OF_SUBS = (
+    Topic(f"/downhole/{_SUB}/imu", IMU, _LISTED, "rate of the sub", _IMU_MEANING, optional=True),
+    Topic(f"/downhole/{_SUB}/summary", JOINT_STATE, _LISTED, "as the scene says", _SUMMARY_MEANING, optional=True),
+    Topic(f"{MEASURED}/downhole/{_SUB}/imu", IMU, _OF_A_RIG, "rate of the sub", _IMU_MEANING, optional=True),
+    Topic(f"{MEASURED}/downhole/{_SUB}/summary", JOINT_STATE, _OF_A_RIG, "as sent up", _SUMMARY_MEANING, optional=True),
+)
+"""Topics of downhole subs, with SUB for the name of the sub."""
+_NAMED = re.compile(r"(?:/measured)?/downhole/([A-Za-z][A-Za-z0-9_]{0,59})/(?:imu|summary)")
+
+
+class _Contract(dict[str, Topic]):
+    """Topics by name. Those of subs are found by name too, but not listed."""
+
+    def __missing__(self, name: str) -> Topic:
+        if not (sub := sub_of(name)):
+            raise KeyError(name)
+        rows = {row.name.replace(_SUB, sub): row for row in OF_SUBS}
+        return replace(rows[name], name=name)
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or (isinstance(name, str) and bool(sub_of(name)))
+
+
+def sub_of(topic: str) -> str:
+    """Name of the sub of a topic such as `/downhole/near_bit/imu`; empty for other topics."""
+    found = _NAMED.fullmatch(topic)
+    return found[1] if found else ""
+
+
+def imu_topic(sub: str) -> str:
+    """Topic of the readings of a sub."""
+    return OF_SUBS[0].name.replace(_SUB, sub)
+
+
+def summary_topic(sub: str) -> str:
+    """Topic of the summaries of a sub."""
+    return OF_SUBS[1].name.replace(_SUB, sub)
+
+
+TOPICS: dict[str, Topic] = _Contract({row.name: row for row in _ROWS})
+"""Topics of the contract by name; those of subs (`OF_SUBS`) are found, not listed."""
 
 OF_EVERY_RUN = tuple(name for name, topic in TOPICS.items() if not topic.optional)
 """Topics that each run has."""
@@ -207,10 +270,10 @@ GENERIC = frozenset({DIAGNOSTICS, CLOCK_TOPIC})
 """Topics of any ROS system; a bag with no others is not one of this package."""
 
 
-def topic_table() -> str:
-    """Markdown table of the contract."""
+def topic_table(*, optional: bool = True) -> str:
+    """Markdown table of the contract, or of the topics that every run has."""
     lines = ["| topic | type | who | when | meaning |", "| --- | --- | --- | --- | --- |"]
-    for topic in TOPICS.values():
+    for topic in (row for row in (*TOPICS.values(), *OF_SUBS) if optional or not row.optional):
         when = f"{topic.rate}, latched" if topic.latched else topic.rate
         type_name = topic.type_name.replace("/msg/", "/")
         lines.append(f"| `{topic.name}` | {type_name} | {topic.publisher} | {when} | {topic.meaning} |")

@@ -15,13 +15,15 @@ from drill_twin.errors import BagError, RunError
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS
+from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, sub_of
 from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
 from drill_twin.ros.core.topics.raw_subscriptions import Received
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
 _QUIET = 0.3  # s
+_SEARCH_PERIOD = 0.5  # s; topics of downhole subs appear during a run
 _BATCH_TIME = 0.01  # s; waking up for each message would cost as much as writing it
 
 
@@ -51,6 +53,9 @@ class Recorder(TwinNode):
         self._bag: BagWriter | None = None
         self._namespace = self.get_namespace().rstrip("/")
         self._told = 0  # sentences on changes of the bag by other programs
+        self._find_subs = False
+        self._recorded: set[str] = set()
+        self._search_due = Tick(_SEARCH_PERIOD)
         self._broken = False  # a bag that failed once is not written to again, so that the first error is reported
 
     def open(self) -> None:
@@ -68,7 +73,21 @@ class Recorder(TwinNode):
             longest=self.settings.max_bagfile_duration,
         )
         self._inputs = [self.topics.subscribe(topic, self._writer_of(bag, topic), depth=_DEPTH) for topic in topics]
+        self._find_subs = not self.settings.topics
+        self._recorded = set(topics)
         self.get_logger().info(f"recording {len(topics)} topics to {bag.folder}")
+
+    def _record_subs(self) -> None:
+        """Record the topics of downhole subs that have appeared in the namespace of this node."""
+        if self._bag is None or not self._find_subs:
+            return
+        for name, types in self.get_topic_names_and_types():
+            topic = name.removeprefix(self._namespace) if name.startswith(self._namespace) else ""
+            if sub_of(topic) and topic not in self._recorded and TOPICS[topic].type_name in types:
+                with self._writing():
+                    self._bag.add_topic(self._described(topic))
+                self._inputs.append(self.topics.subscribe(topic, self._writer_of(self._bag, topic), depth=_DEPTH))
+                self._recorded.add(topic)
 
     def _described(self, topic: str) -> RecordedTopic:
         """Topic in the namespace of this node; a renaming of one topic is not recorded, so that it is found."""
@@ -101,6 +120,8 @@ class Recorder(TwinNode):
         """Record many messages at a time, by the times at which DDS received them; flush the bag also when idle."""
         self.spin_once(0.05)
         time.sleep(_BATCH_TIME)
+        if self._search_due.due():
+            self._record_subs()
         if self._bag is None:
             return
         with self._writing():
@@ -128,6 +149,7 @@ class Recorder(TwinNode):
 
     def not_ready(self) -> str:
         """Publishers of its topics that it is not connected to yet, in a sentence; empty when there are none."""
+        self._record_subs()
         late = [
             subscription.topic_name
             for subscription in self._inputs

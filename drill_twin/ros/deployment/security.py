@@ -18,13 +18,16 @@ from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
     DIAGNOSTICS,
     MARKS_STATE,
+    MEASURED,
     MEASURED_RIG_STATE,
+    OF_SUBS,
     REALTIME_FACTOR,
     RIG_COMMAND,
     RIG_STATE,
     RPS_COMMAND,
     STRING_MARKERS,
     STRING_POSES,
+    SURFACE_STATE,
     TOPICS,
     TWIN_SCENE,
     WHIRL_MOTION,
@@ -72,11 +75,17 @@ class Rights:
     """Services it calls."""
 
 
+SUBS, MEASURED_SUBS = (
+    tuple(row.name.replace("SUB", "*") for row in OF_SUBS if row.name.startswith(MEASURED) is measured)
+    for measured in (False, True)
+)
+"""Topics of subs, simulated and measured, with * for the name of any sub."""
 _READY = ("analyzer/ready", "recorder/ready", "simulator/ready")
 RIGHTS: dict[str, Rights] = {
     "simulator": Rights(
         (
             *(RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, REALTIME_FACTOR, CLOCK_TOPIC),
+            *(SURFACE_STATE, *SUBS),
             "~/transition_event",
             *WHERE_INSTALLED["tf2_msgs"],
         ),
@@ -86,8 +95,8 @@ RIGHTS: dict[str, Rights] = {
     "rig_driver": Rights((RIG_COMMAND, WOB_COMMAND, RPS_COMMAND), (CLOCK_TOPIC,), (), _READY),
     "analyzer": Rights((WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET), (TWIN_SCENE, MARKS_STATE, RIG_STATE)),
     "advisor": Rights((ADVICE_STATE, ADVICE_MAP), (TWIN_SCENE, RIG_STATE, WHIRL_MOTION)),
-    "recorder": Rights((), tuple(TOPICS)),
-    "replayer": Rights(tuple(topic for topic in TOPICS if topic != DIAGNOSTICS), (), (), _READY),
+    "recorder": Rights((), (*TOPICS, *SUBS, *MEASURED_SUBS)),
+    "replayer": Rights((*(topic for topic in TOPICS if topic != DIAGNOSTICS), *SUBS, *MEASURED_SUBS), (), (), _READY),
     "gateway": Rights(
         (RIG_COMMAND, MEASURED_RIG_STATE),
         (RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR, DIAGNOSTICS),

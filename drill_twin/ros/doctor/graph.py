@@ -16,6 +16,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from drill_twin import __version__
 from drill_twin.errors import MessageError
+from drill_twin.io.bag.topic_names import ends_of
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics
 from drill_twin.io.messages.topics import (
@@ -187,7 +188,7 @@ def _clock(topic: str, times: list[tuple[float, int]], seen: Observed) -> Check:
 
 def _contract(topic: str) -> str:
     """Topic of the contract that a full name stands for, in any namespace; empty where there is none."""
-    return next((name for name in TOPICS if topic.endswith(name) and (name != DIAGNOSTICS or topic == name)), "")
+    return next((name for name in ends_of(topic) if name != DIAGNOSTICS or topic == name), "")
 
 
 def _others(infos: Sequence[TopicEndpointInfo], own: str) -> list[Endpoint]:

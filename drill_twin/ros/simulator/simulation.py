@@ -18,7 +18,7 @@ from drill_twin.ros.core.pacing import Pacer, Tick
 from drill_twin.ros.simulator.checkpoint_writer import CheckpointWriter
 from drill_twin.ros.simulator.command_subscriptions import CommandSubscriptions
 from drill_twin.ros.simulator.tf_publisher import TfPublisher, tf_message
-from drill_twin.runner.loop import TOPICS, RunLoop
+from drill_twin.runner.loop import RunLoop, topics_of
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.twin.checkpoint import Checkpoint
@@ -46,7 +46,7 @@ class Simulation:
             frame_rate: Frames per simulated second [Hz].
         """
         self._node = node
-        for topic in TOPICS:
+        for topic in topics_of(scene):
             # The clock is latched, so that a driver which returns during a run learns the time at once.
             node.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
         period = 1.0 / frame_rate

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from drill_twin.io.messages.topics import TOPICS, topic_table
+from drill_twin.io.messages.topics import OF_SUBS, TOPICS, topic_table
 from drill_twin.io.messages.type_store import definition
 
 
@@ -22,6 +22,7 @@ def test_the_contract():
         "/whirl/motion": "DiagnosticArray",
         "/whirl/onset": "DiagnosticArray",
         "/measured/rig/state": "JointState",
+        "/surface/state": "JointState",
         "/advice/state": "DiagnosticArray",
         "/advice/map": "String",
         "/twin/scene": "String",
@@ -40,13 +41,13 @@ def test_every_definition_is_known():
 
 def test_the_table_has_one_row_a_topic():
     lines = topic_table().splitlines()
-    assert len(lines) == 2 + len(TOPICS)
+    assert len(lines) == 2 + len(TOPICS) + len(OF_SUBS)
     assert all(line.count("|") == 6 for line in lines)
 
 
 def test_the_readme_shows_the_table():
     readme = Path(__file__).resolve().parents[3] / "README.md"
-    assert topic_table() in readme.read_text(encoding="utf-8")
+    assert topic_table(optional=False) in readme.read_text(encoding="utf-8")
 
 
 def test_messages_and_bags_do_without_ros():

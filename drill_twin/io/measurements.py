@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measurements of a simulated rig as messages: subs and surface channels that a scene lists."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from drill_twin.io.messages.sensor_messages import ImuEncoder, SummaryEncoder, SurfaceEncoder
+from drill_twin.io.messages.topics import SURFACE_STATE, imu_topic, summary_topic
+from drill_twin.scene import Scene
+from drill_twin.sensors.subs import SubSampler
+from drill_twin.sensors.surface import SurfaceSampler, SurfaceValues
+from drill_twin.twin.frame import Frame
+from drill_twin.twin.twin import Twin
+
+
+def sensor_topics(scene: Scene) -> tuple[str, ...]:
+    """Topics of the sensors of a scene."""
+    if scene.sensors is None:
+        return ()
+    subs = [topic for sub in scene.sensors.subs for topic in (imu_topic(sub.name), summary_topic(sub.name))]
+    return (*subs, SURFACE_STATE) if scene.sensors.surface is not None else tuple(subs)
+
+
+class Measurements:
+    """Samples the sensors of a twin frame by frame, and encodes what they read."""
+
+    def __init__(self, twin: Twin) -> None:
+        """Begin with the present state of a twin."""
+        scene, sensors = twin.scene, twin.scene.sensors
+        subs = () if sensors is None else sensors.subs
+        surface = None if sensors is None else sensors.surface
+        self._twin = twin
+        self._subs = SubSampler(scene, twin.rod, twin.time, *twin.unknowns) if subs else None
+        speed = float(twin.unknowns[1][-1, 6])
+        self._surface = None if surface is None else SurfaceSampler(scene, surface, twin.time, speed)
+        self._imu = {sub.name: ImuEncoder(sub.name, sub.accelerometer.noise, sub.gyroscope.noise) for sub in subs}
+        self._summary = {sub.name: SummaryEncoder(sub.name) for sub in subs}
+        self._surface_encoder = SurfaceEncoder()
+
+    def messages(self, frame: Frame) -> Iterator[tuple[str, bytes]]:
+        """Topics and bytes of what is due after a frame."""
+        if self._subs is not None:
+            for sub, readings, summaries in self._subs.advance(frame.time, *self._twin.unknowns):
+                yield from ((imu_topic(sub.name), self._imu[sub.name].encode(one)) for one in readings)
+                yield from ((summary_topic(sub.name), self._summary[sub.name].encode(one)) for one in summaries)
+        if self._surface is not None:
+            rig = frame.rig
+            found = SurfaceValues(rig.top_drive_speed, rig.top_drive_torque, rig.hookload, rig.block_position)
+            for reading in self._surface.advance(frame.time, found):
+                yield SURFACE_STATE, self._surface_encoder.encode(reading)

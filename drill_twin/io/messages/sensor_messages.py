@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Messages of measurements: readings and summaries of subs, surface channels."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.errors import MessageError
+from drill_twin.io.messages.cdr import JointStateTemplate, Template, sentinel_header, sentinels
+from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.finite import check_finite
+from drill_twin.io.messages.rig_messages import RIG_JOINTS
+from drill_twin.io.messages.stamps import header_stamp, stamp_ns
+from drill_twin.io.messages.topics import IMU, SURFACE_STATE, imu_topic, summary_topic
+from drill_twin.io.messages.type_store import deserialize, message
+from drill_twin.sensors.sampling import Reading
+from drill_twin.sensors.summaries import SUMMARY
+
+_ARRAYS = ("position", "velocity", "effort")
+_SURFACE = (("velocity", "top_drive"), ("effort", "top_drive"), ("effort", "block"), ("position", "block"))
+"""Array and joint of each value of `drill_twin.sensors.surface.SurfaceValues`."""
+
+
+class ImuReading(NamedTuple):
+    """Reading of a sub."""
+
+    stamp: int
+    """Header stamp [ns]."""
+    values: Array
+    """Specific force [m/s^2] and rate of rotation [rad/s] about the axes of the sub, shape (6,)."""
+    noise: Array
+    """Standard deviation of the noise of force and rate, 0 where it is unknown, shape (2,)."""
+
+
+class ImuEncoder:
+    """Encoder of `/downhole/SUB/imu` for one sub; the attitude is unknown (REP 145).
+
+    Raises:
+        MessageError: Raised by `encode` for a reading that is not finite.
+    """
+
+    def __init__(self, sub: str, force_noise: float, rate_noise: float) -> None:
+        """Make the template.
+
+        Args:
+            sub: Name of the sub, and of the frame.
+            force_noise: Standard deviation of the noise of the accelerometers [m/s^2].
+            rate_noise: Of the gyroscopes [rad/s].
+        """
+        blocks = [sentinels(3, 1), sentinels(3, 2)]
+        force, rate = (
+            message("geometry_msgs/msg/Vector3", x=x, y=y, z=z) for x, y, z in (block.tolist() for block in blocks)
+        )
+        content = message(
+            IMU,
+            header=sentinel_header(sub),
+            orientation=message("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+            orientation_covariance=np.array([-1.0, *[0.0] * 8]),
+            angular_velocity=rate,
+            angular_velocity_covariance=(rate_noise**2 * np.eye(3)).ravel(),
+            linear_acceleration=force,
+            linear_acceleration_covariance=(force_noise**2 * np.eye(3)).ravel(),
+        )
+        self._topic = imu_topic(sub)
+        self._template = Template(content, IMU)
+        self._force, self._rate = (self._template.view(block) for block in blocks)
+
+    def encode(self, reading: Reading) -> bytes:
+        """CDR of a reading, six values."""
+        check_finite(self._topic, reading.values)
+        self._force[:], self._rate[:] = reading.values[:3], reading.values[3:]
+        return self._template.stamped(stamp_ns(reading.time))
+
+
+class SummaryEncoder:
+    """Encoder of `/downhole/SUB/summary` for one sub.
+
+    Raises:
+        MessageError: Raised by `encode` for a value that is not finite.
+    """
+
+    def __init__(self, sub: str) -> None:
+        self._topic = summary_topic(sub)
+        self._template = JointStateTemplate(SUMMARY, velocity=False, effort=False, frame_id=sub)
+
+    def encode(self, reading: Reading) -> bytes:
+        """CDR of a summary, in the order of `SUMMARY`."""
+        check_finite(self._topic, reading.values)
+        return self._template.fill(stamp_ns(reading.time), reading.values)
+
+
+class SurfaceEncoder:
+    """Encoder of `/surface/state`.
+
+    Raises:
+        MessageError: Raised by `encode` for a value that is not finite.
+    """
+
+    def __init__(self) -> None:
+        self._template = JointStateTemplate(RIG_JOINTS)
+        self._values = np.full((len(_ARRAYS), len(RIG_JOINTS)), np.nan)
+        self._rows = [_ARRAYS.index(array) for array, _ in _SURFACE]
+        self._columns = [RIG_JOINTS.index(joint) for _, joint in _SURFACE]
+
+    def encode(self, reading: Reading) -> bytes:
+        """CDR of a reading, in the order of `drill_twin.sensors.surface.SurfaceValues`."""
+        check_finite(SURFACE_STATE, reading.values)
+        self._values[self._rows, self._columns] = reading.values
+        return self._template.fill(stamp_ns(reading.time), *self._values)
+
+
+def read_imu(raw: bytes) -> ImuReading:
+    """Decode a sensor_msgs/Imu of any writer.
+
+    Raises:
+        MessageError: Not an Imu.
+    """
+    content = deserialize(raw, IMU)
+    force, rate = content.linear_acceleration, content.angular_velocity
+    values = np.array([force.x, force.y, force.z, rate.x, rate.y, rate.z])
+    covariances = (content.linear_acceleration_covariance[0], content.angular_velocity_covariance[0])
+    return ImuReading(header_stamp(content), values, np.sqrt(np.maximum(covariances, 0.0)))
+
+
+def read_summary(state: JointState) -> Array:
+    """Values of a summary in the order of `SUMMARY`, NaN where there is none.
+
+    Raises:
+        MessageError: It has none of the values.
+    """
+    known = {name: value for name, value in zip(state.names, state.position, strict=False) if name in SUMMARY}
+    if not known:
+        raise MessageError(f"expected values such as {SUMMARY[0]}, found {', '.join(state.names) or 'none'}")
+    return np.array([known.get(name, np.nan) for name in SUMMARY])
