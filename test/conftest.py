@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from browser import Browser
 from hypothesis import settings
 
 from drill_twin.io.messages.geometry import StringGeometry
@@ -83,3 +84,17 @@ def bench_scene() -> Scene:
 def bench_run(bench_scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Outcome:
     """A real run of it without ROS; its bag is for reading only."""
     return Session(bench_scene).run(tmp_path_factory.mktemp("bench") / "bag_0")
+
+
+@pytest.fixture
+def browse(tmp_path):
+    """Open a page in a browser."""
+    browsers = []
+
+    def begin(url):
+        browsers.append(Browser(tmp_path, url))
+        return browsers[-1]
+
+    yield begin
+    for browser in browsers:
+        browser.close()

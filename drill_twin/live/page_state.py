@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError, MessageError, printable
 from drill_twin.io.bag.skipped import SkippedMessages
+from drill_twin.io.findings_encoder import BIT
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array, read_string
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
 from drill_twin.io.messages.encode import MARK_AXES
@@ -33,11 +36,13 @@ from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion, dec
 from drill_twin.io.scene_geometry import string_steps
 from drill_twin.live.advice import shown_map, targets
 from drill_twin.live.sources import GONE, Sources
+from drill_twin.live.supervision import Supervision
 from drill_twin.maps.operating_map import digest_of
 from drill_twin.report.page.well_geometry import well_geometry
 from drill_twin.report.quantities.loads import string_weight
 from drill_twin.report.quantities.string_curve import along_hole
 from drill_twin.scene import Scene, parse_scene
+from drill_twin.twin.frame import RigState
 
 INPUTS = (
     TWIN_SCENE,
@@ -57,6 +62,7 @@ _STATIONS = 41  # depths at which the hole is drawn, and at each change of its r
 _LARGEST = 1e6  # m
 _MOST_MARKS, _MOST_NODES = 200, 20_000
 _LONGEST_TEXT = 300
+_RATE = "rate_of_penetration_m_h"
 
 
 class PageState:
@@ -71,6 +77,7 @@ class PageState:
         """
         self._sources = sources
         self._lock = threading.Lock()
+        self._supervision = Supervision(recorded=sources is None)
         self._marks_reader, self._rig_reader, self._whirl_reader = (JointStateReader().read for _ in range(3))
         self.skipped = SkippedMessages()
         """Messages that could not be used."""
@@ -95,6 +102,7 @@ class PageState:
         self._advice = {"text": "", "level": 0}
         self._map: dict[str, Any] | None = None
         self._simulator = {"factor": "", "text": ""}
+        self._rate = math.nan
         self._starting = ""  # name of the simulator while it compiles or is not configured
 
     def update(self, topic: str, raw: bytes) -> None:
@@ -121,26 +129,17 @@ class PageState:
         elif topic == MARKS_STATE:
             self._on_marks(raw)
         elif topic == RIG_STATE:
-            rig = read_rig_state(self._rig_reader(raw))
-            self._rig = {
-                "wob": rig.bit_force,
-                "rps": rig.top_drive_speed / math.tau,
-                "torque": rig.top_drive_torque,
-                "bit_rps": rig.bit_speed / math.tau,
-                "bit_torque": rig.bit_torque,
-                "hookload": rig.hookload,
-                "drag": rig.hookload + rig.bit_force - self._weight,
-            }
+            state = self._rig_reader(raw)
+            rig = read_rig_state(state)
+            drag = rig.hookload + rig.bit_force - self._weight
+            self._rig = {**_rig(rig), "drag": drag, "rop": self._rate}
+            self._supervision.rig(seconds(state.stamp), self._rig)
         elif topic == WHIRL_STATE:
-            state = read_whirl_state(self._whirl_reader(raw))
-            for name, radius, precession in zip(state.marks, state.orbit_radius, state.precession, strict=True):
+            whirl = read_whirl_state(self._whirl_reader(raw))
+            for name, radius, precession in zip(whirl.marks, whirl.orbit_radius, whirl.precession, strict=True):
                 self._mark(name).update(orbit=_number(radius), precession=_number(precession))
         elif topic == WHIRL_MOTION:
-            for motion in decode_motion(raw)[1]:
-                if motion.subject == STRING_LEVEL:
-                    self._motion = {"state": _short(motion.state), "criterion": _short(motion.criterion)}
-                else:
-                    self._mark(motion.subject)["motion"] = _short(motion.state)
+            self._on_motion(raw)
         elif topic == WHIRL_ONSET:
             onset = decode_onset(raw)[1]
             self._onset = None if onset is None else {"time": _number(onset.time), "mark": _short(onset.mark)}
@@ -153,6 +152,20 @@ class PageState:
             self._on_diagnostics(raw)
         elif topic == TWIN_SCENE:
             self._on_scene(raw)
+
+    def _on_motion(self, raw: bytes) -> None:
+        bit = ""
+        for motion in decode_motion(raw)[1]:
+            if motion.subject == STRING_LEVEL:
+                self._motion = {"state": _short(motion.state), "criterion": _short(motion.criterion)}
+            elif motion.subject == BIT:
+                bit = _short(motion.state)
+            else:
+                self._mark(motion.subject)["motion"] = _short(motion.state)
+        clearances = self._scene["clearance"] if self._scene else {}
+        radii = ((mark.get("orbit"), clearances.get(name)) for name, mark in self._marks.items())
+        shares = [radius / clearance for radius, clearance in radii if radius is not None and clearance]
+        self._supervision.motion(self._motion["state"], bit, max(shares, default=math.nan))
 
     def _mark(self, name: str) -> dict[str, Any]:
         if name not in self._marks and len(self._marks) >= _MOST_MARKS:
@@ -179,6 +192,7 @@ class PageState:
             self._map = found
         self._hole = scene if scene.hole.survey else None
         self._weight = string_weight(scene)
+        self._supervision.begin(scene.name)
         marks = scene.string.marks
         self._scene = {
             "name": scene.name,
@@ -196,6 +210,8 @@ class PageState:
         for status in decode_diagnostics(raw)[1]:
             if self._sources is not None:
                 self._sources.report(status)
+            if (rate := status.values.get(_RATE)) is not None:
+                self._rate = _rate(rate)
             if "compiling" in status.values:
                 self._starting = status.name
                 self._simulator = {"factor": "", "text": status.text}
@@ -224,8 +240,47 @@ class PageState:
                 "simulator": self._simulator,
                 "ages": {},
                 "graph": [],
+                **self._supervision.snapshot(),
             }
             return picture if self._sources is None else _without_old_values(picture, self._sources, self._starting)
+
+    def history(self) -> dict[str, Any]:
+        """Trends and events since the beginning, for a page that opens."""
+        with self._lock:
+            return self._supervision.history()
+
+    def take(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        """Carry out what a request says about alarms and limits; returns the rest of it.
+
+        Raises:
+            DrillTwinError: There is no such alarm, or a limit is impossible.
+        """
+        with self._lock:
+            return self._supervision.take(request)
+
+    def note(self, text: str) -> None:
+        """Add an event to the log."""
+        with self._lock:
+            self._supervision.alarms.note(text, self._supervision.time)
+
+    def check_sources(self) -> None:
+        """Raise or end the alarms of nodes; to be called about once a second."""
+        if self._sources is not None:
+            with self._lock:
+                self._supervision.nodes(self._sources.nodes())
+                if (self._sources.age("analyzer") or 0.0) > GONE:
+                    self._supervision.no_findings()
+
+    def fill_trends(self, messages: Iterable[tuple[str, bytes]]) -> None:
+        """Compute the trends of a recording from its messages."""
+        rate = math.nan
+        for topic, raw in messages:
+            with suppress(MessageError):  # it is counted when it is played
+                if topic == DIAGNOSTICS and _RATE.encode() in raw:
+                    rate = next((_rate(s.values[_RATE]) for s in decode_diagnostics(raw)[1] if _RATE in s.values), rate)
+                elif topic == RIG_STATE:
+                    state = self._rig_reader(raw)
+                    self._supervision.trends.push(seconds(state.stamp), {**_rig(read_rig_state(state)), "rop": rate})
 
 
 def _without_old_values(picture: dict[str, Any], sources: Sources, starting: str) -> dict[str, Any]:
@@ -248,6 +303,26 @@ def _without_old_values(picture: dict[str, Any], sources: Sources, starting: str
     hidden = {key for source in gone for key in of[source]}
     picture["marks"] = [{key: value for key, value in mark.items() if key not in hidden} for mark in picture["marks"]]
     return picture
+
+
+def _rig(state: RigState) -> dict[str, float]:
+    """Values of the rig by name [N, rev/s, N m]."""
+    return {
+        "wob": state.bit_force,
+        "rps": state.top_drive_speed / math.tau,
+        "torque": state.top_drive_torque,
+        "bit_rps": state.bit_speed / math.tau,
+        "bit_torque": state.bit_torque,
+        "hookload": state.hookload,
+    }
+
+
+def _rate(text: str) -> float:
+    """Rate of penetration [m/s] from the diagnostics [m/h]."""
+    try:
+        return float(text) / 3600.0
+    except ValueError:
+        raise MessageError(f"expected a number as rate of penetration, found {text[:40]!r}") from None
 
 
 def _check_positions(positions: Array) -> None:

@@ -88,6 +88,7 @@ class Player:
         self.length = ((self._messages[-1][1] if self._messages else bag.end) - self._start) * 1e-9
         """Length of the recording [s]."""
         self.state = PageState()
+        self.state.fill_trends((topic, raw) for topic, _, raw in self._messages)
         self._lock = threading.Lock()
         self._at, self._next, self._rate, self._playing, self._closed = 0.0, 0, 1.0, False, False
         self.beginning = self._beginning()
@@ -112,6 +113,7 @@ class Player:
         Raises:
             DrillTwinError: Another request.
         """
+        request = self.state.take(request)
         unknown = set(request) - {"play", "seek", "rate"}
         if unknown:
             raise DrillTwinError(f"expected play, seek or rate for a recording, found {', '.join(sorted(unknown))}")

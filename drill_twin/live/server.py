@@ -18,24 +18,24 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
 from http import HTTPStatus
-from importlib.resources import files
 from typing import Any
 from urllib.parse import urlsplit
 
 from websockets.asyncio.server import ServerConnection, serve
-from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 from drill_twin.base.json_reader import JsonError, read_json
 from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.live.access import WILDCARDS, Access, is_loopback, url
+from drill_twin.live.page_files import file_response, page_files, response
 
 MOST_CLIENTS = 32
 """Open pages; the next is answered with 503."""
 MOST_CONNECTIONS = 128  # those that have not asked for anything yet included
 _PERIOD = 0.05  # s, between two snapshots
 _PATIENCE = 2.0  # s; for a client to read a snapshot, to ask after it has connected, and to leave at the end
+_DOWNLOAD = 20.0  # s; to receive a file
 _LARGEST_REQUEST = 4096  # bytes
 _MOST_WAITING = 16  # requests of one client
 _LOG = logging.getLogger(f"{__name__}.websockets")
@@ -53,6 +53,7 @@ class PageServer:
         snapshot: Callable[[], Mapping[str, Any]],
         on_request: RequestHandler,
         *,
+        history: Callable[[], Mapping[str, Any]] = dict,
         host: str = "127.0.0.1",
         port: int = 8000,
         allowed_hosts: Collection[str] = (),
@@ -62,6 +63,7 @@ class PageServer:
         Args:
             snapshot: Returns the present state of the page.
             on_request: Called with each request of the page, in a thread of the server.
+            history: Returns what a page shows of the minutes before it was opened, `/history.json`.
             host: Address to listen on.
             port: Port; 0 takes a free one.
             allowed_hosts: Names by which browsers may know this server, besides those of this machine.
@@ -70,7 +72,7 @@ class PageServer:
             RunError: The port is taken, or the address is none of this machine.
         """
         self._snapshot, self._on_request, self._access = snapshot, on_request, Access(allowed_hosts)
-        self._page = files("drill_twin.live").joinpath("page.html").read_bytes()
+        self._history, self._files = history, page_files()
         self._clients: set[ServerConnection] = set()
         self.connections: set[ServerConnection] = set()
         """Connections, those included that have not asked for anything."""
@@ -117,7 +119,7 @@ class PageServer:
             max_size=_LARGEST_REQUEST,
             max_queue=_MOST_WAITING,
             compression=None,
-            open_timeout=_PATIENCE,
+            open_timeout=_DOWNLOAD,
             close_timeout=_PATIENCE / 2.0,
         )
         update = asyncio.create_task(self._update())
@@ -134,15 +136,12 @@ class PageServer:
         """Encode one snapshot for all clients, at a steady rate, while there are any."""
         while True:
             if self._clients:
-                self._text = await self._loop.run_in_executor(self._worker, self._encoded)
+                self._text = await self._loop.run_in_executor(self._worker, _encoded, self._snapshot)
                 before, self._fresh = self._fresh, asyncio.Event()
                 before.set()
             await asyncio.sleep(_PERIOD)
 
-    def _encoded(self) -> str:
-        return json.dumps(self._snapshot(), allow_nan=False)
-
-    def _respond(self, connection: ServerConnection, request: Request) -> Response | None:
+    async def _respond(self, connection: ServerConnection, request: Request) -> Response | None:
         refused = self._access.refusal(request.headers)
         if refused is not None:
             return connection.respond(*refused)
@@ -154,19 +153,14 @@ class PageServer:
                 return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, f"{MOST_CLIENTS} pages are open already\n")
             self._clients.add(connection)
             return None
-        if path != "/":
-            return connection.respond(HTTPStatus.NOT_FOUND, "there is one page: /\n")
-        headers = Headers(
-            {
-                "Content-Type": "text/html; charset=utf-8",
-                "Content-Length": str(len(self._page)),
-                "Cache-Control": "no-store",
-                "X-Frame-Options": "DENY",
-                "Referrer-Policy": "no-referrer",
-                "Connection": "close",
-            }
-        )
-        return Response(HTTPStatus.OK, "OK", headers, self._page)
+        connection.close_timeout = _DOWNLOAD
+        if path == "/history.json":
+            text = await self._loop.run_in_executor(self._worker, _encoded, self._history)
+            return response("application/json", text.encode())
+        if path not in self._files:
+            return connection.respond(HTTPStatus.NOT_FOUND, "the page is at /\n")
+        packed = "gzip" in request.headers.get("Accept-Encoding", "")
+        return file_response(path, *self._files[path], packed=packed)
 
     async def _serve_connection(self, connection: ServerConnection) -> None:
         """Send snapshots and handle requests until the client leaves."""
@@ -218,12 +212,21 @@ class _Connection(ServerConnection):
         self._page.connections.add(self)
         if len(self._page.connections) > MOST_CONNECTIONS:
             self.transport.abort()
+        self.loop.call_later(_PATIENCE, self._drop_silent)
+
+    def _drop_silent(self) -> None:
+        if self.request is None:
+            self.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget the client."""
         self._page.connections.discard(self)
         self._page.forget(self)
         super().connection_lost(exc)
+
+
+def _encoded(content: Callable[[], Mapping[str, Any]]) -> str:
+    return json.dumps(content(), allow_nan=False)
 
 
 async def _send(connection: ServerConnection, text: str) -> None:

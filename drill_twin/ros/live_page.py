@@ -90,7 +90,7 @@ class LivePage(TwinNode):
         Raises:
             DrillTwinError: A name is not that of a set-point.
         """
-        for name, value in request.items():
+        for name, value in self.page_state.take(request).items():
             if name not in _SET_POINTS or isinstance(value, bool):
                 raise DrillTwinError(f"expected a set-point wob or rps, found {name}")
             with self._requests_lock:
@@ -151,6 +151,7 @@ class LivePage(TwinNode):
         if self._driver_present():  # its plan is set instead
             for topic in {WOB_COMMAND, RPS_COMMAND} & set(self.topics.publishers):
                 self.topics.withdraw(topic)
+        self.page_state.check_sources()
         if missing := self._sources.missing():
             return Status(self.NAME, Level.WARN, f"no diagnostics for more than {GONE:g} s of {', '.join(missing)}")
         skipped = len(self.page_state.skipped)
@@ -177,7 +178,12 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
             viewers = None if given.foxglove is None else FoxgloveServer(given.host, given.foxglove)
             node = LivePage(context, viewers)
         server = PageServer(
-            node.snapshot, node.on_request, host=given.host, port=given.port, allowed_hosts=given.allow_host
+            node.snapshot,
+            node.on_request,
+            history=node.page_state.history,
+            host=given.host,
+            port=given.port,
+            allowed_hosts=given.allow_host,
         )
         try:
             print(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()} at {server.url}", flush=True)

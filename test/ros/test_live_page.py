@@ -1,145 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page in a real browser (headless Chromium): it shows the values of the topics, and its sliders command."""
 
-import base64
-import http.client
 import json
 import math
-import os
 import re
-import shutil
 import signal
-import subprocess
 import sys
 import time
-from contextlib import ExitStack, suppress
 
 import pytest
+from browser import get, until
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.topics import RIG_STATE
 
-BROWSERS = ("chromium", "chromium-headless-shell", "chromium-browser", "google-chrome")
 STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
 
 
-class Browser:
-    """One page in headless Chromium, driven through its DevTools protocol."""
-
-    def __init__(self, folder, url):
-        found = next(filter(None, map(shutil.which, BROWSERS)), None)
-        if found is None:
-            pytest.skip(f"needs a browser: none of {', '.join(BROWSERS)} is installed")
-        log = folder / "browser.log"
-        words = ["--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0", "--window-size=1400,860"]
-        with log.open("wb") as stream:
-            self._process = subprocess.Popen(
-                [found, *words, f"--user-data-dir={folder / 'browser'}", url],
-                stdout=stream,
-                stderr=stream,
-                start_new_session=True,
-            )
-        self._open = ExitStack()
-        try:
-            self._connect(log, url)
-        except BaseException:
-            self.close()
-            raise
-
-    def _connect(self, log, url):
-        text = _until(lambda: re.search(r"ws://([\d.:]+)/", log.read_text("utf-8", "replace")), "the browser")
-
-        def pages():
-            return [page for page in json.loads(_get(text[1], "/json")[1]) if page["url"].startswith(url)]
-
-        target = _until(pages, "the page")[0]["webSocketDebuggerUrl"]
-        self._socket = self._open.enter_context(connect(target, max_size=None))
-        self._number = 0
-        _until(self._shows_a_picture, "the first picture")
-
-    def _shows_a_picture(self):
-        """While the page still loads, its context comes and goes, and a question may find none."""
-        answer = self._ask("Runtime.evaluate", expression="document.readyState === 'complete' && now !== null")
-        return answer.get("result", {}).get("result", {}).get("value") is True
-
-    def _ask(self, method, **given):
-        self._number += 1
-        self._socket.send(json.dumps({"id": self._number, "method": method, "params": given}))
-        while (answer := json.loads(self._socket.recv(timeout=30.0))).get("id") != self._number:
-            pass
-        return answer
-
-    def _call(self, method, **given):
-        answer = self._ask(method, **given)
-        assert "error" not in answer, answer
-        return answer["result"]
-
-    def value(self, expression):
-        """Value of an expression on the page."""
-        answer = self._call("Runtime.evaluate", expression=expression, returnByValue=True)
-        assert "exceptionDetails" not in answer, answer
-        return answer["result"].get("value")
-
-    def text(self, name):
-        return self.value(f"document.getElementById('{name}').textContent")
-
-    def slide(self, name, value):
-        """Move a slider as a hand does."""
-        self.value(
-            f"(s => {{ s.value = {value}; s.dispatchEvent(new Event('input')); }})(document.getElementById('{name}'))"
-        )
-
-    def drawn(self, name):
-        """Share of a canvas that is drawn on."""
-        return self.value(
-            f"(c => {{ const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0;"
-            f"for (let i = 3; i < d.length; i += 4) n += d[i] > 0; return n / (c.width * c.height); }})"
-            f"(document.getElementById('{name}'))"
-        )
-
-    def screenshot(self, path):
-        path.write_bytes(base64.b64decode(self._call("Page.captureScreenshot")["data"]))
-
-    def close(self):
-        self._open.close()
-        with suppress(ProcessLookupError):
-            os.killpg(self._process.pid, signal.SIGKILL)  # it has many children
-        self._process.wait()
-
-
-def _get(place, path, **headers):
-    """Status and content of a path at HOST:PORT."""
-    connection = http.client.HTTPConnection(place, timeout=10.0)
-    connection.request("GET", path, headers=headers)
-    answer = connection.getresponse()
-    return answer.status, answer.read()
-
-
-def _until(happened, what, seconds=40.0):
-    end = time.monotonic() + seconds
-    while not (found := happened()):
-        assert time.monotonic() < end, f"waited {seconds} s for {what}"
-        time.sleep(0.05)
-    return found
-
-
-@pytest.fixture
-def browse(tmp_path):
-    browsers = []
-
-    def begin(url):
-        browsers.append(Browser(tmp_path, url))
-        return browsers[-1]
-
-    yield begin
-    for browser in browsers:
-        browser.close()
-
-
 def _served(process):
-    return _until(lambda: re.search(r"http://[\d.]+:\d+/", process.text), f"the page:\n{process.text}")[0]
+    return until(lambda: re.search(r"http://[\d.]+:\d+/", process.text), f"the page:\n{process.text}")[0]
 
 
 @pytest.mark.long
@@ -150,10 +31,10 @@ def test_the_page_of_a_running_twin_shows_it_and_commands_it(bench, browse, tmp_
     driver = bench.start("rig_driver", wait_for="simulator analyzer test", overrides=STEADY, change_time=0.2)
     bench.until(lambda: len(states) > 200, what="the string to move")
     browser = browse(_served(page))
-    bench.until(lambda: browser.value("now.time > 2.0 && now.scene !== null"), 40.0, "the picture")
+    bench.until(lambda: browser.picture("picture.time > 2.0 && picture.scene !== null"), 40.0, "the picture")
     assert browser.text("name") == "pa6_bench"
-    assert browser.text("wob") == "40.0 N"
-    assert browser.text("rps") == "2.00 rev/s"
+    assert browser.text("wob") == "40.0"
+    assert browser.text("rps") == "2.00"
     assert "x real time" in browser.text("factor")
     bench.until(lambda: browser.text("motion") not in {"", "unknown"}, what="the motion")
     for canvas, least in (("string", 0.01), ("orbit_mark_1", 0.004), ("orbit_mark_2", 0.004)):
@@ -193,7 +74,7 @@ def test_a_refusal_of_the_driver_is_shown_and_an_unanswered_request_is_commanded
             return json.loads(socket.recv(timeout=10.0)).get("refused", "")
 
         socket.send('{"rps": 1e9}')
-        _until(lambda: "rotation" in told(), "the refusal of the driver")
+        until(lambda: "rotation" in told(), "the refusal of the driver")
         driver.send(signal.SIGSTOP)
         socket.send('{"wob": 20}')
         bench.spin(0.5)
@@ -220,18 +101,18 @@ def test_a_source_that_dies_takes_its_values_along(bench):
             pictures.append((time.monotonic(), json.loads(socket.recv(timeout=10.0))))
         return pictures[-1][1]
 
-    def until(wanted, what):
+    def shown(wanted, what):
         def happened():
             pictures.clear()
             bench.spin(0.02)
             return wanted(picture())
 
-        _until(happened, what)
+        until(happened, what)
         return pictures[-1][1]
 
     with connect(_served(page).replace("http", "ws") + "live") as socket:
-        until(lambda said: said["motion"]["state"] and len(said["graph"]) >= 5, "all nodes on the page")
-        whole = until(lambda said: said["ages"]["simulator"] < 1.0, "a fresh picture")
+        shown(lambda said: said["motion"]["state"] and len(said["graph"]) >= 5, "all nodes on the page")
+        whole = shown(lambda said: said["ages"]["simulator"] < 1.0, "a fresh picture")
         assert whole["rig"]["wob"] is not None
         assert whole["simulator"]["factor"]
 
@@ -239,11 +120,11 @@ def test_a_source_that_dies_takes_its_values_along(bench):
         nodes["recorder"].kill()
         status = bench.until_status("watch", lambda status: "no diagnostics" in status.text)
         assert (status.level, status.text) == (1, "no diagnostics for more than 3 s of recorder")
-        rows = until(lambda said: "no diagnostics for " in _texts(said).get("recorder", ""), "the recorder to go")
+        rows = shown(lambda said: "no diagnostics for " in _texts(said).get("recorder", ""), "the recorder to go")
         assert "rig_driver" not in _texts(rows)
 
         nodes["analyzer"].kill()
-        alone = until(lambda said: not said["motion"]["state"], "the motion to go")
+        alone = shown(lambda said: not said["motion"]["state"], "the motion to go")
         assert alone["motion"]["criterion"].startswith("no findings of the analyzer for ")
         assert not any({"orbit", "precession", "motion"} & set(mark) for mark in alone["marks"])
         assert alone["time"] is not None
@@ -251,13 +132,13 @@ def test_a_source_that_dies_takes_its_values_along(bench):
 
         bench.call("/simulator/pause")
         bench.spin(4.0)
-        assert until(bool, "a picture of the paused twin")["time"] is not None
+        assert shown(bool, "a picture of the paused twin")["time"] is not None
         bench.call("/simulator/resume")
-        until(lambda said: said["ages"]["simulator"] < 0.2, "time to go on")
+        shown(lambda said: said["ages"]["simulator"] < 0.2, "time to go on")
 
         nodes["simulator"].kill()
-        until(lambda said: said["ages"]["simulator"] > 1.0, "the values to be stale")
-        dead = until(lambda said: said["time"] is None, "the values to go")
+        shown(lambda said: said["ages"]["simulator"] > 1.0, "the values to be stale")
+        dead = shown(lambda said: said["time"] is None, "the values to go")
         assert (dead["nodes"], dead["rig"], dead["simulator"]["factor"]) == ([], {}, "")
         assert dead["simulator"]["text"].startswith("no data of the simulator for ")
         assert not any({"x", "y", "z"} & set(mark) for mark in dead["marks"])
@@ -290,13 +171,13 @@ def test_the_page_of_a_bag_plays_stops_and_goes_to_a_time(bench, browse, small_b
     command = [sys.executable, "-m", "drill_twin.cli", "watch", str(small_bag), "--port", "0", "--no-browser"]
     page = bench.command("page", command)
     browser = browse(_served(page))
-    _until(lambda: browser.value("now.nodes.length > 0"), "the picture")
+    until(lambda: browser.picture("picture.nodes.length > 0"), "the picture")
     assert browser.value("document.getElementById('rig').hidden") is True
     assert browser.text("name") == "pa6_bench"
-    _until(lambda: browser.text("time") == "t = 0.50 s", "the end of the recording")
-    _until(lambda: browser.text("play") == "play", "the pause at the end")
+    until(lambda: browser.text("time") == "t = 0.50 s", "the end of the recording")
+    until(lambda: browser.text("play") == "play", "the pause at the end")
     browser.slide("seek", 0.1)
-    _until(lambda: browser.value("0.0 < now.time && now.time < 0.3"), "an earlier time")
+    until(lambda: browser.picture("0.0 < picture.time && picture.time < 0.3"), "an earlier time")
     assert page.end() == 0
     assert "Traceback" not in page.text
 
@@ -310,9 +191,9 @@ def test_a_page_of_another_origin_cannot_command(bench, small_bag):
     with pytest.raises(InvalidStatus, match="403"), connect(live, origin="http://elsewhere.example"):
         pass
     place = url.split("/")[2]
-    assert _get(place, "/")[0] == 200
-    assert _get(place, "/", Host="elsewhere.example:80")[0] == 403
-    assert _get(place, "/etc/passwd")[0] == 404
+    assert get(place, "/")[0] == 200
+    assert get(place, "/", Host="elsewhere.example:80")[0] == 403
+    assert get(place, "/etc/passwd")[0] == 404
     with connect(live) as socket:
         for rubbish in ("[", '{"play": "yes"}', '{"seek": NaN}', '{"wob": 5}', "[" * 4000, b"\xff"):
             socket.send(rubbish)

@@ -68,7 +68,14 @@ def _play(bag: Path, host: str, port: int, allowed: list[str], namespace: str | 
         player = Player(bag_path(bag), namespace)
     for text in player.damage:
         err().print(text, markup=False, highlight=False)
-    server = PageServer(player.snapshot, player.on_request, host=host, port=port, allowed_hosts=allowed)
+    server = PageServer(
+        player.snapshot,
+        player.on_request,
+        history=player.state.history,
+        host=host,
+        port=port,
+        allowed_hosts=allowed,
+    )
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())

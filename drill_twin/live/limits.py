@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Limits of the channels that a person has set, and whether values keep them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from drill_twin.errors import DrillTwinError
+from drill_twin.live.trends import CHANNELS
+
+NAMES = {
+    "wob": "weight on bit",
+    "rps": "top-drive speed",
+    "bit_rps": "bit speed",
+    "torque": "top-drive torque",
+    "hookload": "hookload",
+    "rop": "rate of penetration",
+}
+"""Words for the channels."""
+SIDES = ("low", "high")
+DELAY = 1.0
+"""Time beyond a limit that raises an alarm, and within it that ends one [s of simulated time]."""
+
+
+class Limits:
+    """Lowest and highest value of each channel [units of `CHANNELS`]."""
+
+    def __init__(self) -> None:
+        self.values: dict[str, dict[str, float]] = {}
+        """Value by channel and side, `low` or `high`."""
+        self._since: dict[tuple[str, str], float] = {}
+        self._beyond: dict[tuple[str, str], bool] = {}
+
+    def set(self, name: str, value: float | bool) -> str:
+        """Set a limit by its name, as `torque_high`, or remove it (False); returns a sentence for the log.
+
+        Raises:
+            DrillTwinError: There is no such limit, or the lower one is not below the higher one.
+        """
+        channel, _, side = name.rpartition("_")
+        if channel not in CHANNELS or side not in SIDES or value is True:
+            raise DrillTwinError(f"expected a limit CHANNEL_low or CHANNEL_high of {', '.join(CHANNELS)}, found {name}")
+        own = {key: limit for key, limit in self.values.get(channel, {}).items() if key != side}
+        if value is not False:
+            own[side] = float(value)
+        if len(own) == len(SIDES) and own["low"] >= own["high"]:
+            raise DrillTwinError(f"expected a low limit of the {NAMES[channel]} below the high one, found it above")
+        self.values[channel] = own
+        self._beyond.pop((channel, side), None)
+        return f"limit set: {NAMES[channel]}, {side}" if value is not False else f"no limit: {NAMES[channel]}, {side}"
+
+    def again(self) -> None:
+        """Forget what was beyond a limit: another run begins."""
+        self._since.clear()
+        self._beyond.clear()
+
+    def check(self, time: float, values: Mapping[str, float]) -> Iterator[tuple[str, str, bool]]:
+        """Name, sentence and state of each limit; one that is beyond stays so until the value is back for `DELAY`."""
+        for channel in CHANNELS:
+            for side in SIDES:
+                key = channel, side
+                limit, value = self.values.get(channel, {}).get(side), values.get(channel, math.nan)
+                if limit is None:
+                    self._since.pop(key, None)
+                    beyond = False
+                else:
+                    beyond = self._delayed(key, time, value < limit if side == "low" else value > limit)
+                word = "below its low" if side == "low" else "above its high"
+                yield f"{channel}_{side}", f"{NAMES[channel]} {word} limit", beyond
+
+    def _delayed(self, key: tuple[str, str], time: float, now: bool) -> bool:
+        before = self._beyond.setdefault(key, False)
+        if now == before:
+            self._since.pop(key, None)
+        elif time - self._since.setdefault(key, time) >= DELAY:
+            self._beyond[key] = now
+        return self._beyond[key]

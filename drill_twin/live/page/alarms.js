@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lamps of whirl and stick-slip, alarms with their acknowledgement, and the log of events.
+import { $, element, replace, state } from "./state.js";
+import { say } from "./connection.js";
+
+const SEVERITY = ["none", "moderate", "severe"], SHOWN = 200;
+let announced = 0;
+
+function lamp(id, { level, text, share }, words) {
+  const box = $(id), known = level === null ? "unknown" : SEVERITY[level], more = share === null || level === 0 ? "" : words(share);
+  box.className = `lamp level_${level}`;
+  box.querySelector("b").textContent = known;
+  box.querySelector("span").textContent = [text === known ? "" : text, more].filter(Boolean).join(", ");
+  box.setAttribute("aria-label", `${box.querySelector("h2").textContent}: ${known}, ${text}${more ? `, ${more}` : ""}`);
+}
+
+export function showAlarms(picture) {
+  lamp("lamp_whirl", picture.lamps.whirl, (share) => `orbit ${Math.round(100 * share)} % of the clearance`);
+  lamp("lamp_stick_slip", picture.lamps.stick_slip, (index) => `index ${index.toFixed(2)}`);
+  const waiting = picture.alarms.filter((alarm) => !alarm.acknowledged);
+  $("acknowledge_all").disabled = !waiting.length;
+  replace($("alarms"), picture.alarms, () => picture.alarms.length ? picture.alarms.map((alarm) => {
+    const time = alarm.time === null ? "" : `t = ${alarm.time.toFixed(1)} s: `, over = alarm.active ? "" : " (over)";
+    const row = element("li", { className: `level_${alarm.level}${alarm.acknowledged ? " acknowledged" : ""}` }, element("span", { textContent: `${alarm.level > 1 ? "alarm" : "warning"}, ${time}${alarm.text}${over}` }));
+    if (alarm.acknowledged) row.append(element("span", { textContent: "acknowledged" }));
+    else {
+      const button = element("button", { type: "button", className: "quiet", textContent: "acknowledge", onclick: () => say({ acknowledge: alarm.number }) });
+      button.setAttribute("aria-label", `acknowledge: ${alarm.text}`);
+      row.append(button);
+    }
+    return row;
+  }) : [element("li", { className: "none", textContent: "no alarms" })]);
+  document.title = waiting.length ? `(${waiting.length}) ${picture.scene?.name ?? "drill_twin"}` : picture.scene?.name ?? "drill_twin";
+  const fresh = waiting.filter((alarm) => alarm.number > announced);
+  if (fresh.length) { announced = Math.max(...fresh.map((alarm) => alarm.number)); $("announced").textContent = fresh.map((alarm) => alarm.text).join("; "); }
+  const events = state.events.slice(-SHOWN).reverse();
+  replace($("events"), events[0]?.number ?? 0, () => events.map((event) => element("li", { className: `level_${event.level}`, textContent: `${event.clock}${event.time === null ? "" : ` t = ${event.time.toFixed(1)} s`} ${event.text}`.trim() })));
+}
+
+export const eventsTable = () => [["clock", "time [s]", "level", "event"], ...state.events.map((event) => [event.clock, event.time ?? "", event.level, `"${event.text.replaceAll('"', '""')}"`])].map((row) => row.join(",")).join("\n") + "\n";
+
+$("acknowledge_all").addEventListener("click", () => say({ acknowledge: true }));

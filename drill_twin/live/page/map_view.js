@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Operating map with the present set-point and the advised one (plotly).
+import { $, element, replace, state } from "./state.js";
+import { onUnits, size, unit } from "./units.js";
+
+const COLOURS = ["#009e73", "#f0e442", "#56b4e9", "#e69f00", "#d55e00", "#cc79a7", "#666666"];
+const STEPS = COLOURS.flatMap((colour, k) => [[k / COLOURS.length, colour], [(k + 1) / COLOURS.length, colour]]);
+let drawn = "";
+
+function legend(map) {
+  const entry = (name, colour) => {
+    const box = element("span");
+    if (colour) { const sample = element("i"); sample.style.background = colour; box.append(sample); }
+    box.append(name);
+    return box;
+  };
+  replace($("map_legend"), [map.codes, map.regimes], () => [
+    ...map.regimes.flatMap((name, k) => map.codes.includes(String(k)) ? [entry(name, COLOURS[k])] : []), entry("solid: whirl begins from rest"),
+    ...(map.keeps !== map.whirls ? [entry("dashed: an existing whirl dies")] : []), ...(map.window.length ? [entry("white: safe window")] : []),
+  ]);
+}
+
+export function drawMap() {
+  const { map, rig, advice } = state.picture ?? {};
+  if (!map || !window.Plotly || $("advice").hidden) return;
+  legend(map);
+  const force = size("force"), rotation = size("rotation"), here = [rig.rps, rig.wob], there = [advice.rps, advice.wob];
+  const key = JSON.stringify([map.digest, map.codes.length, here.map((value) => value?.toPrecision(3)), there, unit("force"), unit("rotation")]);
+  if (key === drawn) return;
+  drawn = key;
+  const side = Math.round(Math.sqrt(map.codes.length)), along = ([low, high], scale) => Array.from({ length: side }, (_, k) => (low + (high - low) * k / (side - 1)) / scale);
+  const grid = (digits) => Array.from({ length: side }, (_, i) => Array.from(digits.slice(i * side, (i + 1) * side), Number));
+  const x = along(map.rps, rotation), y = along(map.wob, force), codes = grid(map.codes);
+  const edge = (digits, dash) => ({ type: "contour", x, y, z: grid(digits), showscale: false, hoverinfo: "skip", autocontour: false, contours: { start: 0.5, end: 0.5, size: 1, coloring: "none" }, line: { color: "#000", width: 2.5, dash } });
+  const spot = ([rps, wob], marker) => ({ type: "scatter", mode: "markers", x: [rps / rotation], y: [wob / force], marker, hoverinfo: "x+y", cliponaxis: false });
+  const known = (at) => at.every((value) => typeof value === "number");
+  const axis = (range, scale, title) => ({ range: range.map((value) => value / scale), title: { text: title, standoff: 6 }, zeroline: false, fixedrange: true, automargin: true });
+  const line = known(here) && known(there) ? [{ type: "scatter", mode: "lines", x: [here[0] / rotation, there[0] / rotation], y: [here[1] / force, there[1] / force], line: { color: "#fff", width: 3 }, hoverinfo: "skip" }] : [];
+  Plotly.react($("map"), [
+    { type: "heatmap", x, y, z: codes, zmin: -0.5, zmax: COLOURS.length - 0.5, colorscale: STEPS, showscale: false, opacity: 0.85, customdata: codes.map((row) => row.map((code) => map.regimes[code] ?? "unknown")), hovertemplate: "%{customdata}<extra></extra>" },
+    edge(map.whirls, "solid"), ...(map.keeps !== map.whirls ? [edge(map.keeps, "dash")] : []), ...line,
+    ...(known(there) ? [spot(there, { size: 12, color: "#fff", symbol: "circle-open", line: { width: 3 } })] : []),
+    ...(known(here) ? [spot(here, { size: 13, color: "#000", line: { color: "#fff", width: 3 } })] : []),
+  ], {
+    margin: { l: 48, r: 12, t: 6, b: 36 }, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", showlegend: false, dragmode: false, font: { color: "#a9afb8", size: 12, family: "system-ui, sans-serif" },
+    xaxis: axis(map.rps, rotation, `speed [${unit("rotation")}]`), yaxis: axis(map.wob, force, `weight on bit [${unit("force")}]`),
+    shapes: map.window.length ? [{ type: "rect", x0: map.window[2] / rotation, x1: map.window[3] / rotation, y0: map.window[0] / force, y1: map.window[1] / force, line: { color: "#fff", width: 2 } }] : [],
+  }, { displayModeBar: false, responsive: true });
+}
+
+onUnits(drawMap);

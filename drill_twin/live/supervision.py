@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Supervision of a run: trends, limits, lamps, alarms and the log of events."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from drill_twin.errors import DrillTwinError
+from drill_twin.gateway.quantities import Severity
+from drill_twin.io.messages.diagnostics import Level
+from drill_twin.live.alarms import Alarms
+from drill_twin.live.lamps import Lamp, stick_slip_lamp, whirl_lamp
+from drill_twin.live.limits import SIDES, Limits
+from drill_twin.live.trends import CHANNELS, Trends
+
+_LIMITS = {f"{channel}_{side}" for channel in CHANNELS for side in SIDES}
+_LEVELS = (Level.OK, Level.WARN, Level.ERROR)
+_UNKNOWN = Lamp(None, "unknown", None)
+
+
+class Supervision:
+    """What the page knows beyond the latest values."""
+
+    def __init__(self, *, recorded: bool) -> None:
+        """Start empty.
+
+        Args:
+            recorded: The trends of a recording are there from the start (`Trends.push`); those of a run grow.
+        """
+        self.trends, self.alarms, self.limits = Trends(), Alarms(recorded=recorded), Limits()
+        self._recorded = recorded
+        self.time: float | None = None
+        """Simulated time of the last rig state [s]."""
+        self._severity = Severity()
+        self._index = math.nan
+        self._motions: dict[str, str] = {}
+        self.lamps = {"whirl": _UNKNOWN, "stick_slip": _UNKNOWN}
+        """Lamps by name."""
+
+    def begin(self, name: str) -> None:
+        """Begin a run of a scene."""
+        self._severity, self._index, self.time = Severity(), math.nan, None
+        self.limits.again()
+        self.lamps = dict.fromkeys(self.lamps, _UNKNOWN)
+        if not self._recorded:
+            self._motions.clear()
+            self.trends.clear()
+            self.alarms.note(f"a run of {name} began", None)
+
+    def rig(self, time: float, values: Mapping[str, float]) -> None:
+        """Use the state of the rig at a time [s]."""
+        if self.time is not None and time < self.time:
+            self.limits.again()
+        self.time = time
+        if not self._recorded:
+            self.trends.push(time, values)
+        self._index = self._severity.push(time, values["bit_rps"])
+        for cause, text, beyond in self.limits.check(time, values):
+            self.alarms.update(cause, Level.ERROR if beyond else Level.OK, text, time)
+
+    def motion(self, whirl: str, bit: str, radius_share: float) -> None:
+        """Use the motion states of string and bit, and the largest radius of an orbit over its clearance."""
+        self.lamps = {"whirl": whirl_lamp(whirl, radius_share), "stick_slip": stick_slip_lamp(bit, self._index)}
+        for name, lamp in self.lamps.items():
+            said = f"{name.replace('_', '-')}: {lamp.text}"
+            known = lamp.level is not None
+            told = known and self.alarms.update(name, _LEVELS[lamp.level or 0], said, self.time)
+            if not told and self._motions.get(name) != lamp.text:
+                self.alarms.note(said, self.time)
+            self._motions[name] = lamp.text
+
+    def no_findings(self) -> None:
+        """Put the lamps out: the analyzer is gone."""
+        self.lamps = dict.fromkeys(self.lamps, _UNKNOWN)
+
+    def nodes(self, rows: list[dict[str, Any]]) -> None:
+        """Use the diagnostics of the nodes (`Sources.nodes`)."""
+        for row in rows:
+            bad = row["level"] == Level.ERROR
+            text = f"{row['name']}: {row['text']}"
+            self.alarms.update(f"node {row['name']}", Level.ERROR if bad else Level.OK, text, self.time)
+
+    def take(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        """Carry out what a request says about alarms and limits; returns the rest of it.
+
+        Raises:
+            DrillTwinError: There is no such alarm, or a limit is impossible.
+        """
+        rest = dict(request)
+        if (number := rest.pop("acknowledge", None)) is not None:
+            if number is False:
+                raise DrillTwinError("expected the number of an alarm to acknowledge, or true for all, found false")
+            self.alarms.acknowledge(None if number is True else int(number), self.time)
+        for name in sorted(_LIMITS & rest.keys()):
+            self.alarms.note(self.limits.set(name, rest.pop(name)), self.time)
+        return rest
+
+    def snapshot(self) -> dict[str, Any]:
+        """Values for the page."""
+        return {
+            "lamps": {name: lamp.to_json() for name, lamp in self.lamps.items()},
+            "alarms": self.alarms.rows(),
+            "events": self.alarms.recent(),
+            "limits": self.limits.values,
+            "trends": self.trends.recent(),
+        }
+
+    def history(self) -> dict[str, Any]:
+        """What the page shows of the time before it was opened."""
+        return {"trends": self.trends.all(), "events": self.alarms.events()}

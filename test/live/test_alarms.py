@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Alarms, limits, lamps and trends of the page: when they begin, when they end, and what a request may say of them."""
+
+import json
+import math
+
+import pytest
+
+from drill_twin.errors import DrillTwinError
+from drill_twin.live.alarms import Alarms
+from drill_twin.live.lamps import stick_slip_lamp, whirl_lamp
+from drill_twin.live.supervision import Supervision
+from drill_twin.live.trends import CHANNELS, SECONDS, Trends
+
+VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}
+
+
+def _texts(alarms):
+    return [event["text"] for event in alarms.events()]
+
+
+def test_an_alarm_stays_until_it_is_acknowledged_and_over():
+    alarms = Alarms(recorded=False)
+    assert alarms.update("a", 1, "whirl: forward whirl", 1.0)
+    assert not alarms.update("a", 1, "whirl: spiral", 2.0)
+    assert [row["text"] for row in alarms.rows()] == ["whirl: spiral"]
+    alarms.acknowledge(alarms.rows()[0]["number"], 3.0)
+    assert [(row["active"], row["acknowledged"]) for row in alarms.rows()] == [(True, True)]
+    assert alarms.update("a", 2, "worse", 4.0)  # raised again
+    assert [(row["level"], row["acknowledged"]) for row in alarms.rows()] == [(2, False)]
+    assert alarms.update("a", 0, "", 5.0)
+    assert [(row["active"], row["acknowledged"]) for row in alarms.rows()] == [(False, False)]
+    alarms.acknowledge(None, 6.0)
+    assert alarms.rows() == []
+    assert _texts(alarms) == [
+        "whirl: forward whirl", "acknowledged: whirl: spiral", "worse", "over: worse", "acknowledged: worse",
+    ]  # fmt: skip
+    with pytest.raises(DrillTwinError, match="expected the number of an alarm, found 7"):
+        alarms.acknowledge(7, 6.0)
+
+
+def test_a_limit_must_be_passed_for_a_second():
+    seen = Supervision(recorded=False)
+    assert seen.take({"torque_high": 10.0, "wob_low": 0.5, "seek": 3}) == {"seek": 3}
+
+    def run(begin, end, torque):
+        for k in range(round(10 * begin), round(10 * end)):
+            seen.rig(0.1 * k, {**VALUES, "torque": torque})
+        return [(row["text"], row["active"]) for row in seen.snapshot()["alarms"]]
+
+    assert run(0.0, 2.0, 5.0) == []
+    assert run(2.0, 2.8, 20.0) == []
+    assert run(2.8, 4.0, 5.0) == []
+    assert run(4.0, 5.2, 20.0) == [("top-drive torque above its high limit", True)]
+    assert run(5.2, 6.0, 5.0) == [("top-drive torque above its high limit", True)]
+    assert run(6.0, 7.0, 5.0) == [("top-drive torque above its high limit", False)]
+    seen.take({"acknowledge": True, "torque_high": False})
+    assert run(7.0, 9.0, 20.0) == []
+
+
+@pytest.mark.parametrize(
+    "request_", [{"torque_high": True}, {"wob_low": 9.0, "wob_high": 9.0}, {"acknowledge": 3}, {"acknowledge": False}]
+)
+def test_an_impossible_request_is_refused_with_a_sentence(request_):
+    seen = Supervision(recorded=False)
+    with pytest.raises(DrillTwinError, match=r"^expected "):
+        seen.take(request_)
+
+
+def test_severity_of_the_lamps():
+    assert whirl_lamp("", math.nan).level is None
+    assert whirl_lamp("not observable", math.nan).level is None
+    assert whirl_lamp("rotation about a fixed axis", 0.3).level == 0
+    assert whirl_lamp("forward whirl", 0.4).level == 1
+    assert whirl_lamp("forward whirl", 0.95).level == 2
+    assert whirl_lamp("rolling along the wall", 0.4).level == 2
+    motions = ("steady rotation", "torsional vibration", "stick-slip")
+    assert [stick_slip_lamp(motion, 0.5).level for motion in motions] == [0, 1, 2]
+    assert stick_slip_lamp("", math.nan).level is None
+
+
+def test_motions_raise_alarms_and_are_logged_once():
+    seen = Supervision(recorded=False)
+    calm = "rotation about a fixed axis"
+    for state in (calm, calm, "forward whirl", "forward whirl", "spiral"):
+        seen.motion(state, "steady rotation", 0.5)
+    assert [row["text"] for row in seen.snapshot()["alarms"]] == ["whirl: spiral"]
+    said = [f"whirl: {calm}", "stick-slip: steady rotation", "whirl: forward whirl", "whirl: spiral"]
+    assert _texts(seen.alarms) == said
+
+
+def test_trends_hold_least_mean_and_largest_of_each_interval_and_begin_again_with_the_time():
+    trends = Trends(most=100)
+    for k in range(100):
+        trends.push(0.01 * k, {"wob": float(k), "rps": math.nan})
+    rows = trends.all()["rows"]
+    assert [row[0] for row in rows] == [0, 1, 2]  # the fourth is not over
+    assert rows[1][:4] == [1, 25.0, 37.0, 49.0]
+    assert rows[1][4:7] == [None, None, None]
+    assert trends.recent()["rows"] == rows
+    for k in range(100, 4000):
+        trends.push(0.01 * k, {"wob": 0.0})
+    assert len(trends.recent()["rows"]) == 100
+    assert len(trends.recent()["rows"]) < 12
+    trends.push(0.0, {"wob": 1.0})
+    assert trends.all() == {"run": 1, "channels": list(CHANNELS), "seconds": SECONDS, "rows": []}
+    json.dumps(trends.recent(), allow_nan=False)
