@@ -52,6 +52,7 @@ setup(
         "test": [
             "asyncua>=1.1",
             "colcon-common-extensions",
+            "distributed>=2024.5",
             "filterpy>=2",
             "foxglove-sdk>=0.14",
             "hypothesis",
@@ -68,6 +69,7 @@ setup(
             "types-PyYAML",
             "xarray",
         ],
+        "dask": ["distributed>=2024.5"],
         "foxglove": ["foxglove-sdk>=0.14"],
         "las": ["lasio>=0.31"],
         "opcua": ["asyncua>=1.1", "cryptography"],

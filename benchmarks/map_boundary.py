@@ -18,11 +18,10 @@ import numpy as np
 
 import drill_twin as dt
 from drill_twin.base.arrays import Array
+from drill_twin.ensemble import Threads
 from drill_twin.maps import OperatingMap, Plane, Span
 from drill_twin.maps.journal import Journal
 from drill_twin.maps.runs import Key, Runner
-
-BATCH = 32
 
 
 def main() -> None:
@@ -97,12 +96,10 @@ def patch(
     plane = Plane(Span(low[0], high[0]), Span(low[1], high[1]), 2 * cells)
     setup = {"scene": scene.to_yaml(), "duration": found.duration, "ranges": [list(plane.weight), list(plane.speed)]}
     journal = Journal(folder / "runs.jsonl", setup)
-    runner = Runner(scene, plane, found.duration, (), workers)
+    runner = Runner(scene, plane, found.duration, (), Threads(workers))
     nodes = [Key(i, j) for i in range(plane.steps + 1) for j in range(plane.steps + 1)]
-    missing = [key for key in nodes if key not in journal.records]
-    for first in range(0, len(missing), BATCH):
-        keys = missing[first : first + BATCH]
-        journal.add(dict(zip(keys, runner.run(keys, lambda _: None), strict=True)))
+    for _ in journal.kept(runner.run([key for key in nodes if key not in journal.records])):
+        pass
     return replace(found, plane=plane, records=dict(journal.records), growth=())
 
 

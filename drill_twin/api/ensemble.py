@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 
+from drill_twin.api.executor import executor_of
 from drill_twin.api.quantity import Quantity, in_si
 from drill_twin.api.scenes import Overrides, as_scene
-from drill_twin.ensemble import OUTPUTS, EnsembleResult, expand, run_members
+from drill_twin.ensemble import OUTPUTS, EnsembleResult, expand
 from drill_twin.ensemble.outputs import Request
+from drill_twin.ensemble.run import Run
 from drill_twin.errors import ArgumentError
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runner import compile_kernel
@@ -70,6 +72,7 @@ class Ensemble:
         outputs: Sequence[str] = DEFAULT_OUTPUTS,
         mark_rate: Quantity = MARK_RATE,
         workers: int | None = None,
+        dask: str | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> EnsembleResult:
         """Run all members, each from its start; a member that fails is reported and stops no other.
@@ -79,25 +82,25 @@ class Ensemble:
             outputs: Of "findings", "extremes", "contact", "marks", "channels", "spectra" and "energy".
             mark_rate: Samples of "marks" and "channels" per simulated second [Hz], at most the frame rate.
             workers: Threads; by default one for each processor core.
+            dask: Address of a Dask scheduler, on whose workers the members are run instead.
             progress: Called with the number of members that have ended and of all.
 
         Raises:
             ArgumentError: An argument cannot be used.
             DrillTwinError: The first member cannot be begun, such as a record that cannot be played.
+            RunError: The scheduler or its workers cannot run members.
         """
         request = self._request(duration, outputs, mark_rate)
-        threads = len(os.sched_getaffinity(0)) if workers is None else workers
-        if not isinstance(threads, int) or threads < 1:
-            raise ArgumentError(f"workers: expected a whole number of 1 or more, found {workers!r}")
         first = self.members.scene(next(iter(self.members)))
-        compile_kernel(first, request.period, analysis="findings" in request.names)
-        count = len(self.members)
-
-        def done(ended: int) -> None:
-            if progress is not None:
-                progress(ended, count)
-
-        return EnsembleResult(self.members, run_members(self.members, request, min(threads, count), done))
+        with executor_of(workers, dask) as executor:
+            compile_kernel(first, request.period, analysis="findings" in request.names)
+            runs = [Run()] * len(self.members)
+            with closing(executor.run(self.members, request)) as ended:
+                for count, (number, run) in enumerate(ended, 1):
+                    runs[number] = run
+                    if progress is not None:
+                        progress(count, len(runs))
+        return EnsembleResult(self.members, runs)
 
     def _request(self, duration: Quantity | None, outputs: Sequence[str], mark_rate: Quantity) -> Request:
         numerics = self.scene.numerics

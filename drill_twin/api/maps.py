@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from drill_twin.api.executor import executor_of
 from drill_twin.api.quantity import Quantity, in_si
 from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.errors import ArgumentError
@@ -36,6 +36,7 @@ def operating_map(
     steps: int = STEPS,
     folder: str | Path | None = None,
     workers: int | None = None,
+    dask: str | None = None,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> OperatingMap:
     """Regimes of motion over weight on bit and speed, from runs that crowd where the regime changes.
@@ -57,12 +58,14 @@ def operating_map(
         steps: Steps of the lattice along each range, a power of 2.
         folder: Folder of `runs.jsonl`; a map that was broken off goes on from it, and ends with the same bits.
         workers: Threads; by default one for each processor core.
+        dask: Address of a Dask scheduler, on whose workers the runs are made instead.
         progress: Called with the phase, the runs that have ended, and the number expected by now.
 
     Raises:
         ArgumentError: A range or number is absurd, or the folder has the runs of another map.
         SceneError: The scene cannot be loaded, has no marks or plays a record, or a value does not fit it.
         BagError: The folder cannot be written.
+        RunError: The scheduler or its workers cannot make runs.
     """
     own = as_scene(scene, overrides)
     if own.numerics.accuracy is not None:
@@ -71,12 +74,12 @@ def operating_map(
         own = resolve(own).scene
     plane = Plane(range_in_si("wob", wob, FORCE), range_in_si("rps", rps, ANGULAR_SPEED, TURNS), steps).checked()
     length = own.rig.duration if duration is None else in_si("duration", duration, TIME)
-    threads = len(os.sched_getaffinity(0)) if workers is None else workers
     ranges = {key: split_range(f"vary {key}", text) for key, text in (vary or {}).items()}
-    plan = Plan(plane, length, seeds, ranges, runs, hysteresis, growth, threads)
-    compile_kernel(own, 1.0 / own.numerics.frame_rate, analysis=True)
     place = None if folder is None else Path(folder)
-    return build_map(own, plan, place, *([progress] if progress is not None else []))
+    with executor_of(workers, dask) as executor:
+        plan = Plan(plane, length, seeds, ranges, runs, hysteresis, growth, executor)
+        compile_kernel(own, 1.0 / own.numerics.frame_rate, analysis=True)
+        return build_map(own, plan, place, *([progress] if progress is not None else []))
 
 
 def split_range(name: str, text: str) -> tuple[float, float, str]:

@@ -25,6 +25,15 @@ def import_lasio() -> Any:
     return _import("lasio", "LAS file", "las")
 
 
+def import_distributed() -> Any:
+    """Import Dask's scheduler and client, for ensembles on many machines.
+
+    Raises:
+        ArgumentError: It is not installed.
+    """
+    return _import("distributed", "--dask", "dask")
+
+
 def _import(package: str, purpose: str, extra: str) -> Any:
     try:
         return import_module(package)

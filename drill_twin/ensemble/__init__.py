@@ -4,6 +4,6 @@
 from drill_twin.ensemble.members import Member, expand
 from drill_twin.ensemble.outputs import OUTPUTS
 from drill_twin.ensemble.result import EnsembleResult
-from drill_twin.ensemble.run import run_members
+from drill_twin.ensemble.run import Executor, Threads
 
-__all__ = ["OUTPUTS", "EnsembleResult", "Member", "expand", "run_members"]
+__all__ = ["OUTPUTS", "EnsembleResult", "Executor", "Member", "Threads", "expand"]

@@ -73,18 +73,28 @@ class Members:
         Raises:
             SceneError: Its values do not fit; the message begins with the member.
         """
-        overrides = {self._key(key): value for key, value in member.values.items()}
-        data = self.base.model_dump(mode="json", exclude_none=True)
-        try:
-            return load.build_scene(data, name=self.base.name, overrides=overrides)
-        except SceneError as error:
-            raise SceneError(f"{member}: {error}") from error
+        return scene_of(self.base, member)
 
-    def _key(self, key: str) -> str:
-        """Full key of a scene; an effect needs no `effects.` before it."""
-        if key == SEED:
-            return "numerics.seed"
-        return f"effects.{key}" if key.partition(".")[0] in self.base.effect_names else key
+
+def scene_of(base: Scene, member: Member) -> Scene:
+    """Scene of a member of a base scene.
+
+    Raises:
+        SceneError: Its values do not fit; the message begins with the member.
+    """
+    overrides = {_key(base, key): value for key, value in member.values.items()}
+    data = base.model_dump(mode="json", exclude_none=True)
+    try:
+        return load.build_scene(data, name=base.name, overrides=overrides)
+    except SceneError as error:
+        raise SceneError(f"{member}: {error}") from error
+
+
+def _key(base: Scene, key: str) -> str:
+    """Full key of a scene; an effect needs no `effects.` before it."""
+    if key == SEED:
+        return "numerics.seed"
+    return f"effects.{key}" if key.partition(".")[0] in base.effect_names else key
 
 
 def expand(base: Scene, vary: Mapping[str, Any], *, zipped: bool = False) -> Members:
@@ -129,9 +139,16 @@ def _values(key: str, given: Any) -> list[Value]:
 
 
 def _check_alike(members: Members) -> None:
-    """Build the scene of each member, and check that all share one kernel, their marks and their frames."""
+    """Build the scene of each value, and check that all share one kernel, their marks and their frames.
+
+    Where each value is taken with each other, each is checked with the first of the other keys: a million members are
+    not built twice. Values that only fit each other are then found by the run of their member.
+    """
     first: tuple[Any, ...] | None = None
+    begin = {key: values[0] for key, values in members.vary.items()}
     for member in members:
+        if not members.zipped and sum(value != begin[key] for key, value in member.values.items()) > 1:
+            continue
         scene = members.scene(member)
         marks = [mark.name for mark in scene.string.marks]
         found = {"effects and formulation": kernel_of(scene), "marks": marks, "frame rate": scene.numerics.frame_rate}

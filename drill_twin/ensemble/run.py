@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs of the members of an ensemble on threads: the compiled frame loop releases the GIL."""
+"""Runs of the members of an ensemble, and the threads that make them: the compiled frame loop releases the GIL."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Generator, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
+from functools import partial
+from typing import Protocol
 
 import numpy as np
 
 from drill_twin.base.arrays import Array
-from drill_twin.ensemble.members import Member, Members
+from drill_twin.ensemble.members import Member, Members, scene_of
 from drill_twin.ensemble.outputs import OUTPUTS, Request, Variable, collect, first_rows
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
+from drill_twin.scene import Scene
 from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin
 
@@ -43,36 +46,53 @@ class Run:
     processor_seconds: float = 0.0
 
 
-def run_members(
-    members: Members, request: Request, workers: int, done: Callable[[int], None] = lambda _: None
-) -> list[Run]:
-    """Run all members on threads.
+class Executor(Protocol):
+    """Place where members are run: `Threads` of this process, or `drill_twin.ensemble.dask_workers.DaskWorkers`."""
 
-    Args:
-        members: The members.
-        request: Outputs.
-        workers: Threads.
-        done: Called with the number of members that have ended.
+    def run(self, members: Members, request: Request) -> Generator[tuple[int, Run]]:
+        """Run all members; the same bits wherever they are run.
+
+        Args:
+            members: The members.
+            request: Outputs.
+
+        Yields:
+            Number and outcome of each member, as they end.
+
+        Raises:
+            RunError: The place cannot run them; a member that fails is an outcome.
+        """
+
+
+@dataclass(frozen=True)
+class Threads:
+    """Threads of this process.
+
+    Attributes:
+        workers: Number of threads.
     """
-    runs: list[Run] = [Run()] * len(members)
-    pool = ThreadPoolExecutor(workers, "member")
-    try:
-        waiting = {pool.submit(run_member, members, member, request): member.number for member in members}
-        for count, future in enumerate(as_completed(waiting), 1):
-            runs[waiting.pop(future)] = future.result()
-            done(count)
-    finally:
-        pool.shutdown(cancel_futures=True)
-    return runs
+
+    workers: int = 1
+
+    def run(self, members: Members, request: Request) -> Generator[tuple[int, Run]]:
+        """As in `Executor`."""
+        pool = ThreadPoolExecutor(min(self.workers, len(members)), "member")
+        try:
+            run = partial(run_member, members.base, request)
+            waiting = {pool.submit(run, member): member.number for member in members}
+            for future in as_completed(waiting):
+                yield waiting.pop(future), future.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
-def run_member(members: Members, member: Member, request: Request) -> Run:
-    """Run one member; its failure is part of the outcome."""
+def run_member(base: Scene, request: Request, member: Member) -> Run:
+    """Run one member of a base scene; its failure is part of the outcome."""
     began = time.thread_time()
     kernel, repeated, failure, simulated = 0.0, 0, "", 0.0
     values: dict[str, Variable] = {}
     try:
-        scene = members.scene(member)
+        scene = scene_of(base, member)
         twin = Twin(scene)
         commands = set_points(Schedule.from_scene(scene), request)
         collectors = [OUTPUTS[name](twin, request) for name in request.names]

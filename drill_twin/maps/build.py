@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from drill_twin import __version__
+from drill_twin.ensemble import Executor, Threads
 from drill_twin.errors import ArgumentError, SceneError
 from drill_twin.maps.draws import draws_of
 from drill_twin.maps.journal import Journal
@@ -32,7 +33,7 @@ class Plan:
         runs: Largest number of runs.
         hysteresis: Search the boundary at which an existing whirl dies.
         growth: Place first runs by the growth rates of the linear string, where they apply.
-        workers: Threads.
+        executor: Place where the runs are made.
     """
 
     plane: Plane
@@ -42,7 +43,7 @@ class Plan:
     runs: int = 1500
     hysteresis: bool = True
     growth: bool = True
-    workers: int = 1
+    executor: Executor = field(default_factory=Threads)
 
 
 def build_map(
@@ -70,7 +71,7 @@ def build_map(
         "lattice": plane.steps, "draws": [dict(draw) for draw in draws],
     }  # fmt: skip
     journal = Journal(folder / "runs.jsonl", setup) if folder is not None else None
-    runner = Runner(scene, plane, plan.duration, draws, plan.workers)
+    runner = Runner(scene, plane, plan.duration, draws, plan.executor)
     search = Search(runner, journal, plan.runs, progress, growth=plan.growth)
     search.onset()
     search.regimes()
@@ -86,9 +87,8 @@ def build_map(
 
 def _check(scene: Scene, plan: Plan) -> None:
     plan.plane.checked()
-    for name, value, most in (("runs", plan.runs, MOST_RUNS), ("workers", plan.workers, 4096)):
-        if not 1 <= value <= most:
-            raise ArgumentError(f"{name}: expected 1 to {most}, found {value}")
+    if not 1 <= plan.runs <= MOST_RUNS:
+        raise ArgumentError(f"runs: expected 1 to {MOST_RUNS}, found {plan.runs}")
     if not 0.0 < plan.duration <= 1e6:
         raise ArgumentError(f"duration: expected a time above 0 s and up to 1e6 s, found {plan.duration:g} s")
     if not scene.string.marks:

@@ -4,12 +4,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Generator, Iterable, Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 from drill_twin.errors import ArgumentError, BagError
 from drill_twin.maps.runs import Key, Record
+
+TOGETHER = 32
+"""Runs that are written at a time."""
 
 
 class Journal:
@@ -69,6 +73,25 @@ class Journal:
                 raise ArgumentError(
                     f"{self.file}, line {number}: expected a run of a map, found {line[:60]!r}; remove the folder"
                 ) from error
+
+    def kept(self, runs: Generator[tuple[Key, Record]]) -> Generator[tuple[Key, Record]]:
+        """The same runs, appended `TOGETHER` at a time, and where they end or are broken off.
+
+        Raises:
+            BagError: The file cannot be written.
+        """
+        new: dict[Key, Record] = {}
+        with closing(runs):
+            try:
+                for key, record in runs:
+                    new[key] = record
+                    if len(new) == TOGETHER:
+                        self.add(new)
+                        new = {}
+                    yield key, record
+            finally:
+                if new:
+                    self.add(new)
 
     def add(self, records: Mapping[Key, Record]) -> None:
         """Append runs.

@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.ensemble import expand, run_members
+from drill_twin.ensemble import Executor, expand
 from drill_twin.ensemble.outputs import Request
 from drill_twin.ensemble.run import Run
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
@@ -101,27 +101,26 @@ class Runner:
         plane: Its plane.
         duration: Simulated time of a run from rest [s].
         draws: Values of seed and uncertain numbers by key, one mapping a draw; empty without draws.
-        workers: Threads.
+        executor: Place where they are run.
     """
 
     scene: Scene
     plane: Plane
     duration: float
     draws: Sequence[Mapping[str, float | str]]
-    workers: int
+    executor: Executor
 
-    def run(self, keys: Sequence[Key], done: Callable[[int], None]) -> list[Record]:
-        """Run them; those from rest and those from a whirl apart, for they last differently."""
-        records: dict[Key, Record] = {}
+    def run(self, keys: Sequence[Key]) -> Generator[tuple[Key, Record]]:
+        """Run them, and yield each as it ends; those from rest first, for they last differently."""
         for falling in (False, True):
             group = [key for key in keys if (key.origin is not None) == falling]
             if group:
                 rows = [values_of(self.plane, self.duration, key, self.draws) for key in group]
                 members = expand(self.scene, {name: [row[name] for row in rows] for name in rows[0]}, zipped=True)
                 request = self._request(self.duration * length_of(falling=falling))
-                runs = run_members(members, request, self.workers, partial(_after, done, len(records)))
-                records |= {key: self._record(run) for key, run in zip(group, runs, strict=True)}
-        return [records[key] for key in keys]
+                with closing(self.executor.run(members, request)) as ended:
+                    for number, run in ended:
+                        yield group[number], self._record(run)
 
     def _request(self, duration: float) -> Request:
         period = round(NANOSECONDS / self.scene.numerics.frame_rate)
@@ -147,10 +146,6 @@ class Runner:
             float(values["wall_force_late"]), float(values["torque_swing_late"]), float(values["bending_stress_end"]),
             orbit=tuple((int(x), int(y)) for x, y in orbit[np.isfinite(orbit).all(axis=1)]),
         )  # fmt: skip
-
-
-def _after(done: Callable[[int], None], before: int, ended: int) -> None:
-    done(before + ended)
 
 
 def values_of(

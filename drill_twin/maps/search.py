@@ -8,7 +8,7 @@ off takes the runs of its journal and ends with the same map.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from contextlib import closing
 
 import numpy as np
 
@@ -29,8 +29,6 @@ FEW = 3
 """Draws after the first by which a node is judged; the others follow where they differ from it."""
 EARLY = 0.8
 """Share of the duration within which a whirl must begin to be one that a run can come from."""
-BATCH = 32
-"""Runs between two entries in the journal."""
 GROWTH_POINTS = 33
 """Points of the map of growth rates along each range."""
 
@@ -168,21 +166,17 @@ class Search:
             note = f"stopped at {self._budget} runs in the search for the {phase}; more with --runs"
             self.notes.extend([note] if note not in self.notes else [])
         new = new[:room]
-        expected = len(self.records) + len(new)
-        for first in range(0, len(new), BATCH):
-            batch = new[first : first + BATCH]
-            known = {} if self._journal is None else self._journal.records
-            missing = [key for key in batch if key not in known]
-            done = len(self.records) + len(batch) - len(missing)
-            made = self._runner.run(missing, partial(self._report, phase, done, expected))
-            found = dict(zip(missing, made, strict=True))
-            if self._journal is not None and found:
-                self._journal.add(found)
-            self.records |= {key: found[key] if key in found else known[key] for key in batch}
+        known = {} if self._journal is None else self._journal.records
+        missing = [key for key in new if key not in known]
+        made = dict[Key, Record]()
+        before, expected = len(self.records) + len(new) - len(missing), len(self.records) + len(new)
+        runs = self._runner.run(missing)
+        with closing(runs if self._journal is None else self._journal.kept(runs)) as ended:
+            for key, record in ended:
+                made[key] = record
+                self._progress(phase, before + len(made), expected)
+        self.records |= {key: made[key] if key in made else known[key] for key in new}
         return bool(new)
-
-    def _report(self, phase: str, done: int, expected: int, ended: int) -> None:
-        self._progress(phase, done + ended, expected)
 
 
 def growth_of(scene: Scene, plane: Plane) -> Array | None:

@@ -50,6 +50,9 @@ def operating_map(
         bool, typer.Option("--no-growth", help="Do not place first runs by the growth rates of the linear string.")
     ] = False,
     workers: WorkersOption = 0,
+    dask: Annotated[
+        str, typer.Option("--dask", metavar="ADDRESS", help="Dask scheduler whose workers make the runs.")
+    ] = "",
     out: Annotated[
         Path | None,
         typer.Option(
@@ -90,7 +93,7 @@ def operating_map(
     with _bar() as progress:
         found = make(
             described, wob=wob, rps=rps, seeds=seeds, vary=ranges, runs=runs, hysteresis=not no_hysteresis,
-            growth=not no_growth, steps=steps, folder=folder, workers=workers, progress=progress,
+            growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask, progress=progress,
         )  # fmt: skip
     data = found.to_dict()
     write_file(folder / "map.json", json_text(data))
