@@ -2,6 +2,7 @@
 """The public Python API, re-exported by `drill_twin`: scenes, runs, results, analysis (docs/api.md)."""
 
 from drill_twin.api.ensemble import Ensemble
+from drill_twin.api.estimator import Estimator
 from drill_twin.api.maps import operating_map
 from drill_twin.api.parameter_fit import fit
 from drill_twin.api.recorded_run import Rerun, rerun
@@ -23,6 +24,7 @@ from drill_twin.errors import (
     StoppedError,
     TableError,
 )
+from drill_twin.estimation import Estimate, EstimatorOptions
 from drill_twin.fitting import Posterior, Record, read_record
 from drill_twin.maps import OperatingMap, Regime, read_map
 from drill_twin.scene import Scene
@@ -37,6 +39,9 @@ __all__ = [
     "DrillTwinError",
     "Ensemble",
     "EnsembleResult",
+    "Estimate",
+    "Estimator",
+    "EstimatorOptions",
     "MessageError",
     "MotionState",
     "Onset",

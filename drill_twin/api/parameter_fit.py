@@ -17,11 +17,9 @@ from drill_twin.base.arrays import Array
 from drill_twin.errors import ArgumentError, RunError
 from drill_twin.fitting import LIKELIHOODS, Posterior, Record, Sampling, read_record, sample
 from drill_twin.fitting.posterior import full_key
+from drill_twin.fitting.ranges import in_ranges
 from drill_twin.scene import Scene
 from drill_twin.units.dimension import FREQUENCY, TIME
-
-LOGARITHMIC = 20.0
-"""Ratio of a range's ends from which the prior is uniform in the logarithm."""
 
 
 def fit(
@@ -76,7 +74,7 @@ def fit(
     """
     base = as_scene(scene, overrides)
     found = record if isinstance(record, Record) else read_record(record, channels)
-    ranges = {key: _range(base, key, given) for key, given in free.items()}
+    ranges = {key: range_of(base, key, given) for key, given in free.items()}
     if not ranges or likelihood not in LIKELIHOODS:
         raise ArgumentError(
             f"fit: expected a range of at least one number and a likelihood of {', '.join(LIKELIHOODS)}, "
@@ -117,16 +115,7 @@ def fit(
     return Posterior(base, ranges, in_ranges(sampling.cube, ranges), sampling, found, time, measured, merged, failed)
 
 
-def in_ranges(cube: Array, ranges: Mapping[str, tuple[float, float]]) -> Array:
-    """Values [SI] at positions in the unit cube, both of shape (N, d)."""
-    columns = []
-    for position, (low, high) in zip(cube.T, ranges.values(), strict=True):
-        logarithmic = low > 0.0 and high >= LOGARITHMIC * low
-        columns.append(low * (high / low) ** position if logarithmic else low + (high - low) * position)
-    return np.array(columns).T
-
-
-def _range(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[float, float]:
+def range_of(scene: Scene, key: str, given: str | tuple[float, float]) -> tuple[float, float]:
     """Ends of a range [SI], read as the scene reads them."""
     ends = given.split("..") if isinstance(given, str) else given
     if len(ends) != 2:

@@ -16,6 +16,7 @@ from drill_twin.cli.ros.doctor import doctor
 from drill_twin.cli.ros.gateway_keys import gateway_keys
 from drill_twin.cli.ros.load import load
 from drill_twin.cli.ros.nodes import demo, replay, topics
+from drill_twin.cli.runs.estimate import estimate
 from drill_twin.cli.runs.fit import fit
 from drill_twin.cli.runs.operating_map import operating_map
 from drill_twin.cli.runs.run import run
@@ -28,6 +29,7 @@ from drill_twin.cli.studies.analyzer_score import analyzer_score
 from drill_twin.cli.studies.compare import compare
 from drill_twin.cli.studies.cost import cost
 from drill_twin.cli.studies.effects import effects
+from drill_twin.cli.studies.estimator_score import estimator_score
 from drill_twin.cli.studies.hard import hard
 from drill_twin.cli.studies.paper import calibrate, paper
 from drill_twin.cli.studies.validate import validate
@@ -68,6 +70,7 @@ app.command(rich_help_panel=_RUN)(report)
 app.command(rich_help_panel=_RUN)(rerun)
 app.command(rich_help_panel=_RUN)(export)
 app.command(rich_help_panel=_RUN)(fit)
+app.command(rich_help_panel=_RUN)(estimate)
 app.command(rich_help_panel=_RUN)(watch)
 app.command(rich_help_panel=_RUN)(statics)
 app.command(rich_help_panel=_RUN)(modes)
@@ -82,6 +85,7 @@ app.command(rich_help_panel=_STUDY)(hard)
 app.command(rich_help_panel=_STUDY)(paper)
 app.command(rich_help_panel=_STUDY)(calibrate)
 app.command(rich_help_panel=_STUDY)(analyzer_score)
+app.command(rich_help_panel=_STUDY)(estimator_score)
 app.command(rich_help_panel=_STUDY)(whirl_compare)
 app.command(rich_help_panel=_STUDY)(whirl_cost)
 app.command(rich_help_panel=_SCENE)(scenes)

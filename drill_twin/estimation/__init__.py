@@ -1,6 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimates of state and numbers of a running rig from what is measured, by an ensemble that is corrected."""
 
+from drill_twin.estimation.ensemble_filter import CHANNELS, Band, EnsembleFilter, Estimate, EstimatorOptions, Window
+from drill_twin.estimation.intake import Intake
+from drill_twin.estimation.members import LOAD, SENSORS
 from drill_twin.estimation.square_root_filter import Correction, correction
 
-__all__ = ["Correction", "correction"]
+__all__ = [
+    "CHANNELS",
+    "LOAD",
+    "SENSORS",
+    "Band",
+    "Correction",
+    "EnsembleFilter",
+    "Estimate",
+    "EstimatorOptions",
+    "Intake",
+    "Window",
+    "correction",
+]

@@ -82,8 +82,13 @@ class FrameLoop:
         u, v = dynamics.unknowns
         rod, hole, seen = dynamics.rod, dynamics.model.wellbore, observer.seen
         advance = dynamics.arguments(self.target, 0.0, 0.0)
-        kernel = bind(dynamics.kernel.advance, advance)
         sight = (rod.length, rod.shape, hole, dynamics.wall, u, v, observer.marks, seen)
+        self._parameters = dynamics.parameters
+        if self._called:  # other numbers, of the same types and in the same arrays
+            for bound, arguments in zip(self._called, (advance, sight), strict=False):
+                bound.call.words[:] = unbox(arguments)
+            return
+        kernel = bind(dynamics.kernel.advance, advance)
         observe = bind(observation.compiled(), sight)
         check = bind(state_check.compiled(), (rod.outer_radius, u, v, guard.extremes))
         self._called = [kernel, observe, check]
@@ -99,7 +104,6 @@ class FrameLoop:
         self._attempt = bind(frame_kernel.compiled().attempt, (self._frames, 0.0, True))
         words = self._attempt.call.words
         self._seconds, self._save = words[-2:-1].view(np.float64), words[-1:]
-        self._parameters = dynamics.parameters
 
 
 def _places(arguments: tuple[Any, ...]) -> Places:

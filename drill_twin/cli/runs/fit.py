@@ -51,7 +51,7 @@ def fit(
     from drill_twin.cli.show import err, print_json
     from drill_twin.errors import SceneError
 
-    ranges = dict(_range(text) for text in free)
+    ranges = dict(range_option(text) for text in free)
 
     def told(number: int, found: Sampling) -> None:
         power = "" if found.power == 1.0 else f", likelihood to the power {found.power:.2g}"
@@ -75,7 +75,12 @@ def fit(
         _write(found, scene, out)
 
 
-def _range(text: str) -> tuple[str, str]:
+def range_option(text: str) -> tuple[str, str]:
+    """Key and range of `KEY=LO..HI`.
+
+    Raises:
+        SceneError: Another form.
+    """
     from drill_twin.errors import SceneError
 
     key, equals, ends = text.partition("=")

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Estimator for Python: samples of a rig in, estimates out (docs/estimator.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from drill_twin.api.parameter_fit import range_of
+from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.errors import ArgumentError
+from drill_twin.estimation import CHANNELS, LOAD, EnsembleFilter, Estimate, EstimatorOptions, Intake
+from drill_twin.fitting import Record
+from drill_twin.scene import Scene
+
+
+class Estimator:
+    """An ensemble that follows a rig; state in, state out, no clock of its own.
+
+    >>> estimator = Estimator("pa6_bench", {"wall_friction.coefficient": "0.1..0.4", "load_factor": "0.8..1.2"})
+    >>> estimator.take(stamp, {"torque": 0.9, "hookload": 31.0, "weight_on_bit": 40.0, "rotation": 12.6})
+    >>> while (estimate := estimator.step()) is not None:
+    ...     print(estimate.time, estimate.numbers["load_factor"].mean, estimate.alarm)
+
+    Attributes:
+        scene: The scene.
+        intake: Samples on their way to windows; has the troubles with them.
+        filter: The ensemble.
+    """
+
+    def __init__(
+        self,
+        scene: Scene | str | Path,
+        free: Mapping[str, str | tuple[float, float]],
+        *,
+        channels: Sequence[str] = ("torque", "hookload"),
+        overrides: Overrides | None = None,
+        options: EstimatorOptions | None = None,
+    ) -> None:
+        """Make the ensemble.
+
+        Args:
+            scene: The scene.
+            free: Range of each free number by key, as of `fit`: numbers of effects and of `rig.top_drive`, and
+                `load_factor`, weight on bit over the one that is commanded or indicated.
+            channels: Channels that correct: torque, motor_torque (with inertia and bearings of the drive), hookload,
+                top_drive_speed, bit_speed.
+            overrides: Values that replace those of the scene.
+            options: Members, windows, errors, horizon.
+
+        Raises:
+            ArgumentError: A channel or a number that cannot be taken.
+            SceneError: A range does not fit the scene.
+        """
+        self.scene = as_scene(scene, overrides)
+        odd = [name for name in channels if name not in CHANNELS]
+        if odd or not channels or not free:
+            raise ArgumentError(
+                f"expected channels of {', '.join(CHANNELS)} and a range of at least one number, found "
+                f"{', '.join(odd) or f'{len(channels)} channels and {len(free)} ranges'}"
+            )
+        ranges = {key: _ends(given) if key == LOAD else range_of(self.scene, key, given) for key, given in free.items()}
+        self.filter = EnsembleFilter(self.scene, ranges, channels, options or EstimatorOptions())
+        self.intake = Intake(self.filter.pace, self.scene, channels)
+
+    def take(self, stamp: float, values: Mapping[str, float]) -> None:
+        """Take a sample.
+
+        Args:
+            stamp: Its time [s], of any clock.
+            values: Channels, `weight_on_bit` [N] and `rotation` [rad/s] by name; NaN where there is none. Set-points
+                that never come are the scene's.
+        """
+        self.intake.take(stamp, values)
+
+    def step(self) -> Estimate | None:
+        """Estimate at the end of the next whole window; None while there is none.
+
+        Raises:
+            RunError: No member could be followed.
+        """
+        window = self.intake.window()
+        return None if window is None else self.filter.advance(window)
+
+    def follow(self, record: Record) -> Iterator[Estimate]:
+        """Estimates over a record."""
+        samples: dict[float, dict[str, float]] = {}
+        for name, (time, values) in record.series.items():
+            for stamp, value in zip(time.tolist(), values.tolist(), strict=True):
+                samples.setdefault(stamp, {})[name] = value
+        self.take(0.0, {})
+        for stamp in sorted(samples):
+            self.take(stamp, samples[stamp])
+            while (found := self.step()) is not None:
+                yield found
+
+
+def _ends(given: str | tuple[float, float]) -> tuple[float, float]:
+    """Ends of the range of a factor."""
+    try:
+        low, high = (float(end) for end in (given.split("..") if isinstance(given, str) else given))
+    except ValueError:
+        low, high = 1.0, 1.0
+    if not 0.0 < low < high < float("inf"):
+        raise ArgumentError(f'{LOAD}: expected a range of a factor as "0.8..1.2", found {given!r}')
+    return low, high

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin estimate`: the estimator over a record."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drill_twin.cli.options import JsonOption, SetOption, overrides
+from drill_twin.cli.runs.fit import range_option
+
+if TYPE_CHECKING:
+    from drill_twin.estimation import Estimate
+
+_TOLD = 10.0  # s from line to line
+
+
+def estimate(
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="A CSV or MAT file, or a bag of a twin.")],
+    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="Installed scene or scene file.")],
+    free: Annotated[
+        list[str],
+        typer.Option("--free", metavar="KEY=LO..HI", help='Range of a number; "load_factor=0.8..1.2" is of the load.'),
+    ],
+    channel: Annotated[
+        list[str],
+        typer.Option("--channel", metavar="NAME=COLUMN:UNIT", help='Column, as "torque=Torque:N m"; of a bag NAME.'),
+    ],
+    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    members: Annotated[int, typer.Option("--members", min=4, help="Members of the ensemble.")] = 64,
+    window: Annotated[float, typer.Option("--window", min=0.05, help="Seconds from estimate to estimate.")] = 1.0,
+    error: Annotated[float, typer.Option("--error", min=1e-6, help="Error of a sample over the largest value.")] = 0.01,
+    horizon: Annotated[float, typer.Option("--horizon", min=0.0, help="Seconds ahead of the chance of whirl.")] = 4.0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
+    json: JsonOption = False,
+) -> None:
+    """Follow a record as the node `estimator` follows a rig: numbers, virtual sensors, chance of whirl, alarms."""
+    import drill_twin as dt
+    from drill_twin.cli.show import err, grid, out, print_json
+    from drill_twin.errors import RunError
+    from drill_twin.fitting.record import channel_column
+
+    options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
+    names = [text if "=" not in text else channel_column(text).channel for text in channel]
+    estimator = dt.Estimator(
+        scene, dict(range_option(text) for text in free), channels=[name for name in names if name != "time"],
+        overrides=overrides(change), options=options,
+    )  # fmt: skip
+    found: Estimate | None = None
+    alarm, due = "", 0.0
+    for found in estimator.follow(dt.read_record(record, channel)):
+        if found.time >= due or found.alarm != alarm:
+            alarm, due = found.alarm, found.time + _TOLD
+            err().print(_line(found), markup=False, soft_wrap=True)
+    if found is None:
+        raise RunError(f"{record}: expected more than {window:g} s of record, found less")
+    troubles = dict(estimator.intake.troubles)
+    if json:
+        print_json(_plain(found) | {"troubles": troubles})
+        return
+    rows = [
+        (name, f"{band.mean:.4g}", f"{band.deviation:.2g}", f"{band.low:.4g}", f"{band.high:.4g}")
+        for name, band in {**found.numbers, **found.sensors}.items()
+    ]
+    title = f"{estimator.scene.name} at {found.time:g} s"
+    out().print(grid(("SI", "mean", "deviation", "5 %", "95 %"), rows, title=title, right=(1, 2, 3, 4)))
+    out().print(_line(found), markup=False, soft_wrap=True)
+    if troubles:
+        out().print(", ".join(f"{count} {kind}" for kind, count in troubles.items()), markup=False, soft_wrap=True)
+
+
+def _line(found: Estimate) -> str:
+    chance = "" if found.chance != found.chance else f", whirl soon {found.chance:.0%}"
+    return f"{found.time:6.1f} s: whirls now {found.whirls:.0%}{chance}" + (f"; {found.alarm}" if found.alarm else "")
+
+
+def _plain(found: Estimate) -> dict[str, Any]:
+    plain = asdict(found)
+    del plain["frames"]
+    return plain | {"alarm": found.alarm}

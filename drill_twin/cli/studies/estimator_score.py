@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin estimator-score`: the estimator on twins with hidden numbers."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption
+
+
+def estimator_score(
+    only: Annotated[list[str], typer.Option("--only", metavar="CASE", help="Case; repeatable. All if left out.")] = [],  # noqa: B006
+    truths: Annotated[int, typer.Option("--truths", min=1, help="Twins with hidden numbers.")] = 10,
+    first: Annotated[int, typer.Option("--first", min=0, help="Number of the first one.")] = 0,
+    seconds: Annotated[float, typer.Option("--seconds", min=2.0, help="Time to follow each.")] = 60.0,
+    members: Annotated[int, typer.Option("--members", min=0, help="Members; 0: those of the case.")] = 0,
+    json: JsonOption = False,
+) -> None:
+    """Measure the estimator on hidden truths: numbers, bands, unmeasured places, warnings of whirl, processor time.
+
+    Prints the tables of docs/estimator.md.
+    """
+    from drill_twin.cli.show import err, print_json
+    from drill_twin.errors import ArgumentError
+    from drill_twin.studies.estimation.hidden_truth import CASES, follow
+    from drill_twin.studies.estimation.score import lines, score
+
+    odd = [name for name in only if name not in CASES]
+    if odd:
+        raise ArgumentError(f"--only: expected one of {', '.join(CASES)}, found {', '.join(odd)}")
+    found = {}
+    for name in only or CASES:
+        runs = []
+        for number in range(first, first + truths):
+            runs.append(follow(CASES[name], number, seconds, members or CASES[name].members))
+            told = ", ".join(f"{key} {error:+.1%}" for key, error in runs[-1].errors.items())
+            err().print(f"{name} {number}: {told}", markup=False, soft_wrap=True)
+        found[name] = score(runs)
+        if not json:
+            print("\n".join(lines(name, found[name])))
+    if json:
+        print_json(found)

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The ensemble beside a rig, corrected window by window by what is measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.estimation.branches import Branches
+from drill_twin.estimation.channel_errors import ChannelErrors
+from drill_twin.estimation.divergence import Divergence
+from drill_twin.estimation.members import SENSORS, Members, Pace
+from drill_twin.estimation.square_root_filter import correction
+from drill_twin.fitting.ranges import Ranges
+from drill_twin.scene import Scene
+from drill_twin.twin.frame import Frame
+
+CHANNELS = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed")
+"""Channels that can correct: those of the surface, and the speed of a downhole tool."""
+_CORRECTED = ("weight_on_bit", "bit_speed", "bit_torque")
+"""Virtual sensors that the correction of torsion and axial motion changes."""
+_WHIRLS = 0.5
+"""Share of members that whirl, above which none is followed ahead."""
+
+
+@dataclass(frozen=True)
+class EstimatorOptions:
+    """How the ensemble runs and what it believes.
+
+    Attributes:
+        members: Number of members.
+        window: Length of a window [s].
+        rate: Samples a second that are compared [Hz].
+        error: Error of a sample, of sensor and model together, as a share of the channel's largest value.
+        memory: Time over which what was learnt of the numbers fades [s]: the spread grows as exp(t / memory).
+        horizon: Time ahead for which the chance of whirl is computed [s]; 0 s: it is not.
+        scouts: Members that are followed over the horizon.
+        frames: Whether estimates have the frames of the nearest member.
+        seed: Of the draws.
+    """
+
+    members: int = 64
+    window: float = 1.0
+    rate: float = 10.0
+    error: float = 0.01
+    memory: float = 600.0
+    horizon: float = 4.0
+    scouts: int = 16
+    frames: bool = False
+    seed: int = 1
+
+
+@dataclass(frozen=True)
+class Window:
+    """What is known of a window of time.
+
+    Attributes:
+        commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
+        measured: Means over the samples by channel, shape (S,) each; NaN where there is none.
+    """
+
+    commands: Array
+    measured: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class Band:
+    """Mean, standard deviation, and 90 % band of the members."""
+
+    mean: float
+    deviation: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, values: Array) -> Band:
+        """Band of the values of the members, shape (N,)."""
+        low, high = np.quantile(values, (0.05, 0.95))
+        return cls(float(values.mean()), float(values.std(ddof=1)), float(low), float(high))
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What is known at the end of a window.
+
+    Attributes:
+        time: Time [s].
+        numbers: Free numbers [SI] by key.
+        sensors: Virtual sensors by name, see `drill_twin.estimation.members.SENSORS`.
+        whirls: Share of the members that whirl.
+        chance: Share of those that whirl within the horizon; NaN if it is not computed.
+        unexplained: Time since which the model no longer explains a channel [s], by name.
+        misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
+        absurd: Samples left out so far.
+        replaced: Members that took the state of others so far, as they were on another branch of motion.
+        frames: The window of the member that was nearest to the rig before; none unless they are asked for.
+    """
+
+    time: float
+    numbers: Mapping[str, Band]
+    sensors: Mapping[str, Band]
+    whirls: float
+    chance: float
+    unexplained: Mapping[str, float]
+    misfit: Mapping[str, float]
+    absurd: int
+    replaced: int
+    frames: Sequence[Frame]
+
+    @property
+    def alarm(self) -> str:
+        """Sentence while measurement and twin part; empty while they do not."""
+        parts = [f"{name} since {time:.1f} s" for name, time in self.unexplained.items()]
+        return f"the model no longer explains the {' and the '.join(parts)}" if parts else ""
+
+
+class EnsembleFilter:
+    """Ensemble that follows a rig.
+
+    Attributes:
+        options: How it runs.
+        members: The ensemble.
+        pace: Frames, samples and windows.
+        time: End of the last window [s].
+    """
+
+    def __init__(self, scene: Scene, ranges: Ranges, channels: Sequence[str], options: EstimatorOptions) -> None:
+        """Make the ensemble.
+
+        Args:
+            scene: The scene.
+            ranges: Lowest and highest value of each free number [SI], by key; see `drill_twin.estimation.members`.
+            channels: Channels that correct, of `CHANNELS`.
+            options: How it runs.
+
+        Raises:
+            ArgumentError: A number that cannot be changed in the middle of a run.
+            SceneError: A range does not fit the scene.
+        """
+        self.options, self.channels = options, list(channels)
+        frame_rate = scene.numerics.frame_rate
+        every = max(1, round(frame_rate / options.rate))
+        samples = max(1, round(options.window * frame_rate / every))
+        self.pace = Pace(1.0 / frame_rate, every * samples, samples)
+        self.members = Members(scene, ranges, options.members, self.pace, options.seed)
+        self.time = 0.0
+        self._errors = ChannelErrors(channels, options.error)
+        self._branches = Branches(options.members, options.seed)
+        self._divergence = Divergence(channels)
+        self._replaced = 0
+        self._distance: Array = np.zeros(options.members)
+
+    def advance(self, window: Window) -> Estimate:
+        """Advance all members by a window, correct them, and say what is known then.
+
+        Raises:
+            RunError: No member could be followed.
+        """
+        frames, prediction = self.members.advance(window.commands, self._nearest)
+        start, self.time = self.time, self.time + self.pace.window
+        predicted = np.stack([prediction.channels[name] for name in self.channels], axis=1)
+        missing = np.full(self.pace.samples, np.nan)
+        measured = np.stack([window.measured.get(name, missing) for name in self.channels])
+        measured = self._errors.screen(predicted, measured)
+        found = correction(
+            predicted.reshape(len(predicted), -1),
+            measured.ravel(),
+            np.repeat(self._errors.deviation**2, self.pace.samples),
+        )
+        corrected = found.apply(predicted)
+        misfit = self._misfit(measured, predicted.mean(axis=0))
+        self._errors.learn(measured, predicted.mean(axis=0), corrected.mean(axis=0))
+        self.members.correct(found)
+        self._forget()
+        sensors = {
+            name: found.apply(values) if name in _CORRECTED else values for name, values in prediction.sensors.items()
+        }
+        self._divergence.take(start, misfit)
+        self._change_branch(predicted, measured)
+        self._weigh_distance(corrected, measured)
+        return Estimate(
+            time=self.time,
+            numbers={
+                key: Band.of(values) for key, values in zip(self.members.keys, self.members.values.T, strict=True)
+            },
+            sensors={name: Band.of(sensors[name]) for name in SENSORS},
+            whirls=float(prediction.whirls.mean()),
+            chance=self._chance(window.commands, float(prediction.whirls.mean())),
+            unexplained=self._divergence.since,
+            misfit=dict(zip(self.channels, misfit.tolist(), strict=True)),
+            absurd=self._errors.absurd,
+            replaced=self._replaced,
+            frames=frames,
+        )
+
+    @property
+    def _nearest(self) -> int:
+        """Number of the member that is nearest to the rig; -1 if its frames are not asked for."""
+        return int(np.argmin(self._distance)) if self.options.frames else -1
+
+    def _misfit(self, measured: Array, mean: Array) -> Array:
+        """Rms of measured less predicted over the scale of each channel, shape (C,); NaN where nothing was measured."""
+        known = np.isfinite(measured)
+        square = np.where(known, (measured - mean) ** 2, 0.0).sum(axis=1)
+        count = known.sum(axis=1)
+        scale = np.maximum(self._errors.scale, np.finfo(float).tiny)
+        return np.where(count > 0, np.sqrt(square / np.maximum(count, 1)) / scale, np.nan)
+
+    def _forget(self) -> None:
+        """Let the spread of the numbers grow, up to that of the prior."""
+        members, growth = self.members, np.exp(self.pace.window / self.options.memory)
+        mean, deviation = members.normal.mean(axis=0), members.normal.std(axis=0)
+        members.normal = mean + (members.normal - mean) * np.where(deviation * growth < 1.0, growth, 1.0)
+
+    def _change_branch(self, predicted: Array, measured: Array) -> None:
+        self._branches.weigh(predicted, measured, self._errors.deviation)
+        pairs = self._branches.replacements()
+        for source, target in pairs:
+            self.members.copy(source, target)
+        self._replaced += len(pairs)
+
+    def _weigh_distance(self, corrected: Array, measured: Array) -> None:
+        """Distance of each member from what is measured, fading over some windows."""
+        scaled = (corrected - measured) / self._errors.deviation[:, None]
+        self._distance = 0.7 * self._distance + np.nansum(scaled**2, axis=(1, 2))
+
+    def _chance(self, commands: Array, whirls: float) -> float:
+        """Share of members that whirl within the horizon, if the set-points go on as in this window."""
+        windows = round(self.options.horizon / self.pace.window)
+        if whirls > _WHIRLS:
+            return whirls
+        if windows == 0 or not self.members.scene.string.marks:
+            return float("nan")
+        slope = (commands[-1] - commands[0]) / max(len(commands) - 1, 1)
+        steps = np.arange(1, windows * self.pace.frames + 1)[:, None]
+        coming = commands[-1] + slope * steps
+        coming = np.where(np.sign(coming) == np.sign(commands[-1]), coming, 0.0)
+        count = min(self.options.scouts, len(self.members))
+        chosen = np.linspace(0, len(self.members) - 1, count).round().astype(int).tolist()
+        return float(self.members.ahead(coming.reshape(windows, self.pace.frames, 2), chosen).mean())

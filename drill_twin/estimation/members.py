@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Members of the ensemble: twins of one scene with numbers of their own, advanced window by window."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special, stats
+
+from drill_twin.base.arrays import Array, Mask
+from drill_twin.discretisation.discretise import tubes_of
+from drill_twin.discretisation.kernel_arguments import SPATIAL
+from drill_twin.ensemble.outputs import Channels, Request
+from drill_twin.errors import ArgumentError, DrillTwinError, RunError
+from drill_twin.estimation.asynchronous import asynchronous_radius
+from drill_twin.estimation.square_root_filter import Correction
+from drill_twin.fitting.posterior import full_key
+from drill_twin.fitting.ranges import Ranges, in_ranges
+from drill_twin.scene import Scene
+from drill_twin.scene.load import build_scene
+from drill_twin.schedule import Command
+from drill_twin.twin.bending_stress import bending_stress
+from drill_twin.twin.dynamics import kernel_of
+from drill_twin.twin.frame import Frame
+from drill_twin.twin.number_change import change_numbers
+from drill_twin.twin.observer import rig_rows
+from drill_twin.twin.twin import Twin
+from drill_twin.whirl.criteria import Criteria
+
+LOAD = "load_factor"
+"""Number that is no key of a scene: weight on bit of a member over the one that is commanded or indicated."""
+WIDEST = 4.0
+"""Standard deviations to which a number may move in the space where its prior is standard normal."""
+SENSORS: Mapping[str, str] = {
+    "weight_on_bit": "N",
+    "bit_speed": "rad/s",
+    "bit_torque": "N m",
+    "radius": "m",
+    "wall_force": "N",
+    "bending_stress": "Pa",
+}
+"""Virtual sensors and their units: bit and weight on it at the end of the window, largest radius of a mark and largest
+wall force of a node in it, largest bending stress at its end."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """Lengths in time.
+
+    Attributes:
+        period: Of a frame [s].
+        frames: Frames of a window.
+        samples: Samples of a window.
+    """
+
+    period: float
+    frames: int
+    samples: int
+
+    @property
+    def window(self) -> float:
+        """Length of a window [s]."""
+        return self.period * self.frames
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A window of N members.
+
+    Attributes:
+        channels: By name, shape (N, S): means over the samples (`drill_twin.ensemble.outputs.Channels`).
+        sensors: Virtual sensors by name, each of shape (N,).
+        whirls: Whether each member whirls, shape (N,).
+    """
+
+    channels: Mapping[str, Array]
+    sensors: Mapping[str, Array]
+    whirls: Mask
+
+
+class Members:
+    """N twins.
+
+    Attributes:
+        scene: The scene of which they are variants.
+        keys: Keys of the free numbers.
+        pace: Frames, samples and windows.
+        normal: Free numbers in the space where their prior is standard normal, shape (N, d).
+        twins: The twins.
+    """
+
+    def __init__(self, scene: Scene, ranges: Ranges, count: int, pace: Pace, seed: int) -> None:
+        """Draw the numbers and make the twins, each with a seed of its own.
+
+        Raises:
+            ArgumentError: A number that cannot be changed in the middle of a run.
+            SceneError: A range does not fit the scene.
+        """
+        self.scene, self._ranges, self.pace = scene, ranges, pace
+        self.keys = list(ranges)
+        self._full = {key: full_key(key, scene) for key in self.keys if key != LOAD}
+        self._seeds = [seed + number + 1 for number in range(count)]
+        self._check()
+        drawn = stats.qmc.Sobol(len(ranges), rng=np.random.default_rng(seed)).random(count)
+        self.normal: Array = special.ndtri(np.clip(drawn, 1e-4, 1.0 - 1e-4))
+        self.twins = [Twin(self._scene(number)) for number in range(count)]
+        self._rows = self.twins[0].rows(pace.frames)
+        self._tubes = tubes_of(scene)
+        clearances = np.array([scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks])
+        self._onset = Criteria().onset_radius * clearances
+
+    def __len__(self) -> int:
+        """Number of members."""
+        return len(self._seeds)
+
+    @property
+    def values(self) -> Array:
+        """Free numbers [SI], shape (N, d)."""
+        return in_ranges(special.ndtr(self.normal), self._ranges)
+
+    def advance(self, commands: Array, shown: int = -1) -> tuple[list[Frame], Prediction]:
+        """Advance by a window; a member that fails becomes a copy of one that does not.
+
+        Args:
+            commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
+            shown: Number of the member whose frames are returned; -1: none.
+
+        Raises:
+            RunError: No member could be followed.
+        """
+        found, failed, reason = {}, [], ""
+        frames = self._frames(shown, commands) if shown >= 0 else []
+        for number in range(len(self)):
+            try:
+                found[number] = self._advance(number, commands)
+            except DrillTwinError as error:
+                failed.append(number)
+                reason = str(error)
+        if not found:
+            raise RunError(f"no member could be followed: {reason}")
+        for number in failed:
+            source = list(found)[number % len(found)]
+            self.copy(source, number)
+            found[number] = found[source]
+        columns = [found[number] for number in range(len(self))]
+        channels = {name: np.array([each[0][name] for each in columns]) for name in columns[0][0]}
+        sensors = {name: np.array([each[1][name] for each in columns]) for name in SENSORS}
+        return frames, Prediction(channels, sensors, np.array([each[2] for each in columns]))
+
+    def copy(self, source: int, target: int) -> None:
+        """Give a member the state and the seed of another; it keeps its numbers."""
+        twin = self.twins[target]
+        twin.restore(self.twins[source].checkpoint())
+        self._seeds[target] = self._seeds[source]
+        change_numbers(twin.dynamics, self.twins[source].dynamics.scene)  # whose numbers its arrays have now
+        change_numbers(twin.dynamics, self._scene(target))
+
+    def correct(self, correction: Correction) -> None:
+        """Correct numbers and state.
+
+        Surface channels of a straight hole do not change when the lateral motion is turned about its axis. So they are
+        uncorrelated with it, and only torsional and axial motion are corrected; in a curved hole only the torsional,
+        as its axial motion has no column of its own.
+        """
+        self.normal = np.clip(correction.apply(self.normal), -WIDEST, WIDEST)
+        dynamics = self.twins[0].dynamics
+        columns = () if dynamics.form != SPATIAL else (2, 5, 6) if dynamics.hole == "straight" else (6,)
+        for part in range(2):
+            rows = [twin.unknowns[part] for twin in self.twins]
+            corrected = correction.apply(np.array([row[:, columns] for row in rows]))
+            for row, values in zip(rows, corrected, strict=True):
+                row[:, columns] = values
+        for number, twin in enumerate(self.twins):
+            change_numbers(twin.dynamics, self._scene(number))
+
+    def ahead(self, commands: Array, chosen: Sequence[int]) -> Mask:
+        """Whether some members whirl at a time in the windows to come, shape (chosen,); all are back afterwards.
+
+        Args:
+            commands: Set-points to come, of a number of windows, shape (W, F, 2).
+            chosen: Numbers of the members.
+        """
+        return np.array([self._whirls_ahead(number, commands) for number in chosen], dtype=bool)
+
+    def _frames(self, number: int, commands: Array) -> list[Frame]:
+        """Frames of a member over a window, which it has still before it afterwards."""
+        twin, load = self.twins[number], self._load(number)
+        before, frames = twin.checkpoint(), []
+        try:
+            for weight, rotation in commands.tolist():
+                frames.append(twin.advance(Command(load * weight, rotation), self.pace.period))
+        except DrillTwinError:
+            frames.clear()
+        twin.restore(before)
+        return frames
+
+    def _load(self, number: int) -> float:
+        """Weight on bit of a member over that of the set-points."""
+        return float(self.values[number, self.keys.index(LOAD)]) if LOAD in self.keys else 1.0
+
+    def _whirls_ahead(self, number: int, commands: Array) -> bool:
+        twin = self.twins[number]
+        before = twin.checkpoint()
+        try:
+            return any(self._advance(number, window)[2] for window in commands)
+        except DrillTwinError:
+            return True  # a motion that cannot be followed is not calm
+        finally:
+            twin.restore(before)
+
+    def _advance(self, number: int, commands: Array) -> tuple[Mapping[str, Array], Mapping[str, float], bool]:
+        """Channels, virtual sensors, and whether it whirls, of one member."""
+        twin, rows, pace = self.twins[number], self._rows, self.pace
+        commands = commands * np.array([self._load(number), 1.0])
+        channels = Channels(twin, Request((), pace.period, pace.frames, pace.frames // pace.samples))
+        twin.advance_frames(commands, pace.period, rows)
+        rig = rig_rows(twin.dynamics, rows, pace.period)
+        channels.add(rows, rig)
+        sensors = {
+            "weight_on_bit": float(rig.bit_force[-1]),
+            "bit_speed": float(rig.bit_speed[-1]),
+            "bit_torque": float(rig.bit_torque[-1]),
+            "radius": float(np.hypot(rows.centre[..., 0], rows.centre[..., 1]).max(initial=0.0)),
+            "wall_force": float(rows.string[:, 0].max()),
+            "bending_stress": float(bending_stress(twin.rod, self._tubes, twin.unknowns[0]).max()),
+        }
+        values = {name: variable.value for name, variable in channels.close().items() if name != "time"}
+        return values, sensors, bool(np.any(asynchronous_radius(rows) > self._onset))
+
+    def _scene(self, number: int) -> Scene:
+        """Scene of a member."""
+        found = dict(zip(self.keys, self.values[number].tolist(), strict=True))
+        return self._with({"numerics.seed": self._seeds[number]} | found)
+
+    def _with(self, values: Mapping[str, float]) -> Scene:
+        overrides = {self._full.get(key, key): value for key, value in values.items() if key != LOAD}
+        return build_scene(
+            self.scene.model_dump(mode="json", exclude_none=True), name=self.scene.name, overrides=overrides
+        )
+
+    def _check(self) -> None:
+        """Refuse what cannot be changed in the middle of a run.
+
+        Raises:
+            ArgumentError: A key of string, hole or numerics, a law that changes within its range, or an audit.
+        """
+        for key in self._full.values():
+            if not key.startswith(("effects.", "rig.top_drive.")):
+                raise ArgumentError(
+                    f"free: expected numbers of effects, of rig.top_drive, or {LOAD}, found {key}, which shapes the "
+                    "mesh; `drill-twin fit` finds it from a record"
+                )
+        ends = [in_ranges(np.full((1, len(self.keys)), end), self._ranges)[0].tolist() for end in (0.0, 1.0)]
+        low, high = (kernel_of(self._with(dict(zip(self.keys, end, strict=True)))) for end in ends)
+        if low != high or low[-1]:
+            raise ArgumentError("free: expected one law over each range and no numerics.audit, found another at an end")
