@@ -17,7 +17,7 @@ class DrillingProgress:
 
     def values(self) -> dict[str, str]:
         """Drilled depth [m] and rate of penetration since the last call [m/h]; empty if the bit does not drill."""
-        if "bit_cutting" not in self._twin.effects:
+        if not {"bit_cutting", "bit_regenerative"}.intersection(self._twin.effects):
             return {}
         (last_time, last_depth), time, depth = self._last, self._twin.time, self._twin.drilled
         self._last = (time, depth)

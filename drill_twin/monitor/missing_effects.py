@@ -45,7 +45,7 @@ class MissingEffects:
             self._check_bit = False
             self.found.append(
                 f"at {frame.time:.3f} s the bit was pulled with {-frame.rig.bit_force:.4g} N and would have lifted off "
-                "the bottom, which holds it here: list `rock_floor` or `bit_cutting`"
+                "the bottom, which holds it here: list `rock_floor`, `bit_cutting` or `bit_regenerative`"
             )
 
     def values(self) -> dict[str, str]:

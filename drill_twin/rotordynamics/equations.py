@@ -21,9 +21,12 @@ from drill_twin.discretisation.grading import mesh
 from drill_twin.discretisation.initial_state import set_initial_state
 from drill_twin.discretisation.kernel_arguments import LATERAL, form_of, parameters_of, variants_of
 from drill_twin.discretisation.resolution import resolution_of
+from drill_twin.effects.bit_regenerative import READY, Regeneration, regeneration
 from drill_twin.errors import SceneError
+from drill_twin.model.bit import INITIAL, WEIGHT
 from drill_twin.model.mesh import SPIN
 from drill_twin.rotordynamics.block_rows import BlockRows
+from drill_twin.rotordynamics.delayed import Delay
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.solver import state
@@ -173,7 +176,33 @@ class EquationsOfMotion:
         set_initial_state(self._state, self.model, self.scene, command.weight_on_bit)
         u, v = self._state.u.copy(), np.zeros_like(self._state.v)
         v[:, SPIN] = command.rotation
+        if (cutting := self._regeneration(command)) is not None:
+            v[:, 2] = -cutting.rate
         return u, v
+
+    def delay(self, command: Command) -> Delay | None:
+        """Delayed force of a bit that drills what its last blade has left; None without one.
+
+        Raises:
+            SceneError: The hole is not straight.
+        """
+        cutting = self._regeneration(command)
+        if cutting is None:
+            return None
+        if self.model.wellbore.axis is not None:
+            raise SceneError(f"{self.scene.name}: expected a straight hole for the modes of bit_regenerative, found a "
+                             "curved one; run it (drill-twin run)")  # fmt: skip
+        force, arm = np.zeros(self.free.shape), np.zeros(self.free.shape)
+        force[0, [2, SPIN]], arm[0, [2, SPIN]] = cutting.force, cutting.arm
+        return Delay(cutting.delay, force[self.free], arm[self.free])
+
+    def _regeneration(self, command: Command) -> Regeneration | None:
+        rock = getattr(self.parameters, "bit_regenerative", None)
+        return None if rock is None else regeneration(rock, self._bit_weight(command), command.rotation)
+
+    def _bit_weight(self, command: Command) -> float:
+        drive = self.parameters.drive
+        return float(command.weight_on_bit + (drive.hanging if drive.from_top > 0.0 else 0.0))
 
     def evaluate(self, command: Command, u: Array, v: Array, a: Array) -> Linearised:
         """Residual and tangents at an instant.
@@ -205,7 +234,9 @@ class EquationsOfMotion:
         self._work.command[:] = command.weight_on_bit, command.rotation
         drive = self.parameters.drive
         drive.memory[LAG] = -u[-1, SPIN]  # the angle that the drive's controller has integrated
-        drive.bit.now[0] = command.weight_on_bit + (drive.hanging if drive.from_top > 0.0 else 0.0)
+        drive.bit.now[WEIGHT] = drive.bit.now[INITIAL] = self._bit_weight(command)
+        if (rock := getattr(self.parameters, "bit_regenerative", None)) is not None:
+            rock.memory[READY] = 0.0  # the surface is that of steady drilling to this position
         entry = self._entry or self._kernel.evaluate
         entry(
             self.parameters, self.model.rod, self._work, constrained, self._state, u, v, a,

@@ -10,6 +10,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import RunError
+from drill_twin.rotordynamics.delayed import delayed_eigenvalues
 from drill_twin.rotordynamics.eigenvalues import Pencil, eigenvalues, undamped_basis
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.modes import balance, bit_unknowns, is_vertical
@@ -77,7 +78,8 @@ def growth_map(
     for i, weight in enumerate(weights):
         bases: tuple[Array, ...] = ()
         for k, speed in enumerate(speeds):
-            system = balance(equations, Command(float(weight), float(speed))).system
+            command = Command(float(weight), float(speed))
+            system, delay = balance(equations, command).system, equations.delay(command)
             whirl = Pencil(*(frame.as_complex(matrix) for matrix in system.matrices))
             about = Pencil(*(matrix[part] for matrix in system.matrices))
             if not bases:
@@ -86,7 +88,10 @@ def growth_map(
                     bases += (undamped_basis(about, BASIS),)
             lateral[i, k] = eigenvalues(whirl.on(bases[0]))[0].real.max()
             if torsional is not None:
-                torsional[i, k] = eigenvalues(about.on(bases[1]))[0].real.max()
+                basis, moving = bases[1], about.on(bases[1])
+                delayed = None if delay is None else delay.of(frame.rest).on(basis)
+                found = eigenvalues(moving) if delayed is None else delayed_eigenvalues(moving, delayed)
+                torsional[i, k] = found[0].real.max()
         if progress is not None:
             progress(i + 1)
     return GrowthMap(weights, speeds, lateral, torsional)

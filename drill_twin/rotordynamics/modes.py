@@ -17,6 +17,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.errors import RunError
+from drill_twin.rotordynamics.delayed import Delay, delayed_modes
 from drill_twin.rotordynamics.eigenvalues import Numbers, Pencil, damped_modes
 from drill_twin.rotordynamics.equations import EquationsOfMotion, Linearised
 from drill_twin.rotordynamics.turning_frame import TurningFrame
@@ -140,15 +141,16 @@ def modes(
     """
     found = balance(equations, command, resting)
     frame, system = TurningFrame(equations), found.system
-    pencil = Pencil(*system.matrices)
+    pencil, delay = Pencil(*system.matrices), equations.delay(command)
     on_axis = is_vertical(equations) and all(frame.is_isotropic(matrix) for matrix in pencil)
     if on_axis:
         all_modes = _lateral(equations, frame, pencil)
         if frame.rest.size:
             part = np.ix_(frame.rest, frame.rest)
-            all_modes += _real(equations, frame.rest, Pencil(*(matrix[part] for matrix in pencil)))
+            about = delay if delay is None else delay.of(frame.rest)
+            all_modes += _real(equations, frame.rest, Pencil(*(matrix[part] for matrix in pencil)), about)
     else:
-        all_modes = _real(equations, np.arange(equations.unknowns), pencil)
+        all_modes = _real(equations, np.arange(equations.unknowns), pencil, delay)
     kept: list[Mode] = []
     for kind in (LATERAL, TORSIONAL, AXIAL):
         own = (mode for mode in all_modes if mode.kind == kind)
@@ -170,9 +172,9 @@ def bit_unknowns(equations: EquationsOfMotion, frame: TurningFrame) -> Numbers:
     return np.arange(int(np.isin(np.flatnonzero(equations.free[0]), frame.x).sum()))
 
 
-def _real(equations: EquationsOfMotion, part: Numbers, pencil: Pencil) -> list[Mode]:
+def _real(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, delay: Delay | None) -> list[Mode]:
     """Modes of real equations, one of each conjugate pair, classed by their kinetic energy."""
-    values, vectors = damped_modes(pencil)
+    values, vectors = damped_modes(pencil) if delay is None else delayed_modes(pencil, delay)
     result = []
     for k in np.flatnonzero(values.imag >= 0.0):
         whole = np.zeros(equations.unknowns, dtype=complex)

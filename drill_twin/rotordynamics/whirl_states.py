@@ -87,6 +87,11 @@ def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
             f"{name}: expected a straight vertical hole, found an inclined or curved one, in which no steady whirl "
             "exists: a string that whirls meets another force in every direction; run it (drill-twin run)"
         )
+    if hasattr(equations.parameters, "bit_regenerative"):
+        raise SceneError(
+            f"{name}: expected a bit whose rock has no memory, found bit_regenerative; --without bit_regenerative "
+            "leaves it out, drill-twin modes takes its delay into account"
+        )
     if not hasattr(equations.parameters, "wall"):
         raise SceneError(f"{name}: expected the effect wall, found none: nothing limits a whirl; see drill-twin modes")
     if command.rotation == 0.0:

@@ -33,7 +33,7 @@ from collections.abc import Callable, Sequence
 from types import ModuleType
 from typing import Any, cast
 
-from drill_twin.effects import effect_module, function_name, key_of
+from drill_twin.effects import EFFECTS, effect_module, function_name, key_of
 from drill_twin.solver import kernel_cache
 from drill_twin.solver.parameter_records import fields_read, record_name
 
@@ -163,7 +163,7 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False) -> str:
     lines = [_RIG[hook]] if hook in _RIG else []
     lines += [_BEGIN[hook]] if audit and hook in _BEGIN else []
     damping = hook == "axial_damping"
-    for number, name in enumerate(effects):
+    for number, name in sorted(enumerate(effects), key=lambda pair: _comes_later(hook, pair[1])):
         account = f"energy_ledger.FIRST_EFFECT + {number}"
         if function := function_name(name, hook):
             call = f"{key_of(name)}.{function}({arguments_of(name, function, HOOKS[hook])})"
@@ -180,6 +180,11 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False) -> str:
 @kernel
 def {"audited_" if audit else ""}{hook}({HOOKS[hook]}):
     {_lines(lines or ["pass"])}"""
+
+
+def _comes_later(hook: str, effect: str) -> bool:
+    """Whether an effect is called after the one that finds the weight on bit, which laws of friction and torque read."""
+    return hook == "end_load" and "weight" not in EFFECTS[key_of(effect)].provides
 
 
 def _lines(lines: Sequence[str]) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import axis_at, contact_radius
 from drill_twin.discretisation.resolution import MOST, resolution_of
+from drill_twin.effects.bit_torque_stribeck import BitTorqueStribeck
 from drill_twin.effects.gravity import line_weight
 from drill_twin.effects.stretch import Stretch
 from drill_twin.effects.torsion import Torsion
@@ -142,6 +143,12 @@ def steady(scene: Scene) -> Scene:
     cutting = getattr(effects, "bit_cutting", None)
     if cutting is not None:
         changes["bit_cutting"] = cutting.model_copy(update={"rock_stiffness": None})
+    if (regenerative := getattr(effects, "bit_regenerative", None)) is not None:
+        arm = regenerative.torque_arm(rig.weight_on_bit.value)
+        changes |= {
+            "bit_regenerative": None,
+            "bit_torque_stribeck": BitTorqueStribeck(radius=arm, sliding=1.0, sticking=1.0, decay=0.0) if arm else None,
+        }
     weight = rig.weight_on_bit.model_copy(update={"at": "bit"})
     still = rig.model_copy(update={"weight_on_bit": weight, "top_drive": TopDrive(), "start": "axis"})
     elements = min(resolution_of(scene)[0], MOST) if scene.numerics.elements == "auto" else scene.numerics.elements

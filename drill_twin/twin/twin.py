@@ -83,7 +83,7 @@ class Twin:
 
     @property
     def drilled(self) -> float:
-        """Depth drilled since the start [m]; 0 without `bit_cutting`."""
+        """Depth drilled since the start [m]; 0 without a bit that cuts."""
         return float(self.dynamics.parameters.drive.bit.impulse[DRILLED])
 
     @property

@@ -27,6 +27,7 @@ SWITCHES: dict[str, dict[str, Any]] = {
     "bit_friction": {"coefficient": 0.3, "radius": 8e-3},
     "bit_torque_tanh": {"arm": 1e-3},
     "bit_torque_stribeck": {"radius": 8e-3, "sliding": 0.3, "sticking": 0.5, "decay": 0.5},
+    "bit_regenerative": {"radius": 8e-3, "specific_energy": 1e6, "wear": 1e-4, "contact_strength": 1e6},
     "bit_mass": {"mass": 0.1, "inertia": 1e-5},
     "bit_stabiliser": {"gauge": 0.07, "stiffness": 1e5},
     "bit_side_force": {"force": 0.1},
@@ -35,12 +36,15 @@ SWITCHES: dict[str, dict[str, Any]] = {
     "top_shake": {"amplitude": 1e-4, "frequency": 3.0},
 }
 """What each effect is when it is on; `stretch` stands for torsion too."""
+APART = ("bit_regenerative",)
+"""Effects in sets of their own, after the others: each excludes many of those."""
 EXCLUSIVE = (
     *(tuple(key for key, block in EFFECTS.items() if what in block.provides) for what in ("torque", "weight")),
     ("bit_friction", "bit_stabiliser"),
 )
 """Effects of which a scene has at most one."""
 Choice = frozenset[str]
+_DRAWN = [key for key in SWITCHES if key not in APART]
 
 
 def allowed(on: Choice) -> bool:
@@ -53,7 +57,7 @@ def allowed(on: Choice) -> bool:
 
 def pairs_of(on: Choice) -> set[tuple[str, bool, str, bool]]:
     """States of every two switches."""
-    return {(a, a in on, b, b in on) for a, b in itertools.combinations(SWITCHES, 2)}
+    return {(a, a in on, b, b in on) for a, b in itertools.combinations(_DRAWN, 2)}
 
 
 @cache
@@ -63,7 +67,7 @@ def covering() -> tuple[Choice, ...]:
     pool: list[Choice] = []
     for share in (0.25, 0.4, 0.55, 0.7):
         for _ in range(1500):
-            drawn = {key for key in SWITCHES if random.random() < share}
+            drawn = {key for key in _DRAWN if random.random() < share}
             for group in EXCLUSIVE:
                 drawn -= set(random.permutation(sorted(drawn & set(group)))[1:])
             listed = drawn | ({"torsion"} if "stretch" in drawn else set())
@@ -76,4 +80,13 @@ def covering() -> tuple[Choice, ...]:
         best = max(pool, key=lambda on: len(pairs_of(on) & wanted))
         chosen.append(best)
         wanted -= pairs_of(best)
-    return tuple(chosen)
+    return (*chosen, *(_with_all_others(key) for key in APART))
+
+
+def _with_all_others(own: str) -> Choice:
+    """An effect with all that it does not exclude."""
+    found = {own}
+    for key in ("stretch", *_DRAWN):
+        if allowed(frozenset(found | {key})):
+            found.add(key)
+    return frozenset(found)

@@ -28,7 +28,7 @@ def scene_of(on: Choice) -> Scene:
         step=5e-3,
         radius=0.04,
         weight_on_bit=15.0,
-        at="top" if "rock_floor" in on else "bit",
+        at="top" if on & {"rock_floor", "bit_regenerative"} else "bit",
         form="spatial" if "stretch" in on else "lateral",
     )
 

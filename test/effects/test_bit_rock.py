@@ -200,3 +200,18 @@ def test_a_law_along_or_about_the_axis_needs_stretch_and_torsion(key):
     data["effects"] = {key: {"stiffness": 1e8} if key == "rock_floor" else {}}
     with pytest.raises(ValidationError, match=f"{key} needs stretch"):
         type(steel({})).model_validate(data)
+
+
+@pytest.mark.long
+def test_a_bit_that_is_lifted_off_a_rock_floor_has_no_torque():
+    """The law of torque takes the force of the rock, in the equations too, though it is listed before the rock."""
+    effects = {"bit_torque_tanh": {}, "bit_mass": {"inertia": 1.0}, "rock_floor": {"stiffness": 1e8, "damping": 1e5}}
+    twin = Twin(steel(effects, at="top", weight_on_bit=1e5))
+    turning = [twin.advance(Command(1e5, SPEED), 0.1).rig.bit_torque for _ in range(10)]
+    assert turning[-1] < 0.0
+    for _ in range(10):
+        twin.advance(Command(-1e5, SPEED), 0.05)
+    twin.dynamics.command[0] = 1e5
+    falling = twin.advance(Command(1e5, SPEED), 0.01).rig
+    assert falling.bit_force == falling.bit_torque == 0.0
+    assert abs(falling.top_drive_torque) < 0.01 * abs(turning[-1])

@@ -31,6 +31,7 @@ TOPICS = {
     "contact.rub": "walled",
     "contact.bit": "bit",
     "contact.stick_slip": "two masses",
+    "contact.regenerative": "regenerative",
     "numerics.conservation": "quiet",
     "numerics.symmetry": "walled",
     "numerics.convergence_order": "quiet",

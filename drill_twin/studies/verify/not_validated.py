@@ -20,8 +20,8 @@ their numbers are not available to us. Pure rolling, the threshold of internal d
 Start-up of a well off bottom: the first mode and its damping are checked, the break-off torque and the field records
 of Aarsnes and Shor 2018 are not.
 
-Regenerative cutting (axial-torsional coupling by delay): no effect of the twin stores the rock surface that the last
-blade left.
+Regenerative cutting on a real rig: the law's linear limits and its cycle are checked, no record of a bit's depth of cut
+is open.
 
 Laboratory rigs: of the published ones only the UFRJ stick-slip rig has raw data, and neither its inertia nor its
 stiffness.

@@ -197,6 +197,20 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
         "dispersion": or_zero(0.01, 0.5),
         "seed": SEED,
     },
+    "bit_regenerative": {
+        "radius": lambda s: log(0.3 * s.radius, 2.0 * s.radius),
+        "blades": pick(1, 3, 4, 8),
+        "specific_energy": lambda s: log(10.0 * s.load / s.radius**2, min(1e5 * s.load / s.radius**2, 1e11)),
+        "thrust": between(0.1, 2.0),
+        "wear": lambda s: or_zero(1e-4 * s.radius, 0.1 * s.radius),
+        "contact_strength": lambda s: log(0.1 * s.load / s.radius**2, min(10.0 * s.load / s.radius**2, 1e11)),
+        "friction": or_zero(1e-3, 2.0),
+        "spread": between(0.5, 2.0),
+        "regeneration": pick(True, False),
+        "contact_depth": just(1e-5),
+        "settling": just(1e-6),
+        "creep": log(1e-5, 1e-2),
+    },
     "bit_friction": {
         "coefficient": or_zero(1e-3, 2.0),
         "radius": lambda s: log(0.1 * s.radius, s.radius),
@@ -341,7 +355,7 @@ def scene(draw: Draw, names: frozenset[str]) -> dict[str, Any]:
     turn = between(-3.0 * s.frequency, 3.0 * s.frequency)
     top = math.tau * 50.0
     speeds = [max(-top, min(top, draw(turn))) for _ in range(2)]
-    at = "top" if "rock_floor" in names else "bit"
+    at = "top" if names & {"rock_floor", "bit_regenerative"} else "bit"
     change = block(
         shape=pick("step", "ramp"), start=between(0.0, 5.0 / frame), duration=or_zero(0.1 / frame, 10.0 / frame)
     )
