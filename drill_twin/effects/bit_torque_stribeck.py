@@ -62,10 +62,10 @@ def dual_variable(memory: Array, time: float, h2: float, speed: float, size: flo
     """Dual variable of the primal-dual Newton method: share of the friction limit, -1 to 1, from the last iterate.
 
     Newton's method oscillates at the kink of w / |w|; with ``dual |w| = w``, linearised in both, it converges (Chan,
-    Golub and Mulet 1999).
+    Golub and Mulet 1999). An iterate is the last one of the same step, or of the same instant, which has time 0.
     """
     share = 0.0
-    if memory[3] == time and memory[4] == h2:
+    if memory[3] == time and (memory[4] == h2 or time == 0.0):
         share = (speed - memory[2] * memory[0] * (speed - memory[0]) / memory[1]) / memory[1]
         share = max(-1.0, min(1.0, share))
     memory[0], memory[1], memory[2], memory[3], memory[4] = speed, size, share, time, h2

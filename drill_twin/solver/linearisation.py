@@ -104,15 +104,16 @@ def _bind(form: Formulation, end_load: Any, count: int, column: Any, right: Any)
                 for c in range(count):
                     own[k, c] -= 0.5 * ends[BIT, column(k), column(c)]
         for c in range(count):
-            speed = trial[0, column(c)]
-            for sign in range(2):
+            speed, before = trial[0, column(c)], state.v[0, column(c)]
+            for sign in range(2):  # at one acceleration: of a body at the bit too
                 way = 0.5 if sign == 0 else -0.5
                 trial[0, column(c)] = speed + 2.0 * way * CHANGE
+                state.v[0, column(c)] = before + 2.0 * way * CHANGE
                 ends[:] = 0.0
                 end_load(parameters, rod, work.command, 0.0, LONG, state.place, trial, state.v, ends)
                 for k in range(count):
                     own[k, c] += way / CHANGE * ends[BIT, column(k), RESIDUAL]
-            trial[0, column(c)] = speed
+            trial[0, column(c)], state.v[0, column(c)] = speed, before
         from_bit(frame, state.place[0], trial[0])
         turn_row_back(frame, state.v[0])
 
