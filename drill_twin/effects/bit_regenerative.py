@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drag bit whose blades cut the surface that the blade before has left: cutters and wear flats, with memory of the rock.
+"""Drag bit whose blades cut what the blade before has left: cutters and wear flats, with memory of the rock.
 
 The depth of cut depends on the bit's position one blade spacing of rotation ago, a delay that depends on the motion
 (Richard, Germay and Detournay 2007). The rock's surface is kept over the angle, not over time: a blade spacing of it in
@@ -16,7 +16,7 @@ from drill_twin.base.arrays import Array, Triple
 from drill_twin.base.jit import kernel
 from drill_twin.effects.bit_torque_stribeck import dual_variable
 from drill_twin.effects.config import EffectConfig, Flag, Incompatibility
-from drill_twin.model.bit import BIT_TORQUE, DRILLED, Bit, apply_support, correct_weight_impulse, rock_height
+from drill_twin.model.bit import BIT_TORQUE, DRILLED, Bit, apply_support, correct_weight_impulse
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.units import AngularSpeed, Dimensionless, Length, Pressure, Speed, Within, refuse, show
@@ -39,8 +39,8 @@ class BitRegenerative(EffectConfig):
     """Cutting and friction of a drag bit, with T = a/2 (eps a d + mu gamma Wf) and W = zeta eps a d + Wf.
 
     The laws are those of Detournay and Defourny (1992). The depth of cut d of n blades is regenerative (Richard, Germay
-    and Detournay 2007): n times the depth of the bit below the surface that it left 2 pi / n of rotation before. A bit that
-    turns backwards does not cut: the surface stays, and the same torque is against the rotation.
+    and Detournay 2007): n times the depth of the bit below the surface that it left 2 pi / n of rotation before. A bit
+    that turns backwards does not cut: the surface stays, and the same torque is against the rotation.
     """
 
     requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
@@ -118,7 +118,7 @@ class Forces(NamedTuple):
 
 
 class Regeneration(NamedTuple):
-    """Linear regeneration about steady drilling: the force is b (c.q(t) - c.q(t - delay)) with q = (z, psi) of the bit."""
+    """Linear regeneration about steady drilling: force b (c.q(t) - c.q(t - delay)) with q = (z, psi) of the bit."""
 
     delay: float  # [s]
     rate: float  # of penetration [m/s]
@@ -139,7 +139,7 @@ def parameters(block: BitRegenerative, model: DiscreteModel) -> Parameters:
 
 
 def regeneration(rock: Parameters, weight: float, speed: float) -> Regeneration | None:
-    """Linear regeneration in steady drilling under a weight [N] at a speed [rad/s]; None where the bit does not drill."""
+    """Linear regeneration in steady drilling at a weight [N] and a speed [rad/s]; None where the bit does not drill."""
     depth = (weight - rock.worn) / rock.axial
     if depth <= 0.0 or speed <= 0.0 or rock.regenerative == 0.0:
         return None

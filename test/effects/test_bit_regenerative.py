@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Regenerative cutting: memory of the rock, lifting off, standing, turning back, checkpoints, and its place in statics."""
+"""Regenerative cutting: memory of the rock, lifting off, standing, turning back, checkpoints, and statics."""
 
 import math
 

@@ -28,13 +28,13 @@ AXIAL = THRUST * ENERGY * RADIUS
 TURNING = 0.5 * ENERGY * RADIUS**2
 """Torque per depth of cut [N]."""
 LIMIT = 2.0 / BLADES * math.sqrt(2.0 * BLADES * AXIAL / MASS)
-"""Speed below which steady drilling of a bit that cannot twist is unstable [rad/s]: 2 sqrt(2 psi / n) over sqrt(I / C)."""
+"""Speed below which steady drilling of a bit that cannot twist is unstable [rad/s]: 2 sqrt(2 psi / n) sqrt(C / I)."""
 DEPTH = 2e-3
 LENGTH, DIAMETER = 0.1, 0.03
 
 
 def scene(worn: float, speed: float, step: float, *, inertia: float = INERTIA, regeneration: bool = True) -> Scene:
-    """The bit below a short light rod whose twist is the spring; it cuts 2 mm a turn, its wear flats carry `worn` [N]."""
+    """The bit below a short light rod, the spring; it cuts 2 mm a turn, and its wear flats carry `worn` [N]."""
     shear = SPRING * LENGTH / (math.pi / 32.0 * DIAMETER**4)
     weight = AXIAL * DEPTH + worn
     return Scene.model_validate({
