@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`drill-twin watch --foxglove`: a client of the Foxglove protocol gets the topics, and the layout is about them."""
+"""`drill-twin watch --foxglove`: a client of the Foxglove protocol gets the topics, and the layouts show them."""
 
 import json
 import re
 import struct
 import sys
 import time
-from pathlib import Path
 
 import pytest
+from rclpy.qos import DurabilityPolicy
 from rclpy.serialization import deserialize_message
+from view_layouts import check_foxglove, check_plotjuggler, check_rviz, layout_topics
 from websockets.sync.client import connect
 
 from drill_twin.io.messages.topics import OF_EVERY_RUN, RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_COMMAND
@@ -18,7 +19,6 @@ from drill_twin.ros.core.topics.rclpy_topics import message_class
 pytest.importorskip("foxglove", reason="needs foxglove-sdk: pip install 'drill_twin[foxglove]'")
 
 STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
-LAYOUT = Path(__file__).resolve().parents[2] / "config" / "views" / "foxglove.json"
 DATA = struct.Struct("<BIQ")  # operation, subscription, time [ns]
 
 
@@ -43,7 +43,7 @@ def _messages(url, wanted):
     return channels, found
 
 
-def test_a_viewer_gets_every_topic_and_the_layout_leads_to_numbers(bench):
+def test_a_viewer_gets_every_topic_and_the_layouts_show_the_running_twin(bench):
     bench.start("analyzer")
     bench.start("simulator", overrides=STEADY)
     bench.start("rig_driver", overrides=STEADY)
@@ -59,11 +59,14 @@ def test_a_viewer_gets_every_topic_and_the_layout_leads_to_numbers(bench):
         assert (channels[topic]["encoding"], channels[topic]["schemaEncoding"]) == ("cdr", "ros2msg")
     messages = {topic: deserialize_message(raw, message_class(TOPICS[topic])) for topic, raw in found.items()}
     assert set(messages[RIG_COMMAND].name) == {"bit", "top_drive"}
-    layout = json.loads(LAYOUT.read_text("utf-8"))
-    paths = [path["value"] for panel in layout["configById"].values() for path in panel.get("paths", [])]
-    for path in paths:
-        topic, field, index = re.fullmatch(r"([/\w]+)\.(\w+)\[(\d+)\]", path).groups()
-        assert isinstance(getattr(messages[topic], field)[int(index)], float), path
+    for check in (check_rviz, check_foxglove, check_plotjuggler):
+        check(messages)
+    # A viewer on DDS finds each topic of the layouts with the type and durability that it asks for.
+    for topic in sorted(layout_topics()):
+        offers = bench.node.get_publishers_info_by_topic(topic)
+        assert {offer.topic_type for offer in offers} == {TOPICS[topic].type_name}, topic
+        latched = {offer.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for offer in offers}
+        assert latched == {TOPICS[topic].latched}, topic
 
 
 def test_a_bag_is_not_served_to_viewers(bench):
