@@ -8,6 +8,8 @@ from collections.abc import Iterator, Mapping
 
 from drill_twin.errors import DrillTwinError
 from drill_twin.live.trends import CHANNELS
+from drill_twin.units import UnitError, parse
+from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TORQUE
 
 NAMES = {
     "wob": "weight on bit",
@@ -18,9 +20,29 @@ NAMES = {
     "rop": "rate of penetration",
 }
 """Words for the channels."""
+_DIMENSIONS = {
+    "wob": FORCE, "rps": ANGULAR_SPEED, "bit_rps": ANGULAR_SPEED, "torque": TORQUE, "hookload": FORCE, "rop": SPEED
+}  # fmt: skip
 SIDES = ("low", "high")
 DELAY = 1.0
 """Time beyond a limit that raises an alarm, and within it that ends one [s of simulated time]."""
+
+
+def parse_limit(text: str) -> dict[str, float]:
+    """Name and value of a limit written as `torque_high=12 kN m`, for `Limits.set`.
+
+    Raises:
+        DrillTwinError: It is none, or the value has no fitting unit.
+    """
+    name, _, value = (part.strip() for part in text.partition("="))
+    channel = name.rpartition("_")[0]
+    if channel not in _DIMENSIONS or not value:
+        raise DrillTwinError(f"expected a limit as torque_high=12 kN m, of {', '.join(CHANNELS)}, found {text[:100]!r}")
+    try:
+        found = parse(value, _DIMENSIONS[channel])
+    except UnitError as error:
+        raise DrillTwinError(f"limit {name}: {error}") from None
+    return {name: found / math.tau if _DIMENSIONS[channel] is ANGULAR_SPEED else found}
 
 
 class Limits:

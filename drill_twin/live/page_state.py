@@ -78,6 +78,7 @@ class PageState:
         self._sources = sources
         self._lock = threading.Lock()
         self._supervision = Supervision(recorded=sources is None)
+        self._state = ""  # of the simulator, which another scene does not change
         self._marks_reader, self._rig_reader, self._whirl_reader = (JointStateReader().read for _ in range(3))
         self.skipped = SkippedMessages()
         """Messages that could not be used."""
@@ -217,6 +218,7 @@ class PageState:
                 self._simulator = {"factor": "", "text": status.text}
             if "realtime_factor" in status.values:
                 values, self._starting = status.values, ""
+                self._state = _short(values.get("state", ""))
                 self._simulator = {
                     "factor": _short(values.get("realtime_factor_last_second", values["realtime_factor"])),
                     "text": _short(values.get("pace", "") if status.level == Level.OK else status.text),
@@ -238,6 +240,7 @@ class PageState:
                 "advice": self._advice,
                 "map": self._map,
                 "simulator": self._simulator,
+                "state": self._state,
                 "ages": {},
                 "graph": [],
                 **self._supervision.snapshot(),

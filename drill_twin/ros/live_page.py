@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS node behind the live page: feeds the page from the twin's topics, and sends the set-points of its sliders.
 
-With a rig driver in the graph its live parameters are set; without one the single set-points are published.
+With a rig driver in the graph its live parameters are set; without one the single set-points are published. Pause, step
+and reset are the services of the simulator.
 """
 
 from __future__ import annotations
@@ -18,12 +19,14 @@ from typing import Any, ClassVar
 from rcl_interfaces.srv import SetParameters
 from rclpy.context import Context
 from rclpy.parameter import Parameter as RosParameter
+from std_srvs.srv import Trigger
 
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
 from drill_twin.live.foxglove_server import FoxgloveServer
+from drill_twin.live.limits import parse_limit
 from drill_twin.live.page_state import INPUTS, PageState
 from drill_twin.live.sources import GONE, Sources
 from drill_twin.ros.core.node import TwinNode
@@ -35,6 +38,7 @@ from drill_twin.schedule.command import Command
 
 _DEPTH = 50  # messages; the page shows fewer
 _MATCHING = 3.0  # s; a simulator has been found by then
+_CONTROLS = ("pause", "resume", "step", "reset")
 _SET_POINTS = {"wob": ("weight_on_bit", "N", WOB_COMMAND), "rps": ("rotation", "rev/s", RPS_COMMAND)}
 
 
@@ -59,8 +63,11 @@ class LivePage(TwinNode):
         self._requests: dict[str, float] = {}  # the newest value of each slider
         self._requests_lock = threading.Lock()
         self._pending: list[tuple[str, float, Any]] = []
+        self._asked: list[str] = []  # controls of the run
+        self._answers: list[Any] = []
         self._refused = ""
         self._driver = self.create_client(SetParameters, "rig_driver/set_parameters")
+        self._controls = {name: self.create_client(Trigger, f"simulator/{name}") for name in _CONTROLS}
 
     def open(self) -> None:
         """Create the topics."""
@@ -85,16 +92,20 @@ class LivePage(TwinNode):
         return {**self.page_state.snapshot(), "refused": self._refused}
 
     def on_request(self, request: Mapping[str, Any]) -> None:
-        """Queue the set-points of the sliders, for `work`: called in the server's thread.
+        """Queue set-points and controls of the run, for `work`: called in the server's thread.
 
         Raises:
-            DrillTwinError: A name is not that of a set-point.
+            DrillTwinError: A name is none of these, nor of an alarm or a limit.
         """
         for name, value in self.page_state.take(request).items():
-            if name not in _SET_POINTS or isinstance(value, bool):
-                raise DrillTwinError(f"expected a set-point wob or rps, found {name}")
+            if isinstance(value, bool) != (name in _CONTROLS) or name not in {*_SET_POINTS, *_CONTROLS}:
+                expected = f"{', '.join(_SET_POINTS)} with a number or {', '.join(_CONTROLS)} with true"
+                raise DrillTwinError(f"expected {expected}, found {name}: {value}")
             with self._requests_lock:
-                self._requests[name] = float(value)
+                if name in _SET_POINTS:
+                    self._requests[name] = float(value)
+                elif value:
+                    self._asked.append(name)
 
     def work(self) -> None:
         """Process messages, and send the requested set-points."""
@@ -102,10 +113,23 @@ class LivePage(TwinNode):
         self._scenes.work()
         with self._requests_lock:
             requests, self._requests = self._requests, {}
+            asked, self._asked = self._asked, []
         for name, value in requests.items():
+            self.page_state.note(
+                f"set-point: {_SET_POINTS[name][0].replace('_', ' ')} {value:.6g} {_SET_POINTS[name][1]}"
+            )
             self._command(name, value)
-        if self._pending:
+        for name in asked:
+            self._control(name)
+        if self._pending or self._answers:
             self._check_answers()
+
+    def _control(self, name: str) -> None:
+        """Ask the simulator to pause, go on, step or begin again."""
+        if self._controls[name].service_is_ready():
+            self._answers.append(self._controls[name].call_async(Trigger.Request()))
+        else:
+            self._refused = f"expected a simulator to {name}, found none"
 
     def _command(self, name: str, value: float) -> None:
         parameter, unit, _ = _SET_POINTS[name]
@@ -117,6 +141,11 @@ class LivePage(TwinNode):
             self._publish(name, value)
 
     def _check_answers(self) -> None:
+        for answer in [answer for answer in self._answers if answer.done()]:
+            self._answers.remove(answer)
+            said = answer.result()
+            self._refused = "" if said.success else said.message
+            self.page_state.note(said.message)
         present = self._driver_present()
         pending, self._pending = self._pending, []
         for name, value, answer in pending:
@@ -166,17 +195,21 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (%(default)s)")
     parser.add_argument("--port", type=int, default=8000, help="port of the page; 0: a free one (%(default)s)")
     parser.add_argument("--allow-host", action="append", default=[], help="name of this server; repeatable")
+    parser.add_argument("--limit", action="append", default=[], help="limit, as torque_high=12 kN m; repeatable")
     parser.add_argument("--no-browser", action="store_true", help="do not open the browser")
     parser.add_argument("--foxglove", type=int, help="port for viewers that speak the Foxglove protocol; 0: a free one")
     own = list(arguments)
     ros = own[own.index("--ros-args") :] if "--ros-args" in own else []
     given = parser.parse_args(own[: len(own) - len(ros)])
+    limits = [parse_limit(text) for text in given.limit]
     context = init_context(ros, stop)
     viewers = None
     try:
         with stop.at_once(), readable_refusal():
             viewers = None if given.foxglove is None else FoxgloveServer(given.host, given.foxglove)
             node = LivePage(context, viewers)
+            for limit in limits:
+                node.page_state.take(limit)
         server = PageServer(
             node.snapshot,
             node.on_request,

@@ -9,6 +9,7 @@ import pytest
 from drill_twin.errors import DrillTwinError
 from drill_twin.live.alarms import Alarms
 from drill_twin.live.lamps import stick_slip_lamp, whirl_lamp
+from drill_twin.live.limits import parse_limit
 from drill_twin.live.supervision import Supervision
 from drill_twin.live.trends import CHANNELS, SECONDS, Trends
 
@@ -65,6 +66,15 @@ def test_an_impossible_request_is_refused_with_a_sentence(request_):
     seen = Supervision(recorded=False)
     with pytest.raises(DrillTwinError, match=r"^expected "):
         seen.take(request_)
+
+
+def test_a_limit_of_the_command_line_has_a_unit():
+    assert parse_limit("torque_high=12 kN m") == {"torque_high": 12e3}
+    assert parse_limit("rps_low = 90 rpm") == {"rps_low": pytest.approx(1.5)}
+    assert parse_limit("rop_high=36 m/h") == {"rop_high": pytest.approx(0.01)}
+    for wrong in ("", "torque", "torque_high=", "speed_high=3 rpm", "torque_high=12 kN", "wob_high=5"):
+        with pytest.raises(DrillTwinError, match="expected"):
+            parse_limit(wrong)
 
 
 def test_severity_of_the_lamps():

@@ -52,8 +52,20 @@ def test_the_page_of_a_running_twin_shows_it_and_commands_it(bench, browse, tmp_
     # Without a driver the sliders are the single set-points.
     assert driver.end() == 0
     bench.until_status("simulator", lambda status: "/rig_driver" not in status.values["command_sources"])
-    browser.slide("wob_slider", 20)
+    browser.type("wob_entry", "20")
     bench.until(lambda: applied()[0] == pytest.approx(20.0), what="the single set-point")
+    browser.click("pause")
+    bench.until(lambda: browser.text("pause") == "resume", what="the pause")
+    browser.click("step")
+    bench.until(lambda: "1 frame on" in browser.text("events"), what="the step")
+    time_before = browser.picture("picture.time")
+    browser.click("reset")
+    assert browser.text("reset").startswith("press again")
+    browser.click("reset")
+    bench.until(lambda: browser.picture("picture.time") < time_before, what="the beginning")
+    browser.click("pause")
+    browser.type("wob_entry", "30")  # it waits for a command
+    bench.until(lambda: browser.picture("picture.time") > 0.1, what="the run to go on")
     browser.screenshot(tmp_path / "page.png")
     assert (tmp_path / "page.png").stat().st_size > 20_000
     for process in (page, analyzer, simulator):
@@ -160,6 +172,30 @@ def test_a_page_is_no_source_of_commands_before_a_slider_moves(bench, joints):
         bench.until_status("simulator", lambda status: not status.values["command_sources"])
         socket.send('{"wob": 20}')
         bench.until(lambda: joints(states[-1:])[0].effort[1] == pytest.approx(20.0), what="the single set-point")
+
+        def said(wanted):
+            picture = json.loads(socket.recv(timeout=10.0))
+            bench.spin(0.01)
+            return "error" not in picture and wanted(picture) and picture
+
+        def told(text):
+            until(lambda: said(lambda picture: text in picture["events"][-1]["text"]), f"the event {text!r}")
+
+        told("set-point: weight on bit 20 N")
+        socket.send('{"step": true}')
+        until(lambda: said(lambda picture: "expected a paused run to step" in picture["refused"]), "the refusal")
+        socket.send('{"pause": true}')
+        told("paused at ")
+        until(lambda: said(lambda picture: picture["state"] == "paused" and not picture["refused"]), "the pause")
+        socket.send('{"step": true}')
+        told("1 frame on, at ")
+        socket.send('{"reset": true}')
+        told("began again at ")
+        socket.send('{"resume": true}')
+        told("running from ")
+        for wrong in ('{"pause": 1}', '{"wob": true}', '{"halt": true}'):
+            socket.send(wrong)
+            until(lambda: json.loads(socket.recv(timeout=10.0)).get("error", "").startswith("expected wob, "), "no")
     bench.until_status("simulator", lambda status: status.values["command_sources"] == "/watch")
     driver = bench.start("rig_driver", wait_for="simulator test", overrides=STEADY)
     bench.until_status("simulator", lambda status: status.values["command_sources"] == "/rig_driver")

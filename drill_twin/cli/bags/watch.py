@@ -29,6 +29,15 @@ def watch(
         list[str],
         typer.Option("--allow-host", metavar="NAME", help="A name by which browsers know this server; repeatable."),
     ] = [],  # noqa: B006  typer does not change the default
+    limit: Annotated[
+        list[str],
+        typer.Option(
+            "--limit",
+            metavar="NAME=VALUE",
+            help='Limit that raises an alarm, as "torque_high=12 kN m": _low or _high of wob, rps, bit_rps, torque, '
+            "hookload or rop; repeatable. It can be changed on the page.",
+        ),
+    ] = [],  # noqa: B006
     browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
     namespace: NamespaceOption = "",
     foxglove: Annotated[
@@ -45,11 +54,12 @@ def watch(
     if bag is not None and foxglove is not None:
         raise DrillTwinError("expected --foxglove without a bag, found both; Foxglove opens the bag itself")
     if bag is not None:
-        _play(bag, host, port, allow_host, namespace or None, browser=browser)
+        _play(bag, host, port, allow_host, namespace or None, limit, browser=browser)
         return
     from drill_twin.ros.entry_points import start
 
     names = [word for name in allow_host for word in ("--allow-host", name)]
+    names += [word for text in limit for word in ("--limit", text)]
     arguments = ["--host", host, "--port", str(port), *names, *([] if browser else ["--no-browser"])]
     if foxglove is not None:
         arguments += ["--foxglove", str(foxglove)]
@@ -58,14 +68,20 @@ def watch(
     raise typer.Exit(start("watch", arguments))
 
 
-def _play(bag: Path, host: str, port: int, allowed: list[str], namespace: str | None, *, browser: bool) -> None:
+def _play(
+    bag: Path, host: str, port: int, allowed: list[str], namespace: str | None, limits: list[str], *, browser: bool
+) -> None:
     from drill_twin.cli.show import err
     from drill_twin.io.bag.reading.files import bag_path
+    from drill_twin.live.limits import parse_limit
     from drill_twin.live.player import Player
     from drill_twin.live.server import PageServer
 
+    parsed = [parse_limit(text) for text in limits]
     with err().status("reading the bag"):
         player = Player(bag_path(bag), namespace)
+    for one in parsed:
+        player.state.take(one)
     for text in player.damage:
         err().print(text, markup=False, highlight=False)
     server = PageServer(

@@ -54,8 +54,8 @@ export function beginControls(scene) {
 export function showControls(picture) {
   const { player } = picture;
   $("rig").hidden = !!player; $("player").hidden = !player;
-  $("pause").textContent = picture.simulator.state === "paused" ? "resume" : "pause";
-  $("step").disabled = picture.simulator.state !== "paused";
+  $("pause").textContent = picture.state === "paused" ? "resume" : "pause";
+  $("step").disabled = picture.state !== "paused";
   if (player && !opened) { opened = true; if (!player.playing) say({ seek: player.begin, play: true }); }
   if (player && Date.now() - touched.seek > 400) {
     $("seek").max = player.length; $("seek").value = player.at; $("play").textContent = player.playing ? "pause" : "play";

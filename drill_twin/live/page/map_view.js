@@ -24,7 +24,8 @@ export function drawMap() {
   const { map, rig, advice } = state.picture ?? {};
   if (!map || !window.Plotly || $("advice").hidden) return;
   legend(map);
-  const force = size("force"), rotation = size("rotation"), here = [rig.rps, rig.wob], there = [advice.rps, advice.wob];
+  const force = size("force"), rotation = size("rotation"), clamp = (value, [low, high]) => typeof value === "number" ? Math.min(Math.max(value, low), high) : value;
+  const here = [clamp(rig.rps, map.rps), clamp(rig.wob, map.wob)], there = [advice.rps, advice.wob];
   const key = JSON.stringify([map.digest, map.codes.length, here.map((value) => value?.toPrecision(3)), there, unit("force"), unit("rotation")]);
   if (key === drawn) return;
   drawn = key;
