@@ -20,6 +20,7 @@ from drill_twin.rotordynamics.branches import Branch
 from drill_twin.rotordynamics.campbell import Campbell
 from drill_twin.rotordynamics.equations import EquationsOfMotion, without
 from drill_twin.rotordynamics.growth_map import GrowthMap
+from drill_twin.rotordynamics.imperfections import Modulation, locked_states, modulation
 from drill_twin.rotordynamics.modes import ModeTable, Resting
 from drill_twin.rotordynamics.steady_whirl import TurningEquations
 from drill_twin.rotordynamics.whirl_states import WhirlState
@@ -157,6 +158,20 @@ def whirl_states(
     own = steady_scene(scene, overrides, without)
     equations = EquationsOfMotion(own)
     return _whirl_states.whirl_states(equations, final_command(own), random_starts=random_starts, seed=seed)
+
+
+def imperfect_states(
+    scene: Scene, states: Sequence[WhirlState]
+) -> tuple[tuple[Modulation, ...], tuple[WhirlState, ...]]:
+    """Modulation of each state by bow and eccentricity, to first order, and the states locked to the rotation.
+
+    Args:
+        scene: A scene of `steady_scene`.
+        states: Its steady whirls.
+    """
+    turning = TurningEquations(EquationsOfMotion(scene))
+    locked = locked_states(turning, final_command(scene))
+    return tuple(modulation(turning, state.whirl) for state in states), locked
 
 
 def branches(

@@ -34,13 +34,18 @@ def _ignore(part: str) -> None:
 
 
 def build_report(
-    bag: Recording | str | Path, out_dir: str | Path, *, progress: Callable[[str], None] = _ignore
+    bag: Recording | str | Path,
+    out_dir: str | Path,
+    *,
+    states: bool = False,
+    progress: Callable[[str], None] = _ignore,
 ) -> ReportFiles:
     """Write `report.html`, `summary.json` and the figures; older files of these names are replaced.
 
     Args:
         bag: A recording, or the path of a bag.
         out_dir: Folder of the report; created if needed.
+        states: Name the steady whirl that each finding is near (`drill_twin.report.near_states`).
         progress: Called with the name of each part before it is made.
 
     Raises:
@@ -49,6 +54,11 @@ def build_report(
     progress("analysis")
     recording = bag if isinstance(bag, Recording) else read_recording(bag)
     summary = summarise(recording)
+    if states:
+        from drill_twin.report.near_states import near_states
+
+        progress("whirl states")
+        summary["whirl_states"] = near_states(recording, summary)
     folder = Path(out_dir)
     files = ReportFiles(
         folder / "report.html", folder / "summary.json", {name: folder / f"{name}.png" for name in FIGURES}

@@ -60,6 +60,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `energy`: the energy balance at the end [J], where the scene asks for it; `residual` as a share of `scale_J`.
         * `scene`, `effects`, `elements`, `step_s`, `seed`, `version`, `pace`, `started`: the run.
         * `duration_s`, `samples`, `quality`, `truncated`, `damage`, `notes`: extent and quality of the bag.
+        * `whirl_states`, only where asked for: the steady whirls near the findings (`drill_twin.report.near_states`).
         * `live`: findings recorded while the twin ran, and the number that differ from this analysis.
 
     Raises:

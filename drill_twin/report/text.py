@@ -48,10 +48,22 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", _radius(value, summary["clearance_m"].get(mark))
+    yield from _states(summary)
     yield from _wall(summary)
     yield from _loads(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield from _bit(summary)
+
+
+def _states(summary: Summary) -> Iterator[Row]:
+    """Rows on the steady whirls near the findings, where they were asked for."""
+    found = summary.get("whirl_states") or {}
+    for one in found.get("findings", ()):
+        yield f"{one['finding']}: state", one["sentence"]
+    if "conclusion" in found:
+        yield "why this whirl", found["conclusion"]
+    for note in found.get("notes", ()):
+        yield "whirl states", note
 
 
 def _wall(summary: Summary) -> Iterator[Row]:

@@ -97,7 +97,8 @@ class BlockRows:
             return np.full(right.shape, np.nan)
         solution: Array = found[:, 0].copy()
         if instead is not None:
-            own = solution[held] / found[held, 1]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                own = solution[held] / found[held, 1]
             solution -= own * found[:, 1]
             solution[held] = own
         return solution

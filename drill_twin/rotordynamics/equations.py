@@ -43,6 +43,8 @@ TIME_DEPENDENT = {
     "bit_side_force": "a force of fixed direction at the bit",
 }
 """Effects without a place in a steady state, and what they are."""
+IMPERFECTIONS = {"bow": ("moment",), "eccentricity": ("imbalance", "inertia")}
+"""Effects that turn with the string and break the symmetry, and the arrays of their parameters."""
 COLUMNS = {"lateral": np.array([0, 1, 3, 4]), "spatial": np.arange(7)}
 """Columns of the unknowns in a node's row of seven."""
 
@@ -161,14 +163,19 @@ class EquationsOfMotion:
         self.unknowns = int(self.free.sum())
         self.block_rows = BlockRows(self.free, self.columns)
         self._entry: Any = None
-        self._remove_imperfections()
+        arrays = [
+            array
+            for key, names in IMPERFECTIONS.items()
+            if (block := getattr(self.parameters, key, None)) is not None
+            for array in (getattr(block, name) for name in names)
+        ]
+        self._imperfections = [(array, array.copy()) for array in arrays]
+        self.set_imperfections(0.0)
 
-    def _remove_imperfections(self) -> None:
-        if (bow := getattr(self.parameters, "bow", None)) is not None:
-            bow.moment[:] = 0.0
-        if (eccentricity := getattr(self.parameters, "eccentricity", None)) is not None:
-            eccentricity.imbalance[:] = 0.0
-            eccentricity.inertia[:] = 0.0
+    def set_imperfections(self, share: float) -> None:
+        """Set bow and eccentricity to a share of those of the scene."""
+        for array, own in self._imperfections:
+            array[:] = share * own
 
     def on_axis(self, command: Command) -> tuple[Array, Array]:
         """Position and velocity of the string on the axis of the hole, turning; rows of seven, shape (n + 1, 7)."""

@@ -127,13 +127,14 @@ class TurningEquations:
                 return whirl
         return None
 
-    def spectrum(self, whirl: Whirl) -> ComplexArray:
-        """Eigenvalues in the turning frame without the zero one [rad/s], fastest growth first."""
+    def spectrum(self, whirl: Whirl, *, is_locked: bool = False) -> ComplexArray:
+        """Eigenvalues in the turning frame [rad/s], fastest growth first; without the zero one, if there is one."""
         system = self.at(whirl)
         gyroscopic = system.damping + 2.0 * whirl.omega * self.frame.times_j(system.mass)
         stiffness = system.rows.dense(self.stiffness(system, whirl.omega))
         values = eigenvalues_only(Pencil(system.mass, gyroscopic, stiffness))
-        values = np.delete(values, int(np.argmin(np.abs(values))))
+        if not is_locked:
+            values = np.delete(values, int(np.argmin(np.abs(values))))
         return np.asarray(values[np.argsort(-values.real)], np.complex128)
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -26,6 +27,7 @@ SAME_SPEED, SAME_SHAPE = 1e-4, 1e-3
 this share of the clearance."""
 DEFLATIONS = 4
 """Most steady whirls taken from one first guess."""
+MOST_UNKNOWNS = 1000
 ROLLING = 1e-2
 """Largest slip of a rolling string, over the speed of its surface."""
 
@@ -69,7 +71,9 @@ class WhirlState:
 
     @property
     def kind(self) -> str:
-        """Sense of the whirl, and whether the string rolls."""
+        """Sense of the whirl, and whether the string rolls; or that it is locked to the rotation."""
+        if self.whirl.omega == self.whirl.command.rotation:
+            return "locked"
         if abs(self.slip) < ROLLING:
             return "backward rolling" if self.ratio < 0.0 else "forward rolling"
         return "backward" if self.ratio < 0.0 else "forward"
@@ -79,7 +83,7 @@ def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
     """Raise where no steady whirl exists.
 
     Raises:
-        SceneError: An inclined or curved hole, no wall, or no rotation.
+        SceneError: An inclined or curved hole, no wall, no rotation, or too fine a mesh.
     """
     name = equations.scene.name
     if not is_vertical(equations):
@@ -94,12 +98,22 @@ def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
         )
     if not hasattr(equations.parameters, "wall"):
         raise SceneError(f"{name}: expected the effect wall, found none: nothing limits a whirl; see drill-twin modes")
+    if equations.unknowns > MOST_UNKNOWNS:
+        raise SceneError(
+            f"{name}: expected at most {MOST_UNKNOWNS} unknowns, since stability needs eigenvalues of full matrices, "
+            f"found {equations.unknowns}; take fewer elements (--set numerics.elements=100)"
+        )
     if command.rotation == 0.0:
         raise SceneError(f"{name}: expected a rotation other than 0, found none; give one, such as --rps 2")
 
 
 def whirl_states(
-    equations: EquationsOfMotion, command: Command, *, random_starts: int = RANDOM_STARTS, seed: int = SEED
+    equations: EquationsOfMotion,
+    command: Command,
+    *,
+    random_starts: int = RANDOM_STARTS,
+    seed: int = SEED,
+    seconds: float = math.inf,
 ) -> tuple[WhirlState, ...]:
     """Steady whirl states, by falling whirl speed.
 
@@ -108,10 +122,12 @@ def whirl_states(
         command: Weight on bit and rotation.
         random_starts: Random first shapes, besides the lowest modes.
         seed: Of the random shapes.
+        seconds: Processor time after which no other first guess is taken [s].
 
     Raises:
         SceneError: No steady whirl can exist in the scene.
     """
+    ends = time.process_time() + seconds
     check_whirls(equations, command)
     turning = TurningEquations(equations)
     friction = getattr(equations.parameters, "wall_friction", None)
@@ -122,6 +138,8 @@ def whirl_states(
         soft: list[Whirl] = []
         for guess in _guesses(ShapeSearch(turning, command), seed, random_starts):
             _add_near(turning, guess, soft)
+            if time.process_time() > ends:
+                break
         for whirl in soft:
             set_creep(turning, max(SOFT_CREEP, real))
             stiff = stiffen_friction(turning, whirl, real)
@@ -129,6 +147,22 @@ def whirl_states(
                 found.append(stiff)
         set_creep(turning, real)
         return tuple(state_of(turning, whirl) for whirl in sorted(found, key=lambda one: -one.omega))
+    finally:
+        set_creep(turning, real)
+
+
+def state_near(equations: EquationsOfMotion, whirl: Whirl) -> WhirlState | None:
+    """Steady whirl near a shape and speed from elsewhere, such as a run in time; None if there is none."""
+    turning = TurningEquations(equations)
+    friction = getattr(equations.parameters, "wall_friction", None)
+    real = friction.creep if friction is not None else SOFT_CREEP
+    try:
+        set_creep(turning, max(SOFT_CREEP, real))
+        shape = ShapeSearch(turning, whirl.command).relax(whirl.u, whirl.omega)
+        soft = turning.newton(shape.whirl) if shape is not None else turning.newton(whirl)
+        stiff = stiffen_friction(turning, soft, real) if soft is not None else None
+        set_creep(turning, real)
+        return state_of(turning, stiff) if stiff is not None and _is_new(stiff, [], turning.clearance) else None
     finally:
         set_creep(turning, real)
 
@@ -161,15 +195,17 @@ def _is_new(whirl: Whirl, others: list[Whirl], clearance: float) -> bool:
     )
 
 
-def state_of(turning: TurningEquations, whirl: Whirl) -> WhirlState:
-    """A steady whirl with its stability and contact."""
+def state_of(turning: TurningEquations, whirl: Whirl, *, is_locked: bool = False) -> WhirlState:
+    """A steady whirl with its stability and contact; one locked to the rotation has a direction, and no zero
+    eigenvalue.
+    """
     model = turning.equations.model
     nodal_clearance = np.interp(model.rod.arc, model.places, model.wellbore.clearance)
     depth = whirl.radius - nodal_clearance
     deepest = int(np.argmax(depth))
     surface = float(np.interp(model.rod.arc[deepest], model.places, model.contact_radius)) * whirl.command.rotation
     slip = (whirl.omega * float(whirl.radius[deepest]) + surface) / surface
-    return WhirlState(whirl, turning.spectrum(whirl), slip, _touching(depth, model.rod.arc))
+    return WhirlState(whirl, turning.spectrum(whirl, is_locked=is_locked), slip, _touching(depth, model.rod.arc))
 
 
 def _touching(depth: Array, arc: Array) -> float:

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,12 +11,15 @@ from typer.testing import CliRunner
 from drill_twin.api import load_scene, override
 from drill_twin.cli.app import app
 from drill_twin.errors import RunError, SceneError
+from drill_twin.model.mesh import SPIN
 from drill_twin.rotordynamics import whirl_start
 from drill_twin.rotordynamics.equations import EquationsOfMotion
+from drill_twin.rotordynamics.growth_map import growth_map
+from drill_twin.rotordynamics.imperfections import imperfect, locked_states, modulation
 from drill_twin.rotordynamics.shape_search import ShapeSearch
 from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
 from drill_twin.rotordynamics.turning_frame import quarter_turn
-from drill_twin.rotordynamics.whirl_states import whirl_states
+from drill_twin.rotordynamics.whirl_states import state_near, whirl_states
 from drill_twin.schedule import Schedule
 from drill_twin.schedule.command import Command
 from drill_twin.studies.rotordynamics.simulated import simulated_whirl, with_command
@@ -161,3 +165,47 @@ def test_scenes_without_a_steady_whirl_are_told(bench):
         whirl_states(EquationsOfMotion(bench.model_copy(update={"hole": hole})), FAST)
     with pytest.raises(SceneError, match="expected a rotation other than 0"):
         whirl_states(EquationsOfMotion(bench), Command(40.0, 0.0))
+
+
+def test_bow_modulates_a_state_as_in_the_linear_equations(fast):
+    """A thousandth of the first-order motion satisfies the equations with a thousandth of bow and eccentricity."""
+    equations, states = fast
+    turning = TurningEquations(equations)
+    whirl = next(state for state in states if state.is_stable).whirl
+    found = modulation(turning, whirl)
+    assert found.rate == pytest.approx(FAST.rotation - whirl.omega)
+    assert 1e-5 < found.size / turning.clearance < 0.05
+    residuals = []
+    for share in (0.0, 1.0):
+        wave = 1e-3 * share * np.exp(0.7j) * found.amplitude
+        u, rate, swing = (np.real(wave * (1j * found.rate) ** k) for k in range(3))
+        place, speed, acceleration = (row.copy() for row in replace(whirl, u=whirl.u + u).motion)
+        place[:, SPIN] = 0.7  # the direction of the bow in the frame of the whirl
+        acceleration += 2.0 * whirl.omega * quarter_turn(rate) + swing
+        with imperfect(equations, 1e-3):
+            residual = equations.evaluate(FAST, place, speed + rate, acceleration).residual
+        residuals.append(float(np.abs(residual).max()))
+    assert residuals[1] < 0.02 * residuals[0]
+
+
+def test_the_bent_string_turns_with_the_rotation_near_the_axis(fast):
+    """A locked state satisfies the equations with bow; on the axis it grows as the string there does."""
+    equations, _ = fast
+    turning = TurningEquations(equations)
+    near_axis = min(locked_states(turning, FAST), key=lambda state: float(state.whirl.radius.max()))
+    with imperfect(equations):
+        assert np.abs(turning.at(near_axis.whirl).residual).max() < 1e-8
+    assert np.abs(turning.at(near_axis.whirl).residual).max() > 1e-6
+    assert near_axis.kind == "locked"
+    assert 0.0 < near_axis.whirl.radius.max() < 0.01 * turning.clearance
+    axis = growth_map(equations, np.array([FAST.weight_on_bit]), np.array([FAST.rotation])).lateral[0, 0]
+    assert near_axis.growth == pytest.approx(axis, rel=1e-3)
+
+
+def test_a_state_is_found_again_from_a_shape_and_speed_of_a_run(fast):
+    equations, states = fast
+    state = next(state for state in states if state.is_stable)
+    u, _ = equations.on_axis(FAST)
+    near = state_near(equations, Whirl(FAST, u + 1.02 * (state.whirl.u - u), state.whirl.omega * 1.003))
+    assert near.ratio == pytest.approx(state.ratio, rel=1e-6)
+    assert state_near(equations, Whirl(FAST, u, state.whirl.omega)) is None

@@ -18,6 +18,12 @@ if TYPE_CHECKING:
     from drill_twin.report.selection import Selection
 
 
+StatesOption = Annotated[
+    bool,
+    typer.Option("--states", help="Name the steady whirl near each finding, and its growth; up to 30 s of search."),
+]
+
+
 def analyze(
     bag: RecordedArgument,
     scene: SceneOption = "",
@@ -57,6 +63,7 @@ def analyze(
         ),
     ] = "",
     namespace: NamespaceOption = "",
+    states: StatesOption = False,
 ) -> None:
     """Find onset, frequencies and motion states of whirl in a bag, and stick-slip of the bit.
 
@@ -71,7 +78,12 @@ def analyze(
         check_new(out, replace=replace)
     with err().status("analysing the bag"):
         selection = _selection(marks, begin, end, topics, clearance, rim, namespace)
-        summary = summarise(_recording(bag, scene, selection))
+        recording = _recording(bag, scene, selection)
+        summary = summarise(recording)
+        if states:
+            from drill_twin.report.near_states import near_states
+
+            summary["whirl_states"] = near_states(recording, summary)
     if out is not None:
         write_file(out, to_json(summary))
     if json:
@@ -91,6 +103,7 @@ def report(
     replace: ReplaceOption = False,
     json: JsonOption = False,
     namespace: NamespaceOption = "",
+    states: StatesOption = False,
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
     from drill_twin.cli.show import err, print_json
@@ -103,7 +116,7 @@ def report(
 
     with err().status("analysing the bag"):
         recording = _recording(bag, scene, Selection(namespace=namespace or None))
-    files = draw(recording, folder)
+    files = draw(recording, folder, states=states)
     if json:
         figures = {name: str(path) for name, path in files.figures.items()}
         print_json({"report": str(files.page), "summary": str(files.summary), "figures": figures})
@@ -111,13 +124,13 @@ def report(
         print(files.page)
 
 
-def draw(recording: Recording, folder: Path) -> ReportFiles:
+def draw(recording: Recording, folder: Path, *, states: bool = False) -> ReportFiles:
     """Build the report, with a status line that names the part in progress."""
     from drill_twin.cli.show import err
     from drill_twin.report import build_report
 
     with err().status("drawing") as status:
-        return build_report(recording, folder, progress=lambda part: status.update(f"drawing: {part}"))
+        return build_report(recording, folder, states=states, progress=lambda part: status.update(f"drawing: {part}"))
 
 
 def default_folder(bag: Path) -> Path:

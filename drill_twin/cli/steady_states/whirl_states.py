@@ -49,8 +49,8 @@ def whirl_states(
     """Steady whirls that can exist at the final set-points: frequency, ratio to the rotation, stability.
 
     In the frame that turns with it a steady whirl is an equilibrium, found by Newton's method from several shapes and
-    whirl speeds. States are those of the string without bow and eccentricity. Scenes without `stretch` and `torsion`
-    take seconds, others minutes.
+    whirl speeds. States are those of the string without bow and eccentricity, which modulate them. Scenes without
+    `stretch` and `torsion` take seconds, others minutes.
     """
     from drill_twin.api import rotordynamics
     from drill_twin.cli.show import err, print_json
@@ -64,10 +64,14 @@ def whirl_states(
         return
     with err().status("searching"):
         found = rotordynamics.whirl_states(own, random_starts=starts)
+        modulations, locked = rotordynamics.imperfect_states(own, found)
+    sizes = [*(one.size for one in modulations), *(None for _ in locked)]
+    data = [state_data(state, size) for state, size in zip((*found, *locked), sizes, strict=True)]
     if json:
-        print_json([state_data(state) for state in found])
+        print_json(data)
     elif found:
-        stdout().print(_table(found, own.name))
+        shares = [None if size is None else size / own.least_clearance for size in sizes]
+        stdout().print(_table((*found, *locked), shares, own.name))
     else:
         stdout().print(
             f"{own.name}: no steady whirl found at these set-points; more first shapes with --starts, or a run in time",
@@ -79,13 +83,13 @@ def whirl_states(
         from drill_twin.studies.json_io import json_text
 
         make_folder(out)
-        write_file(out / "states.json", json_text([state_data(state) for state in found]))
+        write_file(out / "states.json", json_text(data))
         if found:
             save(states_figure(found, own), out / "states.png")
         err().print(f"{out}: states.json{', states.png' if found else ''}", markup=False, soft_wrap=True)
 
 
-def _table(states: Sequence[WhirlState], name: str) -> Table:
+def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], name: str) -> Table:
     import math
 
     from drill_twin.cli.show import grid
@@ -95,17 +99,18 @@ def _table(states: Sequence[WhirlState], name: str) -> Table:
         (
             state.kind, f"{state.frequency:+.4f}", f"{state.ratio:+.4f}", "stable" if state.is_stable else "unstable",
             f"{state.growth:+.3g}", f"{state.growth_frequency:.3g}", f"{state.slip:.3g}",
-            f"{100.0 * state.touching:.0f} %",
+            f"{100.0 * state.touching:.0f}%", "" if share is None else f"{100.0 * share:.2g}%",
         )
-        for state in states
+        for state, share in zip(states, modulated, strict=True)
     ]  # fmt: skip
     title = (
         f"{name}: steady whirl at {command.weight_on_bit:g} N, {command.rotation / math.tau:.4g} rev/s. Frequency in "
         "Hz, ratio to the rotation; fastest disturbance: growth in 1/s, its frequency in the turning frame in Hz; slip "
-        "over the speed of the surface; share of the length on the wall."
+        "over the speed of the surface; share of the length on the wall; modulation by bow and eccentricity to first "
+        "order, over the clearance. Locked: the bent string turns with the rotation."
     )
-    columns = ("whirl", "frequency", "ratio", "", "growth", "at", "slip", "on wall")
-    return grid(columns, rows, title=title, right=(1, 2, 4, 5, 6, 7))
+    columns = ("whirl", "frequency", "ratio", "", "growth", "at", "slip", "wall", "mod.")
+    return grid(columns, rows, title=title, right=(1, 2, 4, 5, 6, 7, 8))
 
 
 def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | None, *, json: bool) -> None:

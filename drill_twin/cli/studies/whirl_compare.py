@@ -56,24 +56,32 @@ def whirl_compare(
     if json:
         print_json([asdict(point) for point in points])
         return
-    columns = ("load N", "rev/s", "simulated", "ratio", "second", "stable states", "verdict", "from the state")
+    columns = ("load N", "rev/s", "simulated", "ratio", "second", "stable states", "verdict", "reason")
     stdout().print(grid(columns, [_cells(point) for point in points], title=own.name, right=(0, 1, 3, 4)))
     agreed = sum(point.agrees for point in points)
     whirls = [point for point in points if point.motion == "steady whirl" and point.verdict == "a stable state"]
     apart = max((min(abs(point.ratio / ratio - 1.0) for ratio in point.stable) for point in whirls), default=np.nan)
-    stdout().print(
-        f"{agreed} of {len(points)} points agree. {len(whirls)} runs end in a steady whirl that is a stable state; "
-        f"largest difference of whirl speed {apart:.2%}",
-        markup=False, soft_wrap=True,
-    )  # fmt: skip
+    explained = sum(bool(point.reason) for point in points if not point.agrees)
+    lines = [
+        f"{agreed} of {len(points)} points agree; of the others {explained} have a reason that was tested.",
+        f"{len(whirls)} runs end in a steady whirl that is a stable state"
+        + (f"; whirl speeds differ by {apart:.2%} at most." if whirls else "."),
+    ]
+    changes = [(point.change, point.modulation) for point in whirls if point.change and point.modulation]
+    if changes:
+        lines.append(
+            "Their shape changes by "
+            + ", ".join(f"{simulated:.1e} ({first:.1e})" for simulated, first in changes)
+            + " of the clearance; in brackets the modulation by bow and eccentricity, to first order."
+        )
+    stdout().print(" ".join(lines), markup=False, soft_wrap=True)
 
 
 def _cells(point: Point) -> tuple[str, ...]:
     second = "" if point.second is None or point.motion == "irregular" else f"{point.second:+.3f}"
-    held = {None: "", True: "stays on it", False: "leaves it"}[point.held]
     stable = ", ".join(f"{ratio:+.3f}" for ratio in point.stable) or "none"
     command = f"{point.weight_on_bit:.4g}", f"{point.rotation / math.tau:.3g}"
-    return (*command, point.motion, f"{point.ratio:+.4f}", second, stable, point.verdict, held)
+    return (*command, point.motion, f"{point.ratio:+.4f}", second, stable, point.verdict, point.reason)
 
 
 def _values(option: str, text: str) -> list[float]:

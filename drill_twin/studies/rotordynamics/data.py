@@ -60,8 +60,13 @@ def growth_data(growth: GrowthMap) -> dict[str, Any]:
     return data
 
 
-def state_data(state: WhirlState) -> dict[str, Any]:
-    """A steady whirl: set-points, frequency [Hz], growth [1/s], contact, shape in the turning frame [m]."""
+def state_data(state: WhirlState, modulated: float | None = None) -> dict[str, Any]:
+    """A steady whirl: set-points, frequency [Hz], growth [1/s], contact, shape in the turning frame [m].
+
+    Args:
+        state: The state.
+        modulated: Size of its modulation by bow and eccentricity [m]; None for a state locked to the rotation.
+    """
     command = state.whirl.command
     return {
         "weight_on_bit_n": command.weight_on_bit,
@@ -74,6 +79,7 @@ def state_data(state: WhirlState) -> dict[str, Any]:
         "growth_frequency_hz": state.growth_frequency,
         "slip": state.slip,
         "touching": state.touching,
+        "modulation_m": modulated,
         "x_m": state.whirl.u[:, 0].tolist(),
         "y_m": state.whirl.u[:, 1].tolist(),
     }

@@ -1,0 +1,52 @@
+"""Hard scenes: steady whirls, or a sentence why there are none."""
+
+import numpy as np
+import pytest
+
+from drill_twin.api.rotordynamics import final_command, steady_scene
+from drill_twin.errors import SceneError
+from drill_twin.rotordynamics.equations import EquationsOfMotion
+from drill_twin.rotordynamics.whirl_states import check_whirls, whirl_states
+from drill_twin.studies.stress import all_hard_cases
+from drill_twin.studies.stress.case import LATERAL
+
+SENTENCES = {
+    "level_hole": "in which no steady whirl exists",
+    "start_on_the_opposite_wall": "in which no steady whirl exists",
+    "near_critical": "expected a rotation other than 0",
+    "start_at_rest": "expected a rotation other than 0",
+    "random_force": "--without random_force leaves it out",
+    "stick_slip": "nothing limits a whirl",
+    "bit_bounce": "expected set-points with a final value",
+    "commands_jump": "expected set-points with a final value",
+    "weight_jumps": "expected set-points with a final value",
+    "elements_2000": "take fewer elements",
+    "steel_8000_m": "take fewer elements",
+}
+SEARCHED = ("load_300_n", "speed_20")
+SECONDS = 0.1
+
+
+@pytest.mark.long
+def test_hard_scenes_have_whirls_or_a_sentence():
+    """Searches are cut short; the other scenes are only checked for what forbids a whirl."""
+    for case in all_hard_cases():
+        sentence = SENTENCES.get(case.scene_name.removeprefix("hard/"))
+        if sentence is not None:
+            with pytest.raises(SceneError, match=sentence):
+                whirls(case.scene())
+            continue
+        search = case.form == LATERAL and case.scene_name.removeprefix("hard/") in SEARCHED
+        equations, states = whirls(case.scene(), search=search)
+        for state in states:
+            assert np.isfinite(state.growth), case.name
+            residual = equations.evaluate(state.whirl.command, *state.whirl.motion).residual
+            force = equations.evaluate(state.whirl.command, *state.whirl.motion).stiffness
+            assert np.abs(residual).max() < 1e-6 * np.abs(force).max() * equations.scene.least_clearance, case.name
+
+
+def whirls(scene, *, search=True):
+    own = steady_scene(scene, None, ())
+    equations, command = EquationsOfMotion(own), final_command(own)
+    check_whirls(equations, command)
+    return equations, whirl_states(equations, command, random_starts=0, seconds=SECONDS) if search else ()
