@@ -17,6 +17,7 @@ from drill_twin.base.arrays import Array
 from drill_twin.io.bag.memory import copy_bag
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path
+from drill_twin.io.bag.sensor_series import Measured
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries
 from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection, open_bag
@@ -114,6 +115,13 @@ class Result(Plots):
         quaternion x y z w (T, n + 1, 4), `spin` [rad] (T, n + 1).
         """
         return self.recording.all_poses()
+
+    @cached_property
+    def measured(self) -> Measured:
+        """Measurements: `subs` by name, each with `imu` (`force` [m/s^2], `rate` [rad/s], shape (T, 3)) and `summary`;
+        `surface` of a simulated rig and `rig` of a real one, with the columns of `rig`.
+        """
+        return Measured(self._bag)
 
     @property
     def set_points(self) -> CommandSeries:

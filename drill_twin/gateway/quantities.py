@@ -23,8 +23,11 @@ from drill_twin.io.messages.topics import (
     STRING_POSES,
     WHIRL_ONSET,
     WHIRL_STATE,
+    sub_of,
+    summary_topic,
 )
 from drill_twin.io.messages.whirl_encode import decode_onset, read_whirl_state
+from drill_twin.sensors.summaries import SUMMARY
 from drill_twin.units import Dimension
 from drill_twin.units.dimension import (
     ACCELERATION,
@@ -111,6 +114,20 @@ MEASURED = {
     "block_velocity": ("block", "velocity"),
 }
 """Quantities that a rig measures, with their joint and array on `/measured/rig/state`."""
+
+
+def downhole(quantity: str) -> tuple[str, str]:
+    """Name of the sub and value of its summary, of a quantity such as `near_bit.speed_mean`; empty for others."""
+    sub, _, value = quantity.partition(".")
+    return (sub, value) if sub_of(summary_topic(sub)) and value in SUMMARY else ("", "")
+
+
+def measured_dimension(quantity: str) -> Dimension:
+    """Dimension of a quantity that a rig measures."""
+    _, value = downhole(quantity)
+    if value:
+        return ANGULAR_SPEED if value.startswith("speed") else ACCELERATION
+    return QUANTITIES[quantity].dimension
 
 
 class Severity:

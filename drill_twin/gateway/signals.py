@@ -13,7 +13,7 @@ from typing import Any
 from drill_twin.base.yaml_reader import Place, read_yaml
 from drill_twin.errors import DrillTwinError
 from drill_twin.gateway.dwis import PROPOSED, PROTOTYPES
-from drill_twin.gateway.quantities import MEASURED, QUANTITIES
+from drill_twin.gateway.quantities import MEASURED, QUANTITIES, downhole, measured_dimension
 from drill_twin.scene.paths import config_dir
 from drill_twin.units import UnitError, factor_of
 
@@ -100,7 +100,7 @@ class Signals:
     command: tuple[Target, ...] = ()
     """OPC UA -> twin."""
     measure: tuple[RigSignal, ...] = ()
-    """Server of the rig -> `/measured/rig/state`."""
+    """Server of the rig -> `/measured/rig/state` and `/measured/downhole/SUB/summary`."""
     follow: tuple[RigSignal, ...] = ()
     """Set-points on the server of the rig -> twin."""
 
@@ -172,6 +172,8 @@ class _Reader:
 
     def _of_rig(self, place: Place, line: Mapping[str, Any]) -> RigSignal:
         known = SET_POINTS if place[0] == "follow" else tuple(MEASURED)
+        if place[0] == "measure" and all(downhole(str(place[-1]))):
+            known = (str(place[-1]),)
         quantity, unit, factor = self._quantity(place, {"value": place[-1], **line}, known)
         node = line.get("node")
         if not isinstance(node, str) or "=" not in node:
@@ -193,7 +195,7 @@ class _Reader:
         """Quantity, unit and its SI factor."""
         quantity, unit = str(line.get("value", "")), str(line.get("unit", ""))
         self._known((*place, "value"), (quantity,), known)
-        dimension = QUANTITIES[quantity].dimension
+        dimension = measured_dimension(quantity)
         base, multiple = _WITS_UNITS.get(unit, (unit, 1.0))
         try:
             return quantity, unit, multiple * factor_of(base, dimension)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """File of signals: the installed one is read, and what is wrong is said with file and line."""
 
+import math
+
 import pytest
 
 from drill_twin.errors import DrillTwinError
@@ -53,3 +55,14 @@ def test_severity_is_that_of_the_last_ten_seconds():
         last = severity.push(float(second), 10.0)
     assert last == 0.0
     assert severity.push(5.0, 3.0) == 0.0  # time went back
+
+
+def test_a_tool_downhole_is_mapped_by_name_and_unit(tmp_path):
+    file = tmp_path / "rig.yaml"
+    file.write_text('measure:\n  near_bit.speed_mean: {node: "ns=2;s=DHRPM", unit: rpm}\n', "utf-8")
+    (signal,) = read_signals(file).measure
+    assert signal.quantity == "near_bit.speed_mean"
+    assert signal.factor == pytest.approx(math.tau / 60.0)
+    file.write_text('measure:\n  near_bit.speed: {node: "ns=2;s=DHRPM", unit: rpm}\n', "utf-8")
+    with pytest.raises(SignalsError, match=r"near_bit\.speed"):
+        read_signals(file)

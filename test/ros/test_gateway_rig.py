@@ -17,7 +17,9 @@ asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'dri
 
 from drill_twin.gateway.keys import CERTIFICATE, TRUSTED, make_keys  # noqa: E402
 from drill_twin.io.messages.diagnostics import Level  # noqa: E402
-from drill_twin.io.messages.topics import MEASURED_RIG_STATE, RIG_COMMAND  # noqa: E402
+from drill_twin.io.messages.sensor_messages import read_summary  # noqa: E402
+from drill_twin.io.messages.topics import MEASURED, MEASURED_RIG_STATE, RIG_COMMAND, summary_topic  # noqa: E402
+from drill_twin.sensors.summaries import SUMMARY  # noqa: E402
 
 HERE = Path(__file__).resolve().parent / "gateway"
 SIGNALS = """
@@ -26,6 +28,7 @@ measure:
   hookload:         {node: "nsu=urn:rig;s=Hook", unit: kN, frozen_after: 1.5}
   surface_rotation: {node: "nsu=urn:rig;s=RPM", unit: rpm}
   surface_torque:   {node: "nsu=urn:rig;s=Wrong", unit: N m}
+  near_bit.speed_mean: {node: "nsu=urn:rig;s=RPM", unit: rpm}
 """
 FOLLOW = """
 follow:
@@ -89,9 +92,13 @@ def _fault(bench, text, seconds=60.0):
 
 def test_a_rig_is_measured_its_faults_are_told_and_it_is_found_again(bench, serve, joints):
     port, messages = free_port(), bench.collect(MEASURED_RIG_STATE)
+    summaries = bench.collect(MEASURED + summary_topic("near_bit"))
     rig = serve(sys.executable, HERE / "asyncua_rig.py", port)
     _gateway(bench, port, SIGNALS)
-    bench.until(lambda: messages, what="a measured state")
+    bench.until(lambda: messages and summaries, what="a measured state, and a summary of the tool")
+    sent_up = dict(zip(SUMMARY, read_summary(joints(summaries[-1:])[0]), strict=True))
+    assert sent_up["speed_mean"] == pytest.approx(math.tau / 6.0)
+    assert np.isnan(sent_up["axial_rms"])
     state = joints(messages[-1:])[0]
     assert state.effort[state.index("bit")] == 10e3
     assert state.velocity[state.index("top_drive")] == pytest.approx(math.tau / 6.0)

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from drill_twin.api.result import Result
 from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
@@ -101,6 +102,16 @@ def test_a_run_records_its_sensors(bag: MemoryBag) -> None:
     assert last[:, 5] == pytest.approx(12.0, abs=0.2)
     assert last[:, 0].mean() == pytest.approx(-0.005 * 144.0, rel=0.1)  # bow and mud of the bench are small
     assert last[:, 2].mean() == pytest.approx(9.81, abs=0.05)
+
+
+def test_a_bag_is_read_as_arrays(bag: MemoryBag) -> None:
+    measured = Result(bag).measured
+    low = measured.subs["low"]
+    assert low.imu.force.shape == low.imu.rate.shape == (150, 3)
+    assert low.imu.time[1] - low.imu.time[0] == pytest.approx(0.02)
+    assert len(low.summary.speed_mean) == 5
+    assert measured.surface.top_drive_speed[-1] == pytest.approx(12.0, abs=0.1)
+    assert measured.skipped == len(measured.rig) == 0
 
 
 def test_summaries_are_of_half_a_second(bag: MemoryBag) -> None:

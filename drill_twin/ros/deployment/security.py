@@ -98,7 +98,7 @@ RIGHTS: dict[str, Rights] = {
     "recorder": Rights((), (*TOPICS, *SUBS, *MEASURED_SUBS)),
     "replayer": Rights((*(topic for topic in TOPICS if topic != DIAGNOSTICS), *SUBS, *MEASURED_SUBS), (), (), _READY),
     "gateway": Rights(
-        (RIG_COMMAND, MEASURED_RIG_STATE),
+        (RIG_COMMAND, MEASURED_RIG_STATE, *MEASURED_SUBS),
         (RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR, DIAGNOSTICS),
         ("~/grant_control", "~/withdraw_control"),
     ),

@@ -4,25 +4,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 import numpy as np
 
-from drill_twin.gateway.quantities import MEASURED
+from drill_twin.gateway.quantities import MEASURED, downhole
 from drill_twin.gateway.rig_reader import RigReader
 from drill_twin.gateway.signals import RigSignal, Signals
 from drill_twin.gateway.wits0 import WitsReader
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.stamps import stamp_ns
-from drill_twin.io.messages.topics import MEASURED_RIG_STATE
+from drill_twin.io.messages.topics import MEASURED as MEASURED_NAMESPACE
+from drill_twin.io.messages.topics import MEASURED_RIG_STATE, summary_topic
 from drill_twin.live.access import is_loopback
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import ParameterError
 from drill_twin.ros.gateway.commands import CommandOutput
+from drill_twin.sensors.summaries import SUMMARY
 
 if TYPE_CHECKING:
     from drill_twin.gateway.keys import Keys
@@ -62,9 +64,13 @@ class Rig:
             WitsReader(settings.rig_url, read) if wits else _opc_ua_client(settings, read, keys if secure else None)
         )
         self._judged = self._client.judged()
-        self._published, self._withdrawn = 0, False
+        self._published, self._withdrawn = dict[str, int](), False
         self._template = JointStateTemplate(RIG_JOINTS)
         node.topics.advertise(MEASURED_RIG_STATE)
+        subs = dict.fromkeys(downhole(one.quantity)[0] for one in signals.measure if all(downhole(one.quantity)))
+        self._summaries = {sub: JointStateTemplate(SUMMARY, velocity=False, effort=False, frame_id=sub) for sub in subs}
+        for sub in subs:
+            node.topics.advertise(MEASURED_NAMESPACE + summary_topic(sub))
         self.follows = False
         """True while the set-points of the rig are in force."""
         self.lost = ""
@@ -78,17 +84,28 @@ class Rig:
             self._follow()
 
     def _publish(self) -> None:
-        """Publish the measured values, unless none is sound or newer than the last."""
-        sound = {one: self._judged[one] for one in self._signals.measure if not self._judged[one].fault}
-        stamp = max((stamp_ns(one.stamp) for one in sound.values() if math.isfinite(one.stamp)), default=0)
-        if not sound or stamp <= self._published:
-            return
-        values = np.full((len(_ARRAYS), len(RIG_JOINTS)), np.nan)
-        for signal, judged in sound.items():
-            joint, array = MEASURED[signal.quantity]
-            values[_ARRAYS.index(array), RIG_JOINTS.index(joint)] = judged.value
-        self._published = stamp
-        self._node.topics.publish(MEASURED_RIG_STATE, self._template.fill(stamp, *values))
+        """Publish the measured values of surface and subs, those of which one is newer than the last."""
+        sound = {one.quantity: self._judged[one] for one in self._signals.measure if not self._judged[one].fault}
+        surface = {MEASURED[quantity]: judged for quantity, judged in sound.items() if quantity in MEASURED}
+        if stamp := self._newer(MEASURED_RIG_STATE, surface.values()):
+            values = np.full((len(_ARRAYS), len(RIG_JOINTS)), np.nan)
+            for (joint, array), judged in surface.items():
+                values[_ARRAYS.index(array), RIG_JOINTS.index(joint)] = judged.value
+            self._node.topics.publish(MEASURED_RIG_STATE, self._template.fill(stamp, *values))
+        for sub, template in self._summaries.items():
+            found = {name: sound[f"{sub}.{name}"] for name in SUMMARY if f"{sub}.{name}" in sound}
+            topic = MEASURED_NAMESPACE + summary_topic(sub)
+            if stamp := self._newer(topic, found.values()):
+                row = [found[name].value if name in found else math.nan for name in SUMMARY]
+                self._node.topics.publish(topic, template.fill(stamp, row))
+
+    def _newer(self, topic: str, sound: Collection[Judged]) -> int:
+        """Stamp of the newest value [ns]; 0 unless it is newer than the last one on the topic."""
+        stamp = max((stamp_ns(one.stamp) for one in sound if math.isfinite(one.stamp)), default=0)
+        if stamp <= self._published.get(topic, 0):
+            return 0
+        self._published[topic] = stamp
+        return stamp
 
     def _follow(self) -> None:
         fault = self._fault_of(self._signals.follow)
