@@ -77,6 +77,7 @@ setup(
         "bench": [
             "exudyn>=1.13.6",
             "mujoco>=4.0",
+            "pylife>=2.2",
             "pyelastica>=1.0",
             "pytest",
             "pytest-benchmark>=5",

@@ -18,7 +18,7 @@ from drill_twin.io.bag.memory import copy_bag
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.sensor_series import Measured
-from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries
+from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries
 from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection, open_bag
 from drill_twin.report.summary import summarise
@@ -132,6 +132,14 @@ class Result(Plots):
     def rig(self) -> RigSeries:
         """Rig and bit as they moved: angles [rad], speeds [rad/s], torques [N m], forces [N], each of shape (T,)."""
         return self.recording.rig
+
+    @property
+    def stress(self) -> StressSeries:
+        """Sections of the effect `fatigue`: `names`, `time`, `moment_x`, `moment_y` [N m], `axial_force` [N], `stress`,
+        `largest_stress` [Pa], `cycles`, `damage`, each of shape (T, s); empty without it. `summary["fatigue"]` has the
+        time to a damage of 1.
+        """
+        return self.recording.stress
 
     @property
     def hookload(self) -> Array:

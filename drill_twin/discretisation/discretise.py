@@ -13,6 +13,7 @@ from drill_twin.model.survey import Survey, survey
 from drill_twin.model.wellbore import Axis, Wellbore
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.section import Piece
+from drill_twin.solver.boundary.bit_frame import bit_frame
 
 
 def tubes_of(scene: Scene) -> list[Tube]:
@@ -47,6 +48,9 @@ def discretise(scene: Scene, rod: Rod) -> DiscreteModel:
         contact_radius(scene, at),
         numbers,
         scene.numerics.seed,
+        bit_frame(axis_at(scene, np.array([scene.length]))),
+        tuple(section.yield_strength for section in sections),
+        getattr(scene.effects, "bow", None),
         *fluid,
     )
 

@@ -36,6 +36,7 @@ def string_geometry(twin: Twin) -> StringGeometry:
         string_steps=string_steps(scene),
         node_distances=twin.rod.arc,
         axis_at=None if line is None else line.at,
+        section_names=() if scene.effects.fatigue is None else tuple(s.name for s in scene.effects.fatigue.sections),
     )
 
 

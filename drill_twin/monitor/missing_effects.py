@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from drill_twin.model.section_stress import LARGEST_STRESS
 from drill_twin.scene import Scene
 from drill_twin.twin.frame import Frame
 
@@ -30,7 +31,10 @@ class MissingEffects:
     def __init__(self, scene: Scene) -> None:
         effects = scene.effects
         self.found: list[str] = []
+        self._yielded: set[str] = set()
         self._check_wall = effects.wall is None
+        block = effects.fatigue
+        self._yield_strengths = {} if block is None else block.yield_strengths(scene)
         self._check_bit = scene.rig.weight_on_bit.at == "top" and not effects.providing("weight")
 
     def update(self, frame: Frame) -> None:
@@ -47,6 +51,19 @@ class MissingEffects:
                 f"at {frame.time:.3f} s the bit was pulled with {-frame.rig.bit_force:.4g} N and would have lifted off "
                 "the bottom, which holds it here: list `rock_floor`, `bit_cutting` or `bit_regenerative`"
             )
+
+        if frame.stress is not None:
+            self._check_yield(frame.time, frame.stress[:, LARGEST_STRESS].tolist())
+
+    def _check_yield(self, time: float, largest: list[float]) -> None:
+        """Check the stress of the sections of `fatigue` [Pa]."""
+        for (name, strength), stress in zip(self._yield_strengths.items(), largest, strict=True):
+            if stress > strength and name not in self._yielded:
+                self._yielded.add(name)
+                self.found.append(
+                    f"at {time:.3f} s the stress at {name} reached {1e-6 * stress:.4g} MPa, above its yield strength "
+                    f"of {1e-6 * strength:.4g} MPa, and goes on as if it were elastic: its damage counts for nothing"
+                )
 
     def values(self) -> dict[str, str]:
         """Diagnostics values; empty while nothing is missing."""

@@ -18,7 +18,7 @@ from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.errors import BagError, MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path
-from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, WhirlSeries
+from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
 from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
 from drill_twin.io.messages.stamps import seconds, unpack_stamp
 from drill_twin.io.messages.topics import (
@@ -27,6 +27,7 @@ from drill_twin.io.messages.topics import (
     RIG_COMMAND,
     RIG_STATE,
     STRING_POSES,
+    STRING_STRESS,
     TWIN_SCENE,
     WHIRL_ONSET,
     WHIRL_STATE,
@@ -44,7 +45,7 @@ from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
 SHAPES = 600
 """Most poses of the string that are kept, evenly over the run."""
 
-_WITH_HEADER = frozenset({MARKS_STATE, RIG_STATE, RIG_COMMAND, STRING_POSES, WHIRL_STATE})
+_WITH_HEADER = frozenset({MARKS_STATE, RIG_STATE, RIG_COMMAND, STRING_POSES, STRING_STRESS, WHIRL_STATE})
 """Topics whose messages begin with a header, so that they can be selected by time."""
 
 
@@ -57,6 +58,7 @@ class Recording:
         marks: Positions and spins of the marks.
         rig: State of the rig.
         commands: Set-points as commanded.
+        stress: Stress and damage of the sections of `fatigue`.
         poses: Poses of the string's nodes, at most `SHAPES` of them.
         whirl: Findings of the analysis over time.
         live: Findings that the analyzer recorded while the twin ran.
@@ -96,7 +98,7 @@ class Recording:
         poses = self.bag.topics[STRING_POSES].count if STRING_POSES in self.bag.topics else 0
         self.marks, self.rig, self.commands = MarkSeries(), RigSeries(), CommandSeries()
         self.poses = PoseSeries(every=max(1, -(-poses // SHAPES)))
-        self.whirl = WhirlSeries()
+        self.whirl, self.stress = WhirlSeries(), StressSeries()
         self.live = LiveFindings()
         self.log = RunLog(self.log.info)
         self._readers: dict[str, Callable[[bytes], None]] = {
@@ -104,6 +106,7 @@ class Recording:
             RIG_STATE: self.rig.add_message,
             RIG_COMMAND: self.commands.add_message,
             STRING_POSES: self.poses.add_message,
+            STRING_STRESS: self.stress.add_message,
             TWIN_SCENE: self.log.on_scene,
             WHIRL_ONSET: self.live.on_onset,
             DIAGNOSTICS: self.log.on_diagnostics,
@@ -159,7 +162,7 @@ class Recording:
 
     def _skip_other_layouts(self) -> None:
         """Count the messages of another scene than most, unless the analysis has."""
-        for topic, series in ((MARKS_STATE, self.marks), (STRING_POSES, self.poses)):
+        for topic, series in ((MARKS_STATE, self.marks), (STRING_POSES, self.poses), (STRING_STRESS, self.stress)):
             if topic not in self.skipped:
                 for stamp, count, reason in series.other_layouts():
                     self.skipped.add(topic, seconds(stamp), reason, count)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.io.bag.reader import Bag
+from drill_twin.report.quantities.fatigue import fatigue
 from drill_twin.report.quantities.loads import loads
 from drill_twin.report.quantities.precession import precession
 from drill_twin.report.quantities.wall_depth import soft_wall, wall_depth
@@ -49,6 +50,8 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           the highest line in the spectrum of its speed.
         * `loads`: `mean`, `min` and `max` of weight on bit, hookload and drag [N] and of the torques of top drive and
           bit [N m] (`drill_twin.report.quantities.loads`).
+        * `fatigue`: by section of the effect `fatigue`, stress, cycles, damage and time to a damage of 1
+          (`drill_twin.report.quantities.fatigue`); None without it.
         * `wall`: the largest penetration of the wall, its place and time, and that at rest under the largest weight on
           bit (`drill_twin.report.quantities.wall_depth`).
         * `realtime_factor`: simulated over wall time; `physics_speed`: simulated time over the time spent computing
@@ -95,6 +98,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
         "loads": loads(bag),
+        "fatigue": fatigue(bag),
         "wall": wall,
         "realtime_factor": log.realtime_factor,
         "physics_speed": log.physics_speed,

@@ -37,6 +37,7 @@ def findings(summary: Summary) -> Iterator[Row]:
         yield "whirl", "not observable: no positions of marks"
         yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
         yield from _loads(summary)
+        yield from _fatigue(summary)
         yield from _bit(summary)
         return
     yield "motion that lasts", _lasting(summary)
@@ -51,6 +52,7 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield from _states(summary)
     yield from _wall(summary)
     yield from _loads(summary)
+    yield from _fatigue(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield from _bit(summary)
 
@@ -89,6 +91,34 @@ def _loads(summary: Summary) -> Iterator[Row]:
             mean, least, most = (1e-3 * found[of] if kilo else found[of] for of in ("mean", "min", "max"))
             shown = f"k{unit}" if kilo else unit
             yield name, f"{mean:.4g} {shown} on average, {least:.4g} to {most:.4g} {shown}"
+
+
+def _fatigue(summary: Summary) -> Iterator[Row]:
+    """Rows on stress and damage of the sections of `fatigue`."""
+    for name, found in (summary.get("fatigue") or {}).items():
+        life = found["seconds_to_damage_1"]
+        words = (
+            f"at most {1e-6 * found['largest_stress_pa']:.4g} MPa ({found['share_of_yield']:.0%} of yield), "
+            f"{found['cycles']:g} cycles, {_number(found['cycles_per_second'], '{:.3g}')} a second at the end"
+        )
+        yield f"stress at {name}", words
+        yield (
+            f"damage at {name}",
+            f"{found['damage']:.3g}; "
+            + (
+                "none in the second half of the run"
+                if life is None
+                else f"1 after {duration_text(life)} of such motion"
+            ),
+        )
+
+
+def duration_text(seconds: float) -> str:
+    """Time [s] as text in the unit that it is spoken of in."""
+    for size, unit in ((31_557_600.0, "years"), (86_400.0, "days"), (3_600.0, "hours"), (60.0, "minutes")):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"
 
 
 def _bit(summary: Summary) -> Iterator[Row]:

@@ -24,6 +24,7 @@ from drill_twin.io.messages.topics import (
     RIG_STATE,
     STRING_MARKERS,
     STRING_POSES,
+    STRING_STRESS,
     TWIN_SCENE,
 )
 from drill_twin.io.run_description import describe_run
@@ -44,7 +45,8 @@ TOPICS = (RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, REAL
 
 def topics_of(scene: Scene) -> tuple[str, ...]:
     """Topics that the loop sends in a run of a scene."""
-    return TOPICS + sensor_topics(scene)
+    stress = () if scene.effects.fatigue is None else (STRING_STRESS,)
+    return TOPICS + sensor_topics(scene) + stress
 
 
 Sink = Callable[[str, bytes], None]
@@ -178,6 +180,8 @@ class RunLoop:
         sink(RIG_STATE, encoder.rig_state(frame))
         sink(MARKS_STATE, encoder.marks(frame))
         sink(STRING_POSES, encoder.poses(frame))
+        if frame.stress is not None:
+            sink(STRING_STRESS, encoder.stress(frame))
         if markers:
             sink(STRING_MARKERS, encoder.markers(frame, exaggeration))
         if self._measurements is not None:

@@ -19,7 +19,6 @@ from typing import Protocol
 
 from drill_twin.errors import RunError, StoppedError
 from drill_twin.io.bag.writer import BagWriter
-from drill_twin.io.measurements import sensor_topics
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
@@ -27,7 +26,7 @@ from drill_twin.io.messages.topics import DIAGNOSTICS, OF_EVERY_RUN, RIG_COMMAND
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.monitor.failure_dump import save_failure
 from drill_twin.runner.compilation import compile_kernel
-from drill_twin.runner.loop import RunLoop
+from drill_twin.runner.loop import RunLoop, topics_of
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command, Schedule
 from drill_twin.twin.frame import Frame
@@ -205,7 +204,7 @@ class Session:
         """
         began = time.monotonic()
         frames = max(1, math.ceil(self.schedule.duration * NANOSECONDS / self._period - 0.5))
-        with BagWriter(folder, topics=OF_EVERY_RUN + sensor_topics(self.scene)) as bag:
+        with BagWriter(folder, topics=dict.fromkeys((*OF_EVERY_RUN, *topics_of(self.scene)))) as bag:
             run = Run(self.scene, bag)
             try:
                 while run.loop.frames < frames and not stop():

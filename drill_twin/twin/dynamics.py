@@ -10,7 +10,7 @@ from drill_twin.audit.effect_timing import EffectTimer
 from drill_twin.audit.energy_ledger import make_energy_ledger
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.boundary_conditions import BoundaryConditions
-from drill_twin.discretisation.discretise import axis_at, discretise, survey_of
+from drill_twin.discretisation.discretise import discretise, survey_of
 from drill_twin.discretisation.grading import mesh
 from drill_twin.discretisation.initial_state import set_initial_state
 from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL, effects_of, form_of, parameters_of, variants_of
@@ -21,7 +21,6 @@ from drill_twin.model.mesh import Rod
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.solver import state
-from drill_twin.solver.boundary.bit_frame import bit_frame
 from drill_twin.solver.kernel_codegen import build_kernel, entry_point
 from drill_twin.solver.lateral.workspace import make_workspace as make_lateral_workspace
 from drill_twin.solver.spatial.workspace import make_workspace
@@ -77,7 +76,7 @@ class Dynamics:
         memory, self.memory_block = pack_arrays((parameters, state.make_state(rod.length.size), command, counters))
         self.parameters, self._state, self.command, self.counters = memory
         self.too_many_halvings = False
-        self._state.bit_frame[:] = bit_frame(axis_at(scene, np.array([scene.length])))
+        self._state.bit_frame[:] = self.model.bit_frame
         blades = getattr(parameters, "bit_stabiliser", None)
         self._control = state.StepControl(
             self.step,
@@ -108,6 +107,12 @@ class Dynamics:
     def wall(self) -> Any:
         """Parameters of the wall; None if the scene lists none."""
         return getattr(self.parameters, "wall", None)
+
+    @property
+    def stress(self) -> Array | None:
+        """Sections of the effect `fatigue`, a view, as `drill_twin.twin.frame.Frame.stress`; None without it."""
+        fatigue = getattr(self.parameters, "fatigue", None)
+        return None if fatigue is None else fatigue.seen
 
     @property
     def rod(self) -> Rod:

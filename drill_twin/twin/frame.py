@@ -153,3 +153,6 @@ class Frame(NamedTuple):
     """Record of the step guard if the frame was repeated."""
     energy: EnergyBalance | None = None
     """Energy balance if the scene asks for an audit."""
+    stress: Array | None = None
+    """Sections with the effect `fatigue`, in the order of the scene: columns of `SCALARS`
+    (`drill_twin.model.section_stress`), shape (s, 7)."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.audit import state_check
-from drill_twin.base.arrays import Array, Bytes
+from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.solver.kernel_cache import load_generated
 from drill_twin.solver.native_call import Call, call
@@ -68,8 +68,8 @@ class Frames(NamedTuple):
     check: Call
     places: Places
     limits: Limits
-    memory: Bytes  # of the state, and its copy at the start of the frame
-    saved: Bytes
+    memory: NDArray[np.int64]  # of the state, and its copy at the start of the frame
+    saved: NDArray[np.int64]
     clock: Array
     command: Array  # (2,) set-points last reached
     target: Array  # (2,) set-points at the end of the frame

@@ -95,7 +95,7 @@ class FrameLoop:
         self._frames = Frames(
             advance=kernel.call, observe=observe.call, check=check.call,
             places=_places(advance), limits=guard.limits(dynamics.step),
-            memory=dynamics.memory_block, saved=guard.saved, clock=dynamics.clock,
+            memory=dynamics.memory_block.view(np.int64), saved=guard.saved.view(np.int64), clock=dynamics.clock,
             command=dynamics.command, target=self.target, guard=guard.memory,
             extremes=guard.extremes, before=guard.before,
             counters=dynamics.counters, counters_before=observer.counters_before,

@@ -74,7 +74,7 @@ class Observer:
             wall_depth=float(seen.deepest[DEPTH]),
             wall_depth_at=float(self._places[int(seen.deepest[PLACE])]),
             marks=marks, rig=self._rig(counted / seconds, pushed / seconds), stats=stats, intervention=intervention,
-            energy=energy,
+            energy=energy, stress=None if dynamics.stress is None else dynamics.stress.copy(),
         )  # fmt: skip
 
     def _rig(self, mean: Array, pushed: Array) -> RigState:

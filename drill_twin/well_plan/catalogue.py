@@ -10,14 +10,16 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-INCH, POUND_PER_FOOT, KSI, FOOT_POUND = 0.0254, 1.48816394, 6.894757e6, 1.3558179
-YIELD = {"E75": 75.0 * KSI, "X95": 95.0 * KSI, "G105": 105.0 * KSI, "S135": 135.0 * KSI}
-"""Yield strength of the grades of drill pipe [Pa] (API Spec 5DP)."""
-COLLAR_YIELD = 110.0 * KSI
-"""Of collars up to 6 7/8 in., and of larger ones 100 ksi (API Spec 7-1) [Pa]."""
-LARGE_COLLAR_YIELD, LARGE_COLLAR = 100.0 * KSI, 7.0 * INCH
-HEAVY_WEIGHT_YIELD = 55.0 * KSI
-"""Of the tube of heavy-weight drill pipe [Pa]."""
+from drill_twin.model.steel import COLLAR, GRADES, LARGE_COLLAR
+from drill_twin.model.steel import HEAVY_WEIGHT as HEAVY_WEIGHT_STEEL
+
+INCH, POUND_PER_FOOT, FOOT_POUND = 0.0254, 1.48816394, 1.3558179
+YIELD = {name: steel.yield_strength for name, steel in GRADES.items()}
+"""Yield strength of the grades of drill pipe [Pa]."""
+COLLAR_YIELD, LARGE_COLLAR_YIELD = COLLAR.yield_strength, LARGE_COLLAR.yield_strength
+LARGEST_COLLAR = 7.0 * INCH
+"""Outer diameter of collars from which their steel is that of large ones [m]."""
+HEAVY_WEIGHT_YIELD = HEAVY_WEIGHT_STEEL.yield_strength
 ALUMINIUM = {"youngs_modulus": "69 GPa", "poisson_ratio": 0.33, "density": "2700 kg/m^3"}
 MATERIALS: dict[str, dict[str, Any]] = {"": {}, "steel": {}, "aluminium": ALUMINIUM, "aluminum": ALUMINIUM}
 """Keys of a section by material; steel is the default of a scene."""

@@ -14,8 +14,8 @@ from drill_twin.well_plan.catalogue import (
     COLLAR_YIELD,
     HEAVY_WEIGHT_YIELD,
     INCH,
-    LARGE_COLLAR,
     LARGE_COLLAR_YIELD,
+    LARGEST_COLLAR,
     MATERIALS,
     YIELD,
     drill_pipe,
@@ -144,7 +144,7 @@ def _heavy(row: Row, outer: float) -> dict[str, Any]:
 
 
 def _collar(row: Row, outer: float) -> dict[str, Any]:
-    return _tube(outer, _bore(row, outer), LARGE_COLLAR_YIELD if outer > LARGE_COLLAR else COLLAR_YIELD)
+    return _tube(outer, _bore(row, outer), LARGE_COLLAR_YIELD if outer > LARGEST_COLLAR else COLLAR_YIELD)
 
 
 def _plain(row: Row, outer: float) -> dict[str, Any]:

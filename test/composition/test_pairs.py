@@ -15,7 +15,7 @@ from drill_twin.twin.twin import Twin
 
 
 def test_no_effect_is_forgotten():
-    assert {*SWITCHES, "torsion"} == set(EFFECTS)
+    assert {*SWITCHES, "torsion", "fatigue"} == set(EFFECTS)  # fatigue acts on none of them: test_fatigue.py
 
 
 def scene_of(on: Choice) -> Scene:

@@ -8,7 +8,14 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from drill_twin.io.messages.topics import MEASURED_RIG_STATE, OF_EVERY_RUN, RIG_COMMAND, SURFACE_STATE, TOPICS
+from drill_twin.io.messages.topics import (
+    MEASURED_RIG_STATE,
+    OF_EVERY_RUN,
+    RIG_COMMAND,
+    STRING_STRESS,
+    SURFACE_STATE,
+    TOPICS,
+)
 from drill_twin.ros.deployment.security import RIGHTS, WHERE_INSTALLED, policy_text
 
 FOLDER = Path(__file__).resolve().parents[2] / "config" / "security"
@@ -58,11 +65,12 @@ def test_a_policy_allows_what_the_running_node_does_and_no_more(bench, small_bag
         bench.until(lambda: "waiting for /simulator" in process.text, what=node)
     bench.until(done, what=f"the services of {node}")
     # The gateway publishes commands while a client has control, and the measured state where there is a rig; the
-    # replayer what the bag holds; the simulator measures where its scene has sensors.
+    # replayer what the bag holds; the simulator measures where its scene has sensors, and
+    # counts stress where it asks for fatigue.
     absent = {
         "gateway": {RIG_COMMAND, MEASURED_RIG_STATE},
         "replayer": set(TOPICS) - set(OF_EVERY_RUN),
-        "simulator": {SURFACE_STATE},
+        "simulator": {STRING_STRESS, SURFACE_STATE},
     }
     of_subs = {name for names in wanted.values() for name in names if "*" in name}
     assert names("publisher") == wanted["publish"] - absent.get(node, set()) - of_subs

@@ -16,6 +16,16 @@ from drill_twin.io.messages.pose import spin_of, tangent_of
 from drill_twin.io.messages.rig_messages import RIG_JOINTS, read_command, read_rig_state
 from drill_twin.io.messages.whirl_encode import read_whirl_state
 from drill_twin.io.samples import columns, speeds
+from drill_twin.model.section_stress import (
+    AXIAL_FORCE,
+    CYCLES,
+    DAMAGE,
+    LARGEST_STRESS,
+    MOMENT_X,
+    MOMENT_Y,
+    SCALARS,
+    STRESS,
+)
 from drill_twin.twin.frame import RigState
 
 _ALL, _XYZ, _SPIN = slice(None), slice(3), 3
@@ -137,6 +147,41 @@ class CommandSeries(Series):
         state = self._reader.read(raw)
         command = read_command(state)
         self.append(state.stamp, (command.weight_on_bit, command.rotation))
+
+
+class StressSeries(Series):
+    """`/string/stress`; s sections."""
+
+    moment_x = Column(_ALL, MOMENT_X)
+    """Bending moment that curves the string towards x of the turning material [N m], shape (T, s)."""
+    moment_y = Column(_ALL, MOMENT_Y)
+    """The same towards y [N m], shape (T, s)."""
+    axial_force = Column(_ALL, AXIAL_FORCE)
+    """Axial force, positive = tension [N], shape (T, s)."""
+    stress = Column(_ALL, STRESS)
+    """Largest normal stress at the surface at the instant [Pa], shape (T, s)."""
+    largest_stress = Column(_ALL, LARGEST_STRESS)
+    """Largest of all steps so far [Pa], shape (T, s)."""
+    cycles = Column(_ALL, CYCLES)
+    """Stress cycles so far of the fibre with the most damage, shape (T, s)."""
+    damage = Column(_ALL, DAMAGE)
+    """Its damage so far, shape (T, s)."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._reader = JointStateReader()
+
+    def add_message(self, raw: bytes) -> None:
+        """Append a message.
+
+        Raises:
+            MessageError: It cannot be decoded, or is not one of sections.
+        """
+        state = self._reader.read(raw)
+        names = tuple(dict.fromkeys(name.partition("/")[0] for name in state.names))
+        if not names or state.names != tuple(f"{name}/{scalar}" for name in names for scalar in SCALARS):
+            raise MessageError(f"expected <section>/{', /'.join(SCALARS)}, found {', '.join(state.names) or 'nothing'}")
+        self.append(state.stamp, state.position.reshape(len(names), len(SCALARS)), names)
 
 
 class PoseSeries(Series):

@@ -19,8 +19,10 @@ from drill_twin.io.messages.topics import (
     STRING,
     STRING_MARKERS,
     STRING_POSES,
+    STRING_STRESS,
 )
 from drill_twin.io.messages.type_store import message, serialize
+from drill_twin.model.section_stress import SCALARS
 from drill_twin.twin.frame import Frame
 
 MARK_AXES = ("x", "y", "z", "spin")
@@ -41,6 +43,8 @@ class TwinEncoder:
         joints = [f"{name}/{axis}" for name in geometry.mark_names for axis in MARK_AXES]
         self._mark_state = JointStateTemplate(joints, frame_id=geometry.frame_id)
         self._mark_values = np.zeros((3, self._marks, len(MARK_AXES)))
+        sections = [f"{name}/{scalar}" for name in geometry.section_names for scalar in SCALARS]
+        self._stress = JointStateTemplate(sections, velocity=False, effort=False, frame_id=geometry.frame_id)
         self._rig = JointStateTemplate(RIG_JOINTS, frame_id=geometry.frame_id)
         self._clock = ClockTemplate()
         self._exaggeration = default_exaggeration(geometry.length, geometry.hole_radius)
@@ -63,6 +67,12 @@ class TwinEncoder:
         effort[:, :2] = -(marks.wall_force / radius)[:, None] * outwards
         check_finite(MARKS_STATE, self._mark_values)
         return self._mark_state.fill(stamp_ns(frame.time), *self._mark_values.reshape(3, -1))
+
+    def stress(self, frame: Frame) -> bytes:
+        """`/string/stress` of a scene with `fatigue`."""
+        values = np.zeros(0) if frame.stress is None else frame.stress.ravel()
+        check_finite(STRING_STRESS, values)
+        return self._stress.fill(stamp_ns(frame.time), values)
 
     def rig_state(self, frame: Frame) -> bytes:
         """`/rig/state`."""

@@ -47,6 +47,8 @@ class StringGeometry:
     """Distances of the nodes from the bit [m], shape (n + 1,); needed in a curved hole."""
     axis_at: Callable[[Array], Axis] | None = None
     """Axis of a curved hole at measured depths [m]; None where it is straight."""
+    section_names: tuple[str, ...] = ()
+    """Names of the sections whose stress is counted."""
     frame_prefix: str = ""
     """Put before the names of all frames, so that two twins can share a tf tree."""
 

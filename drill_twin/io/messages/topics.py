@@ -28,6 +28,7 @@ MEASURED = "/measured"
 """Namespace of what a real rig measures."""
 STRING_POSES = "/string/poses"
 STRING_MARKERS = "/string/markers"
+STRING_STRESS = "/string/stress"
 MARKS_STATE = "/marks/state"
 WHIRL_STATE = "/whirl/state"
 WHIRL_MOTION = "/whirl/motion"
@@ -59,7 +60,7 @@ class Topic:
     depth: int = 10
     """Depth of the history (KEEP_LAST) of subscriptions and of bags; all topics are RELIABLE."""
     optional: bool = False
-    """Of a node that a run need not have."""
+    """Of a node or an effect that a run need not have."""
 
     @property
     def publisher_depth(self) -> int:
@@ -119,6 +120,15 @@ _ROWS = (
         "simulator",
         _FULL_RATE,
         "pose of every node, 0 = bit: position [m]; orientation turns z into the tangent after the spin",
+    ),
+    Topic(
+        STRING_STRESS,
+        JOINT_STATE,
+        "simulator",
+        _FULL_RATE,
+        "of a scene with `fatigue`, per section, in position: `<section>/moment_x`, `/moment_y` [N m] in the turning "
+        "material, `/axial_force` [N], `/stress` and `/largest_stress` so far [Pa], `/cycles` and `/damage` so far",
+        optional=True,
     ),
     Topic(
         MARKS_STATE,

@@ -27,6 +27,7 @@ from drill_twin.io.messages.topics import (
     RPS_COMMAND,
     STRING_MARKERS,
     STRING_POSES,
+    STRING_STRESS,
     SURFACE_STATE,
     TOPICS,
     TWIN_SCENE,
@@ -85,7 +86,7 @@ RIGHTS: dict[str, Rights] = {
     "simulator": Rights(
         (
             *(RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, REALTIME_FACTOR, CLOCK_TOPIC),
-            *(SURFACE_STATE, *SUBS),
+            *(STRING_STRESS, SURFACE_STATE, *SUBS),
             "~/transition_event",
             *WHERE_INSTALLED["tf2_msgs"],
         ),

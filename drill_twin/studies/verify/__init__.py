@@ -30,6 +30,7 @@ TOPICS = {
     "contact.whirl_states": "walled",
     "contact.rub": "walled",
     "contact.bit": "bit",
+    "contact.fatigue": "walled, with fatigue",
     "contact.stick_slip": "two masses",
     "contact.regenerative": "regenerative",
     "numerics.conservation": "quiet",

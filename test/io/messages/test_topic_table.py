@@ -16,6 +16,7 @@ def test_the_contract():
         "/rig/rps_command": "Float64",
         "/rig/state": "JointState",
         "/string/poses": "PoseArray",
+        "/string/stress": "JointState",
         "/marks/state": "JointState",
         "/string/markers": "MarkerArray",
         "/whirl/state": "JointState",
