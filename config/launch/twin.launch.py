@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ros2 launch drill_twin twin.launch.py`: simulator, rig driver and analyzer; recorder and advisor when asked."""
+"""`ros2 launch drill_twin twin.launch.py`: simulator, rig driver, analyzer; if asked recorder, advisor, estimator."""
+
+from collections.abc import Sequence
 
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, RegisterEventHandler
@@ -56,6 +58,19 @@ ARGUMENTS = (
     DeclareLaunchArgument(
         "map", default_value="", description="map.json for the advisor; it makes a coarse map of the scene if empty."
     ),
+    DeclareLaunchArgument(
+        "estimate", default_value="false", choices=["true", "false"], description="Follow what is measured (estimator)."
+    ),
+    DeclareLaunchArgument(
+        "free",
+        default_value="load_factor=0.8..1.2",
+        description='Free numbers of the estimator, as "wall_friction.coefficient=0.1..0.4; load_factor=0.8..1.2".',
+    ),
+    DeclareLaunchArgument(
+        "measured",
+        default_value="rig/state",
+        description="Topic that the estimator follows: the simulator as a hidden truth, or measured/rig/state.",
+    ),
     DeclareLaunchArgument("rviz", default_value="false", choices=["true", "false"], description="Open RViz beside it."),
     DeclareLaunchArgument("namespace", default_value="", description="Namespace of all nodes and topics."),
     DeclareLaunchArgument(
@@ -100,6 +115,12 @@ def generate_launch_description() -> LaunchDescription:
         _node("recorder", {"bag": _text("bag")}, condition=IfCondition(record)),
         _node("analyzer", {}),
         _node("advisor", {"map": _text("map")}, condition=IfCondition(LaunchConfiguration("advise"))),
+        _node(
+            "estimator",
+            {"scene": scene, "free": _text("free")},
+            also=[("measured/rig/state", LaunchConfiguration("measured"))],
+            condition=IfCondition(LaunchConfiguration("estimate")),
+        ),
         simulator,
         _node("rig_driver", driver),
     ]
@@ -140,7 +161,7 @@ def _clock() -> dict[str, object]:
     return {"use_sim_time": ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)}
 
 
-def _node(executable: str, parameters: dict[str, object], **more: object) -> Node:
+def _node(executable: str, parameters: dict[str, object], also: Sequence[object] = (), **more: object) -> Node:
     defaults = PathJoinSubstitution([FindPackageShare(PACKAGE), "nodes", f"{executable}.yaml"])
     return Node(
         package=PACKAGE,
@@ -148,7 +169,7 @@ def _node(executable: str, parameters: dict[str, object], **more: object) -> Nod
         name=executable,
         namespace=LaunchConfiguration("namespace"),
         parameters=[defaults, {**parameters, **_clock()}, LaunchConfiguration("params_file")],
-        remappings=IN_NAMESPACE,
+        remappings=[*IN_NAMESPACE, *also],
         output="screen",
         sigterm_timeout="10",
         **more,

@@ -45,8 +45,8 @@ class EstimatorOptions:
     members: int = 64
     window: float = 1.0
     rate: float = 10.0
-    error: float = 0.01
-    memory: float = 600.0
+    error: float = 0.02
+    memory: float = 300.0
     horizon: float = 4.0
     scouts: int = 16
     frames: bool = False

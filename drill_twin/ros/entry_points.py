@@ -25,6 +25,7 @@ NODES = {
     "rig_driver": "drill_twin.ros.rig_driver.node:RigDriver",
     "analyzer": "drill_twin.ros.analyzer.node:Analyzer",
     "advisor": "drill_twin.ros.advisor.node:Advisor",
+    "estimator": "drill_twin.ros.estimator.node:Estimator",
     "recorder": "drill_twin.ros.bag.recorder:Recorder",
     "replayer": "drill_twin.ros.bag.replayer:Replayer",
     "gateway": "drill_twin.ros.gateway.node:Gateway",

@@ -141,7 +141,7 @@ def test_a_launch_file_names_executables_and_parameters_that_exist(name):
     nodes = [call for call in calls if _name(call) == "_node"]
     started = {call.args[0].value for call in nodes}
     wanted = {
-        "twin": {"simulator", "rig_driver", "analyzer", "advisor", "recorder"},
+        "twin": {"simulator", "rig_driver", "analyzer", "advisor", "estimator", "recorder"},
         "replay": {"replayer", "analyzer"},
     }
     assert started == wanted[name]

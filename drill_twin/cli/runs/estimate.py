@@ -32,7 +32,7 @@ def estimate(
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     members: Annotated[int, typer.Option("--members", min=4, help="Members of the ensemble.")] = 64,
     window: Annotated[float, typer.Option("--window", min=0.05, help="Seconds from estimate to estimate.")] = 1.0,
-    error: Annotated[float, typer.Option("--error", min=1e-6, help="Error of a sample over the largest value.")] = 0.01,
+    error: Annotated[float, typer.Option("--error", min=1e-6, help="Error of a sample over the largest value.")] = 0.02,
     horizon: Annotated[float, typer.Option("--horizon", min=0.0, help="Seconds ahead of the chance of whirl.")] = 4.0,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
     json: JsonOption = False,

@@ -35,7 +35,12 @@ WHIRL_MOTION = "/whirl/motion"
 WHIRL_ONSET = "/whirl/onset"
 ADVICE_STATE = "/advice/state"
 ADVICE_MAP = "/advice/map"
+ESTIMATE_STATE = "/estimate/state"
+ESTIMATE = "/estimate"
+"""Namespace of the twin that is nearest to the rig."""
 TWIN_SCENE = "/twin/scene"
+OF_NEAREST_TWIN = (TWIN_SCENE, RIG_STATE, MARKS_STATE, STRING_POSES)
+"""Topics of that twin."""
 REALTIME_FACTOR = "/twin/realtime_factor"
 DIAGNOSTICS = "/diagnostics"
 CLOCK_TOPIC = "/clock"
@@ -186,6 +191,15 @@ _ROWS = (
         "operating map (JSON): ranges, regime of each node, boundaries, safe window",
         latched=True,
         depth=1,
+        optional=True,
+    ),
+    Topic(
+        ESTIMATE_STATE,
+        DIAGNOSTIC_ARRAY,
+        "estimator",
+        "each window (1 s)",
+        "estimates of the ensemble that follows a rig: alarm, chance of whirl; for each number and virtual sensor "
+        "mean, deviation, and 90 % band [SI]",
         optional=True,
     ),
     Topic(

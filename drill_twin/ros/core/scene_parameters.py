@@ -27,7 +27,7 @@ def scene_of(settings: SimpleNamespace) -> Scene:
         SceneError: It cannot be loaded.
         ParameterError: The overrides are not pairs KEY=VALUE.
     """
-    changes = _pairs(settings.overrides)
+    changes = pairs_of("overrides", settings.overrides)
     for parameter, key in (("weight_on_bit", "wob"), ("rotation", "rps"), ("accuracy", "accuracy")):
         if value := getattr(settings, parameter, ""):
             changes[key] = value
@@ -59,14 +59,19 @@ def resolved(scene: Scene, duration: float, log: Callable[[str], object]) -> Sce
     return plan.scene
 
 
-def _pairs(text: str) -> dict[str, str]:
+def pairs_of(parameter: str, text: str) -> dict[str, str]:
+    """Pairs of a text `KEY=VALUE; KEY=VALUE`.
+
+    Raises:
+        ParameterError: It is none.
+    """
     pairs = {}
     for part in text.split(";"):
         if not part.strip():
             continue
         match = _PAIR.fullmatch(part)
         if not match:
-            raise ParameterError(f'parameter overrides: expected KEY=VALUE; KEY=VALUE, found "{part.strip()}"')
+            raise ParameterError(f'parameter {parameter}: expected KEY=VALUE; KEY=VALUE, found "{part.strip()}"')
         pairs[match["key"]] = match["value"]
     return pairs
 

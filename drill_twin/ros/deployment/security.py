@@ -17,9 +17,12 @@ from drill_twin.io.messages.topics import (
     ADVICE_STATE,
     CLOCK_TOPIC,
     DIAGNOSTICS,
+    ESTIMATE,
+    ESTIMATE_STATE,
     MARKS_STATE,
     MEASURED,
     MEASURED_RIG_STATE,
+    OF_NEAREST_TWIN,
     OF_SUBS,
     REALTIME_FACTOR,
     RIG_COMMAND,
@@ -96,6 +99,9 @@ RIGHTS: dict[str, Rights] = {
     "rig_driver": Rights((RIG_COMMAND, WOB_COMMAND, RPS_COMMAND), (CLOCK_TOPIC,), (), _READY),
     "analyzer": Rights((WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET), (TWIN_SCENE, MARKS_STATE, RIG_STATE)),
     "advisor": Rights((ADVICE_STATE, ADVICE_MAP), (TWIN_SCENE, RIG_STATE, WHIRL_MOTION)),
+    "estimator": Rights(
+        (ESTIMATE_STATE, *(ESTIMATE + topic for topic in OF_NEAREST_TWIN)), (MEASURED_RIG_STATE, RIG_COMMAND)
+    ),
     "recorder": Rights((), (*TOPICS, *SUBS, *MEASURED_SUBS)),
     "replayer": Rights((*(topic for topic in TOPICS if topic != DIAGNOSTICS), *SUBS, *MEASURED_SUBS), (), (), _READY),
     "gateway": Rights(

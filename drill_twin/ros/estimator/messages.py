@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Messages of the estimator: samples in, estimates and the nearest twin out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from drill_twin.api.estimator import Estimator
+from drill_twin.estimation import SENSORS, Band, Estimate
+from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.diagnostics import Level, Status, exact
+from drill_twin.io.messages.encode import TwinEncoder
+from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
+from drill_twin.io.scene_geometry import string_geometry
+
+_NAME = "estimate"
+_LIKELY = 0.5
+"""Share of the members from which a sentence speaks of whirl."""
+_VALUES = {
+    "torque": ("effort", "top_drive"),
+    "motor_torque": ("effort", "top_drive"),
+    "hookload": ("effort", "block"),
+    "top_drive_speed": ("velocity", "top_drive"),
+    "bit_speed": ("velocity", "bit"),
+    "weight_on_bit": ("effort", "bit"),
+    "rotation": ("velocity", "top_drive"),
+}
+"""Array and joint of each value in a message like `/rig/state`."""
+
+
+def values_of(state: JointState, *, set_points: bool) -> dict[str, float]:
+    """Channels of a message like `/rig/state` by name, NaN for what it does not have; set-points if asked for."""
+    found = {}
+    for name, (array, joint) in _VALUES.items():
+        if name not in {"weight_on_bit", "rotation"} or set_points:
+            values = getattr(state, array)
+            found[name] = float(values[state.names.index(joint)]) if joint in state.names and values.size else math.nan
+    return found
+
+
+def statuses(found: Estimate, troubles: Mapping[str, int]) -> list[Status]:
+    """The estimate: its sentence with alarm and chance of whirl, then a status for each number and virtual sensor."""
+    level, text = Level.OK, "the model explains what is measured"
+    if found.alarm:
+        level, text = Level.ERROR, found.alarm
+    elif found.chance >= _LIKELY:
+        level, text = Level.WARN, "whirl is likely soon" if found.whirls <= _LIKELY else "the string whirls"
+    values = {"whirls": exact(found.whirls), "chance_of_whirl": exact(found.chance)}
+    values |= {f"misfit_{name}": exact(value) for name, value in found.misfit.items()}
+    values |= {f"samples_{kind.replace(' ', '_')}": str(count) for kind, count in troubles.items()}
+    values |= {"absurd_beside_the_model": str(found.absurd), "members_replaced": str(found.replaced)}
+    return [
+        Status(_NAME, level, text, values),
+        *(_status(f"{_NAME}: {key}", band, "") for key, band in found.numbers.items()),
+        *(_status(f"{_NAME}: {name}", band, SENSORS[name]) for name, band in found.sensors.items()),
+    ]
+
+
+def _status(name: str, band: Band, unit: str) -> Status:
+    values = {"mean": band.mean, "deviation": band.deviation, "low": band.low, "high": band.high}
+    text = f"{band.mean:.4g} ({band.low:.4g} to {band.high:.4g}) {unit}".rstrip()
+    return Status(name, Level.OK, text, {key: exact(value) for key, value in values.items()})
+
+
+class NearestTwin:
+    """Encodes the frames of the nearest member."""
+
+    def __init__(self, estimator: Estimator) -> None:
+        self._encoder = TwinEncoder(string_geometry(estimator.filter.members.twins[0]))
+
+    def messages(self, found: Estimate, origin: float) -> Iterator[tuple[str, bytes]]:
+        """Topics and bytes of the frames of a window, stamped by the rig's clock, whose time zero is `origin` [s]."""
+        for frame in found.frames:
+            stamped = frame._replace(time=origin + frame.time)
+            yield RIG_STATE, self._encoder.rig_state(stamped)
+            yield MARKS_STATE, self._encoder.marks(stamped)
+            yield STRING_POSES, self._encoder.poses(stamped)

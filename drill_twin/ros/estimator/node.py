@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Estimator node: an ensemble that follows what a rig measures. It commands nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, ClassVar
+
+from drill_twin.api.estimator import Estimator as Following
+from drill_twin.errors import DrillTwinError
+from drill_twin.estimation import Estimate
+from drill_twin.io.messages.decode import JointStateReader
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.rig_messages import read_command
+from drill_twin.io.messages.stamps import seconds, stamp_ns
+from drill_twin.io.messages.topics import (
+    ESTIMATE,
+    ESTIMATE_STATE,
+    FRAME_ID,
+    MEASURED_RIG_STATE,
+    OF_NEAREST_TWIN,
+    RIG_COMMAND,
+    TWIN_SCENE,
+)
+from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.estimator.messages import NearestTwin, statuses, values_of
+from drill_twin.ros.estimator.parameters import PARAMETERS, make_estimator
+
+_DEPTH = 1000  # messages that wait while another thread has the processor
+_BEHIND = 10  # windows that wait before the oldest is left out
+
+
+class Estimator(TwinNode):
+    """Feeds an ensemble with what is measured, and publishes what it finds."""
+
+    NAME: ClassVar = "estimator"
+    PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
+    PARAMETERS: ClassVar = PARAMETERS
+
+    def open(self) -> None:
+        """Create the topics, and begin to make the ensemble on a thread of its own.
+
+        Raises:
+            DrillTwinError: Scene, numbers or channels cannot be taken.
+        """
+        self._reader, self._commands = JointStateReader(), JointStateReader()
+        self._set_points: dict[str, float] = {}
+        self._following: Following | None = None
+        self._nearest: NearestTwin | None = None
+        self._found: Estimate | None = None
+        self._refused = 0
+        self._thread = ThreadPoolExecutor(1, "ensemble")
+        self._made: Future[Following] | None = self._thread.submit(make_estimator, self.settings)
+        self._step: Future[Estimate | None] | None = None
+        self.topics.advertise(ESTIMATE_STATE)
+        if self.settings.show:
+            self.topics.prefix = self.get_namespace().rstrip("/") + ESTIMATE
+            for topic in OF_NEAREST_TWIN:
+                self.topics.advertise(topic)
+            self.topics.prefix = ""
+        self.topics.subscribe(MEASURED_RIG_STATE, self._on_measured, depth=_DEPTH)
+        if self.settings.set_points == "command":
+            self.topics.subscribe(RIG_COMMAND, self._on_command, depth=_DEPTH)
+
+    def not_ready(self) -> str:
+        """Reason while the ensemble is being made."""
+        return "" if self._following is not None else "making the ensemble"
+
+    def work(self) -> None:
+        """Take what has arrived, publish what has been found, and begin the next window."""
+        super().work()
+        if self._made is not None and self._made.done():
+            self._begin(self._made.result())
+            self._made = None
+        if self._following is None:
+            return
+        if self._step is not None and self._step.done():
+            self._publish(self._following, self._step.result())
+            self._step = None
+        while self._following.intake.waiting > _BEHIND:
+            self._following.intake.skip()
+        if self._step is None and self._following.intake.waiting:
+            self._step = self._thread.submit(self._following.step)
+
+    def close(self) -> None:
+        """Wait for the window that is being computed."""
+        self._thread.shutdown(cancel_futures=True)
+
+    def _begin(self, following: Following) -> None:
+        self._following = following
+        if self.settings.show:
+            self._nearest = NearestTwin(following)
+            self.topics.publish(TWIN_SCENE, encode_string(following.scene.to_yaml()))
+        self.get_logger().info(f"{len(following.filter.members)} members of {following.scene.name} follow the rig")
+
+    def _on_command(self, raw: bytes, info: Mapping[str, Any]) -> None:
+        del info
+        try:
+            command = read_command(self._commands.read(bytes(raw)))
+        except DrillTwinError:
+            self._refused += 1
+            return
+        self._set_points = {"weight_on_bit": command.weight_on_bit, "rotation": command.rotation}
+
+    def _on_measured(self, raw: bytes, info: Mapping[str, Any]) -> None:
+        del info
+        if self._following is None:
+            return
+        try:
+            state = self._reader.read(bytes(raw))
+            values = values_of(state, set_points=self.settings.set_points == "measured")
+        except (DrillTwinError, IndexError):
+            self._refused += 1
+            return
+        self._following.take(seconds(state.stamp), values | self._set_points)
+
+    def _publish(self, following: Following, found: Estimate | None) -> None:
+        if found is None:
+            return
+        if found.alarm and (self._found is None or not self._found.alarm):
+            self.get_logger().warning(found.alarm)
+        self._found = found
+        origin = following.intake.origin
+        content = statuses(found, following.intake.troubles)
+        stamp = stamp_ns(max(origin + found.time, 0.0))
+        self.topics.publish(ESTIMATE_STATE, encode_diagnostics(stamp, content, FRAME_ID))
+        if self._nearest is not None:
+            for topic, raw in self._nearest.messages(found, origin):
+                self.topics.publish(topic, raw)
+
+    def health(self) -> Status:
+        """Samples that were not sound, and whether the machine keeps up."""
+        if self._following is None:
+            return Status(self.NAME, Level.OK, "making the ensemble")
+        intake = self._following.intake
+        values = {kind.replace(" ", "_"): str(count) for kind, count in intake.troubles.items()}
+        values |= {"unreadable": str(self._refused), "windows_waiting": str(intake.waiting)}
+        if intake.frozen:
+            return Status(self.NAME, Level.WARN, f"{', '.join(sorted(intake.frozen))}: frozen, left out", values)
+        if intake.troubles["skipped window"]:
+            text = "too slow for real time, windows are left out; take fewer members or a coarser mesh"
+            return Status(self.NAME, Level.WARN, text, values)
+        if self._found is None:
+            return Status(self.NAME, Level.OK, f"waiting for {MEASURED_RIG_STATE}", values)
+        return Status(self.NAME, Level.OK, self._found.alarm or "follows the rig", values)

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The estimator node beside a real simulator with hidden numbers, and with samples that are not sound."""
+
+import math
+
+import numpy as np
+from sensor_msgs.msg import JointState
+
+from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
+from drill_twin.io.messages.rig_messages import RIG_JOINTS
+from drill_twin.io.messages.topics import ESTIMATE, ESTIMATE_STATE, MEASURED_RIG_STATE, RIG_STATE
+
+COARSE = (
+    "numerics.elements=8; numerics.step=10 ms; numerics.frame_rate=50 Hz; rig.rotation.duration=1 s; "
+    "rig.weight_on_bit.duration=1 s"
+)
+"""Kernel of the paper's rod."""
+FREE = "bit_friction.coefficient=0.03..0.2; load_factor=0.7..1.3"
+
+
+def parts(raw):
+    return {status.name: status for status in decode_diagnostics(raw)[1]}
+
+
+def test_hidden_numbers_are_found_beside_a_simulator(bench):
+    found = bench.collect(ESTIMATE_STATE)
+    estimator = bench.start(
+        "estimator", "-r", f"measured/rig/state:={RIG_STATE[1:]}", overrides=COARSE, free=FREE, members=8,
+        set_points="scene", horizon=0.0,
+    )  # fmt: skip
+    bench.until_ready("estimator")
+    shown = []
+    bench.node.create_subscription(JointState, ESTIMATE + RIG_STATE, shown.append, 1000)
+    hidden = f"{COARSE}; effects.bit_friction.coefficient=0.11; rig.weight_on_bit.value=46 N"
+    simulator = bench.start("simulator", duration=12.0, overrides=hidden)
+    driver = bench.start("rig_driver", wait_for="simulator estimator test", overrides=hidden)
+    bench.until(lambda: simulator.code is not None and len(found) >= 10, what="the run and its estimates")
+    for process in (estimator, driver):
+        assert process.end() == 0, process.text
+        assert "Traceback" not in process.text
+    last = parts(found[-1])
+    assert math.isclose(float(last["estimate: load_factor"].values["mean"]), 46 / 40, rel_tol=0.02)
+    assert math.isclose(float(last["estimate: bit_friction.coefficient"].values["mean"]), 0.11, rel_tol=0.1)
+    assert last["estimate"].level != Level.ERROR
+    assert len(shown) >= 450
+    assert list(shown[-1].name) == list(RIG_JOINTS)
+
+
+def test_bad_samples_are_told_and_survived(bench):
+    found = bench.collect(ESTIMATE_STATE)
+    estimator = bench.start("estimator", overrides=COARSE, free=FREE, members=4, show=False, horizon=0.0)
+    publisher, template = bench.publisher(MEASURED_RIG_STATE), JointStateTemplate(RIG_JOINTS)
+    bench.until_ready("estimator")
+    draw = np.random.default_rng(1)
+    nan = [math.nan] * 4
+    for number in range(300):
+        stamp = 20_000_000 * number + (3_600_000_000_000 if number > 150 else 0)  # the clock is set
+        torque = 1e30 if number == 77 else math.inf if number == 90 else 0.01 * draw.standard_normal()
+        raw = template.fill(stamp, nan, nan, [torque, math.nan, 30.0 + 0.1 * draw.standard_normal(), math.nan])
+        for _ in range(2 if number == 30 else 1):
+            publisher.publish(bytes(raw))
+        if number == 40:
+            publisher.publish(b"\x00\x01\x00\x00 no message")
+        bench.spin(0.002)
+    bench.until(lambda: len(found) >= 5, what="estimates")
+    values = parts(found[-1])["estimate"].values
+    assert int(values["samples_absurd"]) >= 1
+    assert values["samples_repeated"] == "1"
+    assert values["samples_clock_jump"] == "1"
+    assert estimator.end() == 0, estimator.text
+    assert "Traceback" not in estimator.text
+
+
+def test_a_number_that_it_cannot_change_ends_it_in_a_line(bench):
+    estimator = bench.start("estimator", free="hole.radius=80 mm..95 mm")
+    assert estimator.wait() == 2, estimator.text
+    assert "shapes the mesh" in estimator.text
+    assert "Traceback" not in estimator.text
