@@ -14,6 +14,7 @@ from drill_twin.maps.draws import draws_of
 from drill_twin.maps.journal import Journal
 from drill_twin.maps.operating_map import OperatingMap, digest_of
 from drill_twin.maps.plane import Plane
+from drill_twin.maps.prior import growth_of
 from drill_twin.maps.runs import Runner
 from drill_twin.maps.search import Progress, Search
 from drill_twin.scene import Scene
@@ -72,7 +73,8 @@ def build_map(
     }  # fmt: skip
     journal = Journal(folder / "runs.jsonl", setup) if folder is not None else None
     runner = Runner(scene, plane, plan.duration, draws, plan.executor)
-    search = Search(runner, journal, plan.runs, progress, growth=plan.growth)
+    growth = growth_of(scene, plane) if plan.growth else None
+    search = Search(runner, journal, plan.runs, progress, growth)
     search.onset()
     search.regimes()
     if draws:
@@ -81,7 +83,7 @@ def build_map(
         search.end_of_whirl()
     return OperatingMap(
         scene.name, digest_of(scene), scene.to_yaml(), plane, plan.duration, draws, search.records, search.notes,
-        [] if search.growth is None else search.growth.tolist(),
+        [] if growth is None else growth.tolist(),
     )  # fmt: skip
 
 

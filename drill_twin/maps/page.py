@@ -12,7 +12,7 @@ import numpy as np
 from drill_twin import __version__
 from drill_twin.base.arrays import Mask
 from drill_twin.maps.operating_map import OperatingMap
-from drill_twin.maps.plane import Plane, sign_on
+from drill_twin.maps.plane import Plane, on_lattice
 from drill_twin.maps.regimes import REGIMES
 from drill_twin.scene.load import parse_scene
 
@@ -36,7 +36,7 @@ def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:
         "version": __version__,
         "own": [rig.weight_on_bit.value, rig.rotation.value],
         "whirling": [regime.value for regime in REGIMES if regime.whirls],
-        "growth_line": found.lines(_grows(found)) if len(found.growth) else [],
+        "growth_line": found.lines(grows(found)) if len(found.growth) else [],
         "commands": [found.command_of(key, scene) for key in found.records],
     }
 
@@ -62,6 +62,7 @@ def _digits(flags: Mask) -> str:
     return "".join("01"[flag] for flag in flags.ravel().tolist())
 
 
-def _grows(found: OperatingMap) -> Mask:
+def grows(found: OperatingMap) -> Mask:
+    """Nodes at which a mode of the linear string grows."""
     plane: Plane = found.plane
-    return np.asarray(sign_on(np.array(found.growth, float), plane.steps) == 1)
+    return np.asarray(on_lattice(np.array(found.growth, float), plane.steps) > 0.0)

@@ -113,12 +113,11 @@ def _differ(labels: Labels) -> bool:
     return bool(known.size and (known != known[0]).any())
 
 
-def sign_on(growth: Array, steps: int) -> Labels:
-    """Sign of the growth at the nodes of a lattice, linear between the points of the grid."""
-    nodes, points = np.linspace(0.0, 1.0, steps + 1), np.linspace(0.0, 1.0, growth.shape[0])
-    rows = np.array([np.interp(nodes, points, row) for row in growth])
-    whole = np.array([np.interp(nodes, points, column) for column in rows.T]).T
-    return (whole > 0.0).astype(np.int8)
+def on_lattice(grid: Array, steps: int) -> Array:
+    """Values at the nodes of a lattice, linear between the points of an even grid."""
+    nodes, points = np.linspace(0.0, 1.0, steps + 1), np.linspace(0.0, 1.0, grid.shape[0])
+    rows = np.array([np.interp(nodes, points, row) for row in grid])
+    return np.array([np.interp(nodes, points, column) for column in rows.T]).T
 
 
 def filled(labels: Labels) -> Labels:

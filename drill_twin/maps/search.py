@@ -13,11 +13,10 @@ from contextlib import closing
 import numpy as np
 
 from drill_twin.base.arrays import Array
-from drill_twin.errors import DrillTwinError
 from drill_twin.maps.journal import Journal
-from drill_twin.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_known, sign_on, wanted
+from drill_twin.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_known, wanted
+from drill_twin.maps.prior import expected
 from drill_twin.maps.runs import HOLD, Key, Record, Runner
-from drill_twin.scene import Scene
 
 ONSET_CELLS, COARSE = 8, 16
 """Cells along each range before any is split: in the search for the onset, and in all others."""
@@ -29,8 +28,6 @@ FEW = 3
 """Draws after the first by which a node is judged; the others follow where they differ from it."""
 EARLY = 0.8
 """Share of the duration within which a whirl must begin to be one that a run can come from."""
-GROWTH_POINTS = 33
-"""Points of the map of growth rates along each range."""
 
 Progress = Callable[[str, int, int], None]
 """Takes the phase, the runs that have ended, and the number expected by now."""
@@ -42,24 +39,33 @@ class Search:
     Attributes:
         records: The runs that it took, in its order.
         notes: What limits the map, as sentences.
-        growth: Growth rates at the points of an even grid [1/s]; None where they do not apply.
     """
 
     def __init__(
-        self, runner: Runner, journal: Journal | None, budget: int, progress: Progress, *, growth: bool
+        self, runner: Runner, journal: Journal | None, budget: int, progress: Progress, growth: Array | None
     ) -> None:
+        """Begin.
+
+        Args:
+            runner: Makes the runs.
+            journal: Keeps them; None: they are not kept.
+            budget: Largest number of runs.
+            progress: Takes phase, runs that have ended, and the number expected by now.
+            growth: Growth rates at the points of an even grid [1/s]; None where they do not apply.
+        """
         self._runner, self._journal, self._budget, self._progress = runner, journal, budget, progress
         self.records: dict[Key, Record] = {}
         self.notes: list[str] = []
-        self.growth = growth_of(runner.scene, runner.plane) if growth else None
+        self._growth = growth
         self._first, self._others = (FEW_CELLS, FEW_CELLS) if budget <= FEW_RUNS else (ONSET_CELLS, COARSE)
+        if growth is not None:
+            self._first = FEW_CELLS
 
     # --- phases ---------------------------------------------------------------------------------------------------
 
     def onset(self) -> None:
         """Find where whirl begins from rest, to one step of the lattice."""
-        hint = None if self.growth is None else sign_on(self.growth, self._steps)
-        self._refine("onset of whirl", lambda record: int(record.whirls), self._first, 1, hint)
+        self._refine("onset of whirl", lambda record: int(record.whirls), self._first, 1, self._growth)
 
     def regimes(self) -> None:
         """Find the boundaries between all regimes."""
@@ -131,11 +137,14 @@ class Search:
         return labels
 
     def _refine(
-        self, phase: str, label: Callable[[Record], int], cells: int, finest: int, hint: Labels | None = None
+        self, phase: str, label: Callable[[Record], int], cells: int, finest: int, growth: Array | None = None
     ) -> None:
-        coarse = max(1, self._steps // cells)
-        while nodes := wanted(self._labels(label), coarse, finest, hint, max(finest, self._steps // REGIME_CELLS)):
-            if not self._make(phase, [Key(*node) for node in nodes]):
+        coarse, hinted = max(1, self._steps // cells), max(finest, self._steps // REGIME_CELLS)
+        while True:
+            labels = self._labels(label)
+            hint = None if growth is None else expected(growth, labels)
+            nodes = wanted(labels, coarse, finest, hint, hinted)
+            if not nodes or not self._make(phase, [Key(*node) for node in nodes]):
                 return
 
     def _beside(self, labels: Labels, size: int) -> list[Node]:
@@ -177,15 +186,3 @@ class Search:
                 self._progress(phase, before + len(made), expected)
         self.records |= {key: made[key] if key in made else known[key] for key in new}
         return bool(new)
-
-
-def growth_of(scene: Scene, plane: Plane) -> Array | None:
-    """Largest growth of a lateral mode [1/s] on an even grid over the plane; None where the string has no such map."""
-    from drill_twin.rotordynamics.equations import EquationsOfMotion
-    from drill_twin.rotordynamics.growth_map import growth_map
-
-    weights, speeds = (np.linspace(span.low, span.high, GROWTH_POINTS) for span in (plane.weight, plane.speed))
-    try:
-        return growth_map(EquationsOfMotion(scene), weights, speeds).lateral
-    except DrillTwinError:  # a hole that is not vertical, an effect that depends on time, no balance
-        return None

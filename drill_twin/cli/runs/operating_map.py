@@ -66,14 +66,16 @@ def operating_map(
     """Regimes of motion over weight on bit and speed: smooth, stick-slip, buckled, forward, backward, irregular whirl.
 
     Runs crowd where the regime changes: the onset of whirl from rest first, then the other regimes, draws of seeds and
-    uncertain numbers, and the boundary at which an existing whirl dies. Writes map.json, map.csv and map.html.
+    uncertain numbers, and the boundary at which an existing whirl dies. Writes map.json, map.csv, map.html and map.png.
     """
     from drill_twin.api.maps import operating_map as make
     from drill_twin.cli.folder import folder_name, make_folder, write_file
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
     from drill_twin.errors import SceneError
+    from drill_twin.maps.figure import map_figure
     from drill_twin.maps.page import build_page
+    from drill_twin.report.figures.style import save
     from drill_twin.scene import load_scene
     from drill_twin.studies.json_io import json_text
 
@@ -98,13 +100,14 @@ def operating_map(
     data = found.to_dict()
     write_file(folder / "map.json", json_text(data))
     write_file(folder / "map.csv", found.csv())
+    save(map_figure(found), folder / "map.png")
     options = [f"--set {quote(f'{key}={value}')}" for key, value in changes.items() if key != "duration"]
     write_file(folder / "map.html", build_page(found, " ".join([quote(scene), *options])))
     if json:
         print_json(data)
     else:
         stdout().print(_text(found, described), markup=False, soft_wrap=True)
-    err().print(f"{folder}: map.json, map.csv, map.html, runs.jsonl", markup=False, soft_wrap=True)
+    err().print(f"{folder}: map.json, map.csv, map.html, map.png, runs.jsonl", markup=False, soft_wrap=True)
 
 
 class _Bar(AbstractContextManager[Callable[[str, int, int], None]]):
