@@ -81,6 +81,7 @@ setup(
             "pyelastica>=1.0",
             "pytest",
             "pytest-benchmark>=5",
+            "ross-rotordynamics>=2.3",  # imports with plotly<7
             "torque_drag>=0.1.1",
             "welleng>=0.30",
         ],
