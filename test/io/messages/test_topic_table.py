@@ -26,6 +26,7 @@ def test_the_contract():
         "/surface/state": "JointState",
         "/advice/state": "DiagnosticArray",
         "/advice/map": "String",
+        "/estimate/state": "DiagnosticArray",
         "/twin/scene": "String",
         "/twin/realtime_factor": "Float64",
         "/diagnostics": "DiagnosticArray",
