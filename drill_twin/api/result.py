@@ -23,6 +23,7 @@ from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection, open_bag
 from drill_twin.report.summary import summarise
 from drill_twin.scene import Scene
+from drill_twin.whirl import Summary
 
 if TYPE_CHECKING:
     import xarray
@@ -122,6 +123,17 @@ class Result(Plots):
         `surface` of a simulated rig and `rig` of a real one, with the columns of `rig`.
         """
         return Measured(self._bag)
+
+    def whirl_from_sub(self, name: str) -> Summary:
+        """Findings of the whirl analysis from the readings of one downhole sub alone (docs/sensors.md).
+
+        Raises:
+            ArgumentError: The bag has no readings of this sub, or the scene does not list it.
+            AnalysisError: The readings are not evenly spaced, do not turn, or are too few.
+        """
+        from drill_twin.api.downhole import whirl_from_sub
+
+        return whirl_from_sub(self, name)
 
     @property
     def set_points(self) -> CommandSeries:

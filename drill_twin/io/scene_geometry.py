@@ -11,6 +11,7 @@ import numpy as np
 from drill_twin.discretisation.discretise import survey_of
 from drill_twin.io.messages.geometry import Step, StringGeometry
 from drill_twin.scene import Scene
+from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import MarkInfo
 
@@ -69,6 +70,13 @@ def _merged(steps: list[Step]) -> tuple[Step, ...]:
         same = bool(found) and found[-1][2] == radius
         found.append((found.pop()[0] if same else begin, end, radius))
     return tuple(found)
+
+
+def sub_info(scene: Scene, sub: Sub) -> MarkInfo:
+    """Section of a sub, as a mark on the centre line."""
+    at = sub.distance_from_bit
+    inclined = math.sin(scene.inclination_at(at)) > INCLINED
+    return MarkInfo(sub.name, at, "centre", scene.outer_radius_at(at), scene.clearance_at(at), inclined)
 
 
 def mark_infos(scene: Scene) -> list[MarkInfo]:

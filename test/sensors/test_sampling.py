@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from drill_twin.api.result import Result
+from drill_twin.errors import ArgumentError
 from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
@@ -19,6 +20,7 @@ from drill_twin.sensors.errors import Noise, errors_of, with_errors
 from drill_twin.sensors.sampling import Instrument
 from drill_twin.sensors.summaries import SUMMARY, summary
 from drill_twin.sensors.surface import drive_torque
+from drill_twin.whirl import AnalysisError
 
 CHANNELS = (Accelerometer(noise=0.1, bias=0.5, range=2.0, resolution=0.25), SpeedChannel())
 
@@ -112,6 +114,14 @@ def test_a_bag_is_read_as_arrays(bag: MemoryBag) -> None:
     assert len(low.summary.speed_mean) == 5
     assert measured.surface.top_drive_speed[-1] == pytest.approx(12.0, abs=0.1)
     assert measured.skipped == len(measured.rig) == 0
+
+
+def test_whirl_from_a_sub_is_asked_for_by_its_name(bag: MemoryBag) -> None:
+    result = Result(bag)
+    with pytest.raises(AnalysisError, match="more than 4 revolutions"):
+        result.whirl_from_sub("low")
+    with pytest.raises(ArgumentError, match="one of low, found 'high'"):
+        result.whirl_from_sub("high")
 
 
 def test_summaries_are_of_half_a_second(bag: MemoryBag) -> None:

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whirl from one sub: known motions, read with errors in the turning frame, are found again."""
+
+import math
+
+import numpy as np
+import pytest
+
+from drill_twin.sensors.motion import instantaneous
+from drill_twin.whirl import AnalysisError, MarkInfo
+from drill_twin.whirl.downhole import ToolNoise, analyse_sub, corner_for, lateral_motion
+
+RATE, CLEARANCE, RADIUS, TURN = 100.0, 0.08, 0.03, math.tau * 2.0
+NOISE = ToolNoise(0.005, 0.001)
+MARK = MarkInfo("sub", 10.0, "centre", 0.09, CLEARANCE)
+
+
+def read(seconds, ratio, begin, *, level=0.5, slope=0.0, lean=0.0, seed=1, noise=NOISE):
+    """Stamps and readings of a sub whose section begins to whirl; `slope` [1/m] is its tilt over its radius."""
+    time = (np.arange(round(seconds * RATE)) + 0.5) / RATE
+    rate = ratio * TURN
+    growth = 2.0 * TURN / math.tau
+    shape = level * CLEARANCE / (1.0 + np.exp(np.minimum(-growth * (time - begin), 500.0)))
+    path = np.exp(1j * rate * time)
+    first = growth * shape * (1.0 - shape / (level * CLEARANCE))
+    second = growth * first * (1.0 - 2.0 * shape / (level * CLEARANCE))
+    acceleration = (second + 2j * rate * first - rate**2 * shape) * path
+    tilt, swing = slope * shape * path, slope * (first + 1j * rate * shape) * path
+    tangent = np.stack([tilt.real, tilt.imag, np.sqrt(1.0 - np.abs(tilt) ** 2)], -1)
+    fall = 9.81 * math.sin(lean), 9.81 * math.cos(lean)
+    force = np.stack([acceleration.real - fall[0], acceleration.imag, np.full_like(time, fall[1])], -1)
+    spin = TURN * time
+    across = swing * np.exp(-1j * spin)
+    rates = np.stack([-across.imag, across.real, np.full_like(time, TURN)], -1)
+    values = instantaneous(np.array(RADIUS), force, tangent, spin, rates, np.zeros_like(rates))
+    draw = np.random.default_rng(seed)
+    values += np.repeat(noise, 3) * draw.normal(size=values.shape)
+    values += np.array([0.05, -0.05, 0.05, 0.002, -0.002, 0.002])
+    return np.round(time * 1e9).astype(np.int64), values
+
+
+@pytest.mark.parametrize("ratio", [-1.2, -0.4, 0.3, 0.7, 1.4])
+@pytest.mark.parametrize(("slope", "lean"), [(0.0, 0.0), (0.2, 0.0), (0.0, 0.6)])
+def test_sense_ratio_radius_and_onset_are_found(ratio, slope, lean):
+    begin = 14.0
+    found = analyse_sub(*read(30.0, ratio, begin, slope=slope, lean=lean), MARK, RADIUS, NOISE)
+    assert found.mode_ratio == pytest.approx(ratio, abs=0.02)
+    crossing = begin - math.log(9.0) / (2.0 * TURN / math.tau)  # of 5 % on the way to 50 %
+    assert found.onset_s == pytest.approx(crossing, abs=math.tau / TURN)
+    assert found.max_radius_m["sub"] == pytest.approx(0.5 * CLEARANCE, rel=0.15)
+
+
+def test_a_slow_whirl_of_a_tilted_section_is_not_taken_for_a_larger_one():
+    stamp, readings = read(40.0, 0.3, 10.0, slope=0.2, noise=ToolNoise(0.0, 0.0))
+    motion = lateral_motion(stamp, readings, RADIUS)
+    steady = np.abs(motion.position[-1000:])
+    assert steady == pytest.approx(0.5 * CLEARANCE, rel=0.03)
+
+
+def test_steady_rotation_with_noise_has_no_onset():
+    found = analyse_sub(*read(600.0, 0.5, 1e6, seed=3), MARK, RADIUS, NOISE)
+    assert found.onset is None
+
+
+def test_a_noisier_tool_sees_faster_whirls_only():
+    corners = [corner_for(CLEARANCE, ToolNoise(0.005 * k, 0.001 * k), 0.01) for k in (1, 4, 16)]
+    assert corners[0] < corners[1] < corners[2]
+    assert corner_for(CLEARANCE, ToolNoise(0.0, 0.0), 0.01) == 0.0
+    stamp, values = read(600.0, 0.5, 1e6, seed=3)
+    motion = lateral_motion(stamp, values, RADIUS, 4.0 * corners[0])
+    z = motion.position * np.exp(-1j * motion.spin)
+    rest = (z - z.mean()) * np.exp(1j * motion.spin)
+    expected = corner_noise(4.0 * corners[0])
+    assert np.sqrt(0.5 * np.mean(np.abs(rest[1000:]) ** 2)) == pytest.approx(expected, rel=0.25)
+
+
+def corner_noise(corner):
+    """Standard deviation of the position on an axis behind a high pass at a corner, by the formula's two integrals."""
+    frequency = np.linspace(0.01, 100.0, 200_001) * corner
+    density = 0.01 * (NOISE.force**2 / frequency**4 + (9.81 * NOISE.rate) ** 2 / frequency**6)
+    passed = frequency**8 / (frequency**8 + corner**8)
+    return math.sqrt(np.sum(density * passed) * (frequency[1] - frequency[0]) / math.pi)
+
+
+@pytest.mark.parametrize("what", ["uneven", "still"])
+def test_readings_that_cannot_be_used_are_refused(what):
+    stamp, values = read(30.0, 0.5, 10.0)
+    if what == "uneven":
+        stamp[100:] += 500_000_000
+    else:
+        values[:, 5] = 0.0
+    with pytest.raises(AnalysisError, match="steady rate" if what == "uneven" else "revolutions"):
+        analyse_sub(stamp, values, MARK, RADIUS, NOISE)
