@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dry friction torque of the bit that decreases with speed (Stribeck): the bit can stick and slip."""
 
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -16,7 +17,11 @@ from drill_twin.units import AngularSpeed, Dimensionless, Length, TimePerAngle, 
 
 
 class BitTorqueStribeck(EffectConfig):
-    """T = R W (mu_c + (mu_s - mu_c) exp(-gamma |w|)) against the bit's spin (Navarro-Lopez and Suarez 2004)."""
+    """T = R W (mu_c + (mu_s - mu_c) exp(-gamma |w|)) against the bit's spin (Navarro-Lopez and Suarez 2004).
+
+    With an `exponent` n, exp(-(gamma |w|)^n) (Armstrong-Helouvry, Dupont and Canudas de Wit 1994): the larger n, the
+    nearer to a threshold at the speed 1 / gamma.
+    """
 
     requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
     provides = ("torque",)
@@ -30,6 +35,8 @@ class BitTorqueStribeck(EffectConfig):
     """Friction coefficient at rest, mu_s [-]; not below `sliding`."""
     decay: Annotated[TimePerAngle, Within(at_least="0 s/rad", at_most="1e4 s/rad")]
     """Decay of friction with speed, gamma [s/rad]."""
+    exponent: Annotated[Dimensionless, Within(at_least="1", at_most="20")] | None = None
+    """Exponent n of the decay [-]; left out: 1."""
     creep: Annotated[AngularSpeed, Within(at_least="1e-9 rad/s", at_most="0.1 rad/s")] = 1e-4
     """Speed of regularisation: a sticking bit creeps below it [rad/s]."""
 
@@ -39,9 +46,14 @@ class BitTorqueStribeck(EffectConfig):
             raise refuse(f"expected `sticking` not below `sliding` ({self.sliding:g}), found {show(self.sticking)}")
         return self
 
+    @property
+    def variant(self) -> str:
+        """The law, by what it adds to the default one."""
+        return "" if self.exponent is None else "exponent"
+
 
 class Parameters(NamedTuple):
-    """R [m], mu_c, mu_s, gamma [s], creep [rad/s], and the last Newton iterate."""
+    """R [m], mu_c, mu_s, gamma [s], creep [rad/s], the last Newton iterate, and the exponent of the decay."""
 
     radius: float
     sliding: float
@@ -49,12 +61,15 @@ class Parameters(NamedTuple):
     decay: float
     creep: float
     memory: Array  # speed, its smoothed size, dual, and the middle and half length of the step they belong to; (5,)
+    exponent: float
 
 
 def parameters(block: BitTorqueStribeck, model: DiscreteModel) -> Parameters:
     """Parameters of the block, without an iterate."""
     memory = np.array([0.0, 1.0, 0.0, -1.0, 0.0])
-    return Parameters(block.radius, block.sliding, block.sticking, block.decay, block.creep, memory)
+    return Parameters(
+        block.radius, block.sliding, block.sticking, block.decay, block.creep, memory, block.exponent or 1.0
+    )
 
 
 @kernel
@@ -81,20 +96,38 @@ def friction(law: Parameters, weight: float, speed: float) -> tuple[float, float
 
 
 @kernel
-def end_load(
-    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
-) -> None:
-    """Add friction against the bit's spin, w / sqrt(w^2 + creep^2) of its limit."""
-    law, bit, speed = parameters.bit_torque_stribeck, parameters.drive.bit, v[0, SPIN]
-    limit, fall, size = friction(law, contact_weight(bit), speed)
-    share = dual_variable(law.memory, time, h2, speed, size)
-    slope = limit / size * (1.0 - share * speed / size) + fall * abs(speed) / size
-    apply_torque(bit, (limit * speed / size, slope), ends)
+def friction_exponent(law: Parameters, weight: float, speed: float) -> tuple[float, float, float]:
+    """The same with an exponent of the decay."""
+    size = np.sqrt(speed * speed + law.creep * law.creep)
+    steep = (law.decay * size) ** law.exponent
+    excess = (law.sticking - law.sliding) * np.exp(-steep)
+    arm = law.radius * weight
+    return arm * (law.sliding + excess), -arm * excess * law.exponent * steep / size, size
 
 
-@kernel
-def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
-    """Add the impulse of the torque in the step."""
-    bit = parameters.drive.bit
-    limit, _, size = friction(parameters.bit_torque_stribeck, contact_weight(bit), bit.rate[SPIN])
-    bit.impulse[BIT_TORQUE] -= step * limit * bit.rate[SPIN] / size
+def bind(friction: Callable[..., tuple[float, float, float]]) -> tuple[Callable[..., None], Callable[..., None]]:
+    """The load and the impulse for one law."""
+
+    @kernel
+    def end_load(
+        parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    ) -> None:
+        """Add friction against the bit's spin, w / sqrt(w^2 + creep^2) of its limit."""
+        law, bit, speed = parameters.bit_torque_stribeck, parameters.drive.bit, v[0, SPIN]
+        limit, fall, size = friction(law, contact_weight(bit), speed)
+        share = dual_variable(law.memory, time, h2, speed, size)
+        slope = limit / size * (1.0 - share * speed / size) + fall * abs(speed) / size
+        apply_torque(bit, (limit * speed / size, slope), ends)
+
+    @kernel
+    def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+        """Add the impulse of the torque in the step."""
+        bit = parameters.drive.bit
+        limit, _, size = friction(parameters.bit_torque_stribeck, contact_weight(bit), bit.rate[SPIN])
+        bit.impulse[BIT_TORQUE] -= step * limit * bit.rate[SPIN] / size
+
+    return end_load, after_step
+
+
+end_load, after_step = bind(friction)
+end_load_exponent, after_step_exponent = bind(friction_exponent)

@@ -20,15 +20,15 @@ NO_RECORD = f"the record is not part of the package; {VARIABLE} names the folder
 
 
 @pytest.mark.skipif(not (FOLDER / "ufrj_rig").is_dir(), reason=NO_RECORD)
-def test_the_bit_of_the_laboratory_rig_is_predicted_at_half_the_error_of_a_stiff_shaft():
+def test_the_bit_of_the_laboratory_rig_is_predicted_within_the_aims():
     found = ufrj.validate(FOLDER / "ufrj_rig", refit=False)
     fit, prediction, naive, *features = found.comparisons
     assert fit.kind == "fit"
     assert {row.kind for row in found.comparisons[1:]} == {"prediction"}
-    assert fit.computed < 0.2
-    assert prediction.computed < 0.3
-    assert prediction.computed < 0.55 * naive.computed
-    assert {row.what.partition(" [")[0] for row in features if row.met} >= {"length of a cycle"}
+    assert fit.met
+    assert prediction.met
+    assert prediction.computed < 0.2 * naive.computed
+    assert [row.what for row in features if not row.met] == []
 
 
 @pytest.mark.long
