@@ -16,6 +16,7 @@ from drill_twin.errors import ArgumentError
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.model.mesh import SPIN
+from drill_twin.model.section_stress import CYCLES, DAMAGE, LARGEST_STRESS
 from drill_twin.twin.bending_stress import bending_stress
 from drill_twin.twin.frame_kernel import Rows
 from drill_twin.twin.observer import RigRows, rig_rows
@@ -237,6 +238,18 @@ class LastHalf(Collector):
         }
 
 
+class Fatigue(Collector):
+    """Stress and damage of the sections of scenes with the effect `fatigue`."""
+
+    def close(self) -> Mapping[str, Variable]:
+        """Largest stress, cycles and damage of the whole run."""
+        found = self.twin.dynamics.stress
+        if found is None:
+            raise ArgumentError("outputs: expected a scene with effects.fatigue for `fatigue`, found none")
+        columns = (("largest_stress", LARGEST_STRESS, "Pa"), ("stress_cycles", CYCLES, "1"), ("damage", DAMAGE, "1"))
+        return {name: Variable(found[:, column].copy(), ("section",), unit) for name, column, unit in columns}
+
+
 class Contact(Collector):
     """Share of the frames with contact at each mark, and mean share of the nodes in contact."""
 
@@ -322,6 +335,7 @@ OUTPUTS: Mapping[str, type[Collector]] = {
     "channels": Channels,
     "spectra": Spectra,
     "energy": Energy,
+    "fatigue": Fatigue,
 }
 """Outputs by name."""
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drill_twin.errors import MessageError
+from drill_twin.errors import BagError, MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.record import RecordBag, is_record
 from drill_twin.io.messages.decode import JointStateReader
@@ -36,6 +36,15 @@ class Selection:
     """Clearance of the marks [m], for a bag without a scene."""
     rim: float = 0.0
     """Outer radius of the string at the marks [m], for a bag without a scene; 0 for marks on the centre line."""
+
+    def __post_init__(self) -> None:
+        """Refuse a time that holds nothing.
+
+        Raises:
+            BagError: The end is not after the start, or one of them is not a number.
+        """
+        if not self.begin < self.end:
+            raise BagError(f"--from, --to: expected a start before the end, found {self.begin:g} s and {self.end:g} s")
 
     @property
     def whole(self) -> bool:

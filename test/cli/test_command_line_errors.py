@@ -75,6 +75,13 @@ def field(inside, bench_run):
         (["analyze", "good", "--out", "text.mcap/x.json"], "cannot be written"),
         (["report", "text.mcap"], "that do not start as one"),
         (["report", "good", "--out", "text.mcap"], "expected a place to write the report"),
+        (
+            ["export", "good", "--csv", "--from", "5", "--to", "1"],
+            "expected a start before the end, found 5 s and 1 s",
+        ),
+        (["analyze", "good", "--from", "nan"], "expected a start before the end, found nan s and inf s"),
+        (["validate", "--only", "nope"], "--only: expected ufrj_rig or well_b, found nope"),
+        (["modes", "pa6_bench", "--out", "text.mcap"], "text.mcap: expected a place to write the result"),
         (["schema", "--out", "full/precious.txt"], "expected a new file, found one that exists"),
         (["schema", "--out", "text.mcap/x"], "cannot be written"),
     ],

@@ -181,3 +181,16 @@ def test_bad_members_are_refused(vary, more, text):
 def test_bad_arguments_are_refused(more, text):
     with pytest.raises(dt.ArgumentError, match=re.escape(text)):
         dt.Ensemble("pa6_bench", {"wob": [40]}, overrides=COARSE).run(**more)
+
+
+def test_stress_and_damage_of_members():
+    sections = {"sections": [{"name": "middle", "distance_from_bit": 2.5}, {"name": "low", "measured_depth": 4.0}],
+                "smallest_range": 1e4}  # fmt: skip
+    stressed = {**COARSE, "effects.fatigue": sections}
+    found = dt.Ensemble("pa6_bench", {"wob": [20, 40]}, overrides=stressed).run(2.0, outputs="fatigue")
+    assert found["damage"].shape == (2, 2)
+    assert (found["largest_stress"] > 1e4).all()
+    assert (found["stress_cycles"][1] > 0.0).all()
+    assert (found["damage"][1] > found["damage"][0]).all()
+    (failure,) = dt.Ensemble("pa6_bench", {"wob": [40]}, overrides=COARSE).run(0.1, outputs="fatigue").failed.values()
+    assert "expected a scene with effects.fatigue" in failure

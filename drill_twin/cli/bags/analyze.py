@@ -169,8 +169,6 @@ def _selection(
     from drill_twin.units import UnitError, parse
     from drill_twin.units.dimension import LENGTH
 
-    if not begin < end:
-        raise BagError(f"--from, --to: expected a start before the end, found {begin:g} s and {end:g} s")
     names = parse_remappings(topics, "--map")
     lengths = []
     for option, text in (("--clearance", clearance), ("--rim", rim)):

@@ -58,6 +58,10 @@ def modes(
 
     changes = overrides(change, wob=wob, rps=rps)
     own = rotordynamics.steady_scene(scene, changes, without)
+    if out is not None:  # before the figures are computed
+        from drill_twin.cli.folder import make_folder
+
+        make_folder(out)
     command = rotordynamics.final_command(own)
     with err().status("computing"):
         table = rotordynamics.modes(own, count=count)
@@ -85,10 +89,9 @@ def modes(
         named = ", ".join(f"{speed / math.tau:.4g} rev/s (mode {mode + 1})" for mode, speed in diagram.critical)
         stdout().print(f"critical speeds: {named or 'none up to the largest speed'}", markup=False, soft_wrap=True)
     if out is not None:
-        from drill_twin.cli.folder import make_folder, write_file
+        from drill_twin.cli.folder import write_file
         from drill_twin.studies.json_io import json_text
 
-        make_folder(out)
         write_file(out / "modes.json", json_text(result))
         for name, figure in figures.items():
             save(figure, out / f"{name}.png")

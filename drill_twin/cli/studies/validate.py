@@ -41,6 +41,8 @@ def validate(
     from drill_twin.errors import ArgumentError
     from drill_twin.studies.validation import RECORDS, data_folder
 
+    if only not in {"", *RECORDS}:
+        raise ArgumentError(f"--only: expected {' or '.join(RECORDS)}, found {only}")
     folder = data_folder(data)
     wanted = [name for name in RECORDS if only in {"", name}]
     there = [name for name in wanted if (folder / name).is_dir()]
