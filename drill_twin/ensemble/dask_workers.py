@@ -65,6 +65,7 @@ class DaskWorkers:
         self._distributed = import_distributed()
         logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what it logs is raised here
         try:
+            self._distributed.comm.resolve_address(address)  # a client with an address that is none would not end
             self._client = self._distributed.Client(address, timeout=CONNECT, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             raise RunError(

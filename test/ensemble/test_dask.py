@@ -61,7 +61,7 @@ def test_without_workers_or_scheduler_it_says_so(dask, ensemble, monkeypatch):
     monkeypatch.setattr(dask_workers, "CONNECT", 2.0)
     with pytest.raises(RunError, match=r"expected workers of the Dask scheduler, found none for 2 s; start some with"):
         ensemble.run(2.0, dask=dask.address)
-    for address in ("tcp://127.0.0.1:9", "nonsense://x"):
+    for address in ("tcp://127.0.0.1:9", "nonsense://x", "host:abc"):
         with pytest.raises(RunError, match="expected a Dask scheduler, found none"):
             ensemble.run(2.0, dask=address)
 
