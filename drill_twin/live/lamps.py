@@ -12,7 +12,6 @@ from drill_twin.whirl.motion.timeline import NO_WHIRL
 
 SEVERE_RADIUS = 0.9
 """Radius of an orbit over its clearance from which a whirl is severe: the string is on the wall."""
-_ON_THE_WALL = {MotionState.ROLLING.value, MotionState.IRREGULAR.value}
 _CALM = {state.value for state in NO_WHIRL}
 _BIT = {BitMotion.STEADY.value: 0, BitMotion.VIBRATION.value: 1, BitMotion.STICK_SLIP.value: 2}
 
@@ -38,14 +37,15 @@ def whirl_lamp(state: str, radius_share: float) -> Lamp:
 
     Args:
         state: Motion state of the string; empty if it is not known.
-        radius_share: Largest radius of an orbit over its clearance; NaN if it is not known.
+        radius_share: Largest radius of an orbit over its clearance; NaN if it is not known, or the string lies on the
+            low side of the hole and is on the wall without whirl too.
     """
     share = radius_share if math.isfinite(radius_share) else None
     if not state or state == MotionState.NOT_OBSERVABLE.value:
         return Lamp(None, state or "unknown", share)
     if state in _CALM:
         return Lamp(0, state, share)
-    return Lamp(2 if state in _ON_THE_WALL or (share or 0.0) >= SEVERE_RADIUS else 1, state, share)
+    return Lamp(2 if state == MotionState.ROLLING.value or (share or 0.0) >= SEVERE_RADIUS else 1, state, share)
 
 
 def stick_slip_lamp(motion: str, index: float) -> Lamp:

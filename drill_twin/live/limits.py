@@ -24,8 +24,8 @@ _DIMENSIONS = {
     "wob": FORCE, "rps": ANGULAR_SPEED, "bit_rps": ANGULAR_SPEED, "torque": TORQUE, "hookload": FORCE, "rop": SPEED
 }  # fmt: skip
 SIDES = ("low", "high")
-DELAY = 1.0
-"""Time beyond a limit that raises an alarm, and within it that ends one [s of simulated time]."""
+DELAY = 10.0
+"""Time within a limit that ends an alarm [s of simulated time]: longer than a cycle of stick-slip or whirl."""
 
 
 def parse_limit(text: str) -> dict[str, float]:
@@ -51,8 +51,7 @@ class Limits:
     def __init__(self) -> None:
         self.values: dict[str, dict[str, float]] = {}
         """Value by channel and side, `low` or `high`."""
-        self._since: dict[tuple[str, str], float] = {}
-        self._beyond: dict[tuple[str, str], bool] = {}
+        self._last: dict[tuple[str, str], float] = {}  # time at which a value was beyond
 
     def set(self, name: str, value: float | bool) -> str:
         """Set a limit by its name, as `torque_high`, or remove it (False); returns a sentence for the log.
@@ -69,32 +68,21 @@ class Limits:
         if len(own) == len(SIDES) and own["low"] >= own["high"]:
             raise DrillTwinError(f"expected a low limit of the {NAMES[channel]} below the high one, found it above")
         self.values[channel] = own
-        self._beyond.pop((channel, side), None)
+        self._last.pop((channel, side), None)
         return f"limit set: {NAMES[channel]}, {side}" if value is not False else f"no limit: {NAMES[channel]}, {side}"
 
     def again(self) -> None:
         """Forget what was beyond a limit: another run begins."""
-        self._since.clear()
-        self._beyond.clear()
+        self._last.clear()
 
     def check(self, time: float, values: Mapping[str, float]) -> Iterator[tuple[str, str, bool]]:
-        """Name, sentence and state of each limit; one that is beyond stays so until the value is back for `DELAY`."""
+        """Name, sentence and state of each limit: beyond as soon as a value is, until none was for `DELAY`."""
         for channel in CHANNELS:
             for side in SIDES:
                 key = channel, side
                 limit, value = self.values.get(channel, {}).get(side), values.get(channel, math.nan)
-                if limit is None:
-                    self._since.pop(key, None)
-                    beyond = False
-                else:
-                    beyond = self._delayed(key, time, value < limit if side == "low" else value > limit)
+                if limit is not None and (value < limit if side == "low" else value > limit):
+                    self._last[key] = time
                 word = "below its low" if side == "low" else "above its high"
+                beyond = time - self._last.get(key, -math.inf) < DELAY
                 yield f"{channel}_{side}", f"{NAMES[channel]} {word} limit", beyond
-
-    def _delayed(self, key: tuple[str, str], time: float, now: bool) -> bool:
-        before = self._beyond.setdefault(key, False)
-        if now == before:
-            self._since.pop(key, None)
-        elif time - self._since.setdefault(key, time) >= DELAY:
-            self._beyond[key] = now
-        return self._beyond[key]

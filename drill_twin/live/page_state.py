@@ -163,7 +163,8 @@ class PageState:
                 bit = _short(motion.state)
             else:
                 self._mark(motion.subject)["motion"] = _short(motion.state)
-        clearances = self._scene["clearance"] if self._scene else {}
+        upright = self._scene is not None and not self._scene["well"]["deviated"]
+        clearances = self._scene["clearance"] if self._scene and upright else {}
         radii = ((mark.get("orbit"), clearances.get(name)) for name, mark in self._marks.items())
         shares = [radius / clearance for radius, clearance in radii if radius is not None and clearance]
         self._supervision.motion(self._motion["state"], bit, max(shares, default=math.nan))

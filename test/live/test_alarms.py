@@ -7,11 +7,17 @@ import math
 import pytest
 
 from drill_twin.errors import DrillTwinError
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.encode import TwinEncoder, encode_string
+from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_STATE
+from drill_twin.io.messages.whirl_encode import Motion, WhirlStateEncoder, encode_motion
 from drill_twin.live.alarms import Alarms
 from drill_twin.live.lamps import stick_slip_lamp, whirl_lamp
 from drill_twin.live.limits import parse_limit
+from drill_twin.live.page_state import PageState
 from drill_twin.live.supervision import Supervision
 from drill_twin.live.trends import CHANNELS, SECONDS, Trends
+from drill_twin.scene import load_scene
 
 VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}
 
@@ -40,23 +46,24 @@ def test_an_alarm_stays_until_it_is_acknowledged_and_over():
         alarms.acknowledge(7, 6.0)
 
 
-def test_a_limit_must_be_passed_for_a_second():
+def test_a_limit_raises_an_alarm_at_once_and_ends_it_after_ten_seconds_within():
     seen = Supervision(recorded=False)
     assert seen.take({"torque_high": 10.0, "wob_low": 0.5, "seek": 3}) == {"seek": 3}
 
     def run(begin, end, torque):
         for k in range(round(10 * begin), round(10 * end)):
-            seen.rig(0.1 * k, {**VALUES, "torque": torque})
+            seen.rig(0.1 * k, {**VALUES, "torque": torque(0.1 * k)})
         return [(row["text"], row["active"]) for row in seen.snapshot()["alarms"]]
 
-    assert run(0.0, 2.0, 5.0) == []
-    assert run(2.0, 2.8, 20.0) == []
-    assert run(2.8, 4.0, 5.0) == []
-    assert run(4.0, 5.2, 20.0) == [("top-drive torque above its high limit", True)]
-    assert run(5.2, 6.0, 5.0) == [("top-drive torque above its high limit", True)]
-    assert run(6.0, 7.0, 5.0) == [("top-drive torque above its high limit", False)]
+    text = "top-drive torque above its high limit"
+    assert run(0.0, 2.0, lambda _: 5.0) == []
+    assert run(2.0, 2.1, lambda _: 20.0) == [(text, True)]
+    assert run(2.1, 40.0, lambda time: 20.0 if time % 8.0 < 0.5 else 5.0) == [(text, True)]
+    assert _texts(seen.alarms).count(text) == 1
+    assert run(40.0, 42.0, lambda _: 5.0) == [(text, True)]
+    assert run(42.0, 52.0, lambda _: 5.0) == [(text, False)]
     seen.take({"acknowledge": True, "torque_high": False})
-    assert run(7.0, 9.0, 20.0) == []
+    assert run(52.0, 54.0, lambda _: 20.0) == []
 
 
 @pytest.mark.parametrize(
@@ -83,10 +90,40 @@ def test_severity_of_the_lamps():
     assert whirl_lamp("rotation about a fixed axis", 0.3).level == 0
     assert whirl_lamp("forward whirl", 0.4).level == 1
     assert whirl_lamp("forward whirl", 0.95).level == 2
-    assert whirl_lamp("rolling along the wall", 0.4).level == 2
+    assert whirl_lamp("rolling along the wall", math.nan).level == 2
     motions = ("steady rotation", "torsional vibration", "stick-slip")
     assert [stick_slip_lamp(motion, 0.5).level for motion in motions] == [0, 1, 2]
     assert stick_slip_lamp("", math.nan).level is None
+
+
+def test_a_string_on_the_low_side_of_a_deviated_hole_is_not_severe_for_its_radius():
+    levels = {}
+    for name in ("pa6_bench", "well_b"):
+        page, scene = PageState(), load_scene(name)
+        marks = [mark.name for mark in scene.string.marks]
+        page.update(TWIN_SCENE, encode_string(scene.to_yaml()))
+        radii = [scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks]
+        ones = [1.0] * len(marks)
+        page.update(WHIRL_STATE, WhirlStateEncoder(marks).encode(0, radii, ones, ones, ones))
+        motions = [Motion("string", "forward whirl", ""), Motion("bit", "stick-slip", "")]
+        page.update(WHIRL_MOTION, encode_motion(0, motions))
+        lamps = page.snapshot()["lamps"]
+        levels[name] = lamps["whirl"]["level"], lamps["stick_slip"]["level"]
+    assert levels == {"pa6_bench": (2, 2), "well_b": (1, 2)}
+
+
+def test_rate_of_penetration_comes_from_the_diagnostics(make_frame, make_geometry):
+    page = PageState()
+
+    def tell(rate):
+        status = Status("simulator", Level.OK, "", {"rate_of_penetration_m_h": rate})
+        page.update(DIAGNOSTICS, encode_diagnostics(0, [status]))
+
+    tell("36")
+    page.update(RIG_STATE, TwinEncoder(make_geometry()).rig_state(make_frame()))
+    assert page.snapshot()["rig"]["rop"] == pytest.approx(0.01)
+    tell("fast")
+    assert DIAGNOSTICS in page.skipped
 
 
 def test_motions_raise_alarms_and_are_logged_once():

@@ -160,7 +160,7 @@ def test_a_source_that_dies_takes_its_values_along(bench):
 
 def test_a_page_is_no_source_of_commands_before_a_slider_moves(bench, joints):
     states = bench.collect(RIG_STATE)
-    page = bench.start_with(["--port", "0", "--no-browser"], "watch")
+    page = bench.start_with(["--port", "0", "--no-browser", "--limit", "wob_low=10 N"], "watch")
     simulator = bench.start("simulator")
     bench.until_status("watch", bool)
     driver = bench.start("rig_driver", wait_for="simulator test", overrides=STEADY)
@@ -182,6 +182,9 @@ def test_a_page_is_no_source_of_commands_before_a_slider_moves(bench, joints):
             until(lambda: said(lambda picture: text in picture["events"][-1]["text"]), f"the event {text!r}")
 
         told("set-point: weight on bit 20 N")
+        until(
+            lambda: said(lambda picture: picture["limits"] == {"wob": {"low": 10.0}}), "the limit of the command line"
+        )
         socket.send('{"step": true}')
         until(lambda: said(lambda picture: "expected a paused run to step" in picture["refused"]), "the refusal")
         socket.send('{"pause": true}')
@@ -205,11 +208,13 @@ def test_a_page_is_no_source_of_commands_before_a_slider_moves(bench, joints):
 
 def test_the_page_of_a_bag_plays_stops_and_goes_to_a_time(bench, browse, small_bag):
     command = [sys.executable, "-m", "drill_twin.cli", "watch", str(small_bag), "--port", "0", "--no-browser"]
+    command += ["--limit", "torque_high=12 kN m", "--limit", "rps_low=30 rpm"]
     page = bench.command("page", command)
     browser = browse(_served(page))
     until(lambda: browser.picture("picture.nodes.length > 0"), "the picture")
     assert browser.value("document.getElementById('rig').hidden") is True
     assert browser.text("name") == "pa6_bench"
+    assert browser.picture("picture.limits") == {"torque": {"high": 12e3}, "rps": {"low": pytest.approx(0.5)}}
     until(lambda: browser.text("time") == "t = 0.50 s", "the end of the recording")
     until(lambda: browser.text("play") == "play", "the pause at the end")
     browser.slide("seek", 0.1)

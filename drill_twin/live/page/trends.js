@@ -41,7 +41,7 @@ export function showValues(picture) {
     $(`${channel}_channel`).classList.toggle("beyond", value < low || value > high);
     for (const [side, own] of Object.entries({ low, high })) {
       const box = $(`${channel}_${side}`);
-      if (document.activeElement !== box) box.value = own === undefined ? "" : +(own / size(quantity)).toPrecision(6);
+      if (document.activeElement !== box) box.value = own === undefined ? "" : +(own / size(quantity)).toPrecision(5);
     }
   }
 }
@@ -95,7 +95,7 @@ export function drawTrends() {
     Plotly.react(box, all, {
       margin: { l: 52, r: 8, t: 4, b: last ? 22 : 6 }, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", showlegend: false, font: { color: "#a9afb8", size: 13, family: "system-ui, sans-serif" },
       xaxis: { range: [begin, end], gridcolor: "#3a3f48", zeroline: false, showticklabels: last, ticksuffix: " s", fixedrange: true },
-      yaxis: { range: known.length ? [low - room, high + room] : [0, 1], gridcolor: "#3a3f48", zeroline: false, nticks: 4, fixedrange: true, showticklabels: known.length > 0 },
+      yaxis: { range: known.length ? [low - room, high + room] : [0, 1], gridcolor: "#3a3f48", zeroline: false, nticks: 5, fixedrange: true, showticklabels: known.length > 0 },
       shapes: shapes(channel, quantity), dragmode: false, hovermode: "x",
       annotations: known.length ? [] : [{ text: channel === "rop" ? "the bit does not drill" : "no values", showarrow: false, xref: "paper", yref: "paper", x: 0.5, y: 0.5, font: { size: 15 } }],
     }, { displayModeBar: false, responsive: true });
