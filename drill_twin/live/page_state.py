@@ -24,6 +24,7 @@ from drill_twin.io.messages.topics import (
     ADVICE_MAP,
     ADVICE_STATE,
     DIAGNOSTICS,
+    ESTIMATE_STATE,
     MARKS_STATE,
     RIG_STATE,
     STRING_POSES,
@@ -35,6 +36,7 @@ from drill_twin.io.messages.topics import (
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion, decode_onset, read_whirl_state
 from drill_twin.io.scene_geometry import string_steps
 from drill_twin.live.advice import shown_map, targets
+from drill_twin.live.estimates import shown_estimates
 from drill_twin.live.sources import GONE, Sources
 from drill_twin.live.supervision import Supervision
 from drill_twin.maps.operating_map import digest_of
@@ -54,6 +56,7 @@ INPUTS = (
     WHIRL_ONSET,
     ADVICE_STATE,
     ADVICE_MAP,
+    ESTIMATE_STATE,
     DIAGNOSTICS,
 )
 """Topics that the page shows."""
@@ -102,6 +105,7 @@ class PageState:
         self._onset: dict[str, Any] | None = None
         self._advice = {"text": "", "level": 0}
         self._map: dict[str, Any] | None = None
+        self._estimates: dict[str, Any] | None = None
         self._simulator = {"factor": "", "text": ""}
         self._rate = math.nan
         self._starting = ""  # name of the simulator while it compiles or is not configured
@@ -149,6 +153,9 @@ class PageState:
                 self._advice = {"text": _short(status.text), "level": int(status.level), **targets(status.values)}
         elif topic == ADVICE_MAP:
             self._map = shown_map(read_string(raw))
+        elif topic == ESTIMATE_STATE:
+            self._estimates = shown_estimates(raw)
+            self._supervision.estimate(self._estimates["level"], self._estimates["text"])
         elif topic == DIAGNOSTICS:
             self._on_diagnostics(raw)
         elif topic == TWIN_SCENE:
@@ -240,6 +247,7 @@ class PageState:
                 "onset": self._onset,
                 "advice": self._advice,
                 "map": self._map,
+                "estimates": self._estimates,
                 "simulator": self._simulator,
                 "state": self._state,
                 "ages": {},
@@ -289,7 +297,7 @@ class PageState:
 
 def _without_old_values(picture: dict[str, Any], sources: Sources, starting: str) -> dict[str, Any]:
     """Add the ages of the sources, and take away what is gone; a simulator that is `starting` has no frames as yet."""
-    ages = {source: sources.age(source) for source in ("simulator", "analyzer", "advisor")}
+    ages = {source: sources.age(source) for source in ("simulator", "analyzer", "advisor", "estimator")}
     gone = {source for source, age in ages.items() if age is not None and age > GONE}
     picture |= {"ages": ages, "graph": sources.nodes()}
     if "simulator" in gone:
@@ -300,11 +308,14 @@ def _without_old_values(picture: dict[str, Any], sources: Sources, starting: str
         picture["simulator"] = {"factor": "", "text": text}
     if ages["advisor"] is not None and ages["advisor"] > GONE:
         picture["advice"] = {"text": f"no advice for {ages['advisor']:.0f} s", "level": int(Level.STALE)}
+    if "estimator" in gone:
+        text = f"no estimates for {ages['estimator']:.0f} s"
+        picture["estimates"] = {"level": int(Level.STALE), "text": text, "rows": []}
     if "analyzer" in gone:
         text = f"no findings of the analyzer for {ages['analyzer']:.0f} s"
         picture |= {"motion": {"state": "", "criterion": text}, "onset": None}
     of = {"simulator": ("x", "y", "z"), "analyzer": ("orbit", "precession", "motion")}
-    hidden = {key for source in gone for key in of[source]}
+    hidden = {key for source in gone for key in of.get(source, ())}
     picture["marks"] = [{key: value for key, value in mark.items() if key not in hidden} for mark in picture["marks"]]
     return picture
 

@@ -10,7 +10,14 @@ from typing import Any
 
 from drill_twin.errors import printable
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import ADVICE_STATE, MARKS_STATE, RIG_STATE, STRING_POSES, WHIRL_STATE
+from drill_twin.io.messages.topics import (
+    ADVICE_STATE,
+    ESTIMATE_STATE,
+    MARKS_STATE,
+    RIG_STATE,
+    STRING_POSES,
+    WHIRL_STATE,
+)
 
 STALE, GONE = 1.0, 3.0
 """Age above which a value is stale, and gone [s]."""
@@ -18,6 +25,7 @@ _STREAMS = {
     **dict.fromkeys((STRING_POSES, MARKS_STATE, RIG_STATE), "simulator"),
     WHIRL_STATE: "analyzer",
     ADVICE_STATE: "advisor",
+    ESTIMATE_STATE: "estimator",
 }
 _LATE = 0.6  # s; diagnostics come once a second, so one that is younger than a stale value and this is not late
 _FORGOTTEN = 60.0  # s

@@ -71,6 +71,11 @@ class Supervision:
                 self.alarms.note(said, self.time)
             self._motions[name] = lamp.text
 
+    def estimate(self, level: int, text: str) -> None:
+        """Use the level and the sentence of the estimator: an error is that model and measurements part."""
+        known = level if level in {Level.WARN, Level.ERROR} else Level.OK
+        self.alarms.update("estimate", known, f"estimator: {text}", self.time)
+
     def no_findings(self) -> None:
         """Put the lamps out: the analyzer is gone."""
         self.lamps = dict.fromkeys(self.lamps, _UNKNOWN)

@@ -9,12 +9,13 @@ import pytest
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import TwinEncoder, encode_string
-from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_STATE
+from drill_twin.io.messages.topics import DIAGNOSTICS, ESTIMATE_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import Motion, WhirlStateEncoder, encode_motion
 from drill_twin.live.alarms import Alarms
 from drill_twin.live.lamps import stick_slip_lamp, whirl_lamp
 from drill_twin.live.limits import parse_limit
 from drill_twin.live.page_state import PageState
+from drill_twin.live.sources import Sources
 from drill_twin.live.supervision import Supervision
 from drill_twin.live.trends import CHANNELS, SECONDS, Trends
 from drill_twin.scene import load_scene
@@ -124,6 +125,29 @@ def test_rate_of_penetration_comes_from_the_diagnostics(make_frame, make_geometr
     assert page.snapshot()["rig"]["rop"] == pytest.approx(0.01)
     tell("fast")
     assert DIAGNOSTICS in page.skipped
+
+
+def test_estimates_are_shown_with_their_bands_until_the_estimator_is_gone():
+    times = [0.0]
+    page = PageState(Sources(lambda: times[0]))
+
+    def tell(level, text):
+        chance = {"chance_of_whirl": "0.25"}
+        band = Status("estimate: torque at the bit", Level.OK, "1.2 (1 to 1.4) N m")
+        page.update(ESTIMATE_STATE, encode_diagnostics(0, [Status("estimate", level, text, chance), band]))
+
+    tell(Level.OK, "the model explains what is measured")
+    rows = {row["name"]: row["text"] for row in page.snapshot()["estimates"]["rows"]}
+    assert rows == {"chance of whirl": "25%", "torque at the bit": "1.2 (1 to 1.4) N m"}
+    assert page.snapshot()["alarms"] == []
+    tell(Level.ERROR, "hookload leaves the band")
+    assert [row["text"] for row in page.snapshot()["alarms"]] == ["estimator: hookload leaves the band"]
+    tell(Level.OK, "")
+    assert [row["active"] for row in page.snapshot()["alarms"]] == [False]
+    times[0] = 5.0
+    assert page.snapshot()["estimates"] == {"level": 3, "text": "no estimates for 5 s", "rows": []}
+    page.update(ESTIMATE_STATE, encode_diagnostics(0, [Status("x" * 10_000, Level.OK, "")] * 100))
+    assert ESTIMATE_STATE in page.skipped
 
 
 def test_motions_raise_alarms_and_are_logged_once():

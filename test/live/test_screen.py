@@ -11,7 +11,7 @@ from test_advice_shown import lattice
 
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE
+from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, ESTIMATE_STATE
 from drill_twin.live.page_files import page_files
 from drill_twin.live.player import Player
 from drill_twin.live.server import PageServer
@@ -80,10 +80,17 @@ def test_map_and_advice_on_the_screen_at_three_metres_and_on_a_telephone(page):
     player.state.update(ADVICE_MAP, encode_string(json.dumps(lattice())))
     values = {"target_weight_on_bit_N": "20.0", "target_speed_rev_s": "1.5"}
     player.state.update(ADVICE_STATE, encode_diagnostics(0, [Status("advice", Level.ERROR, "go to 20 N", values)]))
+    estimate = (
+        Status("estimate", Level.ERROR, "hookload leaves the band"),
+        Status("estimate: torque", Level.OK, "1 N m"),
+    )
+    player.state.update(ESTIMATE_STATE, encode_diagnostics(0, estimate))
     browser.width(1920, 1080)
     until(lambda: browser.value("document.querySelectorAll('#map .heatmaplayer image').length") == 1, "the map")
     assert "weight on bit [N]" in browser.text("map")
     assert browser.text("advice_text") == "go to 20 N"
+    assert browser.text("estimate_text") == "hookload leaves the band"
+    assert "estimator: hookload leaves the band" in browser.text("alarms")
     until(lambda: browser.value("innerWidth") == 1920, "the width")
     assert browser.value("document.documentElement.scrollHeight") <= 1080
     # 14 mm, 16 minutes of arc at three metres, on a 24-inch screen: digits are 0.73 of the size of the font

@@ -28,6 +28,11 @@ function show(picture) {
   $("advice").hidden = !picture.map && !picture.advice?.text;
   $("advice_text").textContent = picture.advice?.text ?? "";
   $("advice_text").className = `level_${picture.advice?.level ?? 0}`;
+  const { estimates } = picture;
+  $("estimates").hidden = !estimates;
+  $("estimate_text").textContent = estimates?.text ?? "";
+  $("estimate_text").className = `level_${estimates?.level ?? 0}`;
+  replace($("estimate_rows"), estimates?.rows, () => (estimates?.rows ?? []).map(({ name, text }) => row(name, text)));
   replace($("values"), ROWS.map(([id, , quantity]) => text(picture.rig[id], quantity)), () => ROWS.map(([id, words, quantity]) => row(words, text(picture.rig[id], quantity))));
   replace($("graph"), picture.graph.map(({ name, text, level }) => [name, text, level]), () => picture.graph.map((node) => row(node.name, node.text, `level_${node.level}`)));
 }
