@@ -35,6 +35,12 @@ SceneOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Scen
 NamespaceOption = Annotated[
     str, typer.Option("--namespace", metavar="NS", help="Namespace of the twin, as /rig2, where a bag holds several.")
 ]
+FromOption = Annotated[
+    float, typer.Option("--from", metavar="SECONDS", help="Leave out earlier samples.", show_default=False)
+]
+ToOption = Annotated[
+    float, typer.Option("--to", metavar="SECONDS", help="Leave out later samples.", show_default=False)
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, and nothing else, on stdout.")]
 ReplaceOption = Annotated[bool, typer.Option("--replace", help="Replace an existing result of drill-twin.")]
 

@@ -20,7 +20,7 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
 from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
-from drill_twin.io.messages.stamps import seconds, unpack_stamp
+from drill_twin.io.messages.stamps import raw_header_stamp, seconds
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
     MARKS_STATE,
@@ -32,7 +32,6 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
-from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.live_findings import LiveFindings
 from drill_twin.report.quantities.string_curve import along_hole, smooth
@@ -95,9 +94,8 @@ class Recording:
 
     def _reset(self) -> None:
         """Begin a new run."""
-        poses = self.bag.topics[STRING_POSES].count if STRING_POSES in self.bag.topics else 0
         self.marks, self.rig, self.commands = MarkSeries(), RigSeries(), CommandSeries()
-        self.poses = PoseSeries(every=max(1, -(-poses // SHAPES)))
+        self.poses = PoseSeries(every=max(1, -(-self._poses // SHAPES)))
         self.whirl, self.stress = WhirlSeries(), StressSeries()
         self.live = LiveFindings()
         self.log = RunLog(self.log.info)
@@ -128,7 +126,8 @@ class Recording:
         """Places, by topic, of the messages whose stamps are from the future."""
         stamps: dict[str, list[int]] = {}
         for topic, _, raw in self.bag.messages(_WITH_HEADER):
-            stamps.setdefault(topic, []).append(_stamp(raw))
+            stamps.setdefault(topic, []).append(raw_header_stamp(raw))
+        self._poses = sum(map(self.selection.holds, stamps.get(STRING_POSES, ())))
         return {topic: stray_stamps(values) for topic, values in stamps.items()}
 
     def _messages(self, topics: tuple[str, ...], skipped: SkippedMessages) -> Iterator[tuple[str, bytes]]:
@@ -137,7 +136,7 @@ class Recording:
         self._time = 0.0
         for topic, _, raw in self.bag.messages(topics):
             if topic in _WITH_HEADER:
-                stamp = _stamp(raw)
+                stamp = raw_header_stamp(raw)
                 places[topic] += 1
                 if places[topic] in self._stray[topic]:
                     reason = f"expected a stamp near those of the messages around it, found {seconds(stamp):g} s"
@@ -285,11 +284,6 @@ class Recording:
         offset = np.array([place.wall_offset for place in self.scene.mark_table])
         centre: ComplexArray = position[..., 0] + 1j * position[..., 1] - offset * np.exp(1j * self.marks.spin)
         return centre
-
-
-def _stamp(raw: bytes) -> int:
-    """Header stamp [ns] of a message; 0 where its numbers are big-endian, which only the general decoder reads."""
-    return unpack_stamp(raw) if raw[:4] == CDR_LITTLE_ENDIAN else 0
 
 
 def read_recording(path: str | Path, scene: Scene | None = None, selection: Selection | None = None) -> Recording:

@@ -7,12 +7,22 @@ import csv
 import io
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 from drill_twin import __version__
 from drill_twin.base.arrays import Array
 from drill_twin.base.extras import import_lasio
-from drill_twin.report.recording import Recording
+from drill_twin.base.yaml_reader import YamlError, plain_yaml
+from drill_twin.errors import BagError, MessageError
+from drill_twin.io.bag.reading.files import bag_path
+from drill_twin.io.bag.series import RigSeries
+from drill_twin.io.bag.skipped import stray_stamps
+from drill_twin.io.messages.decode import read_string
+from drill_twin.io.messages.stamps import raw_header_stamp
+from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
+from drill_twin.report.selection import Selection, open_bag
 
 NULL = -999.25
 """Value of LAS for none."""
@@ -28,9 +38,44 @@ class Channel:
     values: Array
 
 
-def rig_channels(bag: Recording) -> list[Channel]:
+def read_rig(path: str | Path, selection: Selection) -> tuple[RigSeries, str]:
+    """States of the rig in a part of a bag, of its last run, and the name of the scene; nothing is analysed.
+
+    Raises:
+        BagError: It is no bag, or has no such states in this time.
+        TableError: It is a record that cannot be read.
+    """
+    bag = open_bag(bag_path(path), selection)
+    rig, scene, place = RigSeries(), "", -1
+    stray = stray_stamps([raw_header_stamp(raw) for _, _, raw in bag.messages((RIG_STATE,))])
+    for topic, _, raw in bag.messages((TWIN_SCENE, RIG_STATE)):
+        if topic == TWIN_SCENE:
+            if scene not in {"", text := read_string(raw)}:
+                rig = RigSeries()
+            scene = text
+            continue
+        place += 1
+        if place not in stray and selection.holds(raw_header_stamp(raw)):
+            with suppress(MessageError):
+                rig.add_message(raw)
+    if not len(rig):
+        raise BagError(
+            f"{path}: expected messages on {RIG_STATE} in this time, found none; choose another --from, --to"
+        )
+    return rig, _name(scene)
+
+
+def _name(scene: str) -> str:
+    try:
+        content = plain_yaml(scene)
+    except YamlError:
+        return ""
+    return str(content.get("name") or "") if isinstance(content, dict) else ""
+
+
+def rig_channels(rig: RigSeries) -> list[Channel]:
     """Channels of `/rig/state`, converted: N to kN, N m to kN.m, rad/s to rpm; the first is the time [s]."""
-    rig, rpm = bag.rig, 30.0 / math.pi
+    rpm = 30.0 / math.pi
     return [
         Channel("TIME", "time", "s", rig.time),
         Channel("WOB", "weight on bit", "kN", 1e-3 * rig.bit_force),

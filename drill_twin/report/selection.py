@@ -65,7 +65,10 @@ def open_bag(path: Path, selection: Selection) -> Bag:
     """
     if is_record(path):
         return RecordBag(path)
-    return Bag(path, names=selection.topics, namespace=selection.namespace)
+    window = (
+        (selection.begin, selection.end) if math.isfinite(selection.begin) or math.isfinite(selection.end) else None
+    )
+    return Bag(path, names=selection.topics, namespace=selection.namespace, window=window)
 
 
 def missing_topics(bag: Bag) -> list[str]:

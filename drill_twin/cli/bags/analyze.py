@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drill_twin.cli.options import JsonOption, NamespaceOption, RecordedArgument, ReplaceOption, SceneOption
+from drill_twin.cli.options import (
+    FromOption,
+    JsonOption,
+    NamespaceOption,
+    RecordedArgument,
+    ReplaceOption,
+    SceneOption,
+    ToOption,
+)
 from drill_twin.errors import BagError
 
 if TYPE_CHECKING:
@@ -35,13 +43,8 @@ def analyze(
     marks: Annotated[
         list[str], typer.Option("--marks", metavar="NAME", help="Analyse only this mark; repeatable, or NAME,NAME.")
     ] = [],  # noqa: B006  typer does not change the default
-    begin: Annotated[
-        float,
-        typer.Option("--from", metavar="SECONDS", help="Leave out earlier samples.", show_default=False),
-    ] = -math.inf,
-    end: Annotated[
-        float, typer.Option("--to", metavar="SECONDS", help="Leave out later samples.", show_default=False)
-    ] = math.inf,
+    begin: FromOption = -math.inf,
+    end: ToOption = math.inf,
     topics: Annotated[
         list[str],
         typer.Option(
@@ -102,6 +105,8 @@ def report(
     scene: SceneOption = "",
     replace: ReplaceOption = False,
     json: JsonOption = False,
+    begin: FromOption = -math.inf,
+    end: ToOption = math.inf,
     namespace: NamespaceOption = "",
     states: StatesOption = False,
 ) -> None:
@@ -112,10 +117,8 @@ def report(
     existing = folder / "report.html"
     if existing.exists() and not replace:
         raise BagError(f"{existing}: expected none yet, found one; choose another folder with --out, or --replace")
-    from drill_twin.report.selection import Selection
-
     with err().status("analysing the bag"):
-        recording = _recording(bag, scene, Selection(namespace=namespace or None))
+        recording = _recording(bag, scene, _selection([], begin, end, [], "", "", namespace))
     files = draw(recording, folder, states=states)
     if json:
         figures = {name: str(path) for name, path in files.figures.items()}

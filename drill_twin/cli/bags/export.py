@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from drill_twin.cli.options import NamespaceOption, RecordedArgument, ReplaceOption
-from drill_twin.errors import ArgumentError, BagError
+from drill_twin.cli.options import FromOption, NamespaceOption, RecordedArgument, ReplaceOption, ToOption
+from drill_twin.errors import ArgumentError
 
 
 def export(
@@ -21,12 +21,8 @@ def export(
         Path | None,
         typer.Option("--out", metavar="FILE", help="The files, without ending.", show_default="rig, beside the report"),
     ] = None,
-    begin: Annotated[
-        float, typer.Option("--from", metavar="SECONDS", help="Leave out earlier samples.", show_default=False)
-    ] = -math.inf,
-    end: Annotated[
-        float, typer.Option("--to", metavar="SECONDS", help="Leave out later samples.", show_default=False)
-    ] = math.inf,
+    begin: FromOption = -math.inf,
+    end: ToOption = math.inf,
     namespace: NamespaceOption = "",
     replace: ReplaceOption = False,
 ) -> None:
@@ -34,8 +30,7 @@ def export(
     from drill_twin.cli.bags.analyze import default_folder
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.cli.show import err
-    from drill_twin.report.recording import read_recording
-    from drill_twin.report.rig_table import csv_text, las_text, rig_channels
+    from drill_twin.report.rig_table import csv_text, las_text, read_rig, rig_channels
     from drill_twin.report.selection import Selection
 
     if not (las or csv):
@@ -45,14 +40,9 @@ def export(
     for file in files:
         check_new(file, replace=replace)
     with err().status("reading the bag"):
-        recording = read_recording(bag, None, Selection(begin=begin, end=end, namespace=namespace or None))
-    if not len(recording.rig):
-        raise BagError(f"{bag}: expected messages on /rig/state in this time, found none")
-    channels = rig_channels(recording)
-    name = recording.scene.name if recording.scene_known else ""
+        rig, name = read_rig(bag, Selection(begin=begin, end=end, namespace=namespace or None))
+    channels = rig_channels(rig)
     for file in files:
         write_file(file, csv_text(channels) if file.suffix == ".csv" else las_text(channels, name))
         print(file)
-    err().print(
-        f"{len(recording.rig)} samples; converted: N to kN, N m to kN.m, rad/s to rpm", markup=False, soft_wrap=True
-    )
+    err().print(f"{len(rig)} samples; converted: N to kN, N m to kN.m, rad/s to rpm", markup=False, soft_wrap=True)

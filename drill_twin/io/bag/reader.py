@@ -29,7 +29,12 @@ class Bag:
     namespace = ""
 
     def __init__(
-        self, path: str | Path, *, names: Mapping[str, str] | None = None, namespace: str | None = None
+        self,
+        path: str | Path,
+        *,
+        names: Mapping[str, str] | None = None,
+        namespace: str | None = None,
+        window: tuple[float, float] | None = None,
     ) -> None:
         """Open a bag folder or a single file.
 
@@ -37,13 +42,15 @@ class Bag:
             path: Bag folder, `.mcap` or `.db3` file.
             names: Names of the contract by the bag's names, for a bag that has others.
             namespace: Namespace of the twin to read; None: the only one.
+            window: Header stamps [s] between which messages are wanted: a complete MCAP file is then read by its index,
+                and messages outside may be left out. None: all.
 
         Raises:
             BagError: Nothing is there, it is not a bag, it has no messages, or none on a topic of the contract; it
                 holds several twins and none was chosen; or `names` does not fit it.
         """
         self.path = Path(path)
-        self._files, empty_files = open_files(self.path)
+        self._files, empty_files = open_files(self.path, window)
         self.damage: list[str] = [*(text for file in self._files for text in file.damage), *empty_files]
         self._open_topics(_merged(self._files), names or {}, namespace)
         starts = [file.start for file in self._files if file.start is not None]

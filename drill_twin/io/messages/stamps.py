@@ -8,7 +8,7 @@ import struct
 from typing import Any
 
 from drill_twin.errors import MessageError
-from drill_twin.io.messages.type_store import message
+from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN, message
 
 NANOSECONDS = 1_000_000_000
 TIME = struct.Struct("<iI")
@@ -53,6 +53,11 @@ def unpack_stamp(raw: bytes) -> int:
         return 0
     whole, part = TIME.unpack_from(raw, _STAMP_AT)
     return int(whole) * NANOSECONDS + int(part)
+
+
+def raw_header_stamp(raw: bytes) -> int:
+    """Header stamp [ns] of a message; 0 where its numbers are big-endian, which only the general decoder reads."""
+    return unpack_stamp(raw) if raw[:_STAMP_AT] == CDR_LITTLE_ENDIAN else 0
 
 
 def time_message(stamp: int) -> Any:

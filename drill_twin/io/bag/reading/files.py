@@ -21,6 +21,7 @@ _EXPANSION, _EXPANSION_OF_ANY = 50, 64_000_000  # bytes of a decompressed file: 
 _MOST_LISTED = 1000
 
 BagFile = McapFile | RosbagsFile
+Window = tuple[float, float] | None
 
 
 def bag_path(path: str | Path) -> Path:
@@ -30,8 +31,12 @@ def bag_path(path: str | Path) -> Path:
     return inside if inside.is_dir() and not [*folder.glob("*.mcap"), *folder.glob("*.db3")] else folder
 
 
-def open_files(path: Path) -> tuple[list[BagFile], list[str]]:
+def open_files(path: Path, window: Window = None) -> tuple[list[BagFile], list[str]]:
     """Readers of the files of a bag, and sentences on empty files that a killed writer left.
+
+    Args:
+        path: Folder or file.
+        window: Header stamps [s] between which messages are wanted, where an index finds them; None: all.
 
     Raises:
         BagError: The path does not exist, cannot be read, or holds no bag.
@@ -45,7 +50,7 @@ def open_files(path: Path) -> tuple[list[BagFile], list[str]]:
     if not stat.S_ISDIR(kind):
         if not stat.S_ISREG(kind):
             raise BagError(f"{path}: expected a bag folder or file, found a pipe or a device; name a file")
-        return [_open_file(path)], []
+        return [_open_file(path, window)], []
     try:
         files = sorted((file for file in path.iterdir() if file.suffix in _SUFFIXES), key=_natural)
         if not files:
@@ -64,7 +69,7 @@ def open_files(path: Path) -> tuple[list[BagFile], list[str]]:
     for file in files:
         if file not in empty:
             try:
-                opened.append(_open_file(file, compressed_messages=compressed))
+                opened.append(_open_file(file, window, compressed_messages=compressed))
             except BagError as error:
                 unreadable.append(error)
     if not opened:
@@ -72,11 +77,12 @@ def open_files(path: Path) -> tuple[list[BagFile], list[str]]:
     return opened, [*damage, *(f"left out: {error}" for error in unreadable)]
 
 
-def _open_file(path: Path, *, compressed_messages: bool = False) -> BagFile:
+def _open_file(path: Path, window: Window, *, compressed_messages: bool = False) -> BagFile:
     if path.suffix == ".zstd":
         return _open_compressed(path, compressed_messages=compressed_messages)
-    kind = RosbagsFile if path.suffix == ".db3" else McapFile
-    return kind(path, compressed_messages=compressed_messages)
+    if path.suffix == ".db3":
+        return RosbagsFile(path, compressed_messages=compressed_messages)
+    return McapFile(path, compressed_messages=compressed_messages, window=window)
 
 
 def _open_compressed(path: Path, *, compressed_messages: bool) -> BagFile:

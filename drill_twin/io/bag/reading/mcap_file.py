@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sequential reader of one MCAP file, complete or truncated: every complete, undamaged chunk is read.
+"""Reader of one MCAP file, complete or truncated: every complete, undamaged chunk is read, one after the other.
 
-The index at the end is not used, because a killed writer leaves none.
+A window of time is found by the index at the end of the file; a killed writer leaves none, and all is read.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from mcap.writer import MCAP0_MAGIC
 from drill_twin.errors import BagError
 from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.bag.reading.decompression import DAMAGED, LARGEST_CHUNK, decompressed, decompressed_message
+from drill_twin.io.bag.reading.mcap_index import chunks_between, read_index
 from drill_twin.io.bag.reading.qos import qos_profiles
+from drill_twin.io.messages.stamps import raw_header_stamp
 
 _RECORD = struct.Struct("<BQ")  # opcode, length
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
@@ -33,6 +35,8 @@ _RECORDS_IN_CHUNKS = {Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE}
 _BLOCKS = {*_RECORDS_IN_CHUNKS, Opcode.CHUNK}
 _EXPANSION, _EXPANSION_OF_ANY = 200, 64_000_000  # bytes of content: per byte of the file, and beyond it
 _MOST_NOTES = 10
+_WITH_HEADER = {"sensor_msgs/msg/JointState", "geometry_msgs/msg/PoseArray"}
+"""Types of the contract that begin with a header, by whose stamps a window is searched."""
 _RECORDS_OF_ANY = 100_000  # beyond one per byte of the file
 
 
@@ -82,16 +86,54 @@ class McapFile:
     """True if rosbag2 compressed each message."""
     temporary: object = None
     """Temporary file that `path` names, removed with this reader."""
+    window: tuple[float, float] | None = None
+    """Header stamps [s] between which messages are wanted; others may come with them. None: all."""
 
     def __post_init__(self) -> None:
         self._channels: dict[int, str | None] = {}
         self._schemas: dict[int, Schema] = {}
-        self._scanned, self._notes = False, 0
+        self._notes = 0
+        self._places: list[int] | None = None
+        self._scanned = True  # what the search finds damaged is told where it is read
+        if self.window is not None:
+            self._places = self._places_of(*self.window)
+        self._scanned = False
         for name, stamp, _ in self.messages():
-            self.topics[name].count += 1
-            self.start = stamp if self.start is None else min(self.start, stamp)
-            self.end = stamp if self.end is None else max(self.end, stamp)
+            if self._places is None:
+                self.topics[name].count += 1
+                self.start = stamp if self.start is None else min(self.start, stamp)
+                self.end = stamp if self.end is None else max(self.end, stamp)
         self._scanned = True
+
+    def _places_of(self, begin: float, end: float) -> list[int] | None:
+        """Places of the chunks with header stamps between two times [s], by the index; None to read all."""
+        try:
+            with self.path.open("rb") as stream:
+                index = read_index(stream)
+        except OSError:
+            return None
+        if index is None:
+            return None
+        try:
+            for opcode, content in index.definitions:
+                self._register(opcode, ReadDataStream(BytesIO(content)))
+        except _DAMAGED:
+            return None
+        names = {channel: self._channels.get(channel) or "" for channel in index.counts}
+        chosen = chunks_between(index, names, begin, end, self._stamps_at)
+        self._places = None
+        if chosen is not None:
+            self.start, self.end = index.start, index.end
+            for channel, count in index.counts.items():
+                if name := names[channel]:
+                    self.topics[name].count += count
+        return chosen
+
+    def _stamps_at(self, place: int) -> list[int]:
+        """Header stamps [ns] in the chunk at a place."""
+        self._places = [place]
+        headed = {name for name, topic in self.topics.items() if topic.type_name in _WITH_HEADER}
+        return [raw_header_stamp(raw) for _, _, raw in self.messages(headed)]
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
         """Topic, time of recording [ns] and CDR of each message, in the order of the file.
@@ -120,6 +162,16 @@ class McapFile:
         if stream.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
             found = f"{size} bytes that do not start as one" if size else "an empty file"
             raise BagError(f"{self._title}: expected an MCAP file, found {found}; record the run again")
+        for place in self._places or ():
+            stream.seek(place)
+            head = stream.read(_RECORD.size)
+            opcode, length = _RECORD.unpack(head) if len(head) == _RECORD.size else (0, 0)
+            if opcode != Opcode.CHUNK or length > LARGEST_CHUNK:
+                self._note(f"has no chunk at byte {place}, where its index has one")
+            else:
+                yield from self._chunk(stream.read(length), place, bounds)
+        if self._places is not None:
+            return
         opcode, place = 0, stream.tell()
         while opcode != Opcode.FOOTER:
             head = stream.read(_RECORD.size)
@@ -131,17 +183,21 @@ class McapFile:
                 self._note(f"has a record of more than {LARGEST_CHUNK} bytes at byte {place}, which is left out")
                 stream.seek(length, SEEK_CUR)
             elif opcode == Opcode.CHUNK:
-                try:
-                    yield _content(stream.read(length), bounds)
-                except _TooLargeError:
-                    self._note(f"has a chunk at byte {place} larger than any in {size} bytes, which is left out")
-                except _DAMAGED:
-                    self._note(f"has a damaged chunk at byte {place}, which is left out")
+                yield from self._chunk(stream.read(length), place, bounds)
             elif opcode in _RECORDS_IN_CHUNKS:
                 yield head + stream.read(length)
             else:
                 stream.seek(length, SEEK_CUR)
             place = stream.tell()
+
+    def _chunk(self, record: bytes, place: int, bounds: _Bounds) -> Iterator[bytes]:
+        """Content of a chunk; nothing where it is damaged."""
+        try:
+            yield _content(record, bounds)
+        except _TooLargeError:
+            self._note(f"has a chunk at byte {place} larger than any in {bounds.file} bytes, which is left out")
+        except _DAMAGED:
+            self._note(f"has a damaged chunk at byte {place}, which is left out")
 
     def _messages_in(
         self, data: bytes, topics: Collection[str] | None, bounds: _Bounds

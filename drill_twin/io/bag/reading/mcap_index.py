@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Index at the end of an MCAP file: its topics, their counts, and the places of the chunks."""
+
+from __future__ import annotations
+
+import math
+import struct
+import zlib
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from io import SEEK_END
+from typing import BinaryIO
+
+from mcap.opcode import Opcode
+from mcap.writer import MCAP0_MAGIC
+
+from drill_twin.io.bag.reading.decompression import LARGEST_CHUNK
+from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, TWIN_SCENE
+
+_RECORD = struct.Struct("<BQ")  # opcode, length
+_FOOTER = struct.Struct("<BQQQI")  # opcode, length, start of the summary, of its offsets, checksum
+_CHUNK = struct.Struct("<QQQQI")  # first and last time of recording, place, length, bytes of the map of channels
+_STATISTICS = struct.Struct("<QHIIIIQQI")  # messages, schemas, channels, ..., chunks, first and last time, bytes of map
+_COUNT = struct.Struct("<HQ")  # channel, number or place
+_LATCHED = tuple(name for name, topic in TOPICS.items() if topic.latched)
+_MOST_LATCHED = 50  # chunks of a topic
+_MARGIN = 1.0  # s by which topics may come after one another
+
+
+@dataclass(frozen=True)
+class McapIndex:
+    """Index of a complete file."""
+
+    definitions: list[tuple[Opcode, bytes]]
+    """Opcode and content of the record of each schema and channel."""
+    counts: dict[int, int]
+    """Messages by channel."""
+    start: int
+    """Earliest time of recording [ns]."""
+    end: int
+    """Latest time of recording [ns]."""
+    chunks: list[int]
+    """Place of each chunk in the file [bytes], rising."""
+    channels: list[bytes]
+    """Channels of each chunk, packed."""
+
+    def chunks_with(self, channel: int) -> list[int]:
+        """Numbers of the chunks that have messages of a channel."""
+        return [
+            k
+            for k, packed in enumerate(self.channels)
+            if any(found == channel for found, _ in _COUNT.iter_unpack(packed))
+        ]
+
+
+def read_index(stream: BinaryIO) -> McapIndex | None:
+    """Index of an open file; None if it has none or one that does not fit it, as after a kill."""
+    size = stream.seek(0, SEEK_END)
+    place = size - len(MCAP0_MAGIC) - _FOOTER.size
+    if place < 0:
+        return None
+    stream.seek(place)
+    footer = stream.read(_FOOTER.size)
+    opcode, length, begin, _, checksum = _FOOTER.unpack(footer)
+    if opcode != Opcode.FOOTER or length != _FOOTER.size - _RECORD.size or not 0 < begin < place:
+        return None
+    if place - begin > LARGEST_CHUNK or stream.read() != MCAP0_MAGIC:
+        return None
+    stream.seek(begin)
+    summary = stream.read(place - begin)
+    if checksum != zlib.crc32(footer[:-4], zlib.crc32(summary)):
+        return None
+    try:
+        return _parse(summary, begin)
+    except (struct.error, ValueError):
+        return None
+
+
+def _parse(summary: bytes, size: int) -> McapIndex | None:
+    definitions: list[tuple[Opcode, bytes]] = []
+    chunks: list[tuple[int, bytes]] = []
+    counts, times, place, number = dict[int, int](), (0, 0), 0, 0
+    while place < len(summary):
+        opcode, length = _RECORD.unpack_from(summary, place)
+        begin, place = place + _RECORD.size, place + _RECORD.size + length
+        if opcode in {Opcode.SCHEMA, Opcode.CHANNEL}:
+            definitions.append((Opcode(opcode), summary[begin:place]))
+        elif opcode == Opcode.CHUNK_INDEX:
+            _, _, at, extent, mapped = _CHUNK.unpack_from(summary, begin)
+            if at + extent > size or extent < _RECORD.size:
+                return None
+            chunks.append((at, summary[begin + _CHUNK.size : begin + _CHUNK.size + mapped]))
+        elif opcode == Opcode.STATISTICS:
+            *_, number, first, last, mapped = _STATISTICS.unpack_from(summary, begin)
+            begin += _STATISTICS.size
+            counts, times = dict(_COUNT.iter_unpack(summary[begin : begin + mapped])), (first, last)
+    chunks.sort()
+    if not chunks or number != len(chunks) or not all(packed for _, packed in chunks):
+        return None
+    return McapIndex(definitions, counts, *times, [at for at, _ in chunks], [packed for _, packed in chunks])
+
+
+def chunks_between(
+    index: McapIndex, names: Mapping[int, str], begin: float, end: float, stamps_at: Callable[[int], Sequence[int]]
+) -> list[int] | None:
+    """Places of the chunks with header stamps between two times, and of those with what is said once.
+
+    Recorded and header time may differ by any amount, but both rise, so that a bisection finds the ends.
+
+    Args:
+        index: The index.
+        names: Topic of each channel.
+        begin: Earliest stamp [s].
+        end: Latest stamp [s].
+        stamps_at: Header stamps [ns] in the chunk at a place.
+
+    Returns:
+        The places; None where the file holds several runs, in which the stamps do not rise.
+    """
+    if any(count > 1 for channel, count in index.counts.items() if names[channel].endswith(TWIN_SCENE)):
+        return None
+    total = len(index.chunks)
+
+    def time_from(k: int) -> float:
+        """Median header stamp [s] of the first chunk from a number on that has any."""
+        stamps = next((found for place in index.chunks[k:] if (found := stamps_at(place))), None)
+        return math.inf if stamps is None else seconds(sorted(stamps)[len(stamps) // 2])
+
+    first = bisect_left(range(total), begin - _MARGIN, key=time_from) if begin > -math.inf else 0
+    last = bisect_right(range(total), end + _MARGIN, lo=first, key=time_from) if end < math.inf else total
+    chosen = set(range(max(first - 1, 0), min(last + 1, total)))
+    for channel, name in names.items():
+        if name.endswith(_LATCHED):
+            chosen.update(index.chunks_with(channel)[:_MOST_LATCHED])
+        elif name.endswith(DIAGNOSTICS):
+            chosen.update(index.chunks_with(channel)[-1:])  # counts are those at the end of the run
+    return [index.chunks[k] for k in sorted(chosen)]

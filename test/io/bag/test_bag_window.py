@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A window of a complete bag is read by its index: the same samples as of the whole bag, a small part of its bytes."""
+
+import numpy as np
+import pytest
+
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.reading import mcap_file
+from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.bag.writing import file_writer
+from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.rig_messages import RIG_JOINTS
+from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
+from drill_twin.report.rig_table import read_rig
+from drill_twin.report.selection import Selection
+
+SECONDS, RATE, LATER = 400, 100, 1_700_000_000
+FOUR = (0.0, 0.0, 0.0, 0.0)
+
+
+def write(folder, scenes=1):
+    """Rig states of 400 s, recorded 1.7e9 s later than they are stamped, with latched scenes."""
+    template, random = JointStateTemplate(RIG_JOINTS), np.random.default_rng(1)
+    text = bytes.fromhex("00010000") + b"\x04\0\0\0a: \0"
+    with BagWriter(folder, flush_interval=1e9) as bag:
+        for k in range(SECONDS * RATE):
+            if k % (SECONDS * RATE // scenes) == 0:
+                bag.write(TWIN_SCENE, k * 10_000_000 + LATER * 10**9, text)
+            stamp = k * 10_000_000
+            bag.write(RIG_STATE, stamp + LATER * 10**9, template.fill(stamp, random.random(4), FOUR, FOUR))
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def small_chunks(monkeypatch):
+    monkeypatch.setattr(file_writer, "_CHUNK_SIZE", 16 * 1024)
+
+
+@pytest.fixture
+def decompressed(monkeypatch):
+    """Sizes of the chunks that are decompressed."""
+    sizes, real = [], mcap_file.decompressed
+
+    def counted(kind, data, size):
+        sizes.append(size)
+        return real(kind, data, size)
+
+    monkeypatch.setattr(mcap_file, "decompressed", counted)
+    return sizes
+
+
+def test_a_window_takes_its_part_of_the_bytes_and_gives_the_same_samples(tmp_path, decompressed):
+    bag = write(tmp_path / "bag")
+    whole = Bag(bag)
+    size = sum(decompressed)
+    decompressed.clear()
+    rig, _ = read_rig(bag, Selection(begin=300.0, end=310.0))
+    assert sum(decompressed) < 0.2 * size  # 10 s of 400 s, read three times, and the search
+    assert rig.time[[0, -1]].tolist() == [300.0, 310.0]
+    assert len(rig) == 10 * RATE + 1
+    window = Bag(bag, window=(300.0, 310.0))
+    assert {name: topic.count for name, topic in window.topics.items()} == {
+        name: topic.count for name, topic in whole.topics.items()
+    }
+    assert (window.start, window.end) == (whole.start, whole.end)
+    assert window.scene() == whole.scene() == "a: "
+    told = [stamp for topic, stamp, _ in whole.messages() if 300.0 <= stamp * 1e-9 - LATER <= 310.0]
+    assert set(told) <= {stamp for _, stamp, _ in window.messages()}
+    assert not window.damage
+
+
+def test_open_ends_and_windows_beside_the_bag(tmp_path):
+    bag = write(tmp_path / "bag")
+    for begin, end, first, last in ((-np.inf, 2.0, 0.0, 2.0), (398.0, np.inf, 398.0, 399.99)):
+        assert read_rig(bag, Selection(begin=begin, end=end))[0].time[[0, -1]].tolist() == [first, last]
+    assert len(list(Bag(bag, window=(1000.0, 1001.0)).messages((RIG_STATE,)))) < 0.2 * SECONDS * RATE
+
+
+@pytest.mark.parametrize("what", ["cut", "checksum", "two runs"])
+def test_a_bag_without_an_index_to_trust_is_read_whole(tmp_path, decompressed, what):
+    bag = write(tmp_path / "bag", scenes=2 if what == "two runs" else 1)
+    file = bag / "bag_0.mcap"
+    data = bytearray(file.read_bytes())
+    if what == "cut":
+        del data[-100:]
+    elif what == "checksum":
+        data[-60] ^= 1
+    file.write_bytes(data)
+    decompressed.clear()
+    assert len(read_rig(bag, Selection(begin=300.0, end=310.0))[0]) == 10 * RATE + 1
+    assert sum(decompressed) > 0.9 * len(data)
+
+
+def test_damage_in_a_window_is_told(tmp_path):
+    bag = write(tmp_path / "bag")
+    file = bag / "bag_0.mcap"
+    data = bytearray(file.read_bytes())
+    data[len(data) // 2] ^= 1
+    file.write_bytes(data)
+    found = Bag(bag, window=(150.0, 250.0))
+    assert "damaged chunk at byte" in found.damage[0]
+    assert not Bag(bag, window=(0.0, 10.0)).damage
