@@ -9,6 +9,7 @@ import typer
 
 from drill_twin import __version__
 from drill_twin.cli.bags.analyze import analyze, report
+from drill_twin.cli.bags.drillbotics import drillbotics
 from drill_twin.cli.bags.export import export
 from drill_twin.cli.bags.rerun import rerun
 from drill_twin.cli.bags.watch import watch
@@ -69,6 +70,7 @@ app.command(rich_help_panel=_RUN)(analyze)
 app.command(rich_help_panel=_RUN)(report)
 app.command(rich_help_panel=_RUN)(rerun)
 app.command(rich_help_panel=_RUN)(export)
+app.command(rich_help_panel=_RUN)(drillbotics)
 app.command(rich_help_panel=_RUN)(fit)
 app.command(rich_help_panel=_RUN)(estimate)
 app.command(rich_help_panel=_RUN)(watch)

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files that Drillbotics asks for: `drilling_timeseries.csv` and `WELL_logs.las`, written from a bag.
+
+Guidelines of the Open Source Drilling Community, repository drillbotics-guidelines, cycle 2025.1 (29 June 2026):
+`docs/tracks/group-a/technical-specs.md`, `docs/tracks/group-b/deliverables.md`, `docs/competition/rules-scoring.md`.
+They suggest the ten columns of `SUGGESTED`; what the twin has beyond them follows by its D-WIS name with its unit.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.errors import BagError, MessageError
+from drill_twin.gateway.quantities import QUANTITIES, TwinQuantities
+from drill_twin.gateway.signals import Shown, read_signals, signals_path
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages.topics import RIG_STATE
+from drill_twin.report.rig_table import Channel, las_text
+from drill_twin.report.selection import Selection
+
+TIMESERIES = "drilling_timeseries.csv"
+LOWEST_RATE = 1.0
+"""Rows per second at least [Hz]."""
+SUGGESTED: Mapping[str, str] = {
+    "timestamp_utc_iso": "",
+    "bit_depth_m": "BitDepth",
+    "rpm": "SurfaceRPM",
+    "wob_kN": "WOB",
+    "torque_kNm": "SurfaceTorque",
+    "flow_in_lpm": "",
+    "flow_out_lpm": "",
+    "spp_MPa": "",
+    "rop_mph": "ROP",
+    "hookload_kN": "HookLoad",
+}
+"""Columns that the guidelines suggest, in their order, and the D-WIS names of what the twin has of them."""
+_SCALE = {"wob_kN": 1e-3, "torque_kNm": 1e-3, "hookload_kN": 1e-3}
+"""Units of the column per unit of the signal: N, N m -> kN, kN m; the others are the same (m, rpm, m/h)."""
+_LAST = {"BitDepth", "HookPosition", "TopOfStringPosition"}
+_OF_SIMULATION = {"SimulatedTime", "RealTimeFactor"}
+
+
+@dataclass(frozen=True, eq=False)
+class DrillingLog:
+    """Signals over time, each the mean over the time before its row; positions are those at the row."""
+
+    start: datetime
+    """Time of the simulation's zero, UTC."""
+    time: Array
+    """Simulated time [s], shape (rows,)."""
+    values: Mapping[str, Array]
+    """Values by D-WIS name in the units of `signals`, each of shape (rows,); NaN where there is none."""
+    signals: Mapping[str, Shown]
+    """Signals by D-WIS name."""
+
+    def stamps(self) -> list[str]:
+        """Times as ISO 8601 in UTC with milliseconds."""
+        return [
+            (self.start + timedelta(milliseconds=round(1e3 * time)))
+            .isoformat(timespec="milliseconds")
+            .replace("+00:00", "Z")
+            for time in self.time.tolist()
+        ]
+
+    def csv_text(self) -> str:
+        """The suggested columns, then all others by D-WIS name with the unit in parentheses."""
+        empty, columns = np.full(self.time.size, math.nan), {}
+        for column, name in SUGGESTED.items():
+            columns[column] = self.values.get(name, empty) * _SCALE.get(column, 1.0)
+        for name, values in self.values.items():
+            if name not in SUGGESTED.values():
+                columns[f"{name} ({self.signals[name].unit or '-'})"] = values
+        del columns["timestamp_utc_iso"]
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(("timestamp_utc_iso", *columns))
+        for stamp, *row in zip(self.stamps(), *(values.tolist() for values in columns.values()), strict=True):
+            writer.writerow((stamp, *(f"{value:.6g}" if math.isfinite(value) else "" for value in row)))
+        return text.getvalue()
+
+    def las_text(self, well: str) -> str:
+        """All signals over time as LAS 2.0, the D-WIS names as mnemonics.
+
+        Raises:
+            ArgumentError: The package lasio is not installed.
+        """
+        channels = [Channel("TIME", f"time since {self.stamps()[0]}", "s", self.time - self.time[0])]
+        for name, values in self.values.items():
+            signal = self.signals[name]
+            unit = signal.unit.replace(" ", ".")
+            channels.append(Channel(name, QUANTITIES[signal.quantity].meaning, unit, values))
+        return las_text(channels, well)
+
+
+def read_log(bag: Bag, selection: Selection, rate: float, start: datetime | None = None) -> DrillingLog:
+    """Read the D-WIS signals of a bag.
+
+    Args:
+        bag: The bag.
+        selection: Part of its time.
+        rate: Rows per second [Hz].
+        start: Time of the simulation's zero; by default that of the recording, or of the run.
+
+    Raises:
+        BagError: The bag has no rig states in this time, or does not say when it was recorded and `start` is missing.
+    """
+    signals = {one.name: one for one in read_signals(signals_path("dwis")).show if one.name not in _OF_SIMULATION}
+    topics = sorted({QUANTITIES[signal.quantity].topic for signal in signals.values()} & set(bag.topics))
+    twin = TwinQuantities(lambda: 0.0)
+    first: tuple[float, float] | None = None
+    rows: list[list[float]] = []
+    for topic, recorded, raw in bag.messages(topics):
+        with suppress(MessageError):
+            twin.take(topic, raw)
+        if topic != RIG_STATE or not selection.holds(twin.stamp):
+            continue
+        time = twin.values["simulated_time"]
+        if rows and time < rows[-1][0]:
+            rows.clear()  # the bag holds several runs; the last one counts
+        first = first or (1e-9 * recorded, time)
+        rows.append([time, *(twin.values.get(s.quantity, math.nan) / s.factor for s in signals.values())])
+    if len(rows) < 2 or first is None:
+        raise BagError(f"{bag.path}: expected messages on {RIG_STATE} in this time, found {len(rows)}")
+    table = np.array(rows)
+    ends, means, last = _resampled(table, rate)
+    values = {name: (last if name in _LAST else means)[:, k] for k, name in enumerate(signals, 1)}
+    return DrillingLog(start or _zero(bag, *first), ends, values, signals)
+
+
+def _resampled(table: Array, rate: float) -> tuple[Array, Array, Array]:
+    """Ends of the intervals of 1/rate [s], means in each, and last rows."""
+    edges = table[0, 0] + np.arange(1, int((table[-1, 0] - table[0, 0]) * rate) + 1) / rate
+    place = np.searchsorted(edges, table[:, 0] - 1e-9, side="left")
+    kept, begin = np.unique(place[place < edges.size], return_index=True)
+    end = np.append(begin[1:], np.count_nonzero(place < edges.size))
+    means = np.array([table[a:b].mean(axis=0) for a, b in zip(begin, end, strict=True)])
+    return edges[kept], means, table[end - 1]
+
+
+def _zero(bag: Bag, recorded: float, time: float) -> datetime:
+    """Time of the simulation's zero: of the recording where it has dates, else the start that the run noted."""
+    if recorded - time > 1e8:  # s since 1970; a run without ROS records by simulated time
+        return datetime.fromtimestamp(recorded - time, UTC)
+    with suppress(BagError, ValueError):
+        if found := re.search(r"^\s*started: ['\"]?([0-9T:.+-]+)", bag.scene(), re.MULTILINE):
+            return datetime.fromisoformat(found[1])
+    raise BagError(f"{bag.path}: expected the time of the run, found none in the bag; give it with --start")
