@@ -6,6 +6,7 @@ import pytest
 
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading import mcap_file
+from drill_twin.io.bag.reading.mcap_index import read_index
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.bag.writing import file_writer
 from drill_twin.io.messages.cdr import JointStateTemplate
@@ -94,8 +95,10 @@ def test_a_bag_without_an_index_to_trust_is_read_whole(tmp_path, decompressed, w
 def test_damage_in_a_window_is_told(tmp_path):
     bag = write(tmp_path / "bag")
     file = bag / "bag_0.mcap"
+    with file.open("rb") as stream:
+        chunks = read_index(stream).chunks
     data = bytearray(file.read_bytes())
-    data[len(data) // 2] ^= 1
+    data[chunks[len(chunks) // 2] + 200] ^= 1
     file.write_bytes(data)
     found = Bag(bag, window=(150.0, 250.0))
     assert "damaged chunk at byte" in found.damage[0]
