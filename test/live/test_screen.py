@@ -25,11 +25,13 @@ ACCESSIBILITY = (Path(__file__).parent / "accessibility.js").read_text("utf-8")
 def page(bench_run, browse):
     player = Player(bench_run.bag)
     server = PageServer(player.snapshot, player.on_request, history=player.state.history, port=0)
-    browser = browse(server.url)
-    until(lambda: browser.picture("picture.nodes.length > 0 && picture.time > 2.9"), "the end of the recording")
-    yield browser, player
-    server.close()
-    player.close()
+    try:
+        browser = browse(server.url)
+        until(lambda: browser.picture("picture.nodes.length > 0 && picture.time > 2.9"), "the end of the recording")
+        yield browser, player
+    finally:
+        server.close()
+        player.close()
 
 
 def test_the_screen_of_a_driller(page):

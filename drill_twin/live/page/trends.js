@@ -9,7 +9,7 @@ const CHANNELS = [  // trend, words, quantity, and a second channel drawn behind
   ["hookload", "hookload", "force"], ["rop", "rate of penetration", "rate"],
 ];
 const SPANS = { "1 min": 60, "2 min": 120, "5 min": 300, "10 min": 600, "30 min": 1800 };
-const POINTS = 240, PERIOD = 500, LEAST = 10;  // most points of a line; ms between two drawings; s of the shortest axis
+const POINTS = 240, PERIOD = 1000, LEAST = 10;  // most points of a line; ms between two drawings; s of the shortest axis
 const LINE = "#56b4e9", BEHIND = "#cc79a7", LIMIT = "#ff7a6b", WINDOW = "rgba(53, 192, 142, 0.13)";
 const limit = (channel, side) => state.picture?.limits?.[channel]?.[side];
 
@@ -87,7 +87,9 @@ export function drawTrends() {
   const { rows, seconds } = state.trends, end = state.picture?.time ?? (rows.at(-1)?.[0] ?? 0) * seconds;
   const begin = Math.max(end - +$("span").value, Math.min(Math.max(end - LEAST, 0), (rows[0]?.[0] ?? 0) * seconds));
   CHANNELS.forEach(([channel, words, quantity, behind], place) => {
-    const box = $(`${channel}_chart`), found = lines(channel, quantity, begin, end), last = place === CHANNELS.length - 1;
+    const box = $(`${channel}_chart`), seen = box.getBoundingClientRect();
+    if (seen.bottom < 0 || seen.top > innerHeight) return;  // plotly takes a tenth of a second for all of them
+    const found = lines(channel, quantity, begin, end), last = place === CHANNELS.length - 1;
     const all = [...(behind ? traces(lines(behind, quantity, begin, end), BEHIND, "55") : []), ...traces(found, LINE, "55")];
     const known = all.flatMap((one) => one.y).filter((value) => value !== null), edges = shapes(channel, quantity).filter((one) => one.type === "line").map((one) => one.y0);
     const low = Math.min(...known, ...edges), high = Math.max(...known, ...edges), room = 0.08 * (high - low) || Math.max(0.1 * Math.abs(high), 1e-3);
