@@ -17,6 +17,11 @@ def analyzer_score(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Write the tables, the numbers and the confusion matrix here too."),
     ] = None,
+    downhole: Annotated[
+        bool,
+        typer.Option("--downhole", help="Score whirl from one sub instead (docs/sensors.md)."),
+    ] = False,
+    hours: Annotated[float, typer.Option("--hours", min=0.0, max=1000.0, help="With --downhole: noise [h].")] = 24.0,
     workers: WorkersOption = 2,
     replace: ReplaceOption = False,
     json: JsonOption = False,
@@ -31,6 +36,17 @@ def analyzer_score(
     from drill_twin.studies.detection.text import markdown
     from drill_twin.studies.json_io import json_text
 
+    if downhole:
+        from drill_twin.studies.detection import downhole as one_sub
+        from drill_twin.studies.detection.cases import BENCH
+
+        runs = 4 if quick else len(BENCH)
+        found = one_sub.measure_sub(runs, hours).to_dict()
+        if json:
+            print_json(found)
+        else:
+            print(one_sub.markdown(found, runs, hours), end="")
+        return
     names = ("analyzer_score.md", "analyzer_score.json", "confusion.png")
     if out is not None:
         for name in names:

@@ -13,6 +13,8 @@ from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import parse_scene
 from drill_twin.schedule import Schedule
+from drill_twin.sensors.motion import locate, sub_motion, true_readings
+from drill_twin.sensors.subs import gravity_of
 from drill_twin.studies.detection.scene import BENCH_SCENE
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
@@ -49,10 +51,16 @@ class Run:
     """Clearance at the nodes [m], shape (n + 1,)."""
     vertical: bool
     """True if the hole is vertical."""
+    readings: Array | None = None
+    """Readings of perfect sensors at the marks' sections, `SENSOR_RADIUS` from the axis, shape (T, m, 6)."""
 
 
-def simulate(name: str, overrides: Mapping[str, str]) -> Run:
-    """Run the bench with overrides from start to end and return all signals.
+SENSOR_RADIUS = 0.006
+"""Distance of the sensors of a sub from the axis [m]."""
+
+
+def simulate(name: str, overrides: Mapping[str, str], *, subs: bool = False) -> Run:
+    """Run the bench with overrides from start to end and return all signals, those of `subs` where asked for.
 
     Raises:
         SceneError: An override does not fit the scene.
@@ -62,7 +70,14 @@ def simulate(name: str, overrides: Mapping[str, str]) -> Run:
     schedule, twin = Schedule.from_scene(scene), Twin(scene)
     period = 1.0 / scene.numerics.frame_rate
     count = round(schedule.duration / period)
-    frames = [twin.advance(schedule.at((i + 1) * period), period) for i in range(count)]
+    at = np.array([mark.distance_from_bit for mark in scene.string.marks if subs])
+    places = locate(twin.rod, at, np.full(at.size, SENSOR_RADIUS), np.zeros(at.size))
+    motion, readings, frames = sub_motion(places, *twin.unknowns), [], []
+    for i in range(count):
+        frames.append(twin.advance(schedule.at((i + 1) * period), period))
+        if subs:
+            before, motion = motion, sub_motion(places, *twin.unknowns)
+            readings.append(true_readings(places, before, motion, period, gravity_of(scene)))
     time = np.array([frame.time for frame in frames])
     return Run(
         name,
@@ -78,6 +93,7 @@ def simulate(name: str, overrides: Mapping[str, str]) -> Run:
         np.array([frame.spin for frame in frames]),
         np.array([scene.clearance_at(float(arc)) for arc in twin.rod.arc]),
         math.isclose(scene.hole.top_inclination, 0.0),
+        np.array(readings) if subs else None,
     )
 
 
