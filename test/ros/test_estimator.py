@@ -4,6 +4,7 @@
 import math
 
 import numpy as np
+import pytest
 from sensor_msgs.msg import JointState
 
 from drill_twin.io.messages.cdr import JointStateTemplate
@@ -23,6 +24,7 @@ def parts(raw):
     return {status.name: status for status in decode_diagnostics(raw)[1]}
 
 
+@pytest.mark.long
 def test_hidden_numbers_are_found_beside_a_simulator(bench):
     found = bench.collect(ESTIMATE_STATE)
     estimator = bench.start(
