@@ -21,7 +21,7 @@ from drill_twin.runner import Run, compile_kernel
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command, Schedule
 from drill_twin.twin.frame import Frame
-from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME
+from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
 from drill_twin.whirl import Findings
 
 RPM = math.tau / 60.0
@@ -161,7 +161,11 @@ class Simulation:
         return self.result()
 
     def advance(
-        self, wob: Quantity | None = None, rpm: Quantity | None = None, seconds: Quantity | None = None
+        self,
+        wob: Quantity | None = None,
+        rpm: Quantity | None = None,
+        seconds: Quantity | None = None,
+        block: Quantity | None = None,
     ) -> State:
         """Run on under set-points of one's own, reached linearly within the first frame and held.
 
@@ -169,6 +173,7 @@ class Simulation:
             wob: Weight on bit [N]; left out: as before.
             rpm: Speed of the top drive [rev/min]; left out: as before.
             seconds: Simulated time, a whole number of frames [s]; left out: one frame.
+            block: Speed of the travelling block [m/s], of a scene with `rig.block`; left out: as before.
 
         Raises:
             ArgumentError: A set-point is no such quantity, or the time is not a whole number of frames.
@@ -178,6 +183,7 @@ class Simulation:
         command = Command(
             last.weight_on_bit if wob is None else in_si("wob", wob, FORCE),
             last.rotation if rpm is None else in_si("rpm", rpm, ANGULAR_SPEED, RPM),
+            last.block if block is None else in_si("block", block, SPEED),
         )
         wanted = 1.0 if seconds is None else self._frames("seconds", in_si("seconds", seconds, TIME))
         frames = round(wanted)

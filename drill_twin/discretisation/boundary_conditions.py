@@ -28,18 +28,33 @@ class BoundaryConditions(NamedTuple):
     """True if an effect supports the bit of such a string; otherwise it is constrained axially."""
     torque_driven: bool
     """True if a torque drives the top; otherwise its rotation is prescribed."""
+    hoisted: bool = False
+    """True if the top hangs in the travelling block, free axially."""
+    hinged: bool = False
+    """True if the top may tilt."""
 
     @classmethod
     def of(cls, scene: Scene) -> "BoundaryConditions":
         """Boundary conditions of a scene."""
         weight_at_top = scene.rig.weight_on_bit.at == "top"
-        bit_on_rock = weight_at_top and bool(scene.effects.providing("weight"))
-        return cls(weight_at_top, bit_on_rock, scene.rig.top_drive.model != "prescribed")
+        hoisted = scene.rig.weight_on_bit.at == "block"
+        bit_on_rock = (weight_at_top or hoisted) and bool(scene.effects.providing("weight"))
+        return cls(
+            weight_at_top,
+            bit_on_rock,
+            scene.rig.top_drive.model != "prescribed",
+            hoisted,
+            scene.string.top_end == "hinged",
+        )
 
     def constrained(self, bit_end: str) -> Mask:
         """Mask of the constrained unknowns (r, r', psi) at bit and top, for `string.bit_end`; shape (2, 7)."""
         constrained = np.array([BIT_ENDS[bit_end], CLAMPED_TOP])
         if self.weight_at_top:
             constrained[0, 2], constrained[1, 2] = not self.bit_on_rock, False
+        if self.hoisted:
+            constrained[1, 2] = False
+        if self.hinged:
+            constrained[1, 3:5] = False
         constrained[1, 6] = not self.torque_driven
         return constrained

@@ -64,7 +64,7 @@ class BitCutting(EffectConfig):
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
         """Yield a missing stiffness with a weight set at the top, or a stiffness with a weight set at the bit."""
         at, place = scene.rig.weight_on_bit.at, ("rock_stiffness",)
-        if at == "top" and self.rock_stiffness is None:
+        if at != "bit" and self.rock_stiffness is None:
             yield Incompatibility(
                 place, 'expected a stiffness such as "25e6 N/m" with `rig.weight_on_bit.at: top`, found none'
             )

@@ -154,7 +154,7 @@ def set_surface(rock: Parameters, bit: Bit) -> None:
     memory, surface = rock.memory, rock.surface
     weight = bit.now[2]
     depth = max(weight - rock.worn, 0.0) / (rock.axial * rock.blades) if rock.regenerative > 0.0 else 0.0
-    top = bit.start[2]
+    top = bit.start[2] - bit.off_bottom
     for k in range(-CELLS - 1, 1):
         surface[k % surface.shape[0]] = top - depth * k / CELLS
     memory[READY], memory[NEWEST] = 1.0, 0.0

@@ -123,7 +123,8 @@ def run_member(base: Scene, request: Request, member: Member) -> Run:
 
 
 def set_points(schedule: Schedule, request: Request) -> Array:
-    """Set-points at the end of each frame: weight on bit [N] and rotation [rad/s], shape (frames, 2)."""
+    """Set-points at the end of each frame: weight on bit [N], rotation [rad/s], speed of a block [m/s] if any."""
     period = round(request.period * NANOSECONDS)
     times = [seconds(frame * period) for frame in range(1, request.frames + 1)]
-    return np.array([[schedule.weight_on_bit(at) for at in times], [schedule.rotation(at) for at in times]]).T.copy()
+    planned = [schedule.weight_on_bit, schedule.rotation, *([schedule.block] if schedule.block else [])]
+    return np.array([[set_point(at) for at in times] for set_point in planned]).T.copy()

@@ -18,8 +18,8 @@ from drill_twin.model.mesh import SPIN
 # weight on bit at the start of the run, with which the string is in equilibrium [N].
 WEIGHT, WEIGHT_DAMPING, INITIAL = 0, 1, 2
 # Indices into Bit.impulse: weight on bit [N s], torque of the rock on it and of the drive on the string [N m s], and
-# the depth drilled [m].
-BIT_WEIGHT, BIT_TORQUE, TOP_TORQUE, DRILLED = 0, 1, 2, 3
+# the depth drilled [m]; where the block is moved, the pull of the lines [N s].
+BIT_WEIGHT, BIT_TORQUE, TOP_TORQUE, DRILLED, HOOK = 0, 1, 2, 3, 4
 
 
 class Bit(NamedTuple):
@@ -28,12 +28,13 @@ class Bit(NamedTuple):
     now: Array  # (3,) see WEIGHT
     start: Array  # (7,) its row at the start of the step
     rate: Array  # (7,) its velocity at mid-step, known after the step
-    impulse: Array  # (4,) since the start of the run, see BIT_WEIGHT
+    impulse: Array  # (4,), or (5,) with a block, since the start of the run, see BIT_WEIGHT
+    off_bottom: float  # height above the rock at the start of the run [m]
 
 
-def make_bit(weight: float) -> Bit:
-    """Make a bit at rest under a weight [N]."""
-    return Bit(np.array([weight, 0.0, weight]), np.zeros(7), np.zeros(7), np.zeros(4))
+def make_bit(weight: float, impulses: int = 4, off_bottom: float = 0.0) -> Bit:
+    """Make a bit at rest under a weight [N], or at a height above the rock [m]."""
+    return Bit(np.array([weight, 0.0, weight]), np.zeros(7), np.zeros(7), np.zeros(impulses), off_bottom)
 
 
 @kernel
@@ -45,7 +46,7 @@ def contact_weight(bit: Bit) -> float:
 @kernel
 def rock_height(bit: Bit, stiffness: float) -> float:
     """Height of the surface of rock of a stiffness [N/m] that supports the bit at the start of the run [m]."""
-    return float(bit.start[2] + max(bit.now[INITIAL], 0.0) / stiffness)
+    return float(bit.start[2] - bit.off_bottom + max(bit.now[INITIAL], 0.0) / stiffness)
 
 
 @kernel

@@ -113,6 +113,11 @@ def refuse_time_dependent(scene: Scene) -> None:
             f"{scene.name}: expected effects that are constant in a turning frame, found {named}; "
             f"{' '.join(f'--without {key}' for key in found)} leaves {'it' if len(found) == 1 else 'them'} out"
         )
+    if scene.rig.block is not None:
+        raise SceneError(
+            f"{scene.name}: expected a weight set at the bit or the top, found a block that moves; take "
+            "rig.weight_on_bit.at: top and no rig.block"
+        )
     cutting = getattr(scene.effects, "bit_cutting", None)
     if cutting is not None and cutting.rock_stiffness is not None:
         raise SceneError(

@@ -112,6 +112,7 @@ class _Reading:
         given = Command(
             command.weight_on_bit if math.isfinite(command.weight_on_bit) else self.now.weight_on_bit,
             command.rotation if math.isfinite(command.rotation) else self.now.rotation,
+            command.block if math.isfinite(command.block) else self.now.block,
         )
         self.now, self._heard = given, True
         if stamp is not None:

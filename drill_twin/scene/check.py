@@ -80,6 +80,7 @@ def contradictions(scene: SceneParts) -> Iterator[Incompatibility]:
         lambda: _one_law_at_the_bit(effects),
         lambda: _string_carries_the_load(scene.string, scene.rig, effects),
         lambda: _top_can_turn(scene.rig, effects),
+        lambda: _block_can_move(scene.rig, effects),
         lambda: _bit_is_held(scene.string, effects),
         lambda: _sensors_fit(scene),
         *(partial(_required_are_listed, key, block, effects) for key, block in _blocks(effects)),
@@ -226,3 +227,17 @@ def _sensors_fit(scene: SceneParts) -> Iterator[Incompatibility]:
                 ("sensors", "subs", index, "radius"),
                 f"expected a sensor inside the string (outer radius {outer:.6g} m there), found {sub.radius:.6g} m",
             )
+
+
+def _block_can_move(rig: Rig, effects: Effects) -> Iterator[Incompatibility]:
+    if rig.block is None:
+        return
+    if effects.stretch is None:
+        yield Incompatibility(("rig", "block"), "expected `stretch` and `torsion` to be listed, found neither")
+    needed = rig.block.off_bottom > 0.0 or rig.block.auto_driller is not None
+    if needed and not effects.providing("weight"):
+        yield Incompatibility(
+            ("rig", "block"),
+            "expected rock for the bit to come down on, found none: list `rock_floor`, `bit_cutting` with a "
+            "`rock_stiffness`, or `bit_regenerative`",
+        )

@@ -26,6 +26,8 @@ class Schedule:
     """Duration of the scene [s]; afterwards the last set-points hold."""
     record: Table | None = None
     """Recorded table of the scene, if any."""
+    block: SetPointAt | None = None
+    """Time [s] -> speed of the travelling block [m/s]; None without one."""
 
     @classmethod
     def from_scene(cls, scene: Scene) -> Self:
@@ -46,11 +48,13 @@ class Schedule:
                 return shape(set_point)
             return table(record.time, record.column(name), start)
 
-        return cls(function("weight_on_bit"), function("rotation"), rig.duration, record)
+        block = shape(rig.block) if rig.block else None
+        return cls(function("weight_on_bit"), function("rotation"), rig.duration, record, block)
 
     def at(self, time: float) -> Command:
         """Set-points at a time [s] from the start of the run."""
-        return Command(weight_on_bit=self.weight_on_bit(time), rotation=self.rotation(time))
+        block = self.block(time) if self.block else 0.0
+        return Command(weight_on_bit=self.weight_on_bit(time), rotation=self.rotation(time), block=block)
 
 
 def record_of(scene: Scene) -> Table:

@@ -150,7 +150,7 @@ def steady(scene: Scene) -> Scene:
             "bit_torque_stribeck": BitTorqueStribeck(radius=arm, sliding=1.0, sticking=1.0, decay=0.0) if arm else None,
         }
     weight = rig.weight_on_bit.model_copy(update={"at": "bit"})
-    still = rig.model_copy(update={"weight_on_bit": weight, "top_drive": TopDrive(), "start": "axis"})
+    still = rig.model_copy(update={"weight_on_bit": weight, "top_drive": TopDrive(), "start": "axis", "block": None})
     elements = min(resolution_of(scene)[0], MOST) if scene.numerics.elements == "auto" else scene.numerics.elements
     numerics = scene.numerics.model_copy(update={"elements": elements})
     return scene.model_copy(update={"effects": effects.model_copy(update=changes), "rig": still, "numerics": numerics})

@@ -71,8 +71,11 @@ class Dynamics:
         parameters = parameters_of(self.kernel, scene, self.model, *ledger)
         self._constrained = self.boundary_conditions.constrained(scene.string.bit_end)
         self._work: Any = (make_workspace if self.form == SPATIAL else make_lateral_workspace)(rod.length.size)
+        if self.boundary_conditions.hoisted:
+            self._work = self._work._replace(command=np.zeros(3))
         self._advance: Callable[..., int] | None = None  # once compiled
-        command, counters = np.array([scene.rig.first[0], 0.0]), np.zeros(state.COUNTERS)
+        command, counters = np.zeros(3 if scene.rig.block else 2), np.zeros(state.COUNTERS)
+        command[0] = scene.rig.first[0]
         memory, self.memory_block = pack_arrays((parameters, state.make_state(rod.length.size), command, counters))
         self.parameters, self._state, self.command, self.counters = memory
         self.too_many_halvings = False
@@ -178,7 +181,7 @@ class Dynamics:
         """Set the state, node rows and their velocities, shape (n + 1, 7) each, and the set-points in force."""
         self._state.u[:], self._state.v[:] = u, v
         self._state.clock[state.KNOWN] = 0.0
-        self.command[:] = command.weight_on_bit, command.rotation
+        self.command[:] = command.array(self.command.size)
 
     def pseudo_transient_step(self, seconds: float) -> bool:
         """Take a backward Euler step from rest to rest under the last command: the first half of a midpoint step.

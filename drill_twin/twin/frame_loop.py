@@ -26,8 +26,8 @@ class FrameLoop:
 
     def __init__(self, dynamics: Dynamics, guard: StepGuard, observer: Observer) -> None:
         self._dynamics, self._guard, self._observer = dynamics, guard, observer
-        self.target = np.zeros(2)
-        """Set-points at the end of the frame: weight on bit [N], rotation [rad/s]."""
+        self.target = np.zeros_like(dynamics.command)
+        """Set-points at the end of the frame: weight on bit [N], rotation [rad/s], speed of a block [m/s]."""
         self.outcome = frame_kernel.GOOD
         self._parameters: Any = None
         self._called: list[Bound] = []
@@ -71,7 +71,7 @@ class FrameLoop:
         marks, dynamics = self._observer.seen.spin.size, self._dynamics
         impulses = dynamics.parameters.drive.bit.impulse.size
         sizes = {
-            "time": (), "command": (2,), "position": (marks, 3), "centre": (marks, 3), "spin": (marks,),
+            "time": (), "command": self.target.shape, "position": (marks, 3), "centre": (marks, 3), "spin": (marks,),
             "wall_force": (marks,), "ends": (2, 3), "counted": (dynamics.counters.size,), "pushed": (impulses,),
             "string": (3,),
         }  # fmt: skip

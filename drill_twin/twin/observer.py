@@ -9,7 +9,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import axis_at
-from drill_twin.model.bit import BIT_TORQUE, BIT_WEIGHT, TOP_TORQUE
+from drill_twin.model.bit import BIT_TORQUE, BIT_WEIGHT, HOOK, TOP_TORQUE
 from drill_twin.solver import state
 from drill_twin.twin.dynamics import Dynamics
 from drill_twin.twin.frame import EnergyBalance, Frame, Intervention, MarkStates, RigState, StepStats
@@ -83,14 +83,15 @@ class Observer:
         (u, v), ends, load = dynamics.unknowns, dynamics.boundary_conditions, float(dynamics.command[0])
         bit, bit_rate, top, top_rate = u[0].tolist(), v[0].tolist(), u[-1].tolist(), v[-1].tolist()
         reaction, force = mean.tolist(), pushed.tolist()
-        weight = force[BIT_WEIGHT] if ends.bit_on_rock else reaction[state.BIT_IMPULSE]
+        weight = force[BIT_WEIGHT] if ends.bit_on_rock or ends.hoisted else reaction[state.BIT_IMPULSE]
+        hookload = force[HOOK] if ends.hoisted else reaction[state.HOOK_IMPULSE]
         return RigState(
             top_drive_angle=top[6], top_drive_speed=top_rate[6],
             top_drive_torque=force[TOP_TORQUE] if ends.torque_driven else reaction[state.TORQUE_IMPULSE],
             bit_angle=bit[6], bit_speed=bit_rate[6], bit_torque=force[BIT_TORQUE],
-            bit_force=weight if ends.weight_at_top else load,
+            bit_force=weight if ends.weight_at_top or ends.hoisted else load,
             block_position=top[2], block_velocity=top_rate[2],
-            hookload=-load if ends.weight_at_top else reaction[state.HOOK_IMPULSE],
+            hookload=-load if ends.weight_at_top else hookload,
         )  # fmt: skip
 
 
@@ -109,12 +110,13 @@ def rig_rows(dynamics: Dynamics, rows: Rows, seconds: float) -> RigRows:
     """Rig and bit over recorded frames of a length [s]."""
     mean, pushed, ends = rows.counted / seconds, rows.pushed / seconds, dynamics.boundary_conditions
     load = rows.command[:, 0]
-    weight = pushed[:, BIT_WEIGHT] if ends.bit_on_rock else mean[:, state.BIT_IMPULSE]
+    weight = pushed[:, BIT_WEIGHT] if ends.bit_on_rock or ends.hoisted else mean[:, state.BIT_IMPULSE]
+    hookload = pushed[:, HOOK] if ends.hoisted else mean[:, state.HOOK_IMPULSE]
     return RigRows(
         top_drive_speed=rows.ends[:, 1, 1],
         top_drive_torque=pushed[:, TOP_TORQUE] if ends.torque_driven else mean[:, state.TORQUE_IMPULSE],
         bit_speed=rows.ends[:, 0, 1],
         bit_torque=pushed[:, BIT_TORQUE],
-        bit_force=weight if ends.weight_at_top else load,
-        hookload=-load if ends.weight_at_top else mean[:, state.HOOK_IMPULSE],
+        bit_force=weight if ends.weight_at_top or ends.hoisted else load,
+        hookload=-load if ends.weight_at_top else hookload,
     )

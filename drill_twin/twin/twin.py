@@ -135,6 +135,8 @@ class Twin:
         began = time.perf_counter()
         target = self._loop.target
         target[0], target[1] = command.weight_on_bit, command.rotation
+        if target.size > 2:
+            target[2] = command.block
         if self.energy_audit is not None:
             self.energy_audit.begin(*self.unknowns)
         intervention = self._complete(self._loop.attempt(seconds, save=True), target, seconds)

@@ -17,6 +17,8 @@ from drill_twin.twin.frame import RigState
 
 RIG_JOINTS = ("top_drive", "bit", "block", "bit_torque")
 COMMAND_JOINTS = ("bit", "top_drive")
+BLOCK = "block"
+"""Joint of a `/rig/command` with the velocity of the travelling block; without it the block rests."""
 
 
 class CommandEncoder:
@@ -28,12 +30,16 @@ class CommandEncoder:
 
     def __init__(self) -> None:
         self._both = JointStateTemplate(COMMAND_JOINTS)
+        self._all = JointStateTemplate((*COMMAND_JOINTS, BLOCK))
         self._one = Float64Template()
 
     def command(self, stamp: int, command: Command) -> bytes:
-        """Both set-points at a stamp [ns], as a JointState; all other fields are NaN."""
+        """The set-points at a stamp [ns], as a JointState; all other fields are NaN. A block at rest is left out."""
         weight = finite_number(RIG_COMMAND, "weight on bit", command.weight_on_bit)
         rotation = finite_number(RIG_COMMAND, "rotation", command.rotation)
+        if command.block != 0.0:
+            speed = finite_number(RIG_COMMAND, "speed of the block", command.block)
+            return self._all.fill(stamp, (np.nan,) * 3, (np.nan, rotation, speed), (weight, np.nan, np.nan))
         return self._both.fill(stamp, (np.nan, np.nan), (np.nan, rotation), (weight, np.nan))
 
     def wob_command(self, command: Command) -> bytes:
@@ -56,6 +62,7 @@ def read_command(state: JointState) -> Command:
     return Command(
         weight_on_bit=float(state.effort[state.index("bit")]),
         rotation=float(state.velocity[state.index("top_drive")]),
+        block=float(state.velocity[state.index(BLOCK)]) if BLOCK in state.names else 0.0,
     )
 
 

@@ -30,12 +30,15 @@ class Limits:
     """Weight on bit [N]."""
     rotation: tuple[float, float]
     """Top-drive speed [rad/s]."""
+    block: tuple[float, float] = (-10.0, 10.0)
+    """Speed of the block [m/s]."""
 
     def why_refused(self, command: Command) -> tuple[str, str] | None:
         """Kind and sentence of the refusal; None for a good command."""
         checks = (
             ("weight on bit", command.weight_on_bit, self.weight_on_bit, 1.0, "N"),
             ("top-drive speed", command.rotation, self.rotation, math.tau, "rev/s"),
+            ("speed of the block", command.block, self.block, 1.0, "m/s"),
         )
         for name, value, (low, high), unit, symbol in checks:
             if not math.isfinite(value):

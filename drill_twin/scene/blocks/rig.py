@@ -8,13 +8,14 @@ from pydantic import Field, model_validator
 from drill_twin.scene.blocks.part import Part, refuse_all, refuse_at
 from drill_twin.scene.blocks.top_drive import TopDrive
 from drill_twin.scene.set_point_shapes import SHAPES
-from drill_twin.units import AngularSpeed, Force, Time, Within
+from drill_twin.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within
 
 if TYPE_CHECKING:
     Shape = str
 else:
     Shape = Literal[SHAPES]
 _LoadRange = Within(at_least="-100 MN", at_most="100 MN")
+_BlockRange = Within(at_least="-10 m/s", at_most="10 m/s", reason="no block moves faster")
 _SpeedRange = Within(at_least="-100 rev/s", at_most="100 rev/s", reason="no rig turns faster")
 
 
@@ -34,7 +35,8 @@ class SetPoint(Part):
     @model_validator(mode="before")
     @classmethod
     def _has_a_value(cls, data: Any) -> Any:
-        if isinstance(data, dict) and data.get("shape") != "table" and "value" not in data:
+        rests = isinstance(data, dict) and (data.get("shape") == "table" or data.get("at") == "block")
+        if isinstance(data, dict) and not rests and "value" not in data:
             field = cls.model_fields["value"]
             expected = next(part.dimension.expected for part in field.metadata if hasattr(part, "dimension"))
             raise refuse_at(("value",), f"expected {expected}, found nothing (the key is required)")
@@ -62,8 +64,9 @@ class WeightOnBit(SetPoint):
     """Final weight on bit [N]."""
     initial: Annotated[Force, _LoadRange] = 0.0
     """Weight on bit before `start` [N]."""
-    at: Literal["bit", "top"] = "bit"
-    """Point of application of the load: upwards at the bit, or at the top."""
+    at: Literal["bit", "top", "block"] = "bit"
+    """Point of application of the load: upwards at the bit, or at the top; `block`: none, the top hangs in `rig.block`,
+    and the weight is what its motion and the rock make of it."""
 
 
 class Rotation(SetPoint):
@@ -73,6 +76,40 @@ class Rotation(SetPoint):
     """Final speed [rad/s]."""
     initial: Annotated[AngularSpeed, _SpeedRange] = 0.0
     """Speed before `start` [rad/s]."""
+
+
+class AutoDriller(Part):
+    """Controller that lowers the block to hold the weight on bit, as surface measurements give it: the string's weight
+    less the hookload. Rate and torque are upper limits, so the one reached first is held.
+    """
+
+    rate: Annotated[Speed, Within(above="0 m/s", at_most="1 m/s")]
+    """Fastest lowering, and lifting, of the block [m/s]: the rate of penetration that is held under a large weight."""
+    torque: Annotated[Torque, Within(above="0 N m", at_most="1e8 N m")] | None = None
+    """Torque of the top drive on the string that is held [N m]; no limit if left out."""
+    response: Annotated[Time, Within(at_least="0.01 s", at_most="1e4 s")] = 2.0
+    """Time constant T of the weight [s]: proportional gain 1 / (k T), k the stiffness of lines and string in series,
+    integral gain half of it over T."""
+
+
+class Block(SetPoint):
+    """Speed of the travelling block, which carries the string's top on the drilling lines; positive is upwards."""
+
+    value: Annotated[Speed, _BlockRange] = 0.0
+    """Final speed [m/s]; without effect under an auto-driller."""
+    initial: Annotated[Speed, _BlockRange] = 0.0
+    """Speed before `start` [m/s]."""
+    stiffness: Annotated[Stiffness, Within(above="0 N/m", at_most="1e12 N/m")] = 1e8
+    """Stiffness of drilling lines and derrick between block and top [N/m]."""
+    off_bottom: Annotated[Length, Within(at_least="0 m", at_most="1000 m")] = 0.0
+    """Height of the bit above the rock at the start [m]."""
+    auto_driller: AutoDriller | None = None
+    """Auto-driller, whose set-point is `rig.weight_on_bit`; it moves the block from the start on."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _rests_by_default(cls, data: Any) -> Any:
+        return {"value": 0.0, **data} if isinstance(data, dict) and data.get("shape") != "table" else data
 
 
 class Column(Part):
@@ -110,6 +147,8 @@ class Rig(Part):
     """Weight on bit over time."""
     rotation: Rotation = Rotation(value=0.0)
     """Top-drive speed over time."""
+    block: Block | None = None
+    """Travelling block over time, with `rig.weight_on_bit.at: block`."""
     top_drive: TopDrive = TopDrive()
     """Top drive."""
     duration: Annotated[Time, Within(above="0 s", at_most="1e6 s")]
@@ -133,6 +172,34 @@ class Rig(Part):
                     ("start",),
                     f'expected "axis" with a recorded `{key}`, found "{self.start}": a record has no final value',
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _moves_what_it_has(self) -> Self:
+        weight, block = self.weight_on_bit, self.block
+        if (weight.at == "block") != (block is not None):
+            found = "no `rig.block`" if block is None else f"`at: {weight.at}`"
+            raise refuse_at(
+                ("weight_on_bit", "at"),
+                f"expected `rig.weight_on_bit.at: block` and `rig.block` together, found {found}",
+            )
+        if block is None:
+            return self
+        driller = block.auto_driller
+        checks = (
+            (block.shape == "table", ("block", "shape"), 'expected "constant", "step" or "ramp", found "table"'),
+            (self.start != "axis", ("start",), f'expected "axis" with a block, found "{self.start}"'),
+            (driller is None and any((weight.value, weight.initial, weight.shape == "table")), ("weight_on_bit",),
+             "expected no weight without `rig.block.auto_driller`, found one: nothing holds it"),
+            (block.off_bottom > 0.0 and weight.initial != 0.0, ("block", "off_bottom"),
+             "expected no weight at the start (`weight_on_bit.initial`) off bottom, found one"),
+            (driller is not None and driller.torque is not None and self.top_drive.model == "prescribed",
+             ("block", "auto_driller", "torque"),
+             "expected a top drive with a motor (`rig.top_drive.model`) to hold its torque, found a prescribed speed"),
+        )  # fmt: skip
+        for wrong, place, text in checks:
+            if wrong:
+                raise refuse_at(place, text)
         return self
 
     @property

@@ -41,6 +41,9 @@ class String(Part):
     """Constraint of the bit. `guided`: on the axis, no tilt, free axially and in spin; `pinned`: on the axis, tilt
     free; `sliding`: free laterally, no tilt; `free`: none; `stabilised`: `free` inside `effects.bit_stabiliser`."""
 
+    top_end: Literal["clamped", "hinged"] = "clamped"
+    """Constraint of the top across the hole. `clamped`: on the axis, no tilt; `hinged`: on the axis, tilt free."""
+
     @model_validator(mode="after")
     def _is_not_too_long(self) -> Self:
         if self.length > LONGEST_STRING:

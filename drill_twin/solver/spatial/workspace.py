@@ -19,7 +19,7 @@ class Workspace(NamedTuple):
     ends: Array  # (2, 7, 8) loads on bit and top: tangent, and residual in the last column
     reaction: Array  # (2, 7) residual at bit and top before the constraints were imposed: forces of rig and rock
     end_rows: Array  # (2, 7, 14) their rows of the system
-    command: Array  # (2,) set-points: weight on bit [N], rotation [rad/s]
+    command: Array  # (2,) set-points: weight on bit [N], rotation [rad/s]; (3,) with a block: its speed [m/s]
     resultants: Array  # (7,) see drill_twin.model.section
     force: Array  # (8,) conjugate to r', r'', psi', psi
     saa: Array  # (3, 3) their derivatives

@@ -26,6 +26,7 @@ TOPICS = {
     "dynamics.modes": "walled",
     "contact.contact": "walled",
     "statics.curved_hole": "walled, in a curved hole",
+    "statics.block": "block",
     "statics.torque_drag": "walled, in a curved hole",
     "contact.whirl_states": "walled",
     "contact.rub": "walled",

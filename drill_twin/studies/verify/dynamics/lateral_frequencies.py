@@ -44,6 +44,16 @@ def frequencies(bit_end: str, form: str) -> Iterator[Row]:
         )
 
 
+@case(forms=FORMS)
+def hinged_at_both_ends(form: str) -> Iterator[Row]:
+    """First frequency of the rod between hinges; mesh and time step as above."""
+    scene = quiet_scene(WAVE, bit_end="pinned", elements=24, step=1e-3, form=form)
+    scene = scene.model_copy(update={"string": scene.string.model_copy(update={"top_end": "hinged"})})
+    found = np.sqrt(squared_frequencies(free_motion(scene, 4.0, 0.01), 0.01, modes=2)[0]) / math.tau
+    yield Row("frequency [Hz]", "f = pi / (2 L^2) sqrt(EI / m)", "Blevins 1979, table 8-1", math.pi**2 * UNIT,
+              float(found), 1e-4)  # fmt: skip
+
+
 @case(forms=FORMS, load=(-40.0, 4.0, 8.0))
 def frequency_under_load(load: float, form: str) -> Iterator[Row]:
     """First frequency of the rod between clamps under tension and compression.

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The travelling block: bad gains of the auto-driller, limits, checkpoints, commands, contradictions."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from drill_twin.io.messages.decode import JointStateReader
+from drill_twin.io.messages.rig_messages import CommandEncoder, read_command
+from drill_twin.scene import Scene
+from drill_twin.schedule import Schedule
+from drill_twin.schedule.command import Command
+from drill_twin.solver.boundary.rig import FEED
+from drill_twin.studies.verify.statics.block import rig
+from drill_twin.twin.checkpoint import Checkpoint
+from drill_twin.twin.twin import Twin
+
+RATE, WEIGHT = 0.02, 20e3
+
+
+def drilling(**driller) -> Scene:
+    return rig({
+        "weight_on_bit": {"at": "block", "shape": "ramp", "initial": 0.0, "value": WEIGHT, "duration": 1.0},
+        "rotation": {"shape": "ramp", "value": 20.0, "duration": 5.0},
+        "block": {"off_bottom": 0.05, "auto_driller": {"rate": RATE, **driller}},
+    })  # fmt: skip
+
+
+@pytest.mark.parametrize("response", [0.01, 0.1, 1e4])
+def test_bad_gains_move_the_block_no_faster_than_its_rate(response):
+    """Far too fast it hunts about the set-point, far too slow it has not come there: neither runs away."""
+    own = drilling(response=response)
+    twin, planned = Twin(own), Schedule.from_scene(own)
+    memory, weights = twin.dynamics.parameters.drive.memory, []
+    for frame in range(1, 121):
+        weights.append(twin.advance(planned.at(0.5 * frame), 0.5).rig.bit_force)
+        assert abs(memory[FEED]) <= RATE
+    assert all(np.isfinite(weights))
+    assert max(weights) < 3.0 * WEIGHT
+    assert (np.mean(weights[60:]) > 0.5 * WEIGHT) == (response < 1.0)
+
+
+def test_block_and_auto_driller_are_part_of_a_checkpoint(tmp_path):
+    own = drilling()
+    twin, planned = Twin(own), Schedule.from_scene(own)
+    for frame in range(1, 21):
+        twin.advance(planned.at(0.5 * frame), 0.5)
+    Checkpoint.of(twin, planned.at(10.0)).save(tmp_path / "run.npz")
+    again = Checkpoint.load(tmp_path / "run.npz").twin()
+    found = [one.advance(planned.at(10.5), 0.5).rig for one in (twin, again)]
+    assert found[0] == found[1]
+
+
+def test_a_schedule_moves_the_block_in_single_runs_and_ensembles():
+    own = rig({"weight_on_bit": {"at": "block"}, "block": {"shape": "ramp", "value": 0.2, "duration": 2.0}})
+    planned = Schedule.from_scene(own)
+    assert planned.at(1.0) == Command(0.0, 0.0, 0.1)
+    one, other = Twin(own), Twin(own)
+    rows = other.rows(4)
+    commands = np.array([planned.at(0.5 * frame).array(3) for frame in range(1, 5)])
+    other.advance_frames(commands, 0.5, rows)
+    for frame in range(1, 5):
+        rigs = one.advance(planned.at(0.5 * frame), 0.5).rig
+    assert np.array_equal(one.unknowns[0], other.unknowns[0])
+    assert rigs.block_position == pytest.approx(0.2, rel=0.05)
+
+
+def test_a_command_has_the_block_as_a_joint():
+    """Without the joint the block rests; the bytes of a command without a block are as before."""
+    reader, encoder = JointStateReader(), CommandEncoder()
+    for command in (Command(0.0, 2.0, -0.3), Command(5.0, 1.0)):
+        state = reader.read(encoder.command(1, command))
+        assert read_command(state) == command
+        assert ("block" in state.names) == (command.block != 0.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"weight_on_bit": {"at": "top", "value": 0.0}}, "at: block` and `rig.block` together"),
+        ({"weight_on_bit": {"at": "block", "value": 5.0}}, "nothing holds it"),
+        ({"block": {"auto_driller": {"rate": 0.0}}}, "above 0 m/s"),
+        ({"block": {"auto_driller": {"rate": 0.01, "torque": 5.0}}}, "a top drive with a motor"),
+        ({"block": {"value": 100.0}}, "no block moves faster"),
+        ({"start": "equilibrium"}, 'expected "axis" with a block'),
+    ],
+)
+def test_contradictions_are_told(change, said):
+    with pytest.raises(ValidationError, match=said):
+        rig({"weight_on_bit": {"at": "block"}, "block": {}, **change})
