@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Errors for the user: each message names the place, expected, found and remedy; text of unknown origin in them."""
 
+import re
 from typing import Self
 
 
@@ -28,11 +29,23 @@ def shortened(text: str, longest: int = 300) -> str:
     return text if len(text) <= longest else f"{text[:longest]}..."
 
 
+def encoding_problem(error: UnicodeDecodeError) -> str:
+    """Words for a text that is not UTF-8: the encoding that it seems to have, and what to do."""
+    begin = bytes(error.object[:2])
+    found = "UTF-16" if begin in {b"\xff\xfe", b"\xfe\xff"} else "another encoding, such as Latin-1 or Windows-1252"
+    return f"{found} (byte {error.object[error.start]:#04x}); save it as UTF-8"
+
+
+def words_cut(text: str) -> str:
+    """Text in which each word of more than 200 characters, such as an absurd path, has its ends only."""
+    return re.sub(r"\S{201,}", lambda word: f"{word[0][:80]}...{word[0][-80:]}", text)
+
+
 class DrillTwinError(Exception):
     """Base of all errors that the user can correct; the command line prints it on one line."""
 
     def __init__(self, message: str = "") -> None:
-        super().__init__(printable(message))
+        super().__init__(printable(words_cut(message)))
 
 
 class SceneError(DrillTwinError):

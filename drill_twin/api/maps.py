@@ -73,6 +73,8 @@ def operating_map(
 
         own = resolve(own).scene
     plane = Plane(range_in_si("wob", wob, FORCE), range_in_si("rps", rps, ANGULAR_SPEED, TURNS), steps).checked()
+    if plane.speed.low < 0.0:
+        raise ArgumentError(f'rps: expected speeds from 0 upwards, found "{str(rps)[:60]}"; a map is of one sense')
     length = own.rig.duration if duration is None else in_si("duration", duration, TIME)
     ranges = {key: split_range(f"vary {key}", text) for key, text in (vary or {}).items()}
     place = None if folder is None else Path(folder)
@@ -108,4 +110,6 @@ def range_in_si(name: str, text: str, dimension: Dimension, unit: str = "") -> S
     try:
         return Span(*(parse(f"{value!r} {given or unit}".strip(), dimension) for value in (low, high)))
     except UnitError as error:
-        raise ArgumentError(f"{name}: {error}") from error
+        raise ArgumentError(
+            f'{name}: expected LOW..HIGH with a unit, each end {dimension.expected}, found "{text[:60]}"'
+        ) from error

@@ -10,7 +10,7 @@ import numpy as np
 
 from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.base.arrays import Array
-from drill_twin.errors import SceneError
+from drill_twin.errors import ArgumentError, SceneError
 from drill_twin.rotordynamics import branches as _branches
 from drill_twin.rotordynamics import campbell as _campbell
 from drill_twin.rotordynamics import growth_map as _growth_map
@@ -125,7 +125,13 @@ def growth_map(
     """Largest growth rate over weights on bit [N], shape (w,), and speeds [rad/s], shape (p,).
 
     Arguments and errors as of `modes`; `progress` is called with the number of loads done.
+
+    Raises:
+        ArgumentError: Weights or speeds do not increase.
     """
+    for name, values in (("weights", weights), ("speeds", speeds)):
+        if not np.all(np.diff(np.asarray(values, float)) > 0.0):
+            raise ArgumentError(f"{name}: expected values that increase, found {list(values)!s:.60}; sort them")
     own = steady_scene(scene, overrides, without)
     equations = EquationsOfMotion(own)
     return _growth_map.growth_map(equations, np.asarray(weights, float), np.asarray(speeds, float), progress)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from drill_twin.base.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
 from drill_twin.cli import interrupt
-from drill_twin.errors import printable
+from drill_twin.errors import printable, words_cut
 
 _LONGEST_MESSAGE = 3000
 
@@ -73,7 +73,7 @@ def _run_command(arguments: Sequence[str]) -> int:
 
 
 def _fail(message: str, code: int = 2) -> int:
-    text = printable(" ".join(message.split()))
+    text = printable(words_cut(" ".join(message.split())))
     shown = text if len(text) <= _LONGEST_MESSAGE else f"{text[:_LONGEST_MESSAGE]}..."
     print(f"drill-twin: error: {shown}", file=sys.stderr)
     return code

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drill_twin.base.extras import import_lasio
-from drill_twin.errors import TableError
+from drill_twin.errors import TableError, encoding_problem
 from drill_twin.gateway.drillbotics import LOWEST_RATE, SUGGESTED, TIMESERIES
 
 _NEEDED_OF_VIRTUAL_TEAMS = {"flow_in_lpm": "flow in", "flow_out_lpm": "flow out", "spp_MPa": "standpipe pressure"}
@@ -39,7 +39,9 @@ def check_timeseries(path: Path) -> Iterator[Rule]:
     try:
         with path.open(encoding="utf-8", newline="") as stream:
             header, *rows = list(csv.reader(stream)) or [[]]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except UnicodeDecodeError as error:
+        raise TableError(f"{path}: expected a CSV file in UTF-8, found {encoding_problem(error)}") from None
+    except (OSError, csv.Error) as error:
         raise TableError(f"{path}: expected a CSV file in UTF-8, found {error}") from None
     yield Rule("name", path.name == TIMESERIES, path.name)
     missing = [column for column in SUGGESTED if column not in header]

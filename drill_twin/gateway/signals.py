@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from drill_twin.base.yaml_reader import Place, read_yaml
-from drill_twin.errors import DrillTwinError
+from drill_twin.errors import DrillTwinError, encoding_problem
 from drill_twin.gateway.dwis import PROPOSED, PROTOTYPES
 from drill_twin.gateway.quantities import MEASURED, QUANTITIES, downhole, measured_dimension
 from drill_twin.scene.paths import config_dir
@@ -127,7 +127,9 @@ def read_signals(path: Path) -> Signals:
     """
     try:
         data, lines = read_yaml(path.read_text("utf-8"), str(path))
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise SignalsError(f"{path}: expected text in UTF-8, found {encoding_problem(error)}") from error
+    except OSError as error:
         raise SignalsError(f"{path}: expected a readable file of signals, found: {error}") from error
     return _Reader(path, lines).signals(data)
 

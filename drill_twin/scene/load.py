@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from drill_twin.base.standard_streams import error_text
 from drill_twin.base.yaml_reader import LARGEST_TEXT
-from drill_twin.errors import SceneError
+from drill_twin.errors import SceneError, encoding_problem
 from drill_twin.scene.lines import Lines, copy_plain, read_lines
 from drill_twin.scene.overrides import apply_overrides
 from drill_twin.scene.partial import contradictions_of_valid_parts
@@ -72,7 +72,7 @@ def _read(path: Path) -> str:
             raise SceneError(f"{path}: expected a scene of at most {LARGEST_TEXT} bytes, found {size}")
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise SceneError(f"{path}: expected text in UTF-8, found byte {error.object[error.start]:#04x}") from None
+        raise SceneError(f"{path}: expected text in UTF-8, found {encoding_problem(error)}") from None
     except (OSError, ValueError) as error:
         raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
 

@@ -147,10 +147,12 @@ class SlidingBalance:
                 step *= 0.5 * SHRINKAGE
                 change = self._change(free, tangents[STIFFNESS] + tangents[MASS] / step**2)
             u = u + change
+        remedy = "Try more elements (--set numerics.elements=...), a softer wall or a lower weight on bit"
+        if load == SMALLEST_LOAD:
+            remedy = "A string without weight has no loads to balance there: list effects.gravity, and its own density"
         raise RunError(
             f'{equations.scene.name}: expected a balance in the operation "{operation.name}", found none: '
-            f"residual {last:.3g} N of a load of {load:.3g} N after {count} steps. Try more elements "
-            "(--set numerics.elements=...), a softer wall or a lower weight on bit"
+            f"residual {last:.3g} N of a load of {load:.3g} N after {count} steps. {remedy}"
         )
 
     def stiffness(self, balance: Balance) -> Array:

@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-from drill_twin.errors import SceneError
+from drill_twin.errors import SceneError, encoding_problem
 from drill_twin.units import UnitError, factor_of, parse
 from drill_twin.units.dimension import ANGLE, LENGTH, LINEAR_MASS, Dimension
 
@@ -84,9 +84,10 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
         if file.stat().st_size > LARGEST_FILE:
             raise SceneError(f"{file}: expected a table of at most {LARGEST_FILE // 1_000_000} MB, found a larger one")
         text = file.read_text("utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "bytes that are no UTF-8 text"
-        raise SceneError(f"{file}: expected a CSV table, found {reason}") from None
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{file}: expected a CSV table in UTF-8, found {encoding_problem(error)}") from None
+    except OSError as error:
+        raise SceneError(f"{file}: expected a CSV table, found {error.strerror or error}") from None
     numbered = enumerate(text.splitlines(), 1)
     lines = [(number, line) for number, line in numbered if line.strip(" ,;\t") and not line.startswith("#")]
     if not lines or len(lines) - 1 > MOST_ROWS:

@@ -113,6 +113,11 @@ def test_a_scene_at_its_end_asks_for_a_duration(bench_scene):
     simulation.run()
     with pytest.raises(dt.ArgumentError, match="at its end"):
         simulation.run()
+    short = dt.Simulation(bench_scene, {"duration": 1e-4})
+    with pytest.raises(
+        dt.ArgumentError, match=r"rig\.duration: expected at least half a frame .*; run for longer \(--dur"
+    ):
+        short.run()
 
 
 def test_figures_are_those_of_the_report_and_show_in_a_notebook(result):

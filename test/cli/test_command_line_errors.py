@@ -43,6 +43,7 @@ def field(inside, bench_run):
         (["run", "pa6_bnech"], 'did you mean "pa6_bench"?'),
         (["run", "malformed.yaml"], "malformed.yaml:"),
         (["run", "wrong.yaml"], "wrong.yaml:"),
+        (["whirl-compare", "pa6_bench", "--loads", "40:10:4", "--speeds", "1:2:2"], "with LOW not above HIGH"),
         (["check", "malformed.yaml"], "malformed.yaml:"),
         (["run", "nothing"], "expected a scene file, found a folder"),
         (["run", "pa6_bench", "--wob", "40 kg"], 'expected a force such as "40 N", found "40 kg" (mass)'),
@@ -95,6 +96,11 @@ def test_one_line_and_exit_code_2(call, field, arguments, words):
     assert said.err.startswith("drill-twin: error: ")
     assert words in said.err
     assert sorted((path, path.is_file() and path.read_bytes()) for path in field.rglob("*")) == before
+
+
+def test_an_absurd_path_is_cut(call, inside):
+    said = call("analyze", "x" * 10_000)
+    assert said.err.startswith(f"drill-twin: error: {'x' * 80}...{'x' * 79}: File name too long; check path")
 
 
 def test_check_prints_every_problem_on_a_line_of_its_own(call, inside):

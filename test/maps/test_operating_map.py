@@ -131,7 +131,8 @@ def test_a_full_disk_is_told_and_the_map_goes_on(tmp_path):
     ("change", "said"),
     [
         ({"wob": "40 N"}, 'wob: expected a range such as "1..300 N", found "40 N"'),
-        ({"wob": "1..300"}, 'wob: expected a force such as "40 N", found "1.0" (no unit)'),
+        ({"wob": "1..300"}, 'wob: expected LOW..HIGH with a unit, each end a force such as "40 N", found "1..300"'),
+        ({"rps": "-3..-1"}, 'rps: expected speeds from 0 upwards, found "-3..-1"'),
         ({"wob": "300..1 N"}, "range of the weight on bit: expected LOW..HIGH with LOW below HIGH"),
         ({"rps": "1..6.5 N"}, "rps: expected a speed of rotation"),
         ({"rps": "nan..2"}, "rps: "),

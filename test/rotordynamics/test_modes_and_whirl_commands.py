@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 import drill_twin as dt
 from drill_twin.cli.app import app
-from drill_twin.errors import SceneError
+from drill_twin.errors import ArgumentError, SceneError
 
 FORM = ["--set", "effects.stretch=off", "--set", "effects.torsion=off", "--set", "numerics.elements=12"]
 
@@ -44,6 +44,8 @@ def test_the_api_gives_the_numbers_of_the_command(bench):
     assert [mode["frequency_hz"] for mode in said["modes"]] == [mode.frequency for mode in table.modes]
     assert dt.campbell(bench, speeds=[1.0, 2.0]).eigenvalues.shape == (2, 6)
     assert dt.growth_map(bench, weights=[1.0], speeds=[1.0, 2.0]).lateral.shape == (1, 2)
+    with pytest.raises(ArgumentError, match=r"weights: expected values that increase, found \[2.0, 1.0\]; sort them"):
+        dt.growth_map(bench, weights=[2.0, 1.0], speeds=[1.0])
 
 
 def test_a_record_has_no_final_set_points(bench):

@@ -11,12 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
 
-from drill_twin.errors import TableError
+from drill_twin.errors import DrillTwinError, TableError
+from drill_twin.gateway.drillbotics_rules import check_timeseries
+from drill_twin.gateway.signals import read_signals
 from drill_twin.scene import load_scene
 from drill_twin.scene.blocks.rig import Column
 from drill_twin.schedule import Schedule, extremes, read_table
 from drill_twin.schedule.clean import find_spikes
 from drill_twin.twin.twin import Twin
+from drill_twin.well_plan.table import read_table as read_well_table
 
 RPM = math.pi / 30.0
 Write = Callable[..., Path]
@@ -229,6 +232,25 @@ def test_a_file_that_is_no_table_is_told(tmp_path: Path, name, content, words):
     with pytest.raises(TableError) as caught:
         read_table(path)
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "read"),
+    [
+        ("t.csv", read_table),
+        ("t.csv", lambda file: tuple(check_timeseries(file))),
+        ("t.csv", lambda file: read_well_table(file, {}, (), "si")),
+        ("t.las", read_table),
+        ("t.yaml", load_scene),
+        ("t.yaml", read_signals),
+    ],
+)
+def test_a_text_in_another_encoding_is_told(tmp_path: Path, name, read):
+    for encoding, words in (("utf-16", "found UTF-16"), ("latin-1", "such as Latin-1")):
+        (tmp_path / name).write_text("time,t\N{DEGREE SIGN}\n0,1\n", encoding=encoding)
+        if (name, encoding) != ("t.las", "latin-1"):  # a LAS file may have it
+            with pytest.raises(DrillTwinError, match=f"{words}.*; save it as UTF-8"):
+                read(tmp_path / name)
 
 
 def test_a_folder_is_no_table(tmp_path: Path):

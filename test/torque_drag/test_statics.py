@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 import drill_twin as dt
 from drill_twin.cli.app import app
+from drill_twin.errors import RunError
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.scene import Scene
 from drill_twin.torque_drag.analysis import Statics, hole_and_string, steady
@@ -84,6 +85,12 @@ def test_bit_and_stabiliser_carry_the_collars(found: Statics) -> None:
     assert stabiliser.distance_from_bit == 5.0
     assert stabiliser.force > 5e3
     assert 0.0 < bit.tilt < math.radians(1.0)
+
+
+def test_a_string_without_weight_is_told(bent_well: Scene) -> None:
+    trip = Operation("trip out", 0.0, 0.3, 0.0)
+    with pytest.raises(RunError, match=r'operation "trip out", found none: .*weight has no .*list effects\.gravity'):
+        dt.statics(bent_well, {"effects.gravity.magnitude": 0.0, "numerics.elements": 20}, only=[trip])
 
 
 def test_lock_up_of_a_straight_hole() -> None:

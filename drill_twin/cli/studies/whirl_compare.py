@@ -95,6 +95,6 @@ def _values(option: str, text: str) -> list[float]:
         values: list[float] = np.linspace(float(low), float(high), int(count)).tolist()
     except ValueError:
         values = []
-    if not values or not all(map(math.isfinite, values)):
-        raise SceneError(f'{option}: expected {GRID} such as "10:110:6", found "{text}"')
+    if not values or not all(map(math.isfinite, values)) or values[0] > values[-1]:
+        raise SceneError(f'{option}: expected {GRID} such as "10:110:6" with LOW not above HIGH, found "{text}"')
     return values

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drill_twin.errors import TableError
+from drill_twin.errors import TableError, encoding_problem
 from drill_twin.schedule.reading.cells import date, from_first, number
 from drill_twin.schedule.reading.columns import Columns
 from drill_twin.schedule.reading.mnemonics import null_values
@@ -30,7 +30,9 @@ def read_csv(path: Path) -> Columns:
     try:
         with path.open(encoding="utf-8-sig") as stream:
             return _columns(path, stream)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except UnicodeDecodeError as error:
+        raise TableError(f"{path}: expected a CSV file in UTF-8, found {encoding_problem(error)}") from None
+    except (OSError, csv.Error) as error:
         raise TableError(f"{path}: expected a CSV file in UTF-8, found {error}") from None
 
 

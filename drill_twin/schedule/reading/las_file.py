@@ -69,6 +69,8 @@ def _text(path: Path) -> str:
         text = path.read_bytes().decode("latin-1")  # ASCII by the standard; writers put degree signs in
     except OSError as error:
         raise TableError(f"{path}: expected a LAS file, found {error.strerror or error}") from None
+    if text[:2] in {"\xff\xfe", "\xfe\xff"}:
+        raise TableError(f"{path}: expected a LAS file in ASCII, found UTF-16; save it as UTF-8")
     begin = text.upper().find("\n~A")
     if "~V" not in text[:_LONGEST_HEADER].upper() or not 0 < begin < _LONGEST_HEADER:
         raise TableError(f"{path}: expected a LAS 2.0 file with ~V and ~A sections, found none; export it again")
