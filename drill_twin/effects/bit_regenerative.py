@@ -83,8 +83,8 @@ class BitRegenerative(EffectConfig):
         if scene.rig.weight_on_bit.at == "bit":
             yield Incompatibility(
                 (),
-                "expected `rig.weight_on_bit.at: top`, found bit: the depth of cut needs a string that descends "
-                "with its bit",
+                "expected `rig.weight_on_bit.at: top` or `block`, found bit: the depth of cut needs a string that "
+                "descends with its bit",
             )
 
 

@@ -112,7 +112,9 @@ class Fatigue(EffectConfig):
     """Smallest stress range that is counted [Pa]; left out: 1 % of that at the knee of the curve."""
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """Yield a section beyond the string, and a name used twice."""
+        """Yield a curve beside a line, a section beyond the string, and a name used twice."""
+        if self.line is not None and self.curve != "dnv_high_strength":
+            yield Incompatibility(("line",), f'expected either `curve` or `line`, found both ("{self.curve}")')
         names = [section.name for section in self.sections]
         for index, section in enumerate(self.sections):
             distance = section.distance(scene.string.length)

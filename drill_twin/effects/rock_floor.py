@@ -16,7 +16,7 @@ from drill_twin.units import Damping, Stiffness, Within
 
 
 class RockFloor(EffectConfig):
-    """Unilateral spring and damper under the bit, for `rig.weight_on_bit.at: top`; its force is the weight on bit."""
+    """Unilateral spring and damper under the bit, for a weight `at: top` or `block`; its force is the weight on bit."""
 
     requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
     provides = ("weight",)
@@ -31,7 +31,7 @@ class RockFloor(EffectConfig):
         if scene.rig.weight_on_bit.at == "bit":
             yield Incompatibility(
                 (),
-                "expected `rig.weight_on_bit.at: top`, found bit: "
+                "expected `rig.weight_on_bit.at: top` or `block`, found bit: "
                 "a weight prescribed at the bit needs no rock to support it",
             )
 

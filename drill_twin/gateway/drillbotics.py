@@ -127,6 +127,7 @@ def read_log(bag: Bag, selection: Selection, rate: float, start: datetime | None
         time = twin.values["simulated_time"]
         if rows and time < rows[-1][0]:
             rows.clear()  # the bag holds several runs; the last one counts
+            first = None
         first = first or (1e-9 * recorded, time)
         rows.append([time, *(twin.values.get(s.quantity, math.nan) / s.factor for s in signals.values())])
     if len(rows) < 2 or first is None:

@@ -92,7 +92,7 @@ def check_log(path: Path) -> Iterator[Rule]:
         TableError: It cannot be read as LAS.
     """
     try:
-        las = import_lasio().read(str(path))
+        las = import_lasio().read(str(path), encoding="utf-8")
         version, well = float(las.version["VERS"].value), str(las.well["WELL"].value)
         units = [curve.mnemonic for curve in las.curves if not curve.unit]
         index = las.curves[0].data

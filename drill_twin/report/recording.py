@@ -7,6 +7,7 @@ compared byte for byte.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -199,6 +200,9 @@ class Recording:
             f"{topics[topic].count if topic in topics else 0} on {topic}" for topic in (MARKS_STATE, RIG_STATE)
         )
         why = f" ({self._pipeline.trouble})" if self._pipeline.trouble else ""
+        begin, end = self.selection.begin, self.selection.end
+        if (begin, end) != (-math.inf, math.inf):
+            why += f", none of them from {begin:g} s to {end:g} s; choose another --from and --to"
         return f"{self.path}: expected marks and rig states with the same stamps to analyse, found {counts}{why}"
 
     @property

@@ -17,10 +17,11 @@ lasio = pytest.importorskip("lasio")
 
 @pytest.fixture
 def files(bench_run, call, tmp_path):
-    said = call("drillbotics", bench_run.bag, "--out", tmp_path / "out", "--well", "A 1", "--rate", "5 Hz",
+    said = call("drillbotics", bench_run.bag, "--out", tmp_path / "out", "--well", "Ä 1", "--rate", "5 Hz",
                 "--start", "2026-05-14T13:57:00Z")  # fmt: skip
     assert said.code == 0, said.err
     assert "1 row a second or more" in said.out
+    assert "Ä 1" in said.out
     return tmp_path / "out"
 
 
@@ -36,8 +37,8 @@ def test_the_files_hold_the_means_of_the_recorded_signals(bench_run, files):
     assert float(row["rpm"]) == pytest.approx(rig.top_drive_speed[inside].mean() * 30.0 / math.pi, rel=1e-5)
     assert float(row["wob_kN"]) == pytest.approx(rig.bit_force[inside].mean() / 1e3, rel=1e-5)
     assert row["spp_MPa"] == ""
-    las = lasio.read(str(files / "A_1_logs.las"), mnemonic_case="preserve")
-    assert (las.version["VERS"].value, las.well["WELL"].value) == (2.0, "A 1")
+    las = lasio.read(str(files / "_1_logs.las"), encoding="utf-8", mnemonic_case="preserve")
+    assert (las.version["VERS"].value, las.well["WELL"].value) == (2.0, "Ä 1")
     assert las["HookLoad"][1] == pytest.approx(rig.hookload[inside].mean(), rel=1e-6)
     assert {curve.mnemonic: curve.unit for curve in las.curves}["SurfaceTorque"] == "N.m"
     assert np.diff(las["TIME"]) == pytest.approx(0.2)

@@ -117,5 +117,5 @@ def test_numbers_out_of_range_are_refused(change, said):
 def test_a_weight_at_the_bit_is_refused():
     own = scene(0.0, SPEED, STEP).model_dump(exclude_none=True)
     own["rig"]["weight_on_bit"]["at"] = "bit"
-    with pytest.raises(ValidationError, match=r"expected `rig.weight_on_bit.at: top`, found bit"):
+    with pytest.raises(ValidationError, match=r"expected `rig.weight_on_bit.at: top` or `block`, found bit"):
         Scene.model_validate(own)

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The travelling block: bad gains of the auto-driller, limits, checkpoints, commands, contradictions."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.rig_messages import CommandEncoder, read_command
-from drill_twin.scene import Scene
+from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.schedule.command import Command
 from drill_twin.solver.boundary.rig import FEED
@@ -88,3 +90,13 @@ def test_a_command_has_the_block_as_a_joint():
 def test_contradictions_are_told(change, said):
     with pytest.raises(ValidationError, match=said):
         rig({"weight_on_bit": {"at": "block"}, "block": {}, **change})
+
+
+def test_the_block_of_the_page_is_read_from_yaml(tmp_path):
+    """Speed left out: it rests, or the auto-driller moves it."""
+    page = (Path(__file__).parents[2] / "docs" / "rig.md").read_text("utf-8")
+    block = page.split("```yaml\nrig:")[1].split("```")[0].replace("at: block,", "at: block, initial: ~, start: ~,")
+    (tmp_path / "page.yaml").write_text(f"base: bha_stress\nrig:{block}", "utf-8")
+    own = load_scene(tmp_path / "page.yaml").rig.block
+    assert own is not None
+    assert (own.value, own.off_bottom) == (0.0, 0.5)

@@ -125,11 +125,12 @@ def test_yield_is_told_once():
         ("sections[2].grade", "S136", "expected one of E75, X95, G105, S135"),
         ("curve", "dnv_z", "dnv_b1"),
         ("smallest_range", "3 N", "expected a pressure"),
+        ("line", {"stress_range": "200 MPa", "slope": 4}, "expected either `curve` or `line`, found both"),
     ],
 )
 def test_a_mistake_is_one_line(key, value, said):
     with pytest.raises(SceneError) as caught:
-        load_scene("bha_stress", overrides={f"effects.fatigue.{key}": value})
+        load_scene("bha_stress", overrides={"effects.fatigue.curve": "dnv_c", f"effects.fatigue.{key}": value})
     (line,) = str(caught.value).splitlines()
     assert said in line
     assert f"effects.fatigue.{key.partition('[0].m')[0]}" in line

@@ -164,3 +164,5 @@ def test_command_follows_a_record(record, tmp_path):
     found = json.loads(done.stdout)
     assert found["numbers"]["load_factor"]["mean"] == pytest.approx(55.0 / 53.0, rel=0.01)
     assert "whirls now 0%" in done.stderr
+    twice = CliRunner().invoke(app, ["estimate", str(tmp_path / "rig.csv"), "--scene=two_mass", *options, options[0]])
+    assert "each number once" in str(twice.exception)

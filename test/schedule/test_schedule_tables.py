@@ -167,7 +167,7 @@ def test_a_gap_that_is_too_long_names_its_place(write):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("", "expected a table of up to"),
+        ("", "found an empty one"),
         ("time [s],WOB [N],RPM\n", "expected a header and rows of numbers"),
         (
             "time [s],WOB [N]\n0,1\n1,2\n",

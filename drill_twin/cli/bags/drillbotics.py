@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import re
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +13,7 @@ from typing import Annotated
 import typer
 
 from drill_twin.cli.options import BagArgument, FromOption, NamespaceOption, ReplaceOption, ToOption
-from drill_twin.errors import ArgumentError
+from drill_twin.errors import ArgumentError, BagError
 
 
 def drillbotics(
@@ -60,7 +61,11 @@ def drillbotics(
     with err().status("reading the bag"):
         source = open_bag(bag_path(bag), selection)
         log = read_log(source, selection, rows, _date(start) if start else None)
-    name = well or str(plain_yaml(source.scene()).get("name") or "well")
+    name = well
+    if not well:
+        with suppress(BagError):
+            name = str(plain_yaml(source.scene()).get("name") or "")
+    name = name or "well"
     timeseries, logs = folder / TIMESERIES, folder / f"{re.sub(r'[^A-Za-z0-9-]+', '_', name)}_logs.las"
     for file in (timeseries, logs):
         check_new(file, replace=replace)

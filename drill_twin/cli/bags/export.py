@@ -36,6 +36,8 @@ def export(
     if not (las or csv):
         raise ArgumentError("export: expected --las, --csv or both, found none")
     base = out or default_folder(bag) / "rig"
+    if base.suffix in {".csv", ".las"}:
+        base = base.with_suffix("")
     files = [base.with_name(f"{base.name}.{ending}") for ending, wanted in (("csv", csv), ("las", las)) if wanted]
     for file in files:
         check_new(file, replace=replace)

@@ -19,7 +19,7 @@ _TOLD = 10.0  # s from line to line
 
 
 def estimate(
-    record: Annotated[Path, typer.Argument(metavar="RECORD", help="A CSV or MAT file, or a bag of a twin.")],
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="A CSV, MAT, LAS or WITSML file, or a bag.")],
     scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="Installed scene or scene file.")],
     free: Annotated[
         list[str],
@@ -40,13 +40,16 @@ def estimate(
     """Follow a record as the node `estimator` follows a rig: numbers, virtual sensors, chance of whirl, alarms."""
     import drill_twin as dt
     from drill_twin.cli.show import err, grid, out, print_json
-    from drill_twin.errors import RunError
+    from drill_twin.errors import ArgumentError, RunError
     from drill_twin.fitting.record import channel_column
 
     options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
+    ranges = dict(range_option(text) for text in free)
+    if len(ranges) < len(free):
+        raise ArgumentError("--free: expected each number once, found one twice; give it one range")
     names = [text if "=" not in text else channel_column(text).channel for text in channel]
     estimator = dt.Estimator(
-        scene, dict(range_option(text) for text in free), channels=[name for name in names if name != "time"],
+        scene, ranges, channels=[name for name in names if name != "time"],
         overrides=overrides(change), options=options,
     )  # fmt: skip
     found: Estimate | None = None

@@ -108,10 +108,16 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "marks", ", ".join(f"{mark.name} ({mark.distance_from_bit:g} m)" for mark in string.marks)
     tilt = math.degrees(scene.hole.top_inclination)
     yield "hole", f"radius {scene.hole.radius * 1e3:g} mm, inclined by {tilt:g} degrees at the top"
-    yield "weight on bit", force
+    if block := scene.rig.block:
+        yield "block", "moved by the auto-driller" if block.auto_driller else f"{block.value:.3g} m/s"
+    if not block or block.auto_driller:
+        yield "weight on bit", force
     yield "rotation", turn
     yield "duration", f"{scene.rig.duration:g} s"
     yield "effects", ", ".join(scene.effect_names)
+    if scene.sensors:
+        surface = ["surface"] if scene.sensors.surface else []
+        yield "sensors", ", ".join([*(sub.name for sub in scene.sensors.subs), *surface])
     yield "elements, step", f"{scene.numerics.elements}, {scene.numerics.step}"
 
 

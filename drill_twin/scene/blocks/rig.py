@@ -108,8 +108,8 @@ class Block(SetPoint):
 
     @model_validator(mode="before")
     @classmethod
-    def _rests_by_default(cls, data: Any) -> Any:
-        return {"value": 0.0, **data} if isinstance(data, dict) and data.get("shape") != "table" else data
+    def _has_a_value(cls, data: Any) -> Any:
+        return data  # a block rests unless told
 
 
 class Column(Part):
@@ -191,8 +191,8 @@ class Rig(Part):
             (self.start != "axis", ("start",), f'expected "axis" with a block, found "{self.start}"'),
             (driller is None and any((weight.value, weight.initial, weight.shape == "table")), ("weight_on_bit",),
              "expected no weight without `rig.block.auto_driller`, found one: nothing holds it"),
-            (block.off_bottom > 0.0 and weight.initial != 0.0, ("block", "off_bottom"),
-             "expected no weight at the start (`weight_on_bit.initial`) off bottom, found one"),
+            (block.off_bottom > 0.0 and weight.initial != 0.0, ("weight_on_bit", "initial"),
+             "expected no weight at the start off bottom, found one; `initial: ~` takes away that of a base"),
             (driller is not None and driller.torque is not None and self.top_drive.model == "prescribed",
              ("block", "auto_driller", "torque"),
              "expected a top drive with a motor (`rig.top_drive.model`) to hold its torque, found a prescribed speed"),

@@ -38,6 +38,8 @@ def read_columns(path: Path) -> Columns:
         what = "a folder" if stat.S_ISDIR(kind.st_mode) else "a pipe or a device"
         raise TableError(f"{path}: expected a {KINDS} file, found {what}")
     size = kind.st_size
-    if size == 0 or size > LARGEST_FILE:
+    if size == 0:
+        raise TableError(f"{path}: expected a {KINDS} file, found an empty one; export it again")
+    if size > LARGEST_FILE:
         raise TableError(f"{path}: expected a table of up to {LARGEST_FILE} bytes, found {size} bytes")
     return _READERS.get(path.suffix.lower(), read_csv)(path)
