@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+import drill_twin as dt
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.rig_messages import CommandEncoder, read_command
 from drill_twin.scene import Scene, load_scene
@@ -65,6 +66,28 @@ def test_a_schedule_moves_the_block_in_single_runs_and_ensembles():
         rigs = one.advance(planned.at(0.5 * frame), 0.5).rig
     assert np.array_equal(one.unknowns[0], other.unknowns[0])
     assert rigs.block_position == pytest.approx(0.2, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        {"off_bottom": 0.005, "shape": "ramp", "value": -0.02, "duration": 0.5},
+        {"off_bottom": 0.005, "auto_driller": {"rate": RATE}},
+    ],
+)
+def test_a_member_of_an_ensemble_has_the_bits_of_its_single_run(block):
+    """Moved by speed, and by an auto-driller; the bit comes to the rock within the run."""
+    load = {"at": "block", "value": WEIGHT if "auto_driller" in block else 0.0}
+    own = rig({"weight_on_bit": load, "rotation": {"value": 10.0}, "block": block})
+    key, values = ("rig.rotation.value", [8.0, 12.0])
+    found = dt.Ensemble(own, {key: values}).run(1.5, outputs=("channels", "extremes"), mark_rate=100, workers=2)
+    assert found.failed == {}
+    for number, value in enumerate(values):
+        single = dt.Simulation(own, {key: value}).run(1.5).rig
+        assert single.bit_force.min() == 0.0 < single.bit_force.max()
+        assert np.array_equal(found["hookload"][number], single.hookload)
+        assert np.array_equal(found["bit_force"][number], single.bit_force)
+        assert found["bit_torque_max"][number] == single.bit_torque.max()
 
 
 def test_a_command_has_the_block_as_a_joint():
