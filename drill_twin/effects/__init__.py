@@ -59,6 +59,11 @@ def effect_module(effect: str) -> ModuleType:
     return _FOUND[key_of(effect)][0]
 
 
+def effect_config(effect: str) -> type[EffectConfig]:
+    """The class of an effect's block, by the same."""
+    return _FOUND[key_of(effect)][1]
+
+
 def key_of(effect: str) -> str:
     """Key in the scene of an effect with a variant: `wall_friction` of `wall_friction:arctan`."""
     return effect.partition(":")[0]

@@ -33,7 +33,7 @@ from collections.abc import Callable, Sequence
 from types import ModuleType
 from typing import Any, cast
 
-from drill_twin.effects import EFFECTS, effect_module, function_name, key_of
+from drill_twin.effects import effect_config, effect_module, function_name, key_of
 from drill_twin.solver import kernel_cache
 from drill_twin.solver.parameter_records import fields_read, record_name
 
@@ -184,7 +184,7 @@ def {"audited_" if audit else ""}{hook}({HOOKS[hook]}):
 
 def _comes_later(hook: str, effect: str) -> bool:
     """Whether an effect is called after the one that finds the weight on bit, which laws of torque read."""
-    return hook == "end_load" and "weight" not in EFFECTS[key_of(effect)].provides
+    return hook == "end_load" and "weight" not in effect_config(effect).provides
 
 
 def _lines(lines: Sequence[str]) -> str:

@@ -4,9 +4,9 @@
 The schema takes what a machine of any size may have, 1 cm to 20 km of string and 1 N to 100 MN. Drawn independently,
 such numbers would nearly all be nonsense (a kilometre of thread under a meganewton), so they are drawn as multiples of
 what the string itself gives: its length, buckling load, first frequency, weight and clearance. `FIELDS` has an entry
-for every quantity of every block, and a test holds it to that. Not drawn: surveyed holes and variants of the wall's
-friction (kernels of their own), records of rigs, a bit that cuts under a weight set at the top, a bending moment at the
-bit, slopes at a held end.
+for every quantity of every block, and a test holds it to that. Not drawn: surveyed holes and variants of friction
+on the wall and at the bit (kernels of their own), records of rigs, a bit that cuts under a weight set at the top, a
+bending moment at the bit, slopes at a held end.
 """
 
 import math
@@ -226,6 +226,7 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
         "sliding": or_zero(0.01, 1.0),
         "sticking": between(1.0, 2.0),
         "decay": or_zero(0.01, 10.0),
+        "exponent": just(None),
         "creep": log(1e-6, 1e-2),
     },
     "bit_mass": {
