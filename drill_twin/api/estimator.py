@@ -9,7 +9,7 @@ from pathlib import Path
 from drill_twin.api.parameter_fit import range_of
 from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.errors import ArgumentError
-from drill_twin.estimation import CHANNELS, LOAD, EnsembleFilter, Estimate, EstimatorOptions, Intake
+from drill_twin.estimation import CHANNELS, LOAD, SET_POINTS, EnsembleFilter, Estimate, EstimatorOptions, Intake
 from drill_twin.fitting import Record
 from drill_twin.scene import Scene
 
@@ -70,7 +70,14 @@ class Estimator:
             stamp: Its time [s], of any clock.
             values: Channels, `weight_on_bit` [N] and `rotation` [rad/s] by name; NaN where there is none. Set-points
                 that never come are the scene's.
+
+        Raises:
+            ArgumentError: A name of none of them.
         """
+        if odd := values.keys() - {*CHANNELS, *SET_POINTS}:
+            raise ArgumentError(
+                f"expected values of {', '.join((*CHANNELS, *SET_POINTS))}, found {', '.join(sorted(odd))}"
+            )
         self.intake.take(stamp, values)
 
     def step(self) -> Estimate | None:
@@ -99,7 +106,7 @@ def _ends(given: str | tuple[float, float]) -> tuple[float, float]:
     """Ends of the range of a factor."""
     try:
         low, high = (float(end) for end in (given.split("..") if isinstance(given, str) else given))
-    except ValueError:
+    except (TypeError, ValueError):
         low, high = 1.0, 1.0
     if not 0.0 < low < high < float("inf"):
         raise ArgumentError(f'{LOAD}: expected a range of a factor as "0.8..1.2", found {given!r}')

@@ -2,7 +2,7 @@
 """Estimates of state and numbers of a running rig from what is measured, by an ensemble that is corrected."""
 
 from drill_twin.estimation.ensemble_filter import CHANNELS, Band, EnsembleFilter, Estimate, EstimatorOptions, Window
-from drill_twin.estimation.intake import Intake
+from drill_twin.estimation.intake import SET_POINTS, Intake
 from drill_twin.estimation.members import LOAD, SENSORS
 from drill_twin.estimation.square_root_filter import Correction, correction
 
@@ -10,6 +10,7 @@ __all__ = [
     "CHANNELS",
     "LOAD",
     "SENSORS",
+    "SET_POINTS",
     "Band",
     "Correction",
     "EnsembleFilter",

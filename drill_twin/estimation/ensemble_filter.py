@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.errors import ArgumentError
 from drill_twin.estimation.branches import Branches
 from drill_twin.estimation.channel_errors import ChannelErrors
 from drill_twin.estimation.divergence import Divergence
@@ -51,6 +52,17 @@ class EstimatorOptions:
     scouts: int = 16
     frames: bool = False
     seed: int = 1
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that no ensemble can have.
+
+        Raises:
+            ArgumentError: One of them.
+        """
+        if self.members < 4 or not 0.05 <= self.window <= 3600.0:
+            raise ArgumentError(
+                f"expected 4 or more members and a window of 0.05 to 3600 s, found {self.members} and {self.window:g} s"
+            )
 
 
 @dataclass(frozen=True)

@@ -69,6 +69,9 @@ class Intake:
             stamp: Its time [s], of any clock.
             values: By channel or `SET_POINTS`; NaN for those that it does not have.
         """
+        if not math.isfinite(stamp):
+            self.troubles["stamp not finite"] += 1
+            return
         if self._origin is None:
             self._origin = stamp
         time = round(stamp - self._origin, 6)

@@ -119,12 +119,20 @@ def test_numbers_changed_at_the_start_are_those_of_another_twin():
     [
         ({"hole.radius": "0.1..0.2"}, "shapes the mesh"),
         ({"load_factor": "1.2..0.8"}, "a range of a factor"),
+        ({"load_factor": 3}, "a range of a factor"),
         ({}, "at least one number"),
     ],
 )
 def test_what_cannot_be_followed_is_refused_in_a_line(free, words):
     with pytest.raises(ArgumentError, match=words):
         dt.Estimator("two_mass", free, overrides=OVER)
+
+
+def test_values_and_options_that_cannot_be_are_refused():
+    with pytest.raises(ArgumentError, match="4 or more members"):
+        dt.EstimatorOptions(members=0)
+    with pytest.raises(ArgumentError, match="found torqe"):
+        dt.Estimator("two_mass", FREE, overrides=OVER, options=FEW).take(0.0, {"torqe": 1.0})
 
 
 def test_members_that_swing_while_the_rig_does_not_are_replaced():

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Windows from samples of a rig that come late, twice, not at all, frozen or absurd, and from a clock that jumps."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -47,11 +49,12 @@ def test_set_points_are_interpolated_and_held(intake):
 
 def test_late_repeated_and_missing_samples_are_counted_and_left_out(intake):
     feed(intake, np.arange(0, 250) * 0.01)
+    intake.take(math.nan, {"torque": 1e3})
     intake.take(101.9, {"torque": 1e3})  # its window is closed
     intake.take(102.49, wave(2.49))  # the newest again
     intake.take(102.3, wave(2.3))  # late within the open window: taken
     windows = feed(intake, np.arange(450, 700) * 0.01)
-    assert intake.troubles == {"late": 1, "repeated": 1, "missing window": 1}
+    assert intake.troubles == {"stamp not finite": 1, "late": 1, "repeated": 1, "missing window": 1}
     assert np.isnan(windows[1].measured["torque"]).all()
     assert np.isfinite(windows[-1].measured["torque"]).all()
 
