@@ -12,7 +12,8 @@ from scipy import special, stats
 from drill_twin.base.arrays import Array, Mask
 from drill_twin.discretisation.discretise import tubes_of
 from drill_twin.discretisation.kernel_arguments import SPATIAL
-from drill_twin.ensemble.outputs import Channels, Request
+from drill_twin.ensemble.outputs import Request
+from drill_twin.ensemble.outputs.series import Channels
 from drill_twin.errors import ArgumentError, DrillTwinError, RunError
 from drill_twin.estimation.asynchronous import asynchronous_radius
 from drill_twin.estimation.square_root_filter import Correction
@@ -70,7 +71,7 @@ class Prediction:
     """A window of N members.
 
     Attributes:
-        channels: By name, shape (N, S): means over the samples (`drill_twin.ensemble.outputs.Channels`).
+        channels: By name, shape (N, S): means over the samples (`drill_twin.ensemble.outputs.series.Channels`).
         sensors: Virtual sensors by name, each of shape (N,).
         whirls: Whether each member whirls, shape (N,).
     """

@@ -26,7 +26,7 @@ CHANNELS: Mapping[str, Dimension] = {
     "bit_force": FORCE,
     "hookload": FORCE,
 }
-"""Channels that a run computes (`drill_twin.ensemble.outputs.Channels`), and their dimensions."""
+"""Channels that a run computes (`drill_twin.ensemble.outputs.series.Channels`), and their dimensions."""
 _OF_BAG = {name: "top_drive_torque" if name == "torque" else name for name in CHANNELS if name != "motor_torque"}
 _MNEMONICS = {"motor_torque": "torque", "top_drive_speed": "rotation", "bit_force": "weight_on_bit"}
 """Channels whose columns have the mnemonics of another name."""

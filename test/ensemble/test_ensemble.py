@@ -9,7 +9,8 @@ import pytest
 
 import drill_twin as dt
 from drill_twin.ensemble import run as member_run
-from drill_twin.ensemble.outputs import Request, Spectra
+from drill_twin.ensemble.outputs import Request
+from drill_twin.ensemble.outputs.spectra import Spectra
 from drill_twin.schedule import Command
 from drill_twin.twin.step_guard import StepGuard
 from drill_twin.twin.twin import Twin

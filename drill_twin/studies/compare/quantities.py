@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.base.missing import number_or_nan
 from drill_twin.report.quantities.string_forces import bending_stress_at
 from drill_twin.report.text import KILO
 from drill_twin.studies.compare.case import Case
@@ -100,11 +101,14 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
     summary, rig = case.result.summary, case.result.rig
     half = rig.time >= 0.5 * (rig.time[0] + rig.time[-1]) if len(rig) else np.zeros(0, bool)
     yield ("motion that lasts", ""), summary["lasting_motion"] or ""
-    yield ("onset of whirl", "s"), _number(summary["onset_s"])
-    yield ("whirl frequency", "Hz"), _number(summary["whirl_frequency_hz"])
-    yield ("precession / rotation", "-"), _number(summary["precession_ratio"])
+    yield ("onset of whirl", "s"), number_or_nan(summary["onset_s"])
+    yield ("whirl frequency", "Hz"), number_or_nan(summary["whirl_frequency_hz"])
+    yield ("precession / rotation", "-"), number_or_nan(summary["precession_ratio"])
     for mark, radius in summary["max_radius_m"].items():
-        yield (f"largest radius, {mark}, of the clearance", "%"), 100.0 * _number(radius) / summary["clearance_m"][mark]
+        yield (
+            (f"largest radius, {mark}, of the clearance", "%"),
+            100.0 * number_or_nan(radius) / summary["clearance_m"][mark],
+        )
     yield ("bit at the end", ""), summary["bit"] or ""
     if half.any():
         speed = rig.bit_speed[half] / math.tau
@@ -128,10 +132,6 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
         stress = bending_stress_at(case.result.recording, chosen)
         if stress is not None:
             yield ("largest bending stress", "Pa"), float(stress.max())
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else float(value)
 
 
 def _least(values: Array) -> float:

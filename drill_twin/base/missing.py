@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Numbers that may be missing."""
+
+from __future__ import annotations
+
+import math
+
+
+def number_or_nan(value: float | None) -> float:
+    """The number, NaN for None."""
+    return math.nan if value is None else float(value)
