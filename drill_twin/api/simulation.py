@@ -185,6 +185,8 @@ class Simulation:
             RunError: The motion could not be followed; `result` gives what came before.
         """
         last = self._run.command
+        if block is not None and self.scene.rig.block is None:
+            raise ArgumentError(f"block: expected a scene with rig.block, found none in {self.scene.name}")
         command = Command(
             last.weight_on_bit if wob is None else in_si("wob", wob, FORCE),
             last.rotation if rpm is None else in_si("rpm", rpm, ANGULAR_SPEED, RPM),

@@ -8,6 +8,8 @@ import pytest
 from pydantic import ValidationError
 
 import drill_twin as dt
+from drill_twin.api import Simulation
+from drill_twin.errors import ArgumentError
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.rig_messages import CommandEncoder, read_command
 from drill_twin.scene import Scene, load_scene
@@ -123,3 +125,8 @@ def test_the_block_of_the_page_is_read_from_yaml(tmp_path):
     own = load_scene(tmp_path / "page.yaml").rig.block
     assert own is not None
     assert (own.value, own.off_bottom) == (0.0, 0.5)
+
+
+def test_the_speed_of_a_block_that_is_not_there_is_refused():
+    with pytest.raises(ArgumentError, match=r"expected a scene with rig\.block, found none in two_mass"):
+        Simulation("two_mass").advance(block=0.1)
