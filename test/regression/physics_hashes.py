@@ -139,7 +139,8 @@ def differences(name: str, scene: Scene, expected: dict[str, str]) -> list[str]:
 def main() -> int:
     """Compare, or write."""
     if "--write" in sys.argv:
-        topics = {name: hashes_of(scene) for name, scene in cases().items()}
+        kept = json.loads(FILE.read_text("utf-8"))["topics"]  # those of a record that is not at hand
+        topics = kept | {name: hashes_of(scene) for name, scene in cases().items()}
         FILE.write_text(json.dumps({"environment": environment(), "topics": topics}, indent=1) + "\n", "utf-8")
         return 0
     wanted = [word for word in sys.argv[1:] if not word.startswith("-")]
