@@ -16,7 +16,7 @@
 import re
 from collections.abc import Callable
 from functools import cache
-from types import FunctionType
+from types import CellType, FunctionType
 from typing import Any, TypeVar, cast
 
 from numba import config, njit
@@ -63,4 +63,6 @@ def as_python(function: Any) -> Callable[..., Any]:
     known = {name: source.__globals__.get(name) for name in source.__code__.co_names}
     called = {name: as_python(value) for name, value in known.items() if isinstance(value, Dispatcher)}
     named = {**source.__globals__, **called}
-    return FunctionType(source.__code__, named, source.__name__, source.__defaults__, source.__closure__)
+    bound = [cell.cell_contents for cell in source.__closure__ or ()]
+    cells = tuple(CellType(as_python(value) if isinstance(value, Dispatcher) else value) for value in bound)
+    return FunctionType(source.__code__, named, source.__name__, source.__defaults__, cells)

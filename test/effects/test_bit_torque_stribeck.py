@@ -3,9 +3,11 @@
 
 import numpy as np
 import pytest
+from numba.core.dispatcher import Dispatcher
 
 from drill_twin.api import load_scene
-from drill_twin.effects.bit_torque_stribeck import Parameters, friction, friction_exponent
+from drill_twin.base.jit import as_python
+from drill_twin.effects.bit_torque_stribeck import Parameters, end_load, friction, friction_exponent
 from drill_twin.schedule.command import Command
 from drill_twin.twin.twin import Twin
 
@@ -35,3 +37,10 @@ def test_a_bit_that_turns_steadily_feels_the_limit_of_its_speed():
         rig = twin.advance(Command(500.0, 60.0), 0.1).rig
     expected = 0.05 * rig.bit_force * (0.1 + 0.2 * np.exp(-((0.02 * rig.bit_speed) ** 2)))
     assert -rig.bit_torque == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_law_bound_to_its_load_runs_outside_of_compiled_code():
+    """As the report of a failure calls it."""
+    found = as_python(end_load).__closure__[0].cell_contents
+    assert not isinstance(found, Dispatcher)
+    assert found(LAW, 100.0, 1.0)[0] == pytest.approx(10.0 * (0.2 + 0.3 * np.exp(-0.3)), rel=1e-6)

@@ -54,7 +54,11 @@ REASONS = {
     "faster than any string": "faster than sound",
 }  # fmt: skip
 """Words of the step guard for what the scene asks for and no string bears, and their names in the table."""
-SETS = [frozenset(on | ({"torsion"} if "stretch" in on else set())) for on in effect_sets.covering()]
+SETS = [
+    frozenset(on | ({"torsion"} if "stretch" in on else set()))
+    for on in effect_sets.covering()
+    if not on & set(effect_sets.APART)  # numbers of scenes in docs/stability.md are of these sets
+]
 
 
 class Result(NamedTuple):
