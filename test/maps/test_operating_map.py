@@ -134,7 +134,7 @@ def test_a_full_disk_is_told_and_the_map_goes_on(tmp_path):
         ({"wob": "1..300"}, 'wob: expected LOW..HIGH with a unit, each end a force such as "40 N", found "1..300"'),
         ({"rps": "-3..-1"}, 'rps: expected speeds from 0 upwards, found "-3..-1"'),
         ({"wob": "300..1 N"}, "range of the weight on bit: expected LOW..HIGH with LOW below HIGH"),
-        ({"rps": "1..6.5 N"}, "rps: expected a speed of rotation"),
+        ({"rps": "1..6.5 N"}, "rps: expected LOW..HIGH with a unit, each end a speed of rotation"),
         ({"rps": "nan..2"}, "rps: "),
         ({"seeds": 0}, "seeds: expected 1 to 1000, found 0"),
         ({"seeds": 1}, "vary: expected 2 or more seeds"),
