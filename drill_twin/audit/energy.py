@@ -55,11 +55,10 @@ def energy(rod: Rod, u: Array, v: Array) -> Energy:
         g * (g + a[..., 2])
     )
     torsion = 0.5 * float(np.sum(weight * rod.torsion[:, None] * twist**2))
-    middle = np.einsum("ei,eic->ec", rod.middle, q)
+    inner = np.einsum("ei,eic->ec", rod.inner, q)
     strain = np.linalg.norm(u[:, 3:6], axis=1) - 1.0
-    mid_strain = np.linalg.norm(middle, axis=1) - 1.0
-    simpson = (strain[:-1] ** 2 + 4.0 * mid_strain**2 + strain[1:] ** 2) / 6.0
-    stretch = 0.5 * float(np.sum(rod.axial * rod.length * simpson))
+    square = np.stack([strain[:-1], strain[1:], np.linalg.norm(inner, axis=1) - 1.0], -1) ** 2
+    stretch = 0.5 * float(np.sum(rod.axial[:, None] * rod.samples * square))
     return Energy(float(kinetic), bending, stretch, torsion)
 
 

@@ -30,14 +30,15 @@ ROWS, MIN_COLUMNS = 10, 14
 # 1 once the start is known, largest energy in motion so far [J], residual so far [J].
 OMEGA, SAMPLE, BEGUN, LARGEST, RESIDUE = 0, 1, 2, 3, 4
 STORED = 5  # kinetic, bending, stretch, torsion, wall
-AXIAL_VELOCITY, LENGTH = 0, 1  # rows of EnergyLedger.gauss
+AXIAL_VELOCITY, LENGTH, SAMPLES = 0, 1, 2  # rows of EnergyLedger.gauss
 
 
 class EnergyLedger(NamedTuple):
     """The energy ledger of one twin."""
 
     entries: Array  # (10, accounts or 14) see WORK
-    gauss: Array  # (2, 2 n) by Gauss point: velocity along the hole, lateral form only [m/s], and element's length [m]
+    gauss: Array  # (5, 2 n) by Gauss point: velocity along the hole, lateral form only [m/s]; of its element the length
+    # and the weights of the samples of stretch [m]
     constrained: Array  # (2, 7) unknowns that keep their constraint in the audit: none, or the bit along the hole
 
 
@@ -45,7 +46,7 @@ def make_energy_ledger(effects: int, rod: Rod, *, bit_held: bool) -> EnergyLedge
     """An empty ledger for so many effects; `bit_held`: the bit is constrained along the hole."""
     constrained = np.zeros((2, 7))
     constrained[0, 2] = 1.0 if bit_held else 0.0
-    gauss = np.stack([np.zeros(2 * rod.length.size), np.repeat(rod.length, 2)])
+    gauss = np.stack([np.zeros(2 * rod.length.size), *np.repeat([rod.length, *rod.samples.T], 2, axis=1)])
     return EnergyLedger(np.zeros((ROWS, max(FIRST_EFFECT + effects, MIN_COLUMNS))), gauss, constrained)
 
 
@@ -93,14 +94,14 @@ def record_section(entries: Array, gauss: Array, account: int, s: Strain, out: A
 
 @kernel
 def record_axial_damping(entries: Array, gauss: Array, account: int, element: int, force: float, rate: float) -> None:
-    """Record a viscous axial force at one of the three Simpson points of an element: both ends, then the middle."""
-    share = 4.0 if entries[NOW, SAMPLE] % 3.0 == 2.0 else 1.0
-    entries[POWER, account] -= share / 6.0 * gauss[LENGTH, 2 * element] * force * rate
+    """Record a viscous axial force at one of the three samples of an element: both ends, then the inner one."""
+    weight = gauss[SAMPLES + int(entries[NOW, SAMPLE] % 3.0), 2 * element]
+    entries[POWER, account] -= weight * force * rate
 
 
 @kernel
 def next_sample(entries: Array) -> None:
-    """Advance to the next Simpson point."""
+    """Advance to the next sample of stretch."""
     entries[NOW, SAMPLE] += 1.0
 
 

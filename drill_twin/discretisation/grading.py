@@ -8,7 +8,7 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.discretise import discretise, tubes_of
 from drill_twin.discretisation.initial_state import axial_weight
-from drill_twin.model.mesh import Rod, build_rod, elements_per_section
+from drill_twin.model.mesh import Rod, build_rod, elements_per_section, rod_of
 from drill_twin.scene import Scene
 from drill_twin.schedule import extremes
 
@@ -31,11 +31,7 @@ def mesh(scene: Scene, elements: int) -> Rod:
     tubes = tubes_of(scene)
     if scene.length < LONG:
         return build_rod(tubes, elements)
-    counts = elements_per_section(elements_needed(scene), elements)
-    rods = [build_rod([tube], count) for tube, count in zip(tubes, counts, strict=True)]
-    whole = {"arc", "spin_shape"}  # every other field has a row for each element
-    rows = {name: np.concatenate([getattr(rod, name) for rod in rods]) for name in Rod._fields if name not in whole}
-    return Rod(arc=np.append(0.0, np.cumsum(rows["length"])), spin_shape=rods[0].spin_shape, **rows)
+    return rod_of(tubes, elements_per_section(elements_needed(scene), elements))
 
 
 def elements_needed(scene: Scene) -> Array:

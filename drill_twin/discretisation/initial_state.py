@@ -26,21 +26,44 @@ def axial_weight(scene: Scene, model: DiscreteModel) -> Array:
 
 def set_initial_state(state: State, model: DiscreteModel, scene: Scene, weight_on_bit: float) -> None:
     """Set the string on the hole's axis, stretched by weight and load, so that no axial waves start at t = 0."""
-    rod = model.rod
-    below = np.concatenate([[0.0], np.cumsum(axial_weight(scene, model))])
+    rod, weight = model.rod, axial_weight(scene, model)
+    below = np.concatenate([[0.0], np.cumsum(weight)])
     tension = below - weight_on_bit
     if scene.rig.weight_on_bit.at == "top":
         tension = below - below[-1] - weight_on_bit
-    stiffness = np.concatenate([rod.axial[:1], 0.5 * (rod.axial[1:] + rod.axial[:-1]), rod.axial[-1:]])
-    stretch = np.cumsum(0.5 * (tension[1:] + tension[:-1]) / rod.axial * rod.length)
+    strain, elongation = _balanced(rod, tension, weight)
+    stretch = np.cumsum(elongation)
     along = rod.arc - rod.arc[-1] + np.concatenate([[0.0], stretch]) - stretch[-1]
-    slope = 1.0 + tension / stiffness
+    slope = 1.0 + strain
     axis = axis_at(scene, -along)
     if axis is None:
         state.u[:, 2], state.u[:, 5] = along, slope
         return
     state.u[:, 0:3], state.u[:, 3:6] = axis.centre, slope[:, None] * axis.tangent
     state.u[:, SPIN] = untwisted(rod, state.u)
+
+
+def _balanced(rod: Rod, tension: Array, weight: Array) -> tuple[Array, Array]:
+    """Strain at the nodes and elongation of the elements [m] for which the samples of stretch are in balance.
+
+    In the elements at a change of section these are not those of the continuous string, whose strain jumps there.
+
+    Args:
+        rod: The string.
+        tension: At the nodes [N], shape (n + 1,).
+        weight: Axial weight of the elements [N], shape (n,).
+    """
+    middle = 0.5 * (tension[1:] + tension[:-1])
+    lower, upper, twelfth = rod.samples[:-1, 1], rod.samples[1:, 0], weight * rod.length / 12.0
+    shared = lower * middle[:-1] + upper * middle[1:] + twelfth[:-1] - twelfth[1:]
+    shared /= lower * rod.axial[:-1] + upper * rod.axial[1:]
+    strain = tension / np.append(rod.axial, rod.axial[-1])
+    strain[1:-1] = np.where(np.diff(rod.axial) != 0.0, shared, strain[1:-1])
+    elongation = middle / rod.axial * rod.length
+    elongation -= 0.5 * np.diff(tension) / rod.axial * (rod.samples[:, 0] - rod.samples[:, 1])
+    for end, at in ((0, slice(None, -1)), (1, slice(1, None))):
+        elongation += rod.samples[:, end] * (strain[at] - tension[at] / rod.axial)
+    return strain, elongation
 
 
 def untwisted(rod: Rod, u: Array) -> Array:

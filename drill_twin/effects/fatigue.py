@@ -6,17 +6,18 @@ the stress of `FIBRES` fibres round its surface is counted (`drill_twin.model.ra
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from drill_twin.base.arrays import Array, Triple
+from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.effects import bow
 from drill_twin.effects.config import EffectConfig, Incompatibility
+from drill_twin.effects.fatigue_section import FatigueSection, SNLine
 from drill_twin.model.discrete_model import DiscreteModel
-from drill_twin.model.mesh import SPIN, Rod
+from drill_twin.model.mesh import Rod
 from drill_twin.model.rainflow import (
     DEPTH,
     EXTREME,
@@ -26,6 +27,7 @@ from drill_twin.model.rainflow import (
     total_cycles,
     total_damage,
 )
+from drill_twin.model.section_strain import material_strain, strain_samples
 from drill_twin.model.section_stress import (
     AXIAL_FORCE,
     CYCLES,
@@ -37,61 +39,18 @@ from drill_twin.model.section_stress import (
     STRESS,
 )
 from drill_twin.model.shape_functions import hermite
-from drill_twin.model.steel import CURVES, GRADES, Steel, law_of, steel_of
-from drill_twin.model.strain import strain_at
-from drill_twin.units import Dimensionless, Length, Pressure, Within, refuse
+from drill_twin.model.steel import CURVES, law_of
+from drill_twin.units import Pressure, Within
 
 FIBRES = 16
 """Fibres round the circumference: a direction of bending is at most pi / 16 off one, 2 % of its stress."""
 SMALLEST = 0.01
 """Smallest range that is counted, over that of the curve at its knee."""
 _SHEET = 1e-12  # relative length by which a section may lie beyond the string
-Grade = Literal["E75", "X95", "G105", "S135"]
 if TYPE_CHECKING:
     Curve = str
 else:
     Curve = Literal[tuple(CURVES)]
-
-
-class FatigueSection(EffectConfig):
-    """Cross-section of the string whose stress is counted."""
-
-    name: Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=60)]
-    """Name on the topic: letters, digits and underscores, a letter first."""
-    distance_from_bit: Annotated[Length, Within(at_least="0 m", at_most="20 km")] | None = None
-    """Arc length from the bit [m]; either this or `measured_depth`."""
-    measured_depth: Annotated[Length, Within(at_least="0 m", at_most="20 km")] | None = None
-    """Distance from the top along the string [m]."""
-    grade: Grade | None = None
-    """Grade of its steel; left out: by the yield strength of the string's section there, else E75."""
-    stress_concentration: Annotated[Dimensionless, Within(at_least="1", at_most="20")] = 1.0
-    """Local over nominal stress range, as of a connection; the published stress is nominal."""
-
-    @model_validator(mode="after")
-    def _has_one_place(self) -> Self:
-        if (self.distance_from_bit is None) == (self.measured_depth is None):
-            found = "none" if self.distance_from_bit is None else "both"
-            raise refuse(f"expected either `distance_from_bit` or `measured_depth`, found {found}")
-        return self
-
-    def distance(self, length: float) -> float:
-        """Arc length from the bit [m], of a string of a length [m]."""
-        return length - self.measured_depth if self.measured_depth is not None else self.distance_from_bit or 0.0
-
-    def steel(self, yield_strength: float | None) -> Steel:
-        """Its steel, in a section of the string with a yield strength [Pa]."""
-        return GRADES[self.grade] if self.grade is not None else steel_of(yield_strength)
-
-
-class SNLine(EffectConfig):
-    """S-N curve of one slope: N = cycles (stress_range / S)^slope."""
-
-    stress_range: Annotated[Pressure, Within(above="0 Pa", at_most="100 GPa")]
-    """Stress range [Pa] that is endured for `cycles`."""
-    cycles: Annotated[Dimensionless, Within(at_least="1", at_most="1e12")] = 1e6
-    """Cycles to failure at that range."""
-    slope: Annotated[Dimensionless, Within(at_least="1", at_most="30")]
-    """Slope m."""
 
 
 class Fatigue(EffectConfig):
@@ -146,7 +105,7 @@ class Parameters(NamedTuple):
     share: Array  # (s,) coordinate in the element, 0 to 1
     first: Array  # (s, 4) first derivatives of the shape functions
     second: Array  # (s, 4)
-    samples: Array  # (s, 3) weights of the stretch at the ends and the middle of the element
+    samples: Array  # (s, 3) weights of the stretch at the ends and the inner sample of the element
     stiffness: Array  # (s, 3) E, E r_o per curvature, EI [Pa, Pa m, N m2]
     axial: Array  # (s,) EA [N]
     bow: Array  # (s, 2) stress-free curvature, fixed in the material [1/m]
@@ -179,8 +138,7 @@ def parameters(block: Fatigue, model: DiscreteModel) -> Parameters:
     angle = 2.0 * np.pi * np.arange(FIBRES) / FIBRES
     return Parameters(
         element=element.astype(float), share=share, first=shapes[:, 1].copy(), second=shapes[:, 2].copy(),
-        samples=np.stack([2.0 * (share - 0.5) * (share - 1.0), 2.0 * share * (share - 0.5),
-                          4.0 * share * (1.0 - share)], -1),
+        samples=strain_samples(rod, element, share),
         stiffness=np.stack([modulus, modulus * radius, bending], -1), axial=axial,
         bow=_bow(model, places),
         strength=np.array([(s.stress_concentration, t) for s, t in zip(block.sections, tensile, strict=True)]),
@@ -200,63 +158,12 @@ def _bow(model: DiscreteModel, places: Array) -> Array:
 
 
 @kernel
-def out_of_frame(frame: Array, x: float, y: float, z: float) -> Triple:
-    """Rotate a vector out of the frame of the bit."""
-    return (
-        frame[0, 0] * x + frame[1, 0] * y + frame[2, 0] * z,
-        frame[0, 1] * x + frame[1, 1] * y + frame[2, 1] * z,
-        frame[0, 2] * x + frame[1, 2] * y + frame[2, 2] * z,
-    )
-
-
-@kernel
-def combine(w: Array, lower: Triple, slope: Triple, upper: Array) -> Triple:
-    """Combination of r and r' of the lower node, given, and the upper one, a row."""
-    return (
-        w[0] * lower[0] + w[1] * slope[0] + w[2] * upper[0] + w[3] * upper[3],
-        w[0] * lower[1] + w[1] * slope[1] + w[2] * upper[1] + w[3] * upper[4],
-        w[0] * lower[2] + w[1] * slope[2] + w[2] * upper[2] + w[3] * upper[5],
-    )
-
-
-@kernel
-def length_of(x: float, y: float, z: float) -> float:
-    """Length of a vector."""
-    return float(np.sqrt(x * x + y * y + z * z))
-
-
-@kernel
-def material_strain(law: Parameters, rod: Rod, s: int, u: Array) -> Triple:
-    """Curvature about which the turning material is bent at a section, two components [1/m], and axial strain."""
-    e = int(law.element[s])
-    row, upper = u[e], u[e + 1]
-    lower, slope = (row[0], row[1], row[2]), (row[3], row[4], row[5])
-    if e == 0:  # the bit's row is in its own frame after a step
-        frame = law.frame
-        lower = out_of_frame(frame, row[0] - frame[0, 3], row[1] - frame[1, 3], row[2] - frame[2, 3])
-        slope = out_of_frame(frame, row[3], row[4], row[5])
-    a, b = combine(law.first[s], lower, slope, upper), combine(law.second[s], lower, slope, upper)
-    middle = combine(rod.middle[e], lower, slope, upper)
-    weights = law.samples[s]
-    stretch = (
-        weights[0] * length_of(slope[0], slope[1], slope[2])
-        + weights[1] * length_of(upper[3], upper[4], upper[5])
-        + weights[2] * length_of(middle[0], middle[1], middle[2])
-    )
-    psi = (1.0 - law.share[s]) * row[SPIN] + law.share[s] * upper[SPIN]
-    cos_psi, sin_psi, rest = np.cos(psi), np.sin(psi), (0.0, 0.0, 0.0)
-    q = strain_at(e, 0, a, b, rest, rest, psi, cos_psi, sin_psi, 0.0, 0.0, 0.0)
-    along = q.qz / (1.0 + q.tz)  # into the frame of the smallest rotation of z onto t, then back by the spin
-    x, y = q.qx - q.tx * along, q.qy - q.ty * along
-    return x * cos_psi + y * sin_psi - law.bow[s, 0], y * cos_psi - x * sin_psi - law.bow[s, 1], stretch - 1.0
-
-
-@kernel
 def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
     """Count the stress of all fibres, and note what is read of each section."""
     law = parameters.fatigue
     for s in range(law.element.shape[0]):
-        x, y, strain = material_strain(law, rod, s, u)
+        e, share, first, second = int(law.element[s]), law.share[s], law.first[s], law.second[s]
+        x, y, strain = material_strain(rod, e, share, first, second, law.samples[s], law.bow[s], law.frame, u)
         stress, bending = law.stiffness[s, 0] * strain, law.stiffness[s, 1]
         factor, tensile, seen = law.strength[s, 0], law.strength[s, 1], law.seen[s]
         for k in range(FIBRES):

@@ -23,7 +23,7 @@ GRADES = {
     "G105": Steel(105.0 * KSI, 115.0 * KSI),
     "S135": Steel(135.0 * KSI, 145.0 * KSI),
 }
-"""Grades of drill pipe (API Spec 5DP)."""
+"""Grades of drill pipe (API Spec 5DP; the numbers as a maker of pipe prints them from Spec 5D, 1991)."""
 DEFAULT_GRADE = "E75"
 COLLAR, LARGE_COLLAR = Steel(110.0 * KSI, 140.0 * KSI), Steel(100.0 * KSI, 135.0 * KSI)
 """Collars up to 6 7/8 in., and larger ones (API Spec 7-1)."""
@@ -50,13 +50,14 @@ DNV_AIR = {
     "d": (12.164, 3.0), "e": (12.010, 3.0), "f": (11.855, 3.0), "f1": (11.699, 3.0), "f3": (11.546, 3.0),
     "g": (11.398, 3.0), "w1": (11.261, 3.0), "w2": (11.107, 3.0), "w3": (10.970, 3.0),
 }  # fmt: skip
-"""DNV-RP-C203, table 2-1 (air): log10 of the cycles at a range of 1 MPa, and the slope; 5 beyond 1e7 cycles."""
+"""DNVGL-RP-C203, April 2016, table 2-1 (air): log10 of the cycles at a range of 1 MPa, and the slope;
+5 beyond 1e7 cycles."""
 KNEE, SLOPE_BEYOND = 1e7, 5.0
 HIGH_STRENGTH = (17.446, 4.70)
-"""DNV-RP-C203, 2.4.10: base metal of a yield strength above 500 MPa; its limit of 235 MPa holds in air only, and is
+"""DNVGL-RP-C203, 2.4.10: base metal of a yield strength above 500 MPa; its limit of 235 MPa holds in air only, and is
 not used."""
 API_RANGE, API_CYCLES = 40.0 * KSI, 1e6
-"""API RP 7G (Lubinski 1961): bending of 20 000 psi to and fro without tension is endured."""
+"""API RP 7G (Lubinski 1961): bending of 20 000 psi to and fro without tension is endured; from memory, not checked."""
 API_SLOPE = 4.593
 """From there to 0.9 of the tensile strength of E75 at 1000 cycles, the usual estimate (Shigley, Mischke and Budynas
 2004): 3 / log10(0.9 * 100 ksi / 20 ksi)."""

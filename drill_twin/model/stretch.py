@@ -4,7 +4,8 @@
 The strain is sampled at the nodes and at mid-element and integrated by Simpson's rule. A bent cubic element cannot be
 free of axial strain everywhere; three sampling points, two of them shared with the neighbours, avoid locking (the
 minimally constrained strains of Meier, Popp and Wall 2015). Two Gauss points would leave a stretching mode without
-energy.
+energy. In the two elements at a change of section, where the strain jumps, the node between them has little weight
+(`drill_twin.model.mesh.stretch_samples`).
 
 The force is the mean of those at both ends of the step, along the chord between them, which conserves the energy of
 stretch exactly (Simo and Tarnow 1992, Zeitschrift fuer angewandte Mathematik und Physik 43). With the force at

@@ -33,7 +33,7 @@ class AlongString(NamedTuple):
     stress: Array
     """Largest equivalent stress of the pipe body (von Mises, at the outer fibre) [Pa]."""
     strain: Array
-    """Axial strain [-]."""
+    """Axial strain of the inner sample, whose force the element carries from node to node [-]."""
     twist: Array
     """Twist per length [rad/m]."""
 
@@ -51,15 +51,13 @@ def along_string(scene: Scene, model: DiscreteModel, wall: Wall | None, u: Array
         u: Rows (r, r', psi), shape (n + 1, 7).
     """
     rod, nodal = model.rod, element_unknowns(u)
-    ends = np.linalg.norm(u[:, 3:6], axis=1) - 1.0
-    middle = np.linalg.norm(np.einsum("ei,eic->ec", rod.middle, nodal), axis=1) - 1.0
-    strain = (ends[:-1] + 4.0 * middle + ends[1:]) / 6.0
+    strain = np.linalg.norm(np.einsum("ei,eic->ec", rod.inner, nodal), axis=1) - 1.0
     a, b = (np.einsum("epi,eic->epc", rod.shape[:, :, order], nodal) for order in (1, 2))
     g = np.linalg.norm(a, axis=-1)
     bend = np.linalg.norm(np.cross(a, b), axis=-1) / g**2
     reference = -(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]) / (g * (g + a[..., 2]))
     twist = (u[1:, 6] - u[:-1, 6]) / rod.length + reference.mean(axis=1)
-    tension, torque = _beside_jumps(rod.axial, rod.axial * strain), rod.torsion * twist
+    tension, torque = rod.axial * strain, rod.torsion * twist
     moment = rod.bending * bend.max(axis=1)
     second, area = second_moments(scene, model)
     fibre = np.abs(tension) / area + moment * rod.outer_radius / second
@@ -68,13 +66,6 @@ def along_string(scene: Scene, model: DiscreteModel, wall: Wall | None, u: Array
         rod.length, rod.arc[-1] - 0.5 * (rod.arc[1:] + rod.arc[:-1]), tension, torque, moment,
         side_force(model, wall, u), np.sqrt(fibre**2 + 3.0 * shear**2), strain, twist,
     )  # fmt: skip
-
-
-def _beside_jumps(stiffness: Array, force: Array) -> Array:
-    """Axial force, interpolated in the two elements at a change of section, over which the rod smears the strain."""
-    jump = np.flatnonzero(np.diff(stiffness))
-    good = np.setdiff1d(np.arange(force.size), np.append(jump, jump + 1))
-    return np.asarray(np.interp(np.arange(force.size), good, force[good])) if good.size else force
 
 
 def side_force(model: DiscreteModel, wall: Wall | None, u: Array) -> Array:

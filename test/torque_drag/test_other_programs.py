@@ -26,13 +26,16 @@ def test_minimum_curvature() -> None:
     frame = top_frame(math.radians(inclination[0]), math.radians(azimuth[0]))
     place = own.position @ frame
     theirs = np.column_stack([other.n, other.e, other.tvd])
-    assert np.abs(place - (theirs - theirs[0])).max() < 1e-9 * depth[-1]
+    assert np.abs(place - (theirs - theirs[0])).max() < 1e-9  # of 2,000 m
     assert np.allclose(own.down @ frame, directions(np.radians(inclination), np.radians(azimuth)))
 
 
 def test_torque_and_drag_of_a_uniform_pipe() -> None:
     """By torque_drag: welleng 0.30 adds weight and tension where a hole builds, though they press to opposite sides."""
-    torque_drag = pytest.importorskip("torque_drag", reason="torque_drag of the extra bench is not installed")
+    reason = "torque_drag of the extra bench is not installed"
+    torque_drag = pytest.importorskip("torque_drag", reason=reason)
+    if not hasattr(torque_drag, "calc"):  # this folder, as a namespace package
+        pytest.skip(reason)
     loads = dt.statics(well(sections=(PIPE | {"length": 1000.0},)))
     depth = np.arange(0.0, 1000.0 + STEP, STEP)
     inclination = np.interp(depth, [0.0, 200.0, 600.0, 1000.0], [0.0, 0.0, 60.0, 60.0])

@@ -93,22 +93,23 @@ def _mesh(scene: Scene, nodes: int) -> Rod | None:
 
 
 def _strain(rod: Rod, position: Array, tangent: Array) -> tuple[Array, Array]:
-    """Axial strain in the middle of the elements, which carries the force from node to node, and r' at the nodes.
+    """Axial strain at the elements' inner samples, which carries the force from node to node, and r' at the nodes.
 
     A pose has the direction of r' only. Its length at a node is the one in balance: the strain there is the mean of
-    those of the neighbouring elements, weighted by their length and EA (the stationary point of `model.stretch`).
+    those of the neighbouring elements, weighted by EA and the weight of the end (the stationary point of
+    `model.stretch`).
     """
-    weight = rod.length * rod.axial
-    near, far = np.append(0.0, weight), np.append(weight, 0.0)
+    near = np.append(0.0, rod.axial * rod.samples[:, 1])
+    far = np.append(rod.axial * rod.samples[:, 0], 0.0)
     length = np.ones(tangent.shape[:-1])
     for _ in range(_ITERATIONS):
-        middle = np.linalg.norm(
-            np.einsum("ei,teic->tec", rod.middle, _ends(position, length[..., None] * tangent)), axis=-1
+        inner = np.linalg.norm(
+            np.einsum("ei,teic->tec", rod.inner, _ends(position, length[..., None] * tangent)), axis=-1
         )
-        below = np.concatenate((middle[:, :1], middle), axis=1)
-        above = np.concatenate((middle, middle[:, -1:]), axis=1)
+        below = np.concatenate((inner[:, :1], inner), axis=1)
+        above = np.concatenate((inner, inner[:, -1:]), axis=1)
         length = (near * below + far * above) / (near + far)
-    return middle - 1.0, length[..., None] * tangent
+    return inner - 1.0, length[..., None] * tangent
 
 
 def _ends(position: Array, slopes: Array) -> Array:

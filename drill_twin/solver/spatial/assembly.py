@@ -79,9 +79,10 @@ def plus(z: Four, s: float, row: Array, x: int) -> Four:
 
 
 @kernel
-def add_stretch_at_node(rod: Rod, work: Workspace, e: int, shape: int) -> None:
+def add_stretch_at_node(rod: Rod, work: Workspace, e: int, end: int) -> None:
     """Add the axial force sampled at an end of the element, whose r' is itself an unknown."""
-    weight = rod.length[e] / 6.0
+    weight = rod.samples[e, end]
+    shape = 1 + 2 * end
     for c in range(3):
         work.re[c, shape] += weight * work.force[c]
         for k in range(3):
@@ -89,10 +90,10 @@ def add_stretch_at_node(rod: Rod, work: Workspace, e: int, shape: int) -> None:
 
 
 @kernel
-def add_stretch_at_middle(rod: Rod, work: Workspace, e: int) -> None:
-    """Add the axial force sampled at mid-element."""
-    weight = rod.length[e] * (2.0 / 3.0)
-    slopes, pairs, ke = rod.middle[e], rod.middle_pairs[e], work.ke
+def add_stretch_inside(rod: Rod, work: Workspace, e: int) -> None:
+    """Add the axial force of the inner sample."""
+    weight = rod.samples[e, 2]
+    slopes, pairs, ke = rod.inner[e], rod.inner_pairs[e], work.ke
     for c in range(3):
         for i in range(4):
             work.re[c, i] += weight * slopes[i] * work.force[c]
@@ -193,12 +194,12 @@ def bind(effects: Effects) -> Callable[..., None]:
                 strain = stretching(a, da, h2)
                 viscous = axial_damping(parameters, e, axial, strain.rate)
                 stretch_forces(axial, viscous[0], viscous[1], a, strain, h2, work.force, work.saa)
-                add_stretch_at_node(rod, work, e, 1 + 2 * end)
-            a, da = blend(rod.middle[e], work.ue), blend(rod.middle[e], work.ve)
+                add_stretch_at_node(rod, work, e, end)
+            a, da = blend(rod.inner[e], work.ue), blend(rod.inner[e], work.ve)
             strain = stretching(a, da, h2)
             viscous = axial_damping(parameters, e, axial, strain.rate)
             stretch_forces(axial, viscous[0], viscous[1], a, strain, h2, work.force, work.saa)
-            add_stretch_at_middle(rod, work, e)
+            add_stretch_inside(rod, work, e)
             own = rod.spin_mass[e] * rate
             dw0, dw1 = v[e, 6] - v_old[e, 6], v[e + 1, 6] - v_old[e + 1, 6]
             k00, k01, k10, k11 = own * NEAR, own * FAR, own * FAR, own * NEAR
