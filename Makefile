@@ -30,7 +30,7 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs test test-long faults faults-seeded kills soak fuzz day random-scenes fit-coverage browser bench map-boundary advice-loop peers check clean
+.PHONY: help setup setup-test demo docs test test-long faults faults-seeded kills soak fuzz day random-scenes fit-coverage browser bench bag-window map-boundary advice-loop peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
@@ -47,6 +47,7 @@ help:
 	@echo 'make fit-coverage  90 % intervals of 200 random twins; goes on where it was broken off'
 	@echo 'make browser    the page of drill-twin watch in a headless Chromium'
 	@echo 'make bench      speed of the kernel: by effect, by elements, and against earlier runs'
+	@echo 'make bag-window  cost of one minute out of a bag of 2 GB, MCAP and SQLite'
 	@echo 'make map-boundary  error of a map against dense grids of runs; goes on where it was broken off'
 	@echo 'make advice-loop  50 random scenes in closed loop with the advice; goes on where it was broken off'
 	@echo 'make peers      drill_twin beside PyElastica, Exudyn and MuJoCo (installs them; half an hour)'
@@ -163,6 +164,9 @@ bench: $(STAMPS)/bench-$(KIND)
 	@$(PYTHON) -m benchmarks.kernel machine
 	@$(PYTHON) -m benchmarks.kernel growth
 	@$(PYTHON) -m benchmarks.kernel effects
+
+bag-window: setup
+	@$(PYTHON) -m benchmarks.bag_window
 
 map-boundary: setup
 	@nice $(PYTHON) -m benchmarks.map_boundary

@@ -11,6 +11,7 @@ import shutil
 import signal
 import sqlite3
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from mutate import mutated
 
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.record import RecordBag
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.live.page_state import INPUTS, PageState
 from drill_twin.runner import Session
@@ -37,7 +39,25 @@ COUNT = int(os.environ.get("DRILL_TWIN_FUZZ", "300"))
 SLOW = 5  # s of processor time, children included: how busy the machine is is not the input's doing
 HANGS = 60  # s
 MUCH = 300 * 1024  # kB
-KINDS = (*(("scene", "csv", "mcap", "metadata", "sqlite3", "message", "checkpoint") * 6), "mat")
+RECORDS = ("csv", "las", "xml")
+KINDS = (*(("scene", *RECORDS, "mcap", "metadata", "sqlite3", "message", "checkpoint") * 6), "mat")
+LAS = """~Version
+VERS. 2.0 : CWLS LOG ASCII STANDARD - VERSION 2.0
+WRAP.  NO : ONE LINE PER STEP
+~Well
+NULL. -999.25 : NULL
+~Curve
+TIME.S   : time
+WOB .KN  : weight on bit
+RPM .RPM : rotary speed
+NOTE.    : remark
+~Ascii
+"""
+WITSML = """<?xml version="1.0" encoding="UTF-8"?>
+<logs xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1"><log uidWell="w" uidWellbore="b" uid="l">
+<indexType>date time</indexType><indexCurve>Time</indexCurve><nullValue>-999.25</nullValue>
+<logData><mnemonicList>Time,WOB,RPM,NOTE</mnemonicList><unitList>unitless,N,c/s,unitless</unitList>
+"""
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +73,9 @@ def material(bench_scene, tmp_path_factory):
     time = np.arange(0.0, 2.0, 0.02)
     rows = [f"{t:.2f},{20.0 + t},{60.0 + 5.0 * t}" for t in time]
     (folder / "table.csv").write_text("time (s),WOB (N),rpm\n" + "\n".join(rows) + "\n", "utf-8")
+    (folder / "table.las").write_text(LAS + "".join(f"{t:.2f} {20.0 + t} -999.25 drilling\n" for t in time), "utf-8")
+    stamps = [f"<data>2016-09-30T10:04:{t:06.3f}Z,{20.0 + t},1,on bottom</data>" for t in time]
+    (folder / "table.xml").write_text(WITSML + "\n".join(stamps) + "</logData></log></logs>\n", "utf-8")
     savemat(folder / "table.mat", {"time": time, "wob": 20.0 + time, "rpm": 60.0 + time})
     twin = Twin(bench_scene)
     Checkpoint.of(twin, Session(bench_scene).schedule.at(0.0)).save(folder / "run.npz")
@@ -101,8 +124,10 @@ def _attempt(kind, material, place, random):
         source = sorted((config_dir() / "scenes").glob("*.yaml"))[int(random.integers(3))]
         _damage_file(source, place / "scene.yaml", random, text=True)
         load_scene(place / "scene.yaml").to_yaml()
-    elif kind in {"csv", "mat"}:
-        _damage_file(folder / f"table.{kind}", place / f"table.{kind}", random, text=kind == "csv")
+    elif kind in {*RECORDS, "mat"}:
+        _damage_file(folder / f"table.{kind}", place / f"table.{kind}", random, text=kind != "mat")
+        with suppress(DrillTwinError):
+            RecordBag(place / f"table.{kind}")
         read_table(place / f"table.{kind}")
     elif kind == "mcap":
         _damage_in_bag(bag, place / "bag_0", "*.mcap", random, text=False)

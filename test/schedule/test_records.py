@@ -11,6 +11,7 @@ import drill_twin as dt
 from drill_twin.cli.bags.analyze import analyze
 from drill_twin.cli.bags.export import export
 from drill_twin.errors import TableError
+from drill_twin.io.bag.record import RecordBag
 from drill_twin.report import read_recording, summarise
 from drill_twin.schedule import read_table
 from drill_twin.schedule.reading import read_columns
@@ -142,6 +143,7 @@ BAD = [
     (WITSML.replace("</log>", "</log><log/>"), "expected one log, found more"),
     (WITSML.replace("<logs", '<!DOCTYPE x [<!ENTITY a "b">]><logs', 1), "expected no document type"),
     (WITSML.replace("<logs", '<!DOCTYPE x SYSTEM "file:///etc/passwd"><logs', 1), "expected no document type"),
+    (WITSML.replace("UTF-8", "UUF-8"), "expected a WITSML log, found unknown encoding: UUF-8; export it again"),
     (WITSML.replace("<nameWell>", "<a>" * 50), "expected elements at most 20 deep"),
     (WITSML.replace("GenTime", "x" * 1_100_000), "expected texts of at most 1000000 characters"),
 ]
@@ -157,3 +159,12 @@ def test_a_log_that_cannot_be_used_is_refused_in_one_line(tmp_path, text, words)
     assert words in str(caught.value)
     assert str(caught.value).startswith(str(path))
     assert "\n" not in str(caught.value)
+
+
+def test_numbers_beyond_any_record_are_missing_or_refused(tmp_path):
+    rows = "time (s),rpm,WOB (kN)\n0,60,1\n1,60,1e306\n2,60,3\n"
+    path = written(tmp_path, rows, "huge.csv")
+    assert read_table(path, longest_gap=5.0, spike_window=0.0).weight_on_bit == pytest.approx([1000.0, 2000.0, 3000.0])
+    path.write_text(rows.replace("\n2,", "\n1e300,"), "utf-8")
+    with pytest.raises(TableError, match=r"expected times of at most 2.14748e\+09 s, found 1e\+300 s"):
+        RecordBag(path)

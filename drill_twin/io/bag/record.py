@@ -17,6 +17,7 @@ from drill_twin.io.messages.topics import RIG_STATE
 from drill_twin.schedule.reading import CHANNELS, RECORDS, read_columns
 
 _SPEEDS = ("rotation", "bit_speed")
+_LATEST = 2.0**31  # s, of a stamp
 
 
 def is_record(path: Path) -> bool:
@@ -57,6 +58,8 @@ class RecordBag(MemoryBag):
         time = values["time"]
         if not np.nanmin(time, initial=0.0) >= 0.0:
             raise TableError(f"{path}: expected times from 0 s, found {np.nanmin(time):g} s; shift them")
+        if not np.nanmax(time, initial=0.0) < _LATEST:
+            raise TableError(f"{path}: expected times of at most {_LATEST:g} s, found {np.nanmax(time):g} s")
         empty, template = np.full(time.size, math.nan), JointStateTemplate(RIG_JOINTS)
         position, velocity, effort = (
             np.column_stack([values.get(name, empty) for name in names])

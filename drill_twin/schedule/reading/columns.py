@@ -8,6 +8,8 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
 from drill_twin.base.arrays import Array
 from drill_twin.errors import TableError
 from drill_twin.schedule.reading.mnemonics import CHANNELS, si_factor
@@ -60,7 +62,7 @@ class Columns(dict[str, Array]):
         return ending
 
     def si(self, name: str, unit: str, dimension: Dimension, meant: str) -> Array:
-        """Values of a column in SI.
+        """Values of a column in SI; one that is too large for a double there is missing.
 
         Args:
             name: The column.
@@ -78,9 +80,12 @@ class Columns(dict[str, Array]):
             hint = f', did you mean "{close[0]}"?' if close else ""
             raise TableError(f'{self.file}: expected a column "{name}" for {meant}, found {self.listed}{hint}')
         try:
-            return self[name] * si_factor(unit, dimension)
+            factor = si_factor(unit, dimension)
         except UnitError as error:
             raise TableError(f'{self.file}: column "{name}" for {meant}: {error}') from None
+        with np.errstate(over="ignore"):
+            values = self[name] * factor
+        return np.where(np.isfinite(values), values, np.nan)
 
     @property
     def listed(self) -> str:

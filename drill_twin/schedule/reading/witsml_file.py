@@ -142,7 +142,7 @@ def read_witsml(path: Path) -> Columns:
         with path.open("rb") as stream:
             parser.ParseFile(stream)
         return reader.columns(path)
-    except (expat.ExpatError, _RefusedError, OSError, csv.Error, ValueError) as error:
+    except (expat.ExpatError, _RefusedError, OSError, csv.Error, ValueError, LookupError) as error:
         line = parser.CurrentLineNumber
         raise TableError(f"{path}:{line}: {_sentence(error)}") from None
 

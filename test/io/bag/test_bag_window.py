@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A window of a complete bag is read by its index: the same samples as of the whole bag, a small part of its bytes."""
 
+import sqlite3
+from pathlib import Path
+
 import numpy as np
 import pytest
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading import mcap_file
@@ -103,3 +108,63 @@ def test_damage_in_a_window_is_told(tmp_path):
     found = Bag(bag, window=(150.0, 250.0))
     assert "damaged chunk at byte" in found.damage[0]
     assert not Bag(bag, window=(0.0, 10.0)).damage
+
+
+def bytes_read(function, *arguments):
+    """Result of a function, and the bytes that this process read in it."""
+
+    def count():
+        return int(Path("/proc/self/io").read_text().split()[1])
+
+    before = count()
+    return function(*arguments), count() - before
+
+
+@pytest.fixture(scope="module")
+def sqlite_bag(tmp_path_factory):
+    """The same messages as rosbag2 keeps them in SQLite."""
+    folder = tmp_path_factory.mktemp("sqlite")
+    bag, store = Bag(write(folder / "bag")), get_typestore(Stores.ROS2_JAZZY)
+    with Writer(folder / "sql", version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        topics = {name: writer.add_connection(name, of.type_name, typestore=store) for name, of in bag.topics.items()}
+        for name, stamp, raw in bag.messages():
+            writer.write(topics[name], stamp, raw)
+    return folder / "sql"
+
+
+def test_a_window_of_an_sqlite_bag_takes_its_part_of_the_bytes_and_gives_the_same_samples(sqlite_bag):
+    size = next(sqlite_bag.glob("*.db3")).stat().st_size
+    (rig, _), taken = bytes_read(read_rig, sqlite_bag, Selection(begin=300.0, end=310.0))
+    assert taken < 0.2 * size  # 10 s of 400 s, read twice, the index of times for the count, and the search
+    whole, _ = read_rig(sqlite_bag, Selection())
+    wanted = (whole.time >= 300.0) & (whole.time <= 310.0)
+    assert rig.time.tolist() == whole.time[wanted].tolist()
+    assert rig.bit_speed.tolist() == whole.bit_speed[wanted].tolist()
+    assert rig.time[[0, -1]].tolist() == [300.0, 310.0]
+    for begin, end, first, last in ((-np.inf, 2.0, 0.0, 2.0), (398.0, np.inf, 398.0, 399.99)):
+        assert read_rig(sqlite_bag, Selection(begin=begin, end=end))[0].time[[0, -1]].tolist() == [first, last]
+    window = Bag(sqlite_bag, window=(1000.0, 1001.0))
+    assert window.scene() == "a: "
+    assert window.message_count == SECONDS * RATE + 1
+    assert len(list(window.messages((RIG_STATE,)))) < 0.02 * SECONDS * RATE
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "DELETE FROM metadata",
+        "UPDATE metadata SET metadata = replace(metadata, 'message_count: 1', 'message_count: 7')",
+        "DROP INDEX timestamp_idx",
+        "INSERT INTO messages(topic_id, timestamp, data) SELECT topic_id, timestamp + 1, data FROM messages LIMIT 1",
+    ],
+    ids=["killed", "wrong counts", "no index", "two runs"],
+)
+def test_an_sqlite_bag_without_metadata_or_index_gives_the_same_samples(sqlite_bag, tmp_path, change):
+    file = tmp_path / "changed.db3"
+    file.write_bytes(next(sqlite_bag.glob("*.db3")).read_bytes())
+    with sqlite3.connect(file) as database:
+        assert database.execute(change).rowcount
+    found = Bag(file, window=(300.0, 310.0))
+    assert found.topics[RIG_STATE].count == SECONDS * RATE
+    assert len(read_rig(file, Selection(begin=300.0, end=310.0))[0]) == 10 * RATE + 1
+    assert found.scene() == "a: "

@@ -13,14 +13,14 @@ from drill_twin.base.yaml_reader import LARGEST_TEXT, YamlError, plain_yaml
 from drill_twin.errors import BagError
 from drill_twin.io.bag.reading.decompression import DAMAGED, decompress_stream
 from drill_twin.io.bag.reading.mcap_file import McapFile
-from drill_twin.io.bag.reading.rosbags_file import RosbagsFile
+from drill_twin.io.bag.reading.sqlite_file import SqliteFile
 
 _SUFFIXES = (".mcap", ".db3", ".zstd")
 _EXPANSION, _EXPANSION_OF_ANY = 50, 64_000_000  # bytes of a decompressed file: per byte, and beyond it
 
 _MOST_LISTED = 1000
 
-BagFile = McapFile | RosbagsFile
+BagFile = McapFile | SqliteFile
 Window = tuple[float, float] | None
 
 
@@ -81,7 +81,7 @@ def _open_file(path: Path, window: Window, *, compressed_messages: bool = False)
     if path.suffix == ".zstd":
         return _open_compressed(path, compressed_messages=compressed_messages)
     if path.suffix == ".db3":
-        return RosbagsFile(path, compressed_messages=compressed_messages)
+        return SqliteFile(path, compressed_messages=compressed_messages, window=window)
     return McapFile(path, compressed_messages=compressed_messages, window=window)
 
 
@@ -95,7 +95,7 @@ def _open_compressed(path: Path, *, compressed_messages: bool) -> BagFile:
     except (OSError, *DAMAGED) as error:
         target.close()
         raise BagError(f"{path}: expected a file compressed by rosbag2, found {_reason(error)}") from error
-    kind = RosbagsFile if path.stem.endswith(".db3") else McapFile
+    kind = SqliteFile if path.stem.endswith(".db3") else McapFile
     opened = kind(Path(target.name), name=path, compressed_messages=compressed_messages)
     opened.temporary = target
     return opened

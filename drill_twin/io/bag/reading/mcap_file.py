@@ -25,6 +25,7 @@ from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.bag.reading.decompression import DAMAGED, LARGEST_CHUNK, decompressed, decompressed_message
 from drill_twin.io.bag.reading.mcap_index import chunks_between, read_index
 from drill_twin.io.bag.reading.qos import qos_profiles
+from drill_twin.io.bag.reading.window import WITH_HEADER
 from drill_twin.io.messages.stamps import raw_header_stamp
 
 _RECORD = struct.Struct("<BQ")  # opcode, length
@@ -35,8 +36,6 @@ _RECORDS_IN_CHUNKS = {Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE}
 _BLOCKS = {*_RECORDS_IN_CHUNKS, Opcode.CHUNK}
 _EXPANSION, _EXPANSION_OF_ANY = 200, 64_000_000  # bytes of content: per byte of the file, and beyond it
 _MOST_NOTES = 10
-_WITH_HEADER = {"sensor_msgs/msg/JointState", "geometry_msgs/msg/PoseArray"}
-"""Types of the contract that begin with a header, by whose stamps a window is searched."""
 _RECORDS_OF_ANY = 100_000  # beyond one per byte of the file
 
 
@@ -132,7 +131,7 @@ class McapFile:
     def _stamps_at(self, place: int) -> list[int]:
         """Header stamps [ns] in the chunk at a place."""
         self._places = [place]
-        headed = {name for name, topic in self.topics.items() if topic.type_name in _WITH_HEADER}
+        headed = {name for name, topic in self.topics.items() if topic.type_name in WITH_HEADER}
         return [raw_header_stamp(raw) for _, _, raw in self.messages(headed)]
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:

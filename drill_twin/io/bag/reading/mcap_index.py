@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import math
 import struct
 import zlib
-from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from io import SEEK_END
@@ -16,17 +14,14 @@ from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
 
 from drill_twin.io.bag.reading.decompression import LARGEST_CHUNK
-from drill_twin.io.messages.stamps import seconds
-from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, TWIN_SCENE
+from drill_twin.io.bag.reading.window import LATCHED, MOST_LATCHED, blocks_between
+from drill_twin.io.messages.topics import DIAGNOSTICS, TWIN_SCENE
 
 _RECORD = struct.Struct("<BQ")  # opcode, length
 _FOOTER = struct.Struct("<BQQQI")  # opcode, length, start of the summary, of its offsets, checksum
 _CHUNK = struct.Struct("<QQQQI")  # first and last time of recording, place, length, bytes of the map of channels
 _STATISTICS = struct.Struct("<QHIIIIQQI")  # messages, schemas, channels, ..., chunks, first and last time, bytes of map
 _COUNT = struct.Struct("<HQ")  # channel, number or place
-_LATCHED = tuple(name for name, topic in TOPICS.items() if topic.latched)
-_MOST_LATCHED = 50  # chunks of a topic
-_MARGIN = 1.0  # s by which topics may come after one another
 
 
 @dataclass(frozen=True)
@@ -107,8 +102,6 @@ def chunks_between(
 ) -> list[int] | None:
     """Places of the chunks with header stamps between two times, and of those with what is said once.
 
-    Recorded and header time may differ by any amount, but both rise, so that a bisection finds the ends.
-
     Args:
         index: The index.
         names: Topic of each channel.
@@ -121,19 +114,10 @@ def chunks_between(
     """
     if any(count > 1 for channel, count in index.counts.items() if names[channel].endswith(TWIN_SCENE)):
         return None
-    total = len(index.chunks)
-
-    def time_from(k: int) -> float:
-        """Median header stamp [s] of the first chunk from a number on that has any."""
-        stamps = next((found for place in index.chunks[k:] if (found := stamps_at(place))), None)
-        return math.inf if stamps is None else seconds(sorted(stamps)[len(stamps) // 2])
-
-    first = bisect_left(range(total), begin - _MARGIN, key=time_from) if begin > -math.inf else 0
-    last = bisect_right(range(total), end + _MARGIN, lo=first, key=time_from) if end < math.inf else total
-    chosen = set(range(max(first - 1, 0), min(last + 1, total)))
+    chosen = set(blocks_between(len(index.chunks), begin, end, lambda k: stamps_at(index.chunks[k])))
     for channel, name in names.items():
-        if name.endswith(_LATCHED):
-            chosen.update(index.chunks_with(channel)[:_MOST_LATCHED])
+        if name.endswith(LATCHED):
+            chosen.update(index.chunks_with(channel)[:MOST_LATCHED])
         elif name.endswith(DIAGNOSTICS):
             chosen.update(index.chunks_with(channel)[-1:])  # counts are those at the end of the run
     return [index.chunks[k] for k in sorted(chosen)]

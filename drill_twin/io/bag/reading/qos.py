@@ -25,15 +25,6 @@ def qos_profiles(text: str) -> tuple[Qos, ...]:
         return ()
 
 
-def refuse_large(text: str) -> None:
-    """Refuse a text that the YAML reader of rosbags would need long for.
-
-    Raises:
-        YamlError: It is beyond the bounds, or not YAML.
-    """
-    _content(text)
-
-
 def _content(text: str) -> Any:
     if len(text) > _LARGEST:
         raise YamlError(f"QoS profiles: expected a text of at most {_LARGEST} characters, found {len(text)}")
