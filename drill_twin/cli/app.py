@@ -33,6 +33,7 @@ from drill_twin.cli.studies.effects import effects
 from drill_twin.cli.studies.estimator_score import estimator_score
 from drill_twin.cli.studies.hard import hard
 from drill_twin.cli.studies.paper import calibrate, paper
+from drill_twin.cli.studies.paper_search import paper_search
 from drill_twin.cli.studies.validate import validate
 from drill_twin.cli.studies.verify import verify
 from drill_twin.cli.studies.whirl_compare import whirl_compare
@@ -86,6 +87,7 @@ app.command(rich_help_panel=_STUDY)(validate)
 app.command(rich_help_panel=_STUDY)(hard)
 app.command(rich_help_panel=_STUDY)(paper)
 app.command(rich_help_panel=_STUDY)(calibrate)
+app.command(rich_help_panel=_STUDY)(paper_search)
 app.command(rich_help_panel=_STUDY)(analyzer_score)
 app.command(rich_help_panel=_STUDY)(estimator_score)
 app.command(rich_help_panel=_STUDY)(whirl_compare)

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin paper-search`: search for a set of numbers that meets the paper, and what excludes what."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption
+
+if TYPE_CHECKING:
+    from drill_twin.studies.paper.search.evaluate import Bench
+    from drill_twin.studies.paper.search.exclusion import Exclusion
+    from drill_twin.studies.paper.search.record import Record
+
+TABLE, DATA, FIGURE = "exclusion.csv", "exclusion.json", "paper_exclusion.png"
+
+
+def paper_search(
+    record: Annotated[
+        Path, typer.Option("--record", metavar="FILE", help="Record of the search (.jsonl); an old one goes on.")
+    ] = Path("out/paper_search/record.jsonl"),
+    sets: Annotated[
+        int, typer.Option("--sets", metavar="N", min=0, help="Sets of numbers in all; 0: only what the record has.")
+    ] = 200_000,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the search.")] = 1,
+    scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="The bench.")] = "pa6_calibrated",
+    threads: Annotated[int, typer.Option("--threads", min=1, max=256, help="Sets run at a time.")] = 1,
+    seconds: Annotated[float, typer.Option("--duration", min=2.0, max=120.0, help="Length of a run [s].")] = 30.0,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder of the result; left out: that of the record.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Search all that the paper leaves open for sets that meet its numbers, two at a time and as many as possible.
+
+    Prints which published numbers exclude each other and which assumption, given up, makes them agree; writes the
+    least misfit of each pair as table and figure, and the best sets as scenes, which `drill-twin paper --scene` judges
+    with stretch, twist and the resolution of a run. The same seed gives the same sets; a search that was broken off
+    goes on where it was.
+    """
+    from drill_twin.cli.folder import write_file
+    from drill_twin.cli.show import err, print_json
+    from drill_twin.studies.json_io import json_text
+    from drill_twin.studies.paper.runs.reproduction import bench
+    from drill_twin.studies.paper.search.evaluate import Bench
+    from drill_twin.studies.paper.search.exclusion import exclusion_of
+    from drill_twin.studies.paper.search.record import Record
+    from drill_twin.studies.paper.search.space import scene_of_trial
+
+    described = bench(scene)
+    kept = Record(record, {"seed": seed, "seconds": seconds, "scene": described.to_yaml()})
+    on = Bench(described, seconds)
+    _search(on, kept, sets, seed, threads)
+    found = exclusion_of(kept, on)
+    folder = record.parent if out is None else out
+    write_file(folder / DATA, json_text(found.to_dict()))
+    write_file(folder / TABLE, found.to_csv())
+    with err().status("drawing"):
+        from drill_twin.report.figures.style import save, styled
+        from drill_twin.studies.paper.search.figure import draw_exclusion
+
+        with styled():
+            save(draw_exclusion(found), folder / FIGURE)
+    scenes = [f"set_{number}.yaml" for number in range(1, len(found.finalists) + 1)]
+    for name, one in zip(scenes, found.finalists, strict=True):
+        own = scene_of_trial(described, one.trial).model_copy(update={"name": f"paper_{name.removesuffix('.yaml')}"})
+        write_file(folder / name, own.to_yaml())
+    if json:
+        print_json(found.to_dict())
+    else:
+        _print(found)
+    err().print(f"{folder}: {', '.join((TABLE, DATA, FIGURE, *scenes))}", markup=False, soft_wrap=True)
+
+
+def _search(bench: Bench, record: Record, sets: int, seed: int, threads: int) -> None:
+    from drill_twin.cli.studies.output import counting_bar
+    from drill_twin.studies.paper.search.search import search
+
+    progress, task = counting_bar("sets", sets)
+    with progress:
+        search(
+            bench, record, sets=sets, seed=seed, threads=threads,
+            progress=lambda done, of, _archive: progress.update(task, completed=done, total=max(done, of)),
+        )  # fmt: skip
+
+
+def _print(found: Exclusion) -> None:
+    from drill_twin.cli.show import grid, out
+    from drill_twin.studies.paper.search import text
+
+    screen = out()
+    for line in text.lead(found):
+        screen.print(line, markup=False, soft_wrap=True)
+    screen.print(grid(text.UNDER, text.under_rows(found), title="Pairs of numbers that no set meets", right=(1, 2)))
+    screen.print(grid(text.ALONE, text.alone_rows(found), title="Each number", right=(1, 2, 3)))
+    screen.print(grid(text.OPENED, text.opened_rows(found), title="Pairs excluded with all assumptions kept"))
+    screen.print(grid(text.BEST, text.best_rows(found), title="Sets that meet most numbers", right=(1, 2)))

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Result of a search: which published numbers no set meets together, and which assumption excludes them."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from io import StringIO
+from typing import Any
+
+import numpy as np
+
+from drill_twin.base.arrays import Array
+from drill_twin.studies.paper.runs.cases import Case
+from drill_twin.studies.paper.search.assumptions import ASSUMPTIONS, LOOSE, STRICT, Score, score
+from drill_twin.studies.paper.search.evaluate import TIMED, Bench
+from drill_twin.studies.paper.search.readings import BASE, IRREGULAR, NEAR, NUMBERS
+from drill_twin.studies.paper.search.record import Evaluated, Record
+from drill_twin.studies.paper.search.search import PAIRS, Archive
+from drill_twin.studies.paper.search.space import BIT, CHOICES, FREE, LAW, PLAY, SHARE_LEFT, SPRING, Trial
+
+SHOWN = 3
+"""Sets that are shown of those that meet most numbers."""
+
+
+@dataclass(frozen=True)
+class Finalist:
+    """A set that meets many numbers.
+
+    Attributes:
+        trial: The set.
+        under: Assumptions that it keeps to, by their place in `ASSUMPTIONS`.
+        score: What it meets.
+        regular: How many of those are of a run whose precession is steady.
+    """
+
+    trial: Trial
+    under: int
+    score: Score
+    regular: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain types for JSON."""
+        return {
+            "under": ASSUMPTIONS[self.under].name, "met": self.score.met, "regular": self.regular,
+            "readings": self.score.readings, "numbers": numbers_of(self.trial), "choices": choices_of(self.trial),
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Exclusion:
+    """Result of a search.
+
+    Attributes:
+        sets: Sets evaluated, by growth or by runs.
+        grown: Sets whose critical times were computed by growth.
+        run: Sets of which runs were made.
+        runs: Runs made.
+        least: Least misfit of each two numbers under each of the assumptions, shape (assumptions, 15, 15); the
+            diagonal is that of a number alone; infinite: nothing was run for it.
+        best: The set that has it.
+        finalists: Sets that meet most numbers, under all assumptions and under none.
+        growth_error: Error of critical times by growth against the same set's runs, median and 9th decile [-].
+    """
+
+    sets: int
+    grown: int
+    run: int
+    runs: int
+    least: Array
+    best: dict[tuple[int, int, int], Trial]
+    finalists: tuple[Finalist, ...]
+    growth_error: tuple[float, float]
+
+    def excluded(self, under: int) -> list[tuple[int, int]]:
+        """Pairs that no set meets under some assumptions."""
+        return [pair for pair in PAIRS if self.least[under][pair] > NEAR]
+
+    def opened_by(self, pair: tuple[int, int]) -> list[int]:
+        """Assumptions of which each, given up alone, lets a set meet a pair."""
+        return [k for k in range(1, LOOSE) if self.least[k][pair] <= NEAR]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain types for JSON."""
+        return {
+            "sets": self.sets, "grown": self.grown, "run": self.run, "runs": self.runs,
+            "growth_error": list(self.growth_error),
+            "numbers": [number.name for number in NUMBERS],
+            "least_misfit": {
+                assumptions.name: self.least[k].tolist() for k, assumptions in enumerate(ASSUMPTIONS)
+            },
+            "best_sets": [
+                {"first": NUMBERS[j].name, "second": NUMBERS[i].name, "under": ASSUMPTIONS[k].name,
+                 "misfit": float(self.least[k, i, j]), "numbers": numbers_of(one), "choices": choices_of(one)}
+                for (k, i, j), one in sorted(self.best.items()) if i > j and k in (STRICT, LOOSE)
+            ],
+            "finalists": [one.to_dict() for one in self.finalists],
+        }  # fmt: skip
+
+    def to_csv(self) -> str:
+        """A row a pair: least misfit under each of the assumptions, in units of 20 %."""
+        stream = StringIO()
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow(["first", "second", *(assumptions.name for assumptions in ASSUMPTIONS)])
+        for i, j in PAIRS:
+            table.writerow([NUMBERS[j].name, NUMBERS[i].name, *(f"{value:.3f}" for value in self.least[:, i, j])])
+        return stream.getvalue()
+
+
+def exclusion_of(record: Record, bench: Bench) -> Exclusion:
+    """Result of a record."""
+    archive, evaluated = Archive(), list(record.evaluated)
+    for one in evaluated:
+        archive.add(one)
+    loose, strict = (finalists_of(evaluated, under) for under in (LOOSE, STRICT))
+    known = {one.trial for one in loose}
+    finalists = (*loose, *(one for one in strict if one.trial not in known))
+    return Exclusion(
+        record.sets, record.grown, len(evaluated), sum(len(one.results) for one in evaluated),
+        archive.least, archive.best, finalists, growth_error(bench, evaluated),
+    )  # fmt: skip
+
+
+def finalists_of(evaluated: list[Evaluated], under: int) -> list[Finalist]:
+    """Sets that meet most numbers under some assumptions, the best first."""
+    found = []
+    for k, one in enumerate(evaluated):
+        if ASSUMPTIONS[under].hold(one.trial):
+            any_reading = ASSUMPTIONS[under].any_reading
+            near, steady = (
+                score(results, any_reading=any_reading)
+                for results in (one.results, {c: r for c, r in one.results.items() if r.spread <= IRREGULAR})
+            )
+            found.append((near.met, steady.met, -k, near))
+    return [
+        Finalist(evaluated[-k].trial, under, near, steady)
+        for _, steady, k, near in sorted(found, key=lambda row: row[:3], reverse=True)[:SHOWN]
+    ]
+
+
+def growth_error(bench: Bench, evaluated: list[Evaluated]) -> tuple[float, float]:
+    """Median and 9th decile of the error of critical times by growth against those of the runs [-]."""
+    errors = []
+    for one in evaluated:
+        times = bench.grown_times(one.trial)
+        for k, number in enumerate(TIMED):
+            found = one.results.get(Case(number.weight_on_bit, number.speed))
+            if times is not None and found is not None and np.isfinite(found.time[BASE["time"]]):
+                error = abs(times[k, BASE["time"]] / found.time[BASE["time"]] - 1.0)
+                errors.append(error if np.isfinite(error) else 1.0)
+    return (float(np.quantile(errors, 0.5)), float(np.quantile(errors, 0.9))) if errors else (np.nan, np.nan)
+
+
+def numbers_of(one: Trial) -> dict[str, str]:
+    """Numbers of a set with their units; those that its choices do not use are left out."""
+    unused = {SHARE_LEFT} if one.choices[LAW] == 0 else set()
+    unused |= {PLAY, SPRING} if one.choices[BIT] != 2 else set()
+    unused |= {"friction at the bit", "radius at which the bit rubs"} if one.choices[BIT] != 0 else set()
+    return {
+        parameter.name: f"{parameter.value(share) / parameter.scale:.3g} {parameter.unit}".rstrip()
+        for parameter, share in zip(FREE, one.shares, strict=True)
+        if parameter.name not in unused
+    }
+
+
+def choices_of(one: Trial) -> dict[str, str]:
+    """Choices of a set in words."""
+    return {choice.name: choice.options[option] for choice, option in zip(CHOICES, one.choices, strict=True)}
