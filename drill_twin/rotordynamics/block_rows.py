@@ -6,6 +6,7 @@ Each node couples with its neighbours alone, so that all operations take a time 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -24,6 +25,8 @@ class BlockRows:
     Attributes:
         free: Mask of the unknowns that are not constrained, shape (n + 1, k).
         unknowns: Number m of free unknowns.
+        row: Of each entry of a matrix of the free unknowns that may differ from zero, its row.
+        column: Its column.
     """
 
     def __init__(self, free: Mask, columns: Places) -> None:
@@ -38,13 +41,17 @@ class BlockRows:
         column = np.broadcast_to(column, row.shape)
         taken = ((row >= 0) & (column >= 0)).ravel()
         self._from = np.flatnonzero(taken)
-        self._row, self._column = row.ravel()[taken], column.ravel()[taken]
+        self.row, self.column = row.ravel()[taken], column.ravel()[taken]
 
     def dense(self, blocks: Array) -> Array:
         """The full matrix of the free unknowns, shape (m, m)."""
         matrix = np.zeros((self.unknowns, self.unknowns))
-        matrix[self._row, self._column] = blocks.flat[self._from]
+        matrix[self.row, self.column] = self.entries(blocks)
         return matrix
+
+    def entries(self, blocks: Array) -> Array:
+        """Entries of the matrix of the free unknowns, at `row` and `column`."""
+        return np.asarray(blocks.flat[self._from])
 
     def times_j(self, blocks: Array) -> Array:
         """Blocks times J, the quarter turn about the axis."""
@@ -72,8 +79,8 @@ class BlockRows:
     @cached_property
     def _band(self) -> tuple[int, Places]:
         """Diagonals on each side, and places of the entries in LAPACK's band storage, transposed."""
-        half = int(np.abs(self._row - self._column).max())
-        return half, self._column * (3 * half + 1) + 2 * half + self._row - self._column
+        half = int(np.abs(self.row - self.column).max())
+        return half, self.column * (3 * half + 1) + 2 * half + self.row - self.column
 
     def solve(self, blocks: Array, right: Array, held: int = -1, instead: Array | None = None) -> Array:
         """Solution of a banded system, not finite where there is none.
@@ -86,24 +93,41 @@ class BlockRows:
         """
         half, places = self._band
         store = np.zeros((self.unknowns, 3 * half + 1))
-        store.flat[places] = blocks.flat[self._from]
-        rights = right[:, None]
-        if instead is not None:
-            # with the unit vector as that column the matrix stays banded; one more solution makes up for it
-            store[held], store[held, 2 * half] = 0.0, 1.0
-            rights = np.column_stack([right, instead])
-        _, _, found, info = dgbsv(half, half, store.T, np.asfortranarray(rights), overwrite_ab=1, overwrite_b=1)
-        if info != 0:
-            return np.full(right.shape, np.nan)
-        solution: Array = found[:, 0].copy()
-        if instead is not None:
-            with np.errstate(divide="ignore", invalid="ignore"):
-                own = solution[held] / found[held, 1]
-            solution -= own * found[:, 1]
-            solution[held] = own
-        return solution
+        store.flat[places] = self.entries(blocks)
+        return solve_banded(store, half, right, *(() if instead is None else ([held], [instead])))
 
     def _nodes(self, blocks: Array) -> Array:
         """View with the columns of each node apart, shape (n + 1, k, 3, k)."""
         nodes, width, _ = blocks.shape
         return blocks.reshape(nodes, width, 3, width)
+
+
+def solve_banded(
+    store: Array, half: int, right: Array, held: Sequence[int] = (), instead: Sequence[Array] = ()
+) -> Array:
+    """Solution of a banded system, some columns of which dense ones replace; not finite where there is none.
+
+    Args:
+        store: The matrix in LAPACK's band storage, transposed, shape (m, 3 half + 1); overwritten.
+        half: Diagonals on each side.
+        right: Right-hand side, shape (m,).
+        held: Numbers of the columns that are replaced.
+        instead: The dense columns, shape (m,) each.
+    """
+    # with unit vectors as those columns the matrix stays banded; one more solution for each makes up for it
+    for column in held:
+        store[column], store[column, 2 * half] = 0.0, 1.0
+    rights = np.asfortranarray(np.column_stack([right, *instead]))
+    _, _, found, info = dgbsv(half, half, store.T, rights, overwrite_ab=1, overwrite_b=1)
+    if info != 0:
+        return np.full(right.shape, np.nan)
+    solution: Array = found[:, 0].copy()
+    if held:
+        columns = list(held)
+        try:
+            own = np.linalg.solve(found[columns, 1:], solution[columns])
+        except np.linalg.LinAlgError:
+            return np.full(right.shape, np.nan)
+        solution -= found[:, 1:] @ own
+        solution[columns] = own
+    return solution

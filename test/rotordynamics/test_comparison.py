@@ -17,7 +17,7 @@ from drill_twin.rotordynamics.steady_whirl import TurningEquations
 from drill_twin.rotordynamics.whirl_states import state_of, whirl_states
 from drill_twin.schedule.command import Command
 from drill_twin.studies.rotordynamics import comparison
-from drill_twin.studies.rotordynamics.motion import motion_of
+from drill_twin.studies.rotordynamics.motion import Motion, motion_of
 
 TIMES = 0.02 * np.arange(1000)
 FAST = Command(40.0, 6.5 * math.tau)
@@ -91,8 +91,8 @@ def test_a_motion_that_is_no_state_found_is_missed(bench):
     equations = EquationsOfMotion(bench)
     states = whirl_states(equations, FAST, random_starts=0)
     stable = next(state for state in states if state.is_stable)
-    radius = np.ones(comparison.MARKS)
-    steady = comparison.Motion("steady whirl", stable.whirl.omega * 1.01, math.nan, 0.0, math.nan, radius)
+    radius = np.ones(comparison.places(equations).size)
+    steady = Motion("steady whirl", stable.whirl.omega * 1.01, math.nan, 0.0, math.nan, radius)
 
     def verdict(motion):
         return comparison.judge(equations, states, 1.0, FAST, motion).verdict

@@ -12,7 +12,7 @@ import typer
 from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, WorkersOption, overrides
 
 if TYPE_CHECKING:
-    from drill_twin.studies.rotordynamics.comparison import Point
+    from drill_twin.studies.rotordynamics.points import Point
 
 GRID = "LOW:HIGH:N"
 
@@ -32,18 +32,17 @@ def whirl_compare(
 ) -> None:
     """Compare the steady whirls found for each load and speed with a run in time that begins on the axis.
 
-    Where a run settles beside a stable state, a second one begins on that state. About 6 s a point with 16 elements in
-    the lateral form.
+    A run with two frequencies is compared with the motion that harmonic balance finds from it. On each stable state
+    that the run is not on, another run begins. About 7 s a point with 16 elements in the lateral form.
     """
     from dataclasses import asdict
-
-    import numpy as np
 
     from drill_twin.api.scenes import as_scene
     from drill_twin.cli.show import grid, print_json
     from drill_twin.cli.show import out as stdout
     from drill_twin.cli.studies.output import counting_bar
     from drill_twin.studies.rotordynamics.comparison import compare
+    from drill_twin.studies.rotordynamics.points import sentences
 
     weights, turns = _values("--loads", loads), [math.tau * value for value in _values("--speeds", speeds)]
     own = as_scene(scene, overrides(change))
@@ -56,25 +55,9 @@ def whirl_compare(
     if json:
         print_json([asdict(point) for point in points])
         return
-    columns = ("load N", "rev/s", "simulated", "ratio", "second", "stable states", "verdict", "reason")
+    columns = ("load N", "rev/s", "simulated", "ratio", "second", "stable states", "verdict", "tested")
     stdout().print(grid(columns, [_cells(point) for point in points], title=own.name, right=(0, 1, 3, 4)))
-    agreed = sum(point.agrees for point in points)
-    whirls = [point for point in points if point.motion == "steady whirl" and point.verdict == "a stable state"]
-    apart = max((min(abs(point.ratio / ratio - 1.0) for ratio in point.stable) for point in whirls), default=np.nan)
-    explained = sum(bool(point.reason) for point in points if not point.agrees)
-    lines = [
-        f"{agreed} of {len(points)} points agree; of the others {explained} have a reason that was tested.",
-        f"{len(whirls)} runs end in a steady whirl that is a stable state"
-        + (f"; whirl speeds differ by {apart:.2%} at most." if whirls else "."),
-    ]
-    changes = [(point.change, point.modulation) for point in whirls if point.change and point.modulation]
-    if changes:
-        lines.append(
-            "Their shape changes by "
-            + ", ".join(f"{simulated:.1e} ({first:.1e})" for simulated, first in changes)
-            + " of the clearance; in brackets the modulation by bow and eccentricity, to first order."
-        )
-    stdout().print(" ".join(lines), markup=False, soft_wrap=True)
+    stdout().print(" ".join(sentences(points)), markup=False, soft_wrap=True)
 
 
 def _cells(point: Point) -> tuple[str, ...]:
