@@ -18,9 +18,10 @@ from drill_twin.errors import ArgumentError, RunError
 from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runner import Run, compile_kernel
+from drill_twin.runner.session import SetPoints
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command, Schedule
-from drill_twin.twin.frame import Frame
+from drill_twin.twin.frame import Frames
 from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
 from drill_twin.whirl import Findings
 
@@ -56,19 +57,19 @@ class State:
     """Onset of whirl [s], once it is found."""
 
     @classmethod
-    def of(cls, frame: Frame, findings: Findings | None) -> State:
-        """State of a frame and of the analysis after it."""
-        rig, onset = frame.rig, findings.onset if findings else None
+    def of(cls, frames: Frames, findings: Findings | None) -> State:
+        """State at the end of some frames and of the analysis after them."""
+        rig, onset = frames.rig_state(-1), findings.onset if findings else None
         return cls(
-            time=frame.time,
+            time=float(frames.time[-1]),
             weight_on_bit=rig.bit_force,
             rpm=rig.top_drive_speed / RPM,
             bit_rpm=rig.bit_speed / RPM,
             hookload=rig.hookload,
             torque=rig.top_drive_torque,
             bit_torque=rig.bit_torque,
-            centre=frame.marks.centre,
-            wall_force=frame.marks.wall_force,
+            centre=frames.marks.centre[-1].copy(),
+            wall_force=frames.marks.wall_force[-1].copy(),
             motion=findings.motion.value if findings else "unknown",
             onset_s=onset.time_s if onset else None,
         )
@@ -159,10 +160,7 @@ class Simulation:
                 )
         else:
             length = in_si("duration", duration, TIME)
-        for _ in range(max(1, math.ceil(self._frames("duration", length) - 0.5))):
-            state = self._advance(self.schedule.at(seconds(self._run.stamp + self._period)))
-            if progress is not None:
-                progress(state)
+        self._run_on(self.schedule.at, max(1, math.ceil(self._frames("duration", length) - 0.5)), progress)
         return self.result()
 
     def advance(
@@ -199,9 +197,7 @@ class Simulation:
                 f"seconds: expected a whole number of frames of {self.frame_time:g} s, found {seconds!r}; "
                 f"take {max(frames, 1) * self.frame_time:g}, or set numerics.frame_rate"
             )
-        for _ in range(frames - 1):
-            self._advance(command)
-        return self._advance(command)
+        return self._run_on(lambda _: command, frames)
 
     def follow(self, command: Command) -> State:
         """Run on by a frame, at whose end a command holds: weight on bit [N] and speed of the top drive [rad/s].
@@ -209,7 +205,7 @@ class Simulation:
         Raises:
             RunError: The motion could not be followed; `result` gives what came before.
         """
-        return self._advance(command)
+        return self._run_on(lambda _: command, 1)
 
     def result(self) -> Result:
         """All that was recorded so far, and its analysis; the run can go on afterwards.
@@ -227,14 +223,21 @@ class Simulation:
             raise ArgumentError(f"{name}: expected a time above 0 s, found {length:g} s")
         return length * NANOSECONDS / self._period
 
-    def _advance(self, command: Command) -> State:
-        try:
-            frame = self._run.advance(command)
-        except RunError:
-            self._report()
-            raise
-        self.state = State.of(frame, self._run.findings)
-        return self.state
+    def _run_on(self, set_points: SetPoints, frames: int, progress: Callable[[State], None] | None = None) -> State:
+        """Run on by frames: one at a time for a progress, else as many at once as `Run` takes."""
+        end = self._run.loop.frames + frames
+        while (left := end - self._run.loop.frames) > 0:
+            try:
+                self._run.follow(set_points, 1 if progress is not None else min(left, self._run.most_frames))
+            except RunError:
+                self._report()
+                raise
+            finally:
+                if self._run.last is not None:
+                    self.state = state = State.of(self._run.last, self._run.findings)
+            if progress is not None:
+                progress(state)
+        return state
 
     def _report(self) -> None:
         """Record the diagnostics that close a bag, once for each frame."""

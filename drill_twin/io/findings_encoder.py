@@ -17,7 +17,7 @@ from drill_twin.io.messages.whirl_encode import (
 )
 from drill_twin.whirl import BitMotion, MarkInfo, StickSlip
 from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
-from drill_twin.whirl.findings import Findings
+from drill_twin.whirl.findings import Findings, FoundRows
 
 BIT = "bit"
 """Name under which `/whirl/motion` reports the rotation of the bit: steady, torsional vibration, stick-slip."""
@@ -49,13 +49,32 @@ class FindingsEncoder:
 
     def messages(self, findings: Findings, frame_id: str = FRAME_ID) -> Iterator[tuple[str, bytes]]:
         """Topics and bytes of the messages for these findings, in the frame of the samples."""
-        stamp = findings.stamp_ns
-        if frame_id != self._frame_id and len(frame_id) <= _LONGEST_FRAME:
-            self._state, self._frame_id = WhirlStateEncoder(self._names, frame_id), frame_id
+        self._set_frame(frame_id)
         yield (
             WHIRL_STATE,
-            self._state.encode(stamp, findings.orbit_radius, findings.precession, findings.ratio, findings.confidence),
+            self._state.encode(
+                findings.stamp_ns, findings.orbit_radius, findings.precession, findings.ratio, findings.confidence
+            ),
         )
+        yield from self._on_change(findings.stamp_ns, findings)
+
+    def rows(self, found: FoundRows, frame_id: str = FRAME_ID) -> list[list[tuple[str, bytes]]]:
+        """As `messages`, for each of several samples."""
+        self._set_frame(frame_id)
+        messages = [[(WHIRL_STATE, raw)] for raw in self._state.rows(found.stamps, found.values)]
+        present = found.before
+        for row, stamp in enumerate(found.stamps):
+            if row in found.changes or stamp >= self._motion_due:
+                present = found.changes.get(row, present)
+                messages[row] += self._on_change(stamp, present)
+        return messages
+
+    def _set_frame(self, frame_id: str) -> None:
+        if frame_id != self._frame_id and len(frame_id) <= _LONGEST_FRAME:
+            self._state, self._frame_id = WhirlStateEncoder(self._names, frame_id), frame_id
+
+    def _on_change(self, stamp: int, findings: Findings) -> Iterator[tuple[str, bytes]]:
+        """Motion where it has changed or a second is over, and the onset once."""
         motion = (findings.motion, findings.bit, *findings.state)
         if motion != self._motion or stamp >= self._motion_due:
             self._motion, self._motion_due = motion, stamp - stamp % NANOSECONDS + NANOSECONDS

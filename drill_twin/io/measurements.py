@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from drill_twin.base.arrays import Array
 from drill_twin.io.messages.sensor_messages import ImuEncoder, SummaryEncoder, SurfaceEncoder
 from drill_twin.io.messages.topics import SURFACE_STATE, imu_topic, summary_topic
 from drill_twin.scene import Scene
 from drill_twin.sensors.subs import SubSampler
 from drill_twin.sensors.surface import SurfaceSampler, SurfaceValues
-from drill_twin.twin.frame import Frame
+from drill_twin.twin.frame import RigState
 from drill_twin.twin.twin import Twin
 
 
@@ -30,7 +31,6 @@ class Measurements:
         scene, sensors = twin.scene, twin.scene.sensors
         subs = () if sensors is None else sensors.subs
         surface = None if sensors is None else sensors.surface
-        self._twin = twin
         self._subs = SubSampler(scene, twin.rod, twin.time, *twin.unknowns) if subs else None
         speed = float(twin.unknowns[1][-1, 6])
         self._surface = None if surface is None else SurfaceSampler(scene, surface, twin.time, speed)
@@ -38,14 +38,20 @@ class Measurements:
         self._summary = {sub.name: SummaryEncoder(sub.name) for sub in subs}
         self._surface_encoder = SurfaceEncoder()
 
-    def messages(self, frame: Frame) -> Iterator[tuple[str, bytes]]:
-        """Topics and bytes of what is due after a frame."""
+    def messages(self, time: float, u: Array, v: Array, rig: RigState) -> Iterator[tuple[str, bytes]]:
+        """Topics and bytes of what is due after a frame.
+
+        Args:
+            time: Its time [s].
+            u: Node rows (r, r', psi) at its end, shape (n + 1, 7).
+            v: Their velocities.
+            rig: State of rig and bit.
+        """
         if self._subs is not None:
-            for sub, readings, summaries in self._subs.advance(frame.time, *self._twin.unknowns):
+            for sub, readings, summaries in self._subs.advance(time, u, v):
                 yield from ((imu_topic(sub.name), self._imu[sub.name].encode(one)) for one in readings)
                 yield from ((summary_topic(sub.name), self._summary[sub.name].encode(one)) for one in summaries)
         if self._surface is not None:
-            rig = frame.rig
             found = SurfaceValues(rig.top_drive_speed, rig.top_drive_torque, rig.hookload, rig.block_position)
-            for reading in self._surface.advance(frame.time, found):
+            for reading in self._surface.advance(time, found):
                 yield SURFACE_STATE, self._surface_encoder.encode(reading)

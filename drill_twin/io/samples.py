@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.encode import MARK_AXES
+from drill_twin.io.messages.encode import MARK_AXES, wall_push
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
+from drill_twin.twin.frame import Frames, RigState
 
 WAITING = 256
 """Largest number of samples of one topic that wait for their partner of the other, or for the scene."""
 
-_FASTEST = 1e6  # rad/s
+FASTEST = 1e6
+"""Largest speed of top drive and bit that is taken for one [rad/s]."""
 
 Speeds = tuple[float, float]
 """Speeds of the top drive and of the bit [rad/s]; nan where not known."""
@@ -32,6 +34,28 @@ class Sample(NamedTuple):
     stamp: int
     marks: JointState
     speeds: Speeds
+
+
+class SampleRows(NamedTuple):
+    """States of m marks and of the rig at the same stamps, one a row."""
+
+    position: Array
+    """Marked points [m], shape (n, m, 3)."""
+    spin: Array
+    """Spin at the marks [rad], shape (n, m)."""
+    wall_force: Array
+    """Normal wall force at the marks [N], shape (n, m)."""
+    top_speed: Array
+    """Speed of the top drive [rad/s], shape (n,)."""
+    bit_speed: Array
+    """Speed of the bit [rad/s], shape (n,)."""
+
+    @classmethod
+    def of(cls, frames: Frames) -> SampleRows:
+        """What `/marks/state` and `/rig/state` tell of frames; the force is that of its two components."""
+        push = wall_push(frames.marks.centre, frames.marks.wall_force)
+        speeds = (frames.rig[:, RigState._fields.index(name)] for name in ("top_drive_speed", "bit_speed"))
+        return cls(frames.marks.position, frames.marks.spin, np.hypot(push[..., 0], push[..., 1]), *speeds)
 
 
 class SamplePairing:
@@ -115,10 +139,8 @@ def speeds(state: JointState) -> Speeds:
         raise MessageError(f"expected the speed of top_drive on {RIG_STATE}, found no velocities")
     bit = state.names.index("bit") if "bit" in state.names else state.velocity.size
     found = float(state.velocity[drive]), float(state.velocity[bit]) if bit < state.velocity.size else math.nan
-    if any(abs(speed) > _FASTEST for speed in found):
-        raise MessageError(
-            f"expected speeds within {_FASTEST:g} rad/s on {RIG_STATE}, found {found[0]:g}, {found[1]:g}"
-        )
+    if any(abs(speed) > FASTEST for speed in found):
+        raise MessageError(f"expected speeds within {FASTEST:g} rad/s on {RIG_STATE}, found {found[0]:g}, {found[1]:g}")
     return found
 
 

@@ -17,7 +17,7 @@ from drill_twin.errors import DrillTwinError
 from drill_twin.io.findings_encoder import FindingsEncoder
 from drill_twin.io.messages.decode import JointState, JointStateReader, read_string
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE
-from drill_twin.io.samples import UNKNOWN, WAITING, MarkReader, Sample, SamplePairing, speeds
+from drill_twin.io.samples import FASTEST, UNKNOWN, WAITING, MarkReader, Sample, SamplePairing, SampleRows, speeds
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import AnalysisError, Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
@@ -83,6 +83,7 @@ class WhirlPipeline:
         self._mark_reader = MarkReader(())
         self._pairing = SamplePairing()
         self.marks: tuple[MarkInfo, ...] = ()
+        self._latest = -1
         self._clear()
         if scene is not None or infos:
             self._start_run(scene)
@@ -135,6 +136,29 @@ class WhirlPipeline:
             self.malformed += 1
             self.trouble = str(error)
         return []
+
+    def take_rows(self, stamps: Sequence[int], samples: SampleRows, frame_id: str) -> list[list[Message]] | None:
+        """Process n states of marks and rig at once, as `take` would one after the other.
+
+        Args:
+            stamps: Their stamps [ns].
+            samples: What is in them.
+            frame_id: Frame of the messages.
+
+        Returns:
+            The messages that follow from each; None where they must be taken one by one.
+        """
+        fast = np.abs((samples.top_speed, samples.bit_speed)).max(initial=0.0) > FASTEST
+        if self._analyzer is None or self._encoder is None or fast or stamps[0] <= self._latest or self._selected:
+            return None
+        spin = samples.spin if self._known_spin(samples.spin[0]) is not None else None
+        found = self._analyzer.push_block(
+            np.array(stamps), samples.position, spin, samples.top_speed, samples.wall_force, samples.bit_speed
+        )
+        self.findings = self._analyzer.findings
+        self._latest = stamps[-1]
+        self._behind.clear()
+        return self._encoder.rows(found, frame_id)
 
     def summary(self) -> Summary:
         """Findings of the whole run.

@@ -5,15 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from drill_twin.model.section_stress import LARGEST_STRESS
 from drill_twin.scene import Scene
-from drill_twin.twin.frame import Frame
+from drill_twin.twin.frame import Frames, RigState
 
 KEY = "left_out"
 """Key in the simulator's diagnostics; several sentences are joined by `SEPARATOR`."""
 NOTES = "notes"
 """Key in the simulator's diagnostics for notes on the scene (`drill_twin.discretisation.notes`), joined likewise."""
 SEPARATOR = " | "
+_BIT_FORCE = RigState._fields.index("bit_force")
 
 
 def recorded_sentences(values: Mapping[str, str]) -> list[str]:
@@ -37,23 +40,28 @@ class MissingEffects:
         self._yield_strengths = {} if block is None else block.yield_strengths(scene)
         self._check_bit = scene.rig.weight_on_bit.at == "top" and not effects.providing("weight")
 
-    def update(self, frame: Frame) -> None:
-        """Check one frame."""
-        if self._check_wall and frame.wall_depth > 0.0:
-            self._check_wall = False
-            self.found.append(
-                f"at {frame.time:.3f} s the string passed through the wall of the hole, {frame.wall_depth_at:.3g} m "
-                "from the bit, and goes on as if there were none: list the effect `wall`"
-            )
-        if self._check_bit and frame.rig.bit_force < 0.0:
-            self._check_bit = False
-            self.found.append(
-                f"at {frame.time:.3f} s the bit was pulled with {-frame.rig.bit_force:.4g} N and would have lifted off "
-                "the bottom, which holds it here: list `rock_floor`, `bit_cutting` or `bit_regenerative`"
-            )
-
-        if frame.stress is not None:
-            self._check_yield(frame.time, frame.stress[:, LARGEST_STRESS].tolist())
+    def update(self, frames: Frames) -> None:
+        """Check frames, in order."""
+        force, depth = frames.rig[:, _BIT_FORCE], frames.wall_depth
+        through, pulled = depth > 0.0, force < 0.0
+        for k in np.flatnonzero(through | pulled | (frames.stress is not None)).tolist():
+            if not (self._check_wall or self._check_bit or self._yield_strengths):
+                return
+            time = float(frames.time[k])
+            if self._check_wall and through[k]:
+                self._check_wall = False
+                self.found.append(
+                    f"at {time:.3f} s the string passed through the wall of the hole, {frames.wall_depth_at[k]:.3g} m "
+                    "from the bit, and goes on as if there were none: list the effect `wall`"
+                )
+            if self._check_bit and pulled[k]:
+                self._check_bit = False
+                self.found.append(
+                    f"at {time:.3f} s the bit was pulled with {-force[k]:.4g} N and would have lifted off "
+                    "the bottom, which holds it here: list `rock_floor`, `bit_cutting` or `bit_regenerative`"
+                )
+            if frames.stress is not None:
+                self._check_yield(time, frames.stress[k, :, LARGEST_STRESS].tolist())
 
     def _check_yield(self, time: float, largest: list[float]) -> None:
         """Check the stress of the sections of `fatigue` [Pa]."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 from drill_twin.monitor.missing_effects import SEPARATOR
-from drill_twin.twin.frame import EnergyBalance, Frame
+from drill_twin.twin.frame import EnergyBalance, Frames
 
 ENERGY = "energy_"
 """Prefix of the keys of the energy balance, present where a scene asks for it: `energy_residual` is the share of
@@ -34,12 +34,12 @@ class RejectedSteps:
         self._new: list[str] = []
         self._energy: EnergyBalance | None = None
 
-    def update(self, frame: Frame) -> None:
-        """Count one frame."""
-        self._energy = frame.energy
-        if frame.intervention is not None:
+    def update(self, frames: Frames) -> None:
+        """Count the rejected frames among some that were computed."""
+        self._energy = frames.energy
+        for intervention in frames.interventions:
             self.count += 1
-            self.last = frame.intervention.text
+            self.last = intervention.text
             self._new.append(self.last)
 
     def values(self) -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import time
 
-from drill_twin.twin.frame import Frame
+from drill_twin.twin.frame import StepStats
 from drill_twin.twin.twin import Twin
 
 _FRAMES, _SHORTEST = 10, 0.2  # a window of fewer frames and less time [s] has no rate
@@ -31,9 +31,16 @@ class RunTiming:
         self._window_simulated = self._window_computing = 0.0
         self._window_iterations = self._window_frames = 0
 
-    def update(self, simulated: float, computing: float, publishing: float, frame: Frame) -> None:
-        """Count one frame with its simulated, computing and publishing time [s], now that it is published."""
-        now = time.monotonic()
+    def update(self, simulated: float, publishing: float, stats: StepStats, frames: int = 1) -> None:
+        """Count frames with their simulated and publishing time [s] in all, now that they are published.
+
+        Args:
+            simulated: Simulated time [s].
+            publishing: Time of encoding and sending them [s].
+            stats: Numerical effort.
+            frames: Number of frames; those of a block count with their mean computing time.
+        """
+        now, computing = time.monotonic(), stats.wall_seconds
         start = now - computing - publishing if self._frame_end is None else self._frame_end
         self._frame_end = now
         self._window_start = start if self._window_start is None else self._window_start
@@ -41,13 +48,13 @@ class RunTiming:
             self._total[k] += seconds
         self._window_simulated += simulated
         self._window_computing += computing
-        self._window_frames += 1
-        self._steps += frame.stats.steps
-        self._iterations += frame.stats.iterations
-        self._window_iterations += frame.stats.iterations
-        self._cut += frame.stats.cut_steps
-        self._loose += frame.stats.loose_steps
-        self._slowest = max(self._slowest, computing)
+        self._window_frames += frames
+        self._steps += stats.steps
+        self._iterations += stats.iterations
+        self._window_iterations += stats.iterations
+        self._cut += stats.cut_steps
+        self._loose += stats.loose_steps
+        self._slowest = max(self._slowest, computing / frames)
 
     def pause(self) -> None:
         """Leave the time until the next frame out of the real-time factor of the run."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The run loop: advance the twin by a frame, encode it, count its cost, diagnose it.
+"""The run loop: advance the twin by frames, encode them, count their cost, diagnose them.
 
 A session without ROS and the simulator node both drive this loop; they differ in the sink that takes the messages (a
 bag, memory, DDS) and in what decides when the next frame is due.
@@ -8,8 +8,11 @@ bag, memory, DDS) and in what decides when the next frame is due.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
 
 from drill_twin.discretisation.notes import notes_on
 from drill_twin.errors import RunError
@@ -36,7 +39,8 @@ from drill_twin.monitor.run_timing import EffectTiming, RunTiming
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.twin.checkpoint import Checkpoint
-from drill_twin.twin.frame import Frame
+from drill_twin.twin.frame import Frame, Frames
+from drill_twin.twin.observer import Record
 from drill_twin.twin.twin import Twin
 
 TOPICS = (RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, REALTIME_FACTOR, CLOCK_TOPIC)
@@ -49,6 +53,12 @@ def topics_of(scene: Scene) -> tuple[str, ...]:
     return TOPICS + sensor_topics(scene) + stress
 
 
+MOST_FRAMES = 256
+"""Most frames that are computed in one compiled call."""
+_MOST_BYTES = 16 * 1024 * 1024
+
+Message = tuple[str, bytes]
+"""Topic and CDR bytes."""
 Sink = Callable[[str, bytes], None]
 """Takes a topic and the CDR bytes of a message."""
 
@@ -60,7 +70,7 @@ class RunLoop:
         scene: The scene.
         period: Simulated time of a frame [s].
         twin: The twin.
-        frame: The last frame; None before the first.
+        frame: The last frame of `advance`; None before the first.
         frames: Number of frames since the start of the run.
         timing: Cost of the run.
         missing_effects: Effects that the run called for and the scene leaves out.
@@ -103,6 +113,7 @@ class RunLoop:
 
     def _begin(self, twin: Twin) -> None:
         self.twin = twin
+        self.__dict__.pop("_record", None)  # of a twin before
         self.frame: Frame | None = None
         self.frames = 0
         self.missing_effects = MissingEffects(self.scene)
@@ -119,7 +130,7 @@ class RunLoop:
     def announce(self) -> None:
         """Send the description of the run and its time: of a new run, or of one resumed from a checkpoint."""
         self._sink(TWIN_SCENE, encode_string(describe_run(self.twin, self._pace)))
-        self._sink(CLOCK_TOPIC, self._encoder.clock(self.twin.time))
+        self._sink(CLOCK_TOPIC, *self._encoder.clock(np.array([self.twin.time])))
 
     def reset(self) -> None:
         """Start a new run at time zero."""
@@ -146,7 +157,7 @@ class RunLoop:
         markers: bool = False,
         exaggeration: float | None = None,
         also: Callable[[Frame], None] | None = None,
-    ) -> Frame:
+    ) -> None:
         """Advance by a frame and send it.
 
         Args:
@@ -158,39 +169,88 @@ class RunLoop:
         Raises:
             RunError: The motion could not be followed; the twin is back at the last good frame.
         """
-        began = time.perf_counter()
         try:
             frame = self.twin.advance(command, self.period)
         except RunError as error:
             self.rejected_steps.stopped = str(error)
             raise
         advanced = time.perf_counter()
+        u, v = self.twin.unknowns
+        frames = Frames.of(frame)._replace(u=u[None], v=v[None])
+        (messages,) = self.messages(frames, [0] if markers else [], exaggeration)
         self.frame = frame
-        self.frames += 1
-        self._send(frame, markers=markers, exaggeration=exaggeration, also=also)
-        self.timing.update(self.period, advanced - began, time.perf_counter() - advanced, frame)
-        self.missing_effects.update(frame)
-        self.rejected_steps.update(frame)
-        return frame
-
-    def _send(
-        self, frame: Frame, *, markers: bool, exaggeration: float | None, also: Callable[[Frame], None] | None
-    ) -> None:
-        sink, encoder = self._sink, self._encoder
-        sink(RIG_STATE, encoder.rig_state(frame))
-        sink(MARKS_STATE, encoder.marks(frame))
-        sink(STRING_POSES, encoder.poses(frame))
-        if frame.stress is not None:
-            sink(STRING_STRESS, encoder.stress(frame))
-        if markers:
-            sink(STRING_MARKERS, encoder.markers(frame, exaggeration))
-        if self._measurements is not None:
-            for topic, raw in self._measurements.messages(frame):
-                sink(topic, raw)
+        for topic, raw in messages[:-1]:
+            self._sink(topic, raw)
         if also is not None:
             also(frame)
-        # Last: a driver that answers the clock can rely on the frame being out.
-        sink(CLOCK_TOPIC, encoder.clock(frame.time))
+        self._sink(*messages[-1])
+        self.count(frames, time.perf_counter() - advanced)
+
+    def fill(self, commands: Sequence[Command]) -> tuple[Frames, BaseException | None]:
+        """Advance by `most_frames` at most; the caller sends the `messages`, and calls `count`.
+
+        Args:
+            commands: Set-points at the end of each frame.
+
+        Returns:
+            The frames, which hold until the next call, and the error that ended them before the last command.
+        """
+        columns = self.twin.dynamics.command.size
+        targets = np.array([(c.weight_on_bit, c.rotation, c.block) for c in commands]).reshape(-1, 3)[:, :columns]
+        frames, error = self.twin.fill(self._record, np.ascontiguousarray(targets), self.period)
+        if isinstance(error, RunError):
+            self.rejected_steps.stopped = str(error)
+        return frames, error
+
+    @property
+    def most_frames(self) -> int:
+        """Most frames that `fill` takes."""
+        return self._record.size
+
+    @cached_property
+    def _record(self) -> Record:
+        one = self.twin.record(1)
+        size = sum(array.nbytes for part in (one.rows, one.states) for array in part)
+        return self.twin.record(max(1, min(MOST_FRAMES, _MOST_BYTES // size)))
+
+    def messages(
+        self, frames: Frames, markers: Sequence[int], exaggeration: float | None = None
+    ) -> list[list[Message]]:
+        """Encode frames; a list of topics and bytes for each, in the order of sending.
+
+        Args:
+            frames: The frames.
+            markers: Those for which `/string/markers` is due.
+            exaggeration: Factor of lateral motion in them; the default where None.
+
+        Raises:
+            MessageError: A number in them is not finite.
+        """
+        encoder = self._encoder
+        regular = {RIG_STATE: encoder.rig_state, MARKS_STATE: encoder.marks, STRING_POSES: encoder.poses}
+        if frames.stress is not None:
+            regular[STRING_STRESS] = encoder.stress
+        columns = [[(topic, raw) for raw in encode(frames)] for topic, encode in regular.items()]
+        messages = [list(row) for row in zip(*columns, strict=True)]
+        if markers:
+            for row, raw in zip(markers, encoder.markers(frames.part(markers), exaggeration), strict=True):
+                messages[row].append((STRING_MARKERS, raw))
+        if self._measurements is not None and frames.u is not None and frames.v is not None:
+            for row, (end, u, v) in enumerate(zip(frames.time.tolist(), frames.u, frames.v, strict=True)):
+                messages[row] += self._measurements.messages(end, u, v, frames.rig_state(row))
+        # The clock is last: a driver that answers it can rely on the frame being out.
+        for row, raw in enumerate(encoder.clock(frames.time)):
+            messages[row].append((CLOCK_TOPIC, raw))
+        return messages
+
+    def count(self, frames: Frames, publishing: float) -> None:
+        """Count frames that were sent, which took a time [s]."""
+        number = len(frames.time)
+        if number:
+            self.frames += number
+            self.timing.update(number * self.period, publishing, frames.stats, number)
+            self.missing_effects.update(frames)
+            self.rejected_steps.update(frames)
 
     def diagnostics(self) -> dict[str, str]:
         """Named values of the run for `/diagnostics`; sends the real-time factor and begins a new window of it."""

@@ -12,28 +12,45 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 from typing import Protocol
 
-from drill_twin.errors import RunError, StoppedError
+from drill_twin.errors import MessageError, RunError, StoppedError
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
-from drill_twin.io.messages.topics import DIAGNOSTICS, OF_EVERY_RUN, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.io.messages.topics import (
+    DIAGNOSTICS,
+    MARKS_STATE,
+    OF_EVERY_RUN,
+    RIG_COMMAND,
+    RPS_COMMAND,
+    WOB_COMMAND,
+)
+from drill_twin.io.samples import SampleRows
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.monitor.failure_dump import save_failure
 from drill_twin.runner.compilation import compile_kernel
 from drill_twin.runner.loop import RunLoop, topics_of
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command, Schedule
-from drill_twin.twin.frame import Frame
+from drill_twin.twin.frame import Frames
 from drill_twin.whirl import Findings, Summary
 
 MARKER_RATE = 25.0
 """Messages on `/string/markers` per simulated second."""
+BLOCK_SECONDS = 0.05
+"""Time by the clock after which the frames computed so far are recorded [s]."""
+
+
+SetPoints = Callable[[float], Command]
+"""Set-points at a time [s]."""
+Recorded = tuple[str, int, bytes]
+"""Topic, stamp [ns] and CDR bytes of a message."""
 
 
 class Recorder(Protocol):
@@ -41,6 +58,9 @@ class Recorder(Protocol):
 
     def write(self, topic: str, stamp: int, raw: bytes) -> None:
         """Record the CDR bytes of a message at a stamp [ns]."""
+
+    def write_all(self, messages: Sequence[Recorded]) -> None:
+        """Record messages one after the other."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +81,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Progress:
-    """State of a run after a frame."""
+    """State of a run at the end of some frames."""
 
     simulated: float
     """Simulated time [s]."""
@@ -74,7 +94,7 @@ class Progress:
 
 
 class Run:
-    """One run, a frame at a time, recorded as it goes.
+    """One run, some frames at a time, recorded as it goes.
 
     Attributes:
         loop: The run loop with the twin.
@@ -95,6 +115,10 @@ class Run:
         self.command = self.loop.first
         """Set-points in force."""
         self._commands = CommandEncoder()
+        self._frame_id = self.loop.geometry.frame_id
+        self.last: Frames | None = None
+        """The last frame; views that hold until the next call of `advance`."""
+        self._quick = 1  # frames in BLOCK_SECONDS
         self._echo_due = self._markers_due = 0
         self._diagnostics_due = NANOSECONDS
         self.loop.announce()
@@ -109,30 +133,89 @@ class Run:
         """The latest findings."""
         return self.pipeline.findings
 
-    def advance(self, command: Command) -> Frame:
-        """Advance by a frame, at whose end the command holds.
+    @property
+    def most_frames(self) -> int:
+        """Most frames of the next `advance`: up to the next diagnostics, and some `BLOCK_SECONDS` by the clock."""
+        until = -(-(self._diagnostics_due - self.stamp) // self._period)
+        return max(1, min(until, self.loop.most_frames, self._quick))
+
+    def advance(self, commands: Sequence[Command]) -> None:
+        """Advance by frames, `most_frames` at most, at whose ends the commands hold.
 
         Raises:
-            RunError: The motion could not be followed.
+            RunError: The motion could not be followed; the frames before are recorded.
+            MessageError: A set-point or a result is not a finite number; the same.
         """
-        stamp = self.stamp + self._period
-        self._send(stamp, command)
-        markers = stamp >= self._markers_due
-        frame = self.loop.advance(command, markers=markers)
-        if markers:
-            self._markers_due = stamp + round(NANOSECONDS / MARKER_RATE)
-        if stamp >= self._diagnostics_due:
+        began, start = time.perf_counter(), self.stamp
+        sound = sum(1 for _ in takewhile(Command.is_finite, commands))
+        frames, error = self.loop.fill(commands[:sound])
+        filled, count = time.perf_counter(), len(frames.time)
+        self._write(start, commands[:count], frames)
+        self.loop.count(frames, time.perf_counter() - filled)
+        if count:
+            self.last = frames.part(slice(-1, None))
+        if count < len(commands):  # what the driver sent before it failed
+            batch: list[Recorded] = []
+            after, command = self.stamp + self._period, commands[count]
+            self._command(batch, after, command, self._commands.command(after, command))
+            self._recorder.write_all(batch)
+        if error is not None:
+            raise error
+        self._quick = max(1, int(BLOCK_SECONDS * count / (time.perf_counter() - began)))
+        if self.stamp >= self._diagnostics_due:
             self._diagnostics_due += NANOSECONDS
             self.report_diagnostics()
-        return frame
 
-    def _send(self, stamp: int, command: Command) -> None:
-        """Record what the rig driver sends: the command, and its echo as single values on change and once a second."""
-        self._record(RIG_COMMAND, self._commands.command(stamp, command))
+    def follow(self, set_points: SetPoints, frames: int) -> None:
+        """As `advance`, under the set-points at the end of each frame [s]; those before one that fails are recorded."""
+        commands: list[Command] = []
+        try:
+            for frame in range(1, frames + 1):
+                end = seconds(self.stamp + frame * self._period)
+                commands.append(set_points(end))
+        except BaseException:
+            if commands:
+                self.advance(commands)
+            raise
+        self.advance(commands)
+
+    def _write(self, start: int, commands: Sequence[Command], frames: Frames) -> None:
+        """Record frames from a stamp [ns] on: what driver, simulator and analyzer send."""
+        stamps = [start + k * self._period for k in range(1, len(commands) + 1)]
+        if not stamps:
+            return
+        markers_due = self._markers_due
+        try:
+            messages = self.loop.messages(frames, self._markers_at(stamps))
+        except MessageError:
+            if len(stamps) == 1:
+                raise
+            half, self._markers_due = len(stamps) // 2, markers_due
+            self._write(start, commands[:half], frames.part(slice(half)))
+            self._write(stamps[half - 1], commands[half:], frames.part(slice(half, None)))
+            return
+        found = self.pipeline.take_rows(stamps, SampleRows.of(frames), self._frame_id)
+        batch: list[Recorded] = []
+        for row, (stamp, command, raw) in enumerate(
+            zip(stamps, commands, self._commands.commands(stamps, commands), strict=True)
+        ):
+            self._command(batch, stamp, command, raw)
+            for topic, sent in messages[row]:
+                batch.append((topic, stamp, sent))
+                if found is None:
+                    batch += [(name, stamp, message) for name, message in self.pipeline.take(topic, sent)]
+                elif topic == MARKS_STATE:
+                    batch += [(name, stamp, message) for name, message in found[row]]
+        self._recorder.write_all(batch)
+
+    def _command(self, batch: list[Recorded], stamp: int, command: Command, raw: bytes) -> None:
+        """Add what the rig driver sends before a frame: the command, and its echo on change and once a second."""
+        before = stamp - self._period
+        batch.append((RIG_COMMAND, before, raw))
         if command != self.command or stamp >= self._echo_due:
             self._echo_due = stamp + NANOSECONDS
-            self._record(WOB_COMMAND, self._commands.wob_command(command))
-            self._record(RPS_COMMAND, self._commands.rps_command(command))
+            batch.append((WOB_COMMAND, before, self._commands.wob_command(command)))
+            batch.append((RPS_COMMAND, before, self._commands.rps_command(command)))
         self.command = command
 
     def _record(self, topic: str, raw: bytes) -> None:
@@ -140,6 +223,15 @@ class Run:
         self._recorder.write(topic, self.stamp, raw)
         for found, message in self.pipeline.take(topic, raw):
             self._recorder.write(found, self.stamp, message)
+
+    def _markers_at(self, stamps: Sequence[int]) -> list[int]:
+        """Numbers of the frames, by their stamps [ns], for which markers are due."""
+        rows = []
+        for row, stamp in enumerate(stamps):
+            if stamp >= self._markers_due:
+                self._markers_due = stamp + round(NANOSECONDS / MARKER_RATE)
+                rows.append(row)
+        return rows
 
     def report_diagnostics(self) -> None:
         """Record the diagnostics of simulator and analyzer, as the nodes publish them each second."""
@@ -194,8 +286,8 @@ class Session:
 
         Args:
             folder: New folder of the bag.
-            progress: Called after every frame.
-            stop: Called before every frame.
+            progress: Called each time some frames are recorded, after `BLOCK_SECONDS` or a simulated second.
+            stop: Called before the next frames.
 
         Raises:
             BagError: The folder exists or cannot be written.
@@ -207,8 +299,8 @@ class Session:
         with BagWriter(folder, topics=dict.fromkeys((*OF_EVERY_RUN, *topics_of(self.scene)))) as bag:
             run = Run(self.scene, bag)
             try:
-                while run.loop.frames < frames and not stop():
-                    run.advance(self.schedule.at(seconds(run.stamp + self._period)))
+                while (left := frames - run.loop.frames) > 0 and not stop():
+                    run.follow(self.schedule.at, min(left, run.most_frames))
                     if progress is not None:
                         factor = run.loop.timing.realtime_factor
                         progress(Progress(seconds(run.stamp), seconds(frames * self._period), run.findings, factor))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-points of the rig at one instant."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,10 @@ class Command:
     """Speed of the top drive [rad/s]; positive is right-handed about the upward axis."""
     block: float = 0.0
     """Speed of the travelling block [m/s], positive upwards; of a scene with `rig.block`."""
+
+    def is_finite(self) -> bool:
+        """Check that all set-points are finite numbers."""
+        return math.isfinite(self.weight_on_bit) and math.isfinite(self.rotation) and math.isfinite(self.block)
 
     def array(self, size: int = 2) -> Array:
         """The first set-points as the time loop takes them, in the order of the fields; shape (size,)."""

@@ -9,9 +9,11 @@ float64, and copies.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
+
+import numpy as np
 
 from drill_twin.base.arrays import Array
 
@@ -156,3 +158,52 @@ class Frame(NamedTuple):
     stress: Array | None = None
     """Sections with the effect `fatigue`, in the order of the scene: columns of `SCALARS`
     (`drill_twin.model.section_stress`), shape (s, 7)."""
+
+
+class Frames(NamedTuple):
+    """F frames one after the other: the fields of `Frame`, with F as the first axis of each array."""
+
+    time: Array
+    """Simulated times [s], shape (F,)."""
+    positions: Array
+    tangents: Array
+    spin: Array
+    wall_force: Array
+    wall_depth: Array
+    wall_depth_at: Array
+    marks: MarkStates
+    rig: Array
+    """Fields of `RigState`, shape (F, 10)."""
+    stats: StepStats
+    """Numerical effort of all frames."""
+    interventions: Sequence[Intervention]
+    """Records of the step guard, in order."""
+    energy: EnergyBalance | None
+    """Energy balance at the end of the last frame."""
+    stress: Array | None
+    u: Array | None = None
+    """Node rows (r, r', psi), shape (F, n + 1, 7), for the sensors of a scene."""
+    v: Array | None = None
+    """Their velocities."""
+
+    @classmethod
+    def of(cls, frame: Frame) -> Self:
+        """A single frame."""
+        return cls(
+            time=np.array([frame.time]), positions=frame.positions[None], tangents=frame.tangents[None],
+            spin=frame.spin[None], wall_force=frame.wall_force[None], wall_depth=np.array([frame.wall_depth]),
+            wall_depth_at=np.array([frame.wall_depth_at]), marks=MarkStates(*(array[None] for array in frame.marks)),
+            rig=np.array([frame.rig]), stats=frame.stats,
+            interventions=() if frame.intervention is None else (frame.intervention,), energy=frame.energy,
+            stress=None if frame.stress is None else frame.stress[None],
+        )  # fmt: skip
+
+    def part(self, rows: slice | Sequence[int]) -> Frames:
+        """Some of the frames; numerical effort and interventions are those of all."""
+        fields: dict[str, Any] = self._asdict()
+        arrays = {name: value[rows] for name, value in fields.items() if isinstance(value, np.ndarray)}
+        return Frames(**(fields | arrays | {"marks": MarkStates(*(array[rows] for array in self.marks))}))
+
+    def rig_state(self, row: int) -> RigState:
+        """State of rig and bit in a frame."""
+        return RigState(*self.rig[row].tolist())

@@ -81,6 +81,7 @@ class Frames(NamedTuple):
     impulse: Array
     impulse_before: Array
     seen: Observation
+    stress: Array  # (s, scalars) of the sections of `fatigue`
 
 
 class Rows(NamedTuple):
@@ -96,6 +97,19 @@ class Rows(NamedTuple):
     counted: Array  # (F, counters) of the frame
     pushed: Array  # (F, impulses) of the frame
     string: Array  # (F, 3) largest wall force of a node [N], largest penetration [m], share of nodes in contact
+
+
+class States(NamedTuple):
+    """The rest of recorded frames, for messages; F = 0 where it is not wanted."""
+
+    u: Array  # (F, n + 1, 7) node rows (r, r', psi)
+    v: Array  # (F, n + 1, 7) their velocities
+    tangents: Array  # (F, n + 1, 3)
+    wall_force: Array  # (F, n + 1) [N]
+    velocity: Array  # (F, m, 3) of the marks [m/s]
+    spin_rate: Array  # (F, m) [rad/s]
+    deepest: Array  # (F, 2) see Observation
+    stress: Array  # (F, s, scalars)
 
 
 @kernel
@@ -164,7 +178,7 @@ def count_good_frame(frames: Frames) -> None:
 
 
 @kernel
-def record(frames: Frames, u: Array, v: Array, rows: Rows, row: int) -> None:
+def record(frames: Frames, u: Array, v: Array, rows: Rows, states: States, row: int) -> None:
     """Record the frame that was observed last."""
     seen = frames.seen
     rows.time[row] = frames.clock[TIME]
@@ -188,6 +202,11 @@ def record(frames: Frames, u: Array, v: Array, rows: Rows, row: int) -> None:
         touching += force > 0.0
     rows.string[row, 0], rows.string[row, 1] = largest, seen.deepest[DEPTH]
     rows.string[row, 2] = touching / seen.wall_force.size
+    if len(states.u):
+        states.u[row], states.v[row] = u, v
+        states.tangents[row], states.wall_force[row] = seen.tangents, seen.wall_force
+        states.velocity[row], states.spin_rate[row] = seen.velocity, seen.spin_rate
+        states.deepest[row], states.stress[row] = seen.deepest, frames.stress
 
 
 @kernel
@@ -199,6 +218,7 @@ def advance_frames(
     seconds: float,
     row: int,
     rows: Rows,
+    states: States,
     outcome: NDArray[np.int64],
 ) -> int:
     """Advance by frames while they are good, and record each.
@@ -211,6 +231,7 @@ def advance_frames(
         seconds: Length of a frame [s].
         row: First frame.
         rows: The record, F rows.
+        states: The rest of it.
         outcome: Set to the outcome of the last frame, shape (1,).
 
     Returns:
@@ -225,7 +246,7 @@ def advance_frames(
             return k
         count_good_frame(frames)
         frames.command[:] = frames.target
-        record(frames, u, v, rows, k)
+        record(frames, u, v, rows, states, k)
     return last
 
 
@@ -240,13 +261,13 @@ def attempt(frames, seconds, save):
 
 
 @entry_kernel
-def record(frames, u, v, rows, row):
-    frame_kernel.record(frames, u, v, rows, row)
+def record(frames, u, v, rows, states, row):
+    frame_kernel.record(frames, u, v, rows, states, row)
 
 
 @entry_kernel
-def advance_frames(frames, u, v, commands, seconds, row, rows, outcome):
-    return frame_kernel.advance_frames(frames, u, v, commands, seconds, row, rows, outcome)
+def advance_frames(frames, u, v, commands, seconds, row, rows, states, outcome):
+    return frame_kernel.advance_frames(frames, u, v, commands, seconds, row, rows, states, outcome)
 '''
 
 

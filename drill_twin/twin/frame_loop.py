@@ -9,10 +9,11 @@ import numpy as np
 
 from drill_twin.audit import state_check
 from drill_twin.base.arrays import Array
+from drill_twin.model.section_stress import SCALARS
 from drill_twin.solver.native_call import Bound, bind, unbox
 from drill_twin.twin import frame_kernel, observation
 from drill_twin.twin.dynamics import Dynamics
-from drill_twin.twin.frame_kernel import Frames, Places, Rows
+from drill_twin.twin.frame_kernel import Frames, Places, Rows, States
 from drill_twin.twin.observer import Observer
 from drill_twin.twin.step_guard import StepGuard
 
@@ -45,7 +46,7 @@ class FrameLoop:
         self.outcome = self._attempt.run()
         return self.outcome
 
-    def advance(self, commands: Array, seconds: float, row: int, rows: Rows) -> int:
+    def advance(self, commands: Array, seconds: float, row: int, rows: Rows, states: States) -> int:
         """Advance by frames while they are good; returns the first that was not, and sets `outcome`.
 
         Args:
@@ -53,18 +54,19 @@ class FrameLoop:
             seconds: Length of a frame [s].
             row: First frame.
             rows: Record of the frames.
+            states: The rest of it.
         """
         if self._parameters is not self._dynamics.parameters:
             self._bind()
         outcome = np.zeros(1, np.int64)
-        arguments = (self._frames, *self._dynamics.unknowns, commands, seconds, row, rows, outcome)
+        arguments = (self._frames, *self._dynamics.unknowns, commands, seconds, row, rows, states, outcome)
         stopped = int(frame_kernel.compiled().advance_frames(*arguments))
         self.outcome = int(outcome[0])
         return stopped
 
-    def record(self, rows: Rows, row: int) -> None:
+    def record(self, rows: Rows, states: States, row: int) -> None:
         """Record the frame that was observed last."""
-        frame_kernel.compiled().record(self._frames, *self._dynamics.unknowns, rows, row)
+        frame_kernel.compiled().record(self._frames, *self._dynamics.unknowns, rows, states, row)
 
     def rows(self, frames: int) -> Rows:
         """Make an empty record of a number of frames."""
@@ -76,6 +78,17 @@ class FrameLoop:
             "string": (3,),
         }  # fmt: skip
         return Rows(**{name: np.empty((frames, *size)) for name, size in sizes.items()})
+
+    def states(self, frames: int) -> States:
+        """Make an empty record of the rest of a number of frames."""
+        seen, (u, v) = self._observer.seen, self._dynamics.unknowns
+        like = (u, v, seen.tangents, seen.wall_force, seen.velocity, seen.spin_rate, seen.deepest, self._stress)
+        return States(*(np.empty((frames, *array.shape)) for array in like))
+
+    @property
+    def _stress(self) -> Array:
+        stress = self._dynamics.stress
+        return np.zeros((0, len(SCALARS))) if stress is None else stress
 
     def _bind(self) -> None:
         dynamics, guard, observer = self._dynamics, self._guard, self._observer
@@ -100,6 +113,7 @@ class FrameLoop:
             extremes=guard.extremes, before=guard.before,
             counters=dynamics.counters, counters_before=observer.counters_before,
             impulse=dynamics.parameters.drive.bit.impulse, impulse_before=observer.impulse_before, seen=seen,
+            stress=self._stress,
         )  # fmt: skip
         self._attempt = bind(frame_kernel.compiled().attempt, (self._frames, 0.0, True))
         words = self._attempt.call.words

@@ -12,8 +12,8 @@ from drill_twin.discretisation.discretise import axis_at
 from drill_twin.model.bit import BIT_TORQUE, BIT_WEIGHT, HOOK, TOP_TORQUE
 from drill_twin.solver import state
 from drill_twin.twin.dynamics import Dynamics
-from drill_twin.twin.frame import EnergyBalance, Frame, Intervention, MarkStates, RigState, StepStats
-from drill_twin.twin.frame_kernel import Rows
+from drill_twin.twin.frame import EnergyBalance, Frame, Frames, Intervention, MarkStates, RigState, StepStats
+from drill_twin.twin.frame_kernel import Rows, States
 from drill_twin.twin.observation import DEPTH, PLACE, locate_marks, make_observation
 
 
@@ -77,6 +77,42 @@ class Observer:
             energy=energy, stress=None if dynamics.stress is None else dynamics.stress.copy(),
         )  # fmt: skip
 
+    def frames(
+        self, record: Record, count: int, seconds: float, wall_seconds: float, energy: EnergyBalance | None
+    ) -> Frames:
+        """Frames of a record; views of its arrays, which hold until it is filled again.
+
+        Args:
+            record: The record.
+            count: Number of its rows that were filled.
+            seconds: Length of a frame [s].
+            wall_seconds: Wall-clock time of the computation of all [s].
+            energy: Energy balance at the end of the last one, if any.
+        """
+        rows = Rows(*(array[:count] for array in record.rows))
+        states = States(*(array[:count] for array in record.states))
+        steps, iterations, cut, loose = (
+            int(rows.counted[:, column].sum())
+            for column in (state.STEPS, state.ITERATIONS, state.HALVINGS, state.LOOSE_STEPS)
+        )
+        marks = MarkStates(
+            position=rows.position, velocity=states.velocity, spin=rows.spin, spin_rate=states.spin_rate,
+            wall_force=rows.wall_force, centre=rows.centre,
+        )  # fmt: skip
+        rig = rig_rows(self._dynamics, rows, seconds)._asdict() | {
+            "top_drive_angle": rows.ends[:, 1, 0], "bit_angle": rows.ends[:, 0, 0],
+            "block_position": rows.ends[:, 1, 2], "block_velocity": states.v[:, -1, 2],
+        }  # fmt: skip
+        return Frames(
+            time=rows.time, positions=states.u[..., 0:3], tangents=states.tangents, spin=states.u[..., 6],
+            wall_force=states.wall_force, wall_depth=states.deepest[:, DEPTH],
+            wall_depth_at=self._places[states.deepest[:, PLACE].astype(np.intp)], marks=marks,
+            rig=np.stack([rig[name] for name in RigState._fields], axis=-1),
+            stats=StepStats(steps, iterations, cut, loose, wall_seconds),
+            interventions=tuple(record.interventions.values()), energy=energy,
+            stress=None if self._dynamics.stress is None else states.stress, u=states.u, v=states.v,
+        )  # fmt: skip
+
     def _rig(self, mean: Array, pushed: Array) -> RigState:
         """State of the rig, with reactions averaged over the frame, as unresolved waves oscillate from step to step."""
         dynamics = self._dynamics
@@ -93,6 +129,20 @@ class Observer:
             block_position=top[2], block_velocity=top_rate[2],
             hookload=-load if ends.weight_at_top else hookload,
         )  # fmt: skip
+
+
+class Record(NamedTuple):
+    """Frames as the compiled loop records them, for `Observer.frames`."""
+
+    rows: Rows
+    states: States
+    interventions: dict[int, Intervention]
+    """Records of the step guard by row."""
+
+    @property
+    def size(self) -> int:
+        """Number of frames that it takes."""
+        return len(self.rows.time)
 
 
 class RigRows(NamedTuple):

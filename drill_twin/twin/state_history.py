@@ -28,6 +28,14 @@ class StateHistory:
         self._rows[k, 0], self._rows[k, 1] = u, v
         self._next += 1
 
+    def extend(self, time: Array, u: Array, v: Array) -> None:
+        """Add states in order: node rows and their velocities, shape (k, n + 1, 7) each, at times [s], shape (k,)."""
+        last = slice(max(time.size - self._time.size, 0), None)
+        places = (self._next + np.arange(time.size)[last]) % self._time.size
+        self._time[places] = time[last]
+        self._rows[places, 0], self._rows[places, 1] = u[last], v[last]
+        self._next += time.size
+
     def clear(self) -> None:
         """Remove all states."""
         self._next = 0

@@ -14,10 +14,10 @@ from drill_twin.schedule.command import Command
 from drill_twin.twin.dynamics import Dynamics, restore_arrays
 from drill_twin.twin.energy_balance import EnergyAudit
 from drill_twin.twin.failure_report import failure_report
-from drill_twin.twin.frame import EnergyBalance, Frame, Intervention
+from drill_twin.twin.frame import EnergyBalance, Frame, Frames, Intervention
 from drill_twin.twin.frame_kernel import DIVERGED, HALVED_TOO_OFTEN, SUSPECT, Rows
 from drill_twin.twin.frame_loop import FrameLoop
-from drill_twin.twin.observer import Observer
+from drill_twin.twin.observer import Observer, Record
 from drill_twin.twin.state_bounds import bounds_of
 from drill_twin.twin.state_history import StateHistory
 from drill_twin.twin.step_guard import StepGuard, max_halvings
@@ -147,6 +147,10 @@ class Twin:
         """Make an empty record of a number of frames, for `advance_frames`."""
         return self._loop.rows(frames)
 
+    def record(self, frames: int) -> Record:
+        """Make an empty record of a number of frames with all that messages need, for `fill`."""
+        return Record(self._loop.rows(frames), self._loop.states(frames), {})
+
     def advance_frames(self, commands: Array, seconds: float, rows: Rows) -> int:
         """Advance by frames in compiled code, without Python in between, and record them: the same bits as `advance`.
 
@@ -163,20 +167,54 @@ class Twin:
         Raises:
             StoppedError: As `advance`; the frames before are recorded.
         """
-        row, repeated, loop = 0, 0, self._loop
+        interventions: dict[int, Intervention] = {}
+        for _ in self._good_rows(commands, seconds, Record(rows, self._loop.states(0), interventions)):
+            pass
+        return len(interventions)
+
+    def fill(self, record: Record, commands: Array, seconds: float) -> tuple[Frames, BaseException | None]:
+        """As `advance_frames`, with all that messages need.
+
+        Args:
+            record: Takes the F frames; the result is a view of it.
+            commands: As in `advance_frames`.
+            seconds: Length of a frame [s].
+
+        Returns:
+            The frames, and the error that ended them before the last command, such as a `StoppedError`; the twin is at
+            the end of the last of them.
+        """
+        error: BaseException | None = None
+        began, count, energy = time.perf_counter(), 0, self._energy
+        record.interventions.clear()
+        try:
+            for row in self._good_rows(commands, seconds, record):
+                count, energy = row, self._energy
+        except BaseException as ended:  # noqa: BLE001 - raised by the caller, once the frames before are recorded
+            error = ended
+        self._history.extend(record.rows.time[:count], record.states.u[:count], record.states.v[:count])
+        return self._observer.frames(record, count, seconds, time.perf_counter() - began, energy), error
+
+    def _good_rows(self, commands: Array, seconds: float, record: Record) -> Iterator[int]:
+        """Advance; yield the number of rows recorded so far, whenever Python takes over and at the end."""
+        row, loop = 0, self._loop
+        rows, states, interventions = record
         while row < len(commands):
             if self.energy_audit is None:
-                row = loop.advance(commands, seconds, row, rows)
+                row = loop.advance(commands, seconds, row, rows, states)
+                yield row
                 if row == len(commands):
-                    break
+                    return
             else:
                 self.energy_audit.begin(*self.unknowns)
                 loop.target[:] = commands[row]
                 loop.attempt(seconds, save=True)
-            repeated += self._complete(loop.outcome, loop.target, seconds) is not None
-            loop.record(rows, row)
+            found = self._complete(loop.outcome, loop.target, seconds)
+            if found is not None:
+                interventions[row] = found
+            loop.record(rows, states, row)
             row += 1
-        return repeated
+            yield row
 
     def energy(self) -> EnergyBalance | None:
         """Energy balance at the end of the last frame, if the scene asks for an audit."""

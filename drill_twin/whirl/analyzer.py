@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.base.exact_jit import Integers
-from drill_twin.whirl.analyzer_kernel import NEW, bind_analysis
+from drill_twin.whirl.analyzer_kernel import CHANGED, DECIDED, NEW, bind_analysis
 from drill_twin.whirl.analyzer_state import BLOCK, COUNT, HAS_FORCE, HAS_SPIN, NEXT, AnalyzerState
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.findings import Findings, Quality, Summary
+from drill_twin.whirl.findings import Findings, FoundRows, Quality, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkArrays, MarkInfo, check_marks
 from drill_twin.whirl.motion.stick_slip import StickSlip
 from drill_twin.whirl.run_statistics import SAMPLE_RATE
@@ -112,7 +112,9 @@ class Analyzer:
             forces[0] = wall_force
         counts[COUNT], counts[NEXT] = 1, 0
         counts[HAS_SPIN], counts[HAS_FORCE] = spin is not None, wall_force is not None
-        return self._run()
+        for _ in self._analysed():
+            pass
+        return self._present()
 
     def push_block(
         self,
@@ -122,8 +124,8 @@ class Analyzer:
         top_speed: FloatArray,
         wall_force: FloatArray | None = None,
         bit_speed: FloatArray | None = None,
-    ) -> None:
-        """Add n samples, as `push` one by one; `findings` are then those after the last one.
+    ) -> FoundRows:
+        """Add n samples, as `push` one by one, and return the findings after each.
 
         Args:
             stamps_ns: Header stamps [ns], shape (n,).
@@ -135,6 +137,7 @@ class Analyzer:
         """
         stamps, positions, spins, forces, speeds, counts = self._state.block
         counts[HAS_SPIN], counts[HAS_FORCE] = spin is not None, wall_force is not None
+        found = FoundRows(self._findings, [], np.empty((len(stamps_ns), len(self.marks), 4)), {})
         for first in range(0, len(stamps_ns), BLOCK):
             rows = slice(first, first + BLOCK)
             n = counts[COUNT] = len(stamps_ns[rows])
@@ -147,15 +150,27 @@ class Analyzer:
                 spins[:n] = spin[rows]
             if wall_force is not None:
                 forces[:n] = wall_force[rows]
-            self._run()
+            for at in self._analysed():
+                found.changes[first + at] = self._present()
+            self._present()
+            found.stamps.extend(self._state.found.stamp[:n].tolist())
+            found.values[rows] = self._state.found.values[:n]
+        return found
 
-    def _run(self) -> Findings:
-        """Analyse the block, decide where compiled code leaves it to Python, and return the findings."""
+    def _analysed(self) -> Iterator[int]:
+        """Analyse the block and decide where compiled code leaves it to Python; yield the samples with a decision."""
         while outcome := self._analyse():
-            if outcome < 0:
+            if outcome == CHANGED:
+                yield int(self._state.block.counts[NEXT]) - 1
+            elif outcome < 0:
                 self._bit.decide(-outcome)
+                self._flow[DECIDED] = 1
             else:
                 self._decisions.decide[outcome]()
+                self._flow[DECIDED] = 1
+
+    def _present(self) -> Findings:
+        """Findings after the last sample that was analysed."""
         if self._flow[NEW]:
             self._findings = self._new_findings()
         stamp, quality = self._stamp_and_quality()

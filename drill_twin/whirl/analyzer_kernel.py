@@ -29,6 +29,7 @@ from drill_twin.whirl.analyzer_state import (
     NEXT,
     AnalyzerState,
     Block,
+    Found,
     Samples,
 )
 from drill_twin.whirl.criteria import Criteria
@@ -61,17 +62,19 @@ INTERVAL_S = 0.5
 FEWEST = 4
 """Fewest bins for the onset."""
 
-STEP, BIT_OUTCOME, UNDECIDED, NEW = range(4)
+STEP, BIT_OUTCOME, UNDECIDED, NEW, DECIDED = range(5)
 """Indices into `AnalyzerState.flow`: the step to go on with; outcome of `add_bit_speed` to be decided; 1 while a
-crossing waits for the onset to be decided; 1 where there are estimates that the findings do not have."""
+crossing waits for the onset to be decided; 1 where there are estimates that the findings do not have; 1 where Python
+has decided something in the present sample."""
 SAMPLE, BIN, ONSET, ORBIT, STATE, STATISTICS, ADD = range(7)
 """Steps."""
 SKIPPED, TAKEN, BIN_FULL = range(3)
 """Outcome of `take_sample`."""
 NOT_DUE, ESTIMATE, DECIDE_FIRST = range(3)
 """Outcome of `estimate_orbit`."""
-DONE, CHECK, DECIDE, CROSSED, DESCRIBE = range(5)
-"""Outcome: all samples are analysed; or what Python must decide, below 0 the outcome of `add_bit_speed`."""
+DONE, CHECK, DECIDE, CROSSED, DESCRIBE, CHANGED = range(6)
+"""Outcome: all samples are analysed; or what Python must decide, below 0 the outcome of `add_bit_speed`; or the end of
+a sample in which it has."""
 
 
 class Steps(NamedTuple):
@@ -83,6 +86,7 @@ class Steps(NamedTuple):
     orbit: Call
     state: Call
     statistics: Call
+    note: Call
     counts: Integers  # of the block
     flow: Integers
 
@@ -98,10 +102,14 @@ def analyse(steps: Steps) -> int:
                 outcome = -flow[BIT_OUTCOME]
                 flow[BIT_OUTCOME] = 0
                 return outcome  # type: ignore[no-any-return]
+            if flow[DECIDED]:
+                flow[DECIDED] = 0
+                return CHANGED
             if counts[NEXT] >= counts[COUNT]:
                 return DONE
             taken = call(steps.take)
             if taken == SKIPPED:
+                call(steps.note)
                 counts[NEXT] += 1
             else:
                 flow[STEP] = BIN if taken == BIN_FULL else ADD
@@ -128,6 +136,7 @@ def analyse(steps: Steps) -> int:
             flow[STEP] = ADD
         else:
             call(steps.add)
+            call(steps.note)
             counts[NEXT] += 1
             flow[STEP] = SAMPLE
 
@@ -266,7 +275,21 @@ def add_statistics(
     return 0
 
 
-_STEPS = ("take_sample", "add_sample", "close_bin", "estimate_orbit", "estimate_state", "add_statistics", "analyse")
+@exact_kernel
+def note_findings(found: Found, block: Block, samples: Samples, orbit: Orbit, clock: Clock) -> int:
+    """Write down the estimates after the sample."""
+    at = block.counts[NEXT]
+    found.stamp[at] = clock.stamps[LAST]
+    for k in range(samples.radius.size):
+        row = found.values[at, k]
+        row[0], row[1], row[2], row[3] = samples.radius[k], orbit.precession[k], orbit.ratio[k], orbit.confidence[k]
+    return 0
+
+
+_STEPS = (
+    "take_sample", "add_sample", "close_bin", "estimate_orbit", "estimate_state", "add_statistics", "note_findings",
+    "analyse",
+)  # fmt: skip
 _ENTRY = """
 
 @exact_entry_kernel
@@ -301,6 +324,7 @@ def bind_analysis(state: AnalyzerState) -> Bound:
         ("estimate_state", (s.orbit, s.shape, s.history, s.motion, s.onsets, s.synchronous, s.criteria,
                             s.averaged.noise.level, s.marks.rolling_ratio, numbers)),
         ("add_statistics", (s.statistics, s.orbit, s.onsets.active, s.full, s.history.counts, s.criteria)),
+        ("note_findings", (s.found, s.block, s.samples, s.orbit, s.clock)),
     ]  # fmt: skip
     bound = [bind(getattr(compiled(), name), arguments) for name, arguments in steps]
     return bind(compiled().analyse, (Steps._make((*(step.call for step in bound), s.block.counts, s.flow)),))

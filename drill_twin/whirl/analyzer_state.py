@@ -54,6 +54,18 @@ class Block(NamedTuple):
         return cls(np.zeros(BLOCK, np.int64), position, spin, force, speeds, np.zeros(4, np.int64))
 
 
+class Found(NamedTuple):
+    """Estimates after each sample of the block."""
+
+    stamp: Integers  # (BLOCK,) of the last sample that was analysed [ns]
+    values: Array  # (BLOCK, m, 4) radius of the orbit [m], precession [rev/s], ratio, confidence
+
+    @classmethod
+    def of(cls, m: int) -> Found:
+        """Empty, for m marks."""
+        return cls(np.zeros(BLOCK, np.int64), np.zeros((BLOCK, m, 4)))
+
+
 class Samples(NamedTuple):
     """The present sample."""
 
@@ -84,6 +96,7 @@ class AnalyzerState(NamedTuple):
     criteria: Criteria
     marks: MarkArrays
     block: Block
+    found: Found
     clock: Clock
     samples: Samples
     bins: SampleBins
@@ -106,9 +119,10 @@ class AnalyzerState(NamedTuple):
         """State before the first sample of m marks, whose string has radii `wall_offset` [m], shape (m,)."""
         m, clearance = marks.clearance.size, marks.clearance
         return cls(
-            criteria, marks, Block.of(m), Clock.of(m), Samples.of(LARGEST_RADIUS * clearance + wall_offset),
-            SampleBins.of(m), Bin.of(m), RunoutSeparation.of(marks.wall_radius, criteria), History.of(m),
-            Orbit.of(clearance), AveragedRadius.of(clearance, criteria), Onsets.of(marks.inclined),
-            SynchronousOnsets.of(m), StringShape.of(m, marks.levels), MotionClassifier.of(m), RunStatistics.of(m), bit,
-            np.zeros(4, np.int64), np.full(2, -math.inf),
+            criteria, marks, Block.of(m), Found.of(m), Clock.of(m),
+            Samples.of(LARGEST_RADIUS * clearance + wall_offset), SampleBins.of(m), Bin.of(m),
+            RunoutSeparation.of(marks.wall_radius, criteria), History.of(m), Orbit.of(clearance),
+            AveragedRadius.of(clearance, criteria), Onsets.of(marks.inclined), SynchronousOnsets.of(m),
+            StringShape.of(m, marks.levels), MotionClassifier.of(m), RunStatistics.of(m), bit,
+            np.zeros(5, np.int64), np.full(2, -math.inf),
         )  # fmt: skip

@@ -133,6 +133,19 @@ class Findings:
         return later
 
 
+class FoundRows(NamedTuple):
+    """Findings after each of n samples."""
+
+    before: Findings
+    """Findings before the first."""
+    stamps: list[int]
+    """Stamp of the findings [ns]."""
+    values: Array
+    """Orbit radius [m], precession [rev/s], ratio and confidence of each mark, shape (n, m, 4)."""
+    changes: dict[int, Findings]
+    """Findings by the number of a sample after which a state, a text or the onset may be another."""
+
+
 @dataclass(frozen=True)
 class Summary:
     """The findings of a whole run."""

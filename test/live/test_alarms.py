@@ -19,6 +19,7 @@ from drill_twin.live.sources import Sources
 from drill_twin.live.supervision import Supervision
 from drill_twin.live.trends import CHANNELS, SECONDS, Trends
 from drill_twin.scene import load_scene
+from drill_twin.twin.frame import Frames
 
 VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}
 
@@ -121,7 +122,7 @@ def test_rate_of_penetration_comes_from_the_diagnostics(make_frame, make_geometr
         page.update(DIAGNOSTICS, encode_diagnostics(0, [status]))
 
     tell("36")
-    page.update(RIG_STATE, TwinEncoder(make_geometry()).rig_state(make_frame()))
+    page.update(RIG_STATE, TwinEncoder(make_geometry()).rig_state(Frames.of(make_frame()))[0])
     assert page.snapshot()["rig"]["rop"] == pytest.approx(0.01)
     tell("fast")
     assert DIAGNOSTICS in page.skipped

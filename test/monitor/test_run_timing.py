@@ -7,8 +7,9 @@ import pytest
 
 from drill_twin.monitor import run_timing
 from drill_twin.monitor.run_timing import RunTiming
+from drill_twin.twin.frame import StepStats
 
-FRAME = SimpleNamespace(stats=SimpleNamespace(steps=1, iterations=2, cut_steps=0, loose_steps=0))
+STATS = StepStats(steps=1, iterations=2, cut_steps=0, loose_steps=0, wall_seconds=0.001)
 
 
 @pytest.fixture
@@ -23,7 +24,7 @@ def frames(timing, wall, count, waits=0.008):
     """Frames of 10 ms that take 1 ms to compute, 1 ms to publish, and wait."""
     for _ in range(count):
         wall.now += 0.002
-        timing.update(0.01, 0.001, 0.001, FRAME)
+        timing.update(0.01, 0.001, STATS)
         wall.now += waits
 
 

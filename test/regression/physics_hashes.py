@@ -97,6 +97,7 @@ def hashes_with_checkpoint(scene: Scene) -> dict[str, str]:
     """The same for the physics topics of a run that is put down half-way and taken up from a file."""
     from drill_twin.io.messages.encode import TwinEncoder
     from drill_twin.io.scene_geometry import string_geometry
+    from drill_twin.twin.frame import Frames
 
     schedule = Schedule.from_scene(scene)
     period = round(NANOSECONDS / scene.numerics.frame_rate)
@@ -111,7 +112,7 @@ def hashes_with_checkpoint(scene: Scene) -> dict[str, str]:
         frame = twin.advance(command, seconds(period))
         for topic, encode in encoders.items():
             digests[topic].update(stamp.to_bytes(8, "little"))
-            digests[topic].update(encode(frame))
+            digests[topic].update(encode(Frames.of(frame))[0])
         if number == frames // 2:
             with tempfile.TemporaryDirectory() as folder:
                 path = Path(folder) / "checkpoint.npz"

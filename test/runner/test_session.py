@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run without ROS: everything is recorded, as the nodes would, and nothing is lost however it ends."""
 
+import copy
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,8 @@ import yaml
 from rosbags.rosbag2 import Reader
 
 from drill_twin import __version__
-from drill_twin.errors import BagError, RunError
+from drill_twin.base.arrays import Array
+from drill_twin.errors import BagError, MessageError, RunError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages import topics
 from drill_twin.io.messages.diagnostics import decode_diagnostics
@@ -18,9 +21,11 @@ from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.topics import OF_EVERY_RUN
 from drill_twin.io.scene_geometry import string_geometry
 from drill_twin.report import read_recording
-from drill_twin.runner import Session
+from drill_twin.runner import Run, Session
 from drill_twin.scene import parse_scene
-from drill_twin.schedule import Command, Schedule
+from drill_twin.schedule import Schedule
+from drill_twin.twin.frame import Frames
+from drill_twin.twin.observer import Record
 from drill_twin.twin.twin import Twin
 
 DETERMINED = (topics.RIG_COMMAND, topics.RIG_STATE, topics.MARKS_STATE, topics.STRING_POSES, topics.CLOCK_TOPIC,
@@ -58,7 +63,8 @@ def test_bytes_are_those_of_the_twin_stepped_by_hand(bench_run, bench_scene):
     )
     for k in range(120):
         frame = twin.advance(schedule.at((k + 1) / 100), 0.01)
-        assert (encoder.marks(frame), encoder.poses(frame), encoder.rig_state(frame)) == (marks[k], poses[k], rig[k])
+        one = Frames.of(frame)
+        assert encoder.marks(one) + encoder.poses(one) + encoder.rig_state(one) == [marks[k], poses[k], rig[k]]
 
 
 def test_commands_follow_the_schedule(bench_run, bench_scene):
@@ -109,33 +115,77 @@ def test_same_scene_gives_the_same_bytes_again(session, bench_run, tmp_path):
 
 def test_stopped_run_leaves_a_whole_bag_of_what_was_simulated(session, tmp_path):
     seen = []
-    outcome = session.run(tmp_path / "bag_0", progress=seen.append, stop=lambda: len(seen) == 70)
+    outcome = session.run(tmp_path / "bag_0", progress=seen.append, stop=lambda: len(seen) == 2)
+    frames = round(100 * outcome.simulated)
     assert not outcome.finished
-    assert outcome.simulated == pytest.approx(0.7)
+    assert 2 <= frames <= 200
     bag = Bag(outcome.bag)
     assert not bag.truncated
     assert (outcome.bag / "metadata.yaml").exists()
-    assert bag.topics[topics.MARKS_STATE].count == 70
-    assert bag.topics[topics.DIAGNOSTICS].count == 1
-    assert [state.simulated for state in seen] == pytest.approx(np.arange(1, 71) / 100)
+    assert bag.topics[topics.MARKS_STATE].count == frames
+    assert bag.topics[topics.DIAGNOSTICS].count == frames // 100 + 1
+    assert [state.simulated for state in seen][-1] == outcome.simulated
     assert all(state.duration == 3.0 for state in seen)
 
 
 def test_run_that_breaks_down_keeps_what_came_before(session, tmp_path, monkeypatch):
-    step, calls = Twin.advance, []
+    fill, frames = Twin.fill, [50]
 
-    def breaking(twin: Twin, command: Command, seconds: float):
-        calls.append(command)
-        if len(calls) > 50:
-            raise RunError("the motion could not be followed past t = 0.5 s")
-        return step(twin, command, seconds)
+    def breaking(twin: Twin, record: Record, commands: Array, seconds: float):
+        good = commands[: frames[0]]
+        frames[0] -= len(good)
+        found, _ = fill(twin, record, good, seconds)
+        stopped = len(good) < len(commands)
+        return found, RunError("the motion could not be followed past t = 0.5 s") if stopped else None
 
-    monkeypatch.setattr(Twin, "advance", breaking)
+    monkeypatch.setattr(Twin, "fill", breaking)
     with pytest.raises(RunError, match=r"past t = 0\.5 s; what came before is recorded in .*bag_0"):
         session.run(tmp_path / "bag_0")
     bag = Bag(tmp_path / "bag_0")
     assert not bag.truncated
     assert bag.topics[topics.MARKS_STATE].count == 50
+    assert bag.topics[topics.RIG_COMMAND].count == 51  # the driver sent that of the frame that failed
+
+
+def test_set_points_that_fail_leave_the_frames_before(session, tmp_path):
+    def weight(time: float) -> float:
+        if time > 0.505:
+            raise RuntimeError("no more set-points")
+        return 10.0
+
+    def not_a_number(time: float) -> float:
+        return 10.0 if time < 0.505 else math.nan
+
+    ready = copy.copy(session)
+    for number, failing, error in ((0, weight, RuntimeError), (1, not_a_number, MessageError)):
+        ready.schedule = replace(session.schedule, weight_on_bit=failing)
+        with pytest.raises(error):
+            ready.run(tmp_path / f"bag_{number}")
+        assert Bag(tmp_path / f"bag_{number}").topics[topics.MARKS_STATE].count == 50
+
+
+def test_frames_before_one_that_cannot_be_encoded_are_recorded(session, tmp_path, monkeypatch):
+    fill, left = Twin.fill, [70]
+
+    def broken(twin: Twin, record: Record, commands: Array, seconds: float):
+        found, error = fill(twin, record, commands, seconds)
+        if 0 <= left[0] < len(found.time):
+            found.positions[left[0], 3] = math.inf
+        left[0] -= len(found.time)
+        return found, error
+
+    monkeypatch.setattr(Twin, "fill", broken)
+    with pytest.raises(MessageError, match="expected finite numbers"):
+        session.run(tmp_path / "bag_0")
+    assert len(recorded(tmp_path / "bag_0", topics.MARKS_STATE)) == 70
+
+
+@pytest.mark.parametrize("frames", [1, 7, 256])
+def test_the_size_of_the_blocks_does_not_change_a_byte(session, bench_run, tmp_path, monkeypatch, frames):
+    monkeypatch.setattr(Run, "most_frames", property(lambda run: min(frames, 100 - run.loop.frames % 100)))
+    again = session.run(tmp_path / "bag_0")
+    wanted, found = ([m for m in Bag(bag).messages() if m[0] in DETERMINED] for bag in (bench_run.bag, again.bag))
+    assert found == wanted
 
 
 def test_folder_that_exists_is_left_as_it_is(session, tmp_path):

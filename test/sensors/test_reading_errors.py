@@ -91,7 +91,7 @@ def bag() -> MemoryBag:
     recorder = MemoryBag()
     run = Run(scene, recorder)
     for frame in range(1, 301):
-        run.advance(Command(5.0, min(12.0, 6.0 * frame / 100.0)))
+        run.advance([Command(5.0, min(12.0, 6.0 * frame / 100.0))])
     return recorder
 
 

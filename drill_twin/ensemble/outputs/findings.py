@@ -9,6 +9,7 @@ import numpy as np
 
 from drill_twin.base.missing import number_or_nan
 from drill_twin.ensemble.outputs.collector import Collector, Request, Variable
+from drill_twin.io.messages.encode import wall_push
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.twin.frame_kernel import Rows
@@ -33,10 +34,8 @@ class Findings(Collector):
             for sample in zip(stamps, rig.top_drive_speed.tolist(), rig.bit_speed.tolist(), strict=True):
                 self._bit.push(*sample)
             return
-        outwards = rows.centre[:, :, :2]
-        radius = np.maximum(np.hypot(outwards[..., 0], outwards[..., 1]), np.finfo(float).tiny)
-        effort = -(rows.wall_force / radius)[..., None] * outwards  # as `/marks/state` has it
-        force = np.hypot(effort[..., 0], effort[..., 1])
+        push = wall_push(rows.centre, rows.wall_force)  # as `/marks/state` has it
+        force = np.hypot(push[..., 0], push[..., 1])
         self._analyzer.push_block(np.array(stamps), rows.position, rows.spin, rig.top_drive_speed, force, rig.bit_speed)
 
     def close(self) -> Mapping[str, Variable]:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -47,6 +47,11 @@ class MemoryBag(Bag):
             self.start = stamp
         self.end = max(self.end, stamp)
         self._messages.append((topic, stamp, bytes(raw)))
+
+    def write_all(self, messages: Iterable[tuple[str, int, bytes]]) -> None:
+        """Record messages, each as `write`."""
+        for message in messages:
+            self.write(*message)
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
         """As `Bag.messages`."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
@@ -111,26 +111,43 @@ class BagWriter:
         Raises:
             BagError: The topic is not registered, the bag is closed, or the file cannot be written.
         """
+        self.write_all([(topic, stamp, raw)])
+
+    def write_all(self, messages: Sequence[tuple[str, int, bytes]]) -> None:
+        """Record messages, each as `write`; a bag may be split before the first of them.
+
+        Raises:
+            BagError: As `write`; none of them is recorded if the topic or the stamp of one cannot be.
+        """
         if self._closed:
             raise BagError(f"{self.folder}: expected an open bag, found it closed; open a new one")
-        recorded = self._topics.get(topic)
-        if recorded is None:
+        for topic, stamp, _ in messages:
+            self._check(topic, stamp)
+        if not messages:
+            return
+        try:
+            if self._is_full(messages[0][1]):
+                self._begin_next()
+            numbered = []
+            for topic, stamp, raw in messages:
+                recorded = self._topics[topic]
+                recorded.count += 1
+                numbered.append((topic, stamp, raw, recorded.count))
+                if topic in _LATCHED:
+                    self._latched[topic] = stamp, raw
+            self._files[-1].write(numbered)
+            self.flush_if_due()
+        except BagError:
+            self._closed = True
+            raise
+
+    def _check(self, topic: str, stamp: int) -> None:
+        if topic not in self._topics:
             raise BagError(
                 f"{self.folder}: expected one of {', '.join(self._topics)}, found {topic}; add_topic it first"
             )
         if stamp < 0:
             raise BagError(f"{self.folder}: expected a stamp of 0 ns or later on {topic}, found {stamp} ns")
-        try:
-            if self._is_full(stamp):
-                self._begin_next()
-            recorded.count += 1
-            if topic in _LATCHED:
-                self._latched[topic] = stamp, raw
-            self._files[-1].write(topic, stamp, raw, recorded.count)
-            self.flush_if_due()
-        except BagError:
-            self._closed = True
-            raise
 
     def flush_if_due(self) -> None:
         """Flush if the interval is over; to be called from an idle loop, since only `write` calls it otherwise.
@@ -191,7 +208,7 @@ class BagWriter:
         self.damage.append(f"{found}: up to {file.count} messages are lost")
         self._open_next()
         for topic, (stamp, raw) in self._latched.items():
-            self._files[-1].write(topic, stamp, raw, self._topics[topic].count)
+            self._files[-1].write([(topic, stamp, raw, self._topics[topic].count)])
 
     def _is_full(self, stamp: int) -> bool:
         file = self._files[-1]

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.stamps import NANOSECONDS, TIME, header, pack_stamp, time_message
 from drill_twin.io.messages.topics import CLOCK, FLOAT64, FRAME_ID, JOINT_STATE, POSE_ARRAY
@@ -71,6 +72,29 @@ class Template:
             pack_stamp(self._buffer, offset, stamp)
         return bytes(self._buffer)
 
+    def rows(self, stamps: Sequence[int], blocks: Sequence[tuple[int, NDArray[Any]]]) -> list[bytes]:
+        """Bytes of n messages at once.
+
+        Args:
+            stamps: Their stamps [ns], n of them.
+            blocks: Offset of each block of numbers, and the numbers of each message in it, shape (n, ...).
+
+        Raises:
+            MessageError: A stamp does not fit `builtin_interfaces/Time`.
+        """
+        count, length = len(stamps), len(self._buffer)
+        for stamp in (min(stamps, default=0), max(stamps, default=0)):
+            pack_stamp(bytearray(TIME.size), 0, stamp)
+        filled = bytearray(self._buffer * count)
+        for offset, values in blocks:
+            size = values.itemsize
+            view = np.ndarray((count, values[:1].size), values.dtype, filled, offset, (length, size))
+            view[:] = values.reshape(count, -1)
+        for offset in self._stamp_offsets:
+            time = np.ndarray((2, count), np.int32, filled, offset, (4, length))  # all below 2^31
+            time[:] = np.divmod(np.array(stamps, np.int64), NANOSECONDS)
+        return [bytes(filled[start : start + length]) for start in range(0, count * length, length)]
+
 
 class PoseArrayTemplate:
     """geometry_msgs/PoseArray of a fixed number of poses."""
@@ -88,12 +112,17 @@ class PoseArrayTemplate:
         content = message(POSE_ARRAY, header=sentinel_header(frame_id), poses=poses)
         self._template = Template(content, POSE_ARRAY)
         self._poses = self._template.view(values).reshape(count, 7)
+        self._offset = self._template.offset(values)
 
     def fill(self, stamp: int, position: ArrayLike, orientation: ArrayLike) -> bytes:
         """CDR of positions [m], shape (count, 3), and unit quaternions x y z w, shape (count, 4), at a stamp [ns]."""
         self._poses[:, :3] = position
         self._poses[:, 3:] = orientation
         return self._template.stamped(stamp)
+
+    def rows(self, stamps: Sequence[int], position: Array, orientation: Array) -> list[bytes]:
+        """CDR of n messages: positions [m], shape (n, count, 3), and quaternions x y z w, shape (n, count, 4)."""
+        return self._template.rows(stamps, [(self._offset, np.concatenate((position, orientation), axis=-1))])
 
 
 class JointStateTemplate:
@@ -124,6 +153,11 @@ class JointStateTemplate:
         self._effort[:] = effort
         return self._template.stamped(stamp)
 
+    def rows(self, stamps: Sequence[int], *values: Array) -> list[bytes]:
+        """CDR of n messages at stamps [ns]: arrays as in `fill`, with one row a message, shape (n, ...) each."""
+        offsets = (offset for size, offset in self.places if size)
+        return self._template.rows(stamps, list(zip(offsets, values, strict=False)))
+
 
 class ClockTemplate:
     """rosgraph_msgs/Clock."""
@@ -134,6 +168,10 @@ class ClockTemplate:
     def fill(self, stamp: int) -> bytes:
         """CDR of simulated time [ns]."""
         return self._template.stamped(stamp)
+
+    def rows(self, stamps: Sequence[int]) -> list[bytes]:
+        """CDR of simulated times [ns]."""
+        return self._template.rows(stamps, [])
 
 
 class Float64Template:

@@ -26,6 +26,17 @@ def check_finite(topic: str, values: Array) -> None:
         )
 
 
+def check_rows(topic: str, values: Array) -> None:
+    """Check that all values of several messages are finite, one message a row.
+
+    Raises:
+        MessageError: A value is not finite; names the first one, in the first such message.
+    """
+    if not np.isfinite(values).all():
+        for row in values:
+            check_finite(topic, row)
+
+
 def finite_number(topic: str, what: str, value: float) -> float:
     """Return a number if it is finite.
 

@@ -72,34 +72,32 @@ class MarkerArrayTemplate:
             _label(geometry, exaggeration),
         ]
         self._template = Template(message(MARKER_ARRAY, markers=markers), MARKER_ARRAY)
-        self._lines = [self._template.view(line).reshape(-1, 3) for line in lines]
-        self._marks = [self._template.view(centre) for centre in centres.reshape(marks, 3)]
-        self._spots = self._template.view(spots).reshape(nodes, 3)
-        self._colours = self._template.view(colours).reshape(nodes, 4)
+        self._offsets = [self._template.offset(block) for block in (*lines, *centres.reshape(marks, 3), spots, colours)]
 
-    def fill(self, stamp: int, positions: Array, mark_positions: Array, wall_force: Array) -> bytes:
-        """CDR of the markers at a stamp [ns].
+    def rows(self, stamps: Sequence[int], positions: Array, mark_positions: Array, wall_force: Array) -> list[bytes]:
+        """CDR of the markers of N frames.
 
         Args:
-            stamp: Stamp [ns].
-            positions: Node positions [m], shape (n + 1, 3).
-            mark_positions: Positions of the marks [m], shape (m, 3).
-            wall_force: Normal wall force at the nodes [N], shape (n + 1,). The number of points is
+            stamps: Stamps [ns], N of them.
+            positions: Node positions [m], shape (N, n + 1, 3).
+            mark_positions: Positions of the marks [m], shape (N, m, 3).
+            wall_force: Normal wall force at the nodes [N], shape (N, n + 1). The number of points is
                 fixed: nodes without contact are drawn transparent, at the top clamp.
         """
-        drawn = self._drawn_geometry.nodes(positions)
-        for line, part in zip(self._lines, self._strings, strict=True):
-            line[:] = drawn[part]
-        for view, mark in zip(self._marks, self._drawn_geometry.marks(mark_positions), strict=True):
-            view[:] = mark
+        drawn, marks = self._drawn_geometry.nodes(positions), self._drawn_geometry.marks(mark_positions)
         touching = wall_force > 0.0
-        self._spots[:] = drawn * touching[:, None]
-        self._colours[:] = 0.0
+        colours = np.zeros((*touching.shape, 4), np.float32)
         if touching.any():
             force = wall_force[touching]
             share = (force / (force + self._half_force)).astype(np.float32)[:, None]
-            self._colours[touching] = (1.0 - share) * _LIGHT_TOUCH + share * _HARD_TOUCH
-        return self._template.stamped(stamp)
+            colours[touching] = (1.0 - share) * _LIGHT_TOUCH + share * _HARD_TOUCH
+        values = [
+            *(drawn[:, part] for part in self._strings),
+            *(marks[:, k] for k in range(marks.shape[1])),
+            drawn * touching[..., None],
+            colours,
+        ]
+        return self._template.rows(stamps, list(zip(self._offsets, values, strict=True)))
 
 
 def _hole(geometry: StringGeometry, drawn_geometry: ExaggeratedGeometry, exaggeration: float) -> list[Any]:

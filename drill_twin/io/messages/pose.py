@@ -17,23 +17,23 @@ def orientation(tangents: Array, spin: Array, out: Array) -> Array:
     rotation by the spin about z. A tangent straight down (t_z = -1) has no shortest rotation; the one about y is used.
 
     Args:
-        tangents: Unit tangents, shape (n, 3).
-        spin: Spins [rad], shape (n,).
-        out: Result, written and returned, shape (n, 4).
+        tangents: Unit tangents, shape (..., 3).
+        spin: Spins [rad], shape (...,).
+        out: Result, written and returned, shape (..., 4).
     """
     half = 0.5 * spin
     cosine, sine = np.cos(half), np.sin(half)
-    up = np.maximum(0.5 + 0.5 * tangents[:, 2], _ANTIPARALLEL)
+    up = np.maximum(0.5 + 0.5 * tangents[..., 2], _ANTIPARALLEL)
     scalar = np.sqrt(up)
-    x = -0.5 * tangents[:, 1] / scalar
-    y = 0.5 * tangents[:, 0] / scalar
+    x = -0.5 * tangents[..., 1] / scalar
+    y = 0.5 * tangents[..., 0] / scalar
     down = up <= _ANTIPARALLEL
     if down.any():
         x[down], y[down], scalar[down] = 0.0, 1.0, 0.0
-    out[:, 0] = x * cosine + y * sine
-    out[:, 1] = y * cosine - x * sine
-    out[:, 2] = scalar * sine
-    out[:, 3] = scalar * cosine
+    out[..., 0] = x * cosine + y * sine
+    out[..., 1] = y * cosine - x * sine
+    out[..., 2] = scalar * sine
+    out[..., 3] = scalar * cosine
     return out
 
 

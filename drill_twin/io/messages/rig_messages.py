@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.cdr import Float64Template, JointStateTemplate
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.finite import finite_number
+from drill_twin.io.messages.finite import check_rows, finite_number
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.schedule.command import Command
 from drill_twin.twin.frame import RigState
@@ -41,6 +42,16 @@ class CommandEncoder:
             speed = finite_number(RIG_COMMAND, "speed of the block", command.block)
             return self._all.fill(stamp, (np.nan,) * 3, (np.nan, rotation, speed), (weight, np.nan, np.nan))
         return self._both.fill(stamp, (np.nan, np.nan), (np.nan, rotation), (weight, np.nan))
+
+    def commands(self, stamps: Sequence[int], commands: Sequence[Command]) -> list[bytes]:
+        """As `command`, at each stamp [ns]."""
+        if any(command.block != 0.0 for command in commands):
+            return [self.command(*one) for one in zip(stamps, commands, strict=True)]
+        values = np.full((3, len(commands), 2), np.nan)
+        values[1, :, 1] = [command.rotation for command in commands]
+        values[2, :, 0] = [command.weight_on_bit for command in commands]
+        check_rows(RIG_COMMAND, values[(1, 2), :, (1, 0)])
+        return self._both.rows(stamps, *values)
 
     def wob_command(self, command: Command) -> bytes:
         """Weight on bit [N] as a Float64."""

@@ -7,6 +7,9 @@ import math
 import struct
 from typing import Any
 
+import numpy as np
+
+from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN, message
 
@@ -26,6 +29,17 @@ def stamp_ns(time: float) -> int:
     if not math.isfinite(time):
         raise MessageError(f"expected a finite time in seconds for a stamp, found {time}")
     return round(time * NANOSECONDS)
+
+
+def stamps_ns(times: Array) -> list[int]:
+    """Simulated times [s] as integer nanoseconds, each as `stamp_ns`.
+
+    Raises:
+        MessageError: A time is not a finite number.
+    """
+    if not np.isfinite(times).all():
+        raise MessageError(f"expected finite times in seconds for stamps, found {times[~np.isfinite(times)][0]}")
+    return list(map(int, np.rint(times * NANOSECONDS).tolist()))
 
 
 def seconds(stamp: int) -> float:

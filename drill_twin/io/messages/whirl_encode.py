@@ -104,6 +104,11 @@ class WhirlStateEncoder:
         check_not_infinite(WHIRL_STATE, self._values)
         return self._template.fill(stamp, self._values.ravel())
 
+    def rows(self, stamps: Sequence[int], values: Array) -> list[bytes]:
+        """As `encode`, at each stamp [ns]: the four arrays as columns, shape (n, m, 4)."""
+        check_not_infinite(WHIRL_STATE, values)
+        return self._template.rows(stamps, values)
+
 
 def read_whirl_state(state: JointState) -> WhirlState:
     """Findings of a `/whirl/state`.

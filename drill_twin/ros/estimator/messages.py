@@ -13,6 +13,7 @@ from drill_twin.io.messages.diagnostics import Level, Status, exact
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.io.scene_geometry import string_geometry
+from drill_twin.twin.frame import Frames
 
 _NAME = "estimate"
 _LIKELY = 0.5
@@ -72,7 +73,7 @@ class NearestTwin:
     def messages(self, found: Estimate, origin: float) -> Iterator[tuple[str, bytes]]:
         """Topics and bytes of the frames of a window, stamped by the rig's clock, whose time zero is `origin` [s]."""
         for frame in found.frames:
-            stamped = frame._replace(time=origin + frame.time)
-            yield RIG_STATE, self._encoder.rig_state(stamped)
-            yield MARKS_STATE, self._encoder.marks(stamped)
-            yield STRING_POSES, self._encoder.poses(stamped)
+            stamped = Frames.of(frame._replace(time=origin + frame.time))
+            yield RIG_STATE, self._encoder.rig_state(stamped)[0]
+            yield MARKS_STATE, self._encoder.marks(stamped)[0]
+            yield STRING_POSES, self._encoder.poses(stamped)[0]

@@ -15,6 +15,7 @@ from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.whirl_encode import Motion, OnsetMessage, WhirlStateEncoder, encode_motion, encode_onset
 from drill_twin.schedule.command import Command
+from drill_twin.twin.frame import Frames
 
 SCENE = "name: made up\nrun:\n  seed: 1\n"
 ONSET = OnsetMessage(time=0.1 + 0.2, mark="mark_3", confidence=1.0 / 3.0)
@@ -51,20 +52,20 @@ def messages(frames, make_geometry) -> list[Message]:
     command = Command(weight_on_bit=40.0, rotation=4.0 * np.pi)
     rows = [(topics.TWIN_SCENE, 0, encode_string(SCENE)), (topics.WHIRL_ONSET, 0, encode_onset(0, None))]
     for frame in frames:
-        stamp = stamp_ns(frame.time)
+        stamp, one = stamp_ns(frame.time), Frames.of(frame)
         rows += [
             (topics.RIG_COMMAND, stamp, rig.command(stamp, command)),
-            (topics.STRING_POSES, stamp, twin.poses(frame)),
-            (topics.MARKS_STATE, stamp, twin.marks(frame)),
-            (topics.RIG_STATE, stamp, twin.rig_state(frame)),
-            (topics.CLOCK_TOPIC, stamp, twin.clock(frame.time)),
+            (topics.STRING_POSES, stamp, twin.poses(one)[0]),
+            (topics.MARKS_STATE, stamp, twin.marks(one)[0]),
+            (topics.RIG_STATE, stamp, twin.rig_state(one)[0]),
+            (topics.CLOCK_TOPIC, stamp, twin.clock(one.time)[0]),
             (topics.WHIRL_STATE, stamp, whirl.encode(stamp, *np.full((4, 4), frame.time))),
         ]
     stamp = stamp_ns(frames[-1].time)
     rows += [
         (topics.WOB_COMMAND, stamp, rig.wob_command(command)),
         (topics.RPS_COMMAND, stamp, rig.rps_command(command)),
-        (topics.STRING_MARKERS, stamp, twin.markers(frames[-1])),
+        (topics.STRING_MARKERS, stamp, twin.markers(Frames.of(frames[-1]))[0]),
         (topics.WHIRL_MOTION, stamp, encode_motion(stamp, [MOTION])),
         (topics.WHIRL_ONSET, stamp, encode_onset(stamp, ONSET)),
         (topics.DIAGNOSTICS, stamp, encode_diagnostics(stamp, [Status("simulator", Level.OK, "fine")])),

@@ -11,6 +11,7 @@ from drill_twin.io.messages.encode import MARK_AXES, TwinEncoder
 from drill_twin.io.messages.stamps import header
 from drill_twin.io.messages.topics import JOINT_STATE, MARKS_STATE, RIG_COMMAND, RIG_STATE, STRING_POSES, WHIRL_STATE
 from drill_twin.io.messages.type_store import message, serialize
+from drill_twin.twin.frame import Frames
 
 MARKS = ("mark_1", "mark_2", "mark_3", "mark_4")
 SERIES = {
@@ -48,7 +49,7 @@ def test_spin_is_unwrapped(make_frame, make_geometry):
     encoder, poses = TwinEncoder(make_geometry(11)), PoseSeries()
     for k in range(200):
         frame = make_frame(11, time=0.01 * k)
-        poses.add_message(encoder.poses(frame._replace(spin=np.full(11, 1.5 * np.pi * k))))
+        poses.add_message(encoder.poses(Frames.of(frame._replace(spin=np.full(11, 1.5 * np.pi * k))))[0])
     np.testing.assert_allclose(poses.spin[-1] - poses.spin[0], 1.5 * np.pi * 199)
 
 

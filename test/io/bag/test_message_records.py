@@ -21,7 +21,7 @@ def _file(appender):
         writer.register_channel(name, "cdr", schema)
     append = appender(writer)
     for k, message in enumerate(MESSAGES):
-        append(*message)
+        append([message])
         if k % 700 == 650:
             writer.flush()
     writer.finish()
@@ -29,7 +29,7 @@ def _file(appender):
 
 
 def _slow(writer):
-    return lambda channel, stamp, raw, number: writer.add_message(channel, stamp, raw, stamp, number)
+    return lambda messages: [writer.add_message(channel, at, raw, at, k) for channel, at, raw, k in messages]
 
 
 @pytest.mark.parametrize("known", [True, False], ids=["mcap as known", "another mcap"])

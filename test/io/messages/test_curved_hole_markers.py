@@ -79,7 +79,8 @@ def test_lateral_motion_is_widened_about_the_axis(line, off, geometry):
 def test_the_wall_and_its_rings_follow_the_hole(line, geometry):
     axis = line.at(DEPTHS)
     picture = MarkerArrayTemplate(geometry, FACTOR)
-    raw = picture.fill(0, axis.centre, np.array([[0.0, 0.0, -130.0], [0.0, 0.0, -60.0]]), np.zeros(7))
+    marks = np.array([[[0.0, 0.0, -130.0], [0.0, 0.0, -60.0]]])
+    raw = picture.rows([0], axis.centre[None], marks, np.zeros((1, 7)))[0]
     markers = {(marker.ns, marker.id): marker for marker in deserialize(raw, MARKER_ARRAY).markers}
     wall = np.array([[p.x, p.y, p.z] for p in markers["hole", 0].points])
     assert np.linalg.norm(wall - line.at(np.linspace(0.0, 180.0, len(wall))).centre, axis=1).max() < 1e-9
@@ -159,7 +160,7 @@ def test_hole_and_string_have_their_radius_at_every_depth():
         11, (), (), 5.0, 0.03, 0.09, hole_steps=hole_steps(scene), string_steps=string_steps(scene), node_distances=arc
     )
     nodes = np.stack((0.01 * arc, 0.0 * arc, arc - 5.0), axis=1)
-    raw = MarkerArrayTemplate(geometry, 2.0).fill(0, nodes, np.zeros((0, 3)), np.zeros(11))
+    raw = MarkerArrayTemplate(geometry, 2.0).rows([0], nodes[None], np.zeros((1, 0, 3)), np.zeros((1, 11)))[0]
     markers = deserialize(raw, MARKER_ARRAY).markers
     walls = [m for m in markers if m.ns == "hole" and m.type == 3]
     assert sorted((m.pose.position.z, m.scale.x, m.scale.z) for m in walls) == [

@@ -14,6 +14,7 @@ from drill_twin.io.messages.encode import TwinEncoder, encode_string
 from drill_twin.io.messages.markers import MarkerArrayTemplate
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.io.messages.type_store import type_hash
+from drill_twin.twin.frame import Frames
 
 rclpy_serialization = pytest.importorskip("rclpy.serialization", reason="needs the ROS 2 wheels")
 
@@ -85,6 +86,10 @@ def test_joint_state(count, stamp, arrays):
     assert decoded(template.fill(stamp, values[0], velocity, effort), JointState) == as_ros_decodes(expected)
 
 
+def marker_array(template, stamp, frame, force):
+    return template.rows([stamp], frame.positions[None], frame.marks.position[None], force[None])[0]
+
+
 @pytest.mark.parametrize("stamp", STAMPS)
 @pytest.mark.parametrize("nodes", [2, 51, 200])
 def test_marker_array(nodes, stamp, make_frame, make_geometry):
@@ -96,8 +101,8 @@ def test_marker_array(nodes, stamp, make_frame, make_geometry):
     frame, factor = make_frame(nodes), 5.0
     template = MarkerArrayTemplate(make_geometry(nodes), factor)
     first = make_frame(nodes, seed=2)
-    template.fill(7, first.positions, first.marks.position, first.wall_force)
-    raw = template.fill(stamp, frame.positions, frame.marks.position, frame.wall_force)
+    marker_array(template, 7, first, first.wall_force)
+    raw = marker_array(template, stamp, frame, frame.wall_force)
     markers = {(m.ns, m.id): m for m in decoded(raw, MarkerArray).markers}
 
     assert all(m.header == header(stamp) for m in markers.values())
@@ -152,8 +157,8 @@ def test_no_node_at_the_wall_draws_no_contact(make_frame, make_geometry):
     from visualization_msgs.msg import MarkerArray
 
     frame, template = make_frame(), MarkerArrayTemplate(make_geometry(), 2.0)
-    template.fill(0, frame.positions, frame.marks.position, np.ones(51))
-    raw = template.fill(1, frame.positions, frame.marks.position, np.zeros(51))
+    marker_array(template, 0, frame, np.ones(51))
+    raw = marker_array(template, 1, frame, np.zeros(51))
     contacts = next(m for m in decoded(raw, MarkerArray).markers if m.ns == "contacts")
     assert all(colour.a == 0.0 for colour in contacts.colors)
 
@@ -163,7 +168,7 @@ def test_exaggeration_changes_while_running(make_frame, make_geometry):
 
     encoder, frame = TwinEncoder(make_geometry()), make_frame()
     for factor in (None, 3.0, 7.5, None):
-        markers = decoded(encoder.markers(frame, factor), MarkerArray).markers
+        markers = decoded(encoder.markers(Frames.of(frame), factor)[0], MarkerArray).markers
         text = next(m.text for m in markers if m.ns == "text")
         used = float(text.removeprefix("lateral motion x "))
         assert factor is None or used == factor

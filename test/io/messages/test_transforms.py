@@ -11,6 +11,7 @@ from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.topics import MARKER_ARRAY
 from drill_twin.io.messages.transforms import TF_TYPE, StringTransforms, TransformsTemplate, hole_transform
 from drill_twin.io.messages.type_store import deserialize
+from drill_twin.twin.frame import Frames
 
 STAMP = 12_340_000_000
 
@@ -27,7 +28,7 @@ def test_bit_and_marks_are_where_the_topics_say(make_frame, make_geometry):
     transforms = StringTransforms(geometry).at(frame)
     assert [one.child for one in transforms] == ["bit", *geometry.mark_names]
     assert {one.parent for one in transforms} == {"hole"}
-    poses = read_pose_array(TwinEncoder(geometry).poses(frame))
+    poses = read_pose_array(TwinEncoder(geometry).poses(Frames.of(frame))[0])
     np.testing.assert_array_equal(transforms[0].translation, poses.position[0])
     np.testing.assert_allclose(transforms[0].rotation, poses.orientation[0], atol=1e-12)
     np.testing.assert_array_equal([one.translation for one in transforms[1:]], frame.marks.position)
@@ -68,9 +69,9 @@ def test_frames_of_a_prefix_are_those_of_the_messages(make_geometry, make_frame)
     """Two twins can then share a tf tree: every frame and every header has the prefix."""
     geometry, frame = replace(make_geometry(11), frame_prefix="rig2/"), make_frame(nodes=11)
     encoder = TwinEncoder(geometry)
-    for raw in (encoder.marks(frame), encoder.rig_state(frame)):
+    for raw in (encoder.marks(Frames.of(frame))[0], encoder.rig_state(Frames.of(frame))[0]):
         assert read_joint_state(raw).frame_id == "rig2/hole"
-    markers = deserialize(encoder.markers(frame), MARKER_ARRAY).markers
+    markers = deserialize(encoder.markers(Frames.of(frame))[0], MARKER_ARRAY).markers
     assert {marker.header.frame_id for marker in markers} == {"rig2/hole"}
     transforms = [hole_transform(0.3, geometry.frame_prefix), *StringTransforms(geometry).at(frame)]
     assert {one.parent for one in transforms} == {"rig2/map", "rig2/hole"}

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, cast
@@ -67,14 +67,15 @@ class FileWriter:
             {"offered_qos_profiles": to_yaml(list(topic.qos)).strip(), "topic_type_hash": topic.type_hash},
         )
 
-    def write(self, topic: str, stamp: int, raw: bytes, number: int) -> None:
-        """Append a message with its time of recording [ns] and its number on the topic."""
-        if self.start is None or stamp < self.start:
-            self.start = stamp
-        self.end = max(self.end, stamp)
-        self.count += 1
+    def write(self, messages: Sequence[tuple[str, int, bytes, int]]) -> None:
+        """Append messages: topic, time of recording [ns], bytes and number on the topic of each."""
+        stamps = [stamp for _, stamp, _, _ in messages]
+        self.start = min(stamps) if self.start is None else min(self.start, *stamps)
+        self.end = max(self.end, *stamps)
+        self.count += len(messages)
+        channels = self._channels
         try:
-            self._append(self._channels[topic], stamp, raw, number)
+            self._append((channels[topic], stamp, raw, number) for topic, stamp, raw, number in messages)
         except OSError as error:
             raise self.broken(error) from error
 

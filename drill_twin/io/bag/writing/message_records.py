@@ -1,51 +1,81 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages of a chunk in one piece: mcap's writer packs each of their six fields by itself, a fifth of a fast run."""
+"""Messages and indices of a chunk, each record in one piece: mcap's writer packs each of their fields by itself."""
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from mcap.opcode import Opcode
-from mcap.records import MessageIndex
 from mcap.writer import Writer
 
 _HEAD = struct.Struct("<BQHIQQ")  # opcode, length of the rest, channel, sequence, time of recording and of publishing
 _BEHIND_LENGTH = _HEAD.size - 9
 
-_PRIVATE = ("_Writer__chunk_builder", "_Writer__statistics", "_Writer__maybe_finalize_chunk")
+_PRIVATE = ("_Writer__chunk_builder", "_Writer__statistics", "_Writer__maybe_finalize_chunk", "_Writer__chunk_size")
 
-Append = Callable[[int, int, bytes, int], None]
-"""Appends a message: channel, time of recording [ns], bytes, number on the topic."""
+Numbered = tuple[int, int, bytes, int]
+"""Channel, time of recording [ns], bytes and number on the topic of a message."""
+Append = Callable[[Iterable[Numbered]], None]
+"""Appends messages."""
+
+
+class _Index:
+    """Index of the messages of a channel in a chunk, in place of mcap's `MessageIndex`."""
+
+    def __init__(self, channel: int) -> None:
+        self._channel = channel
+        self.numbers: list[int] = []
+        """Time of recording [ns] and place in the chunk, of each message in turn."""
+
+    def write(self, stream: Any) -> None:
+        """Write the record."""
+        count = len(self.numbers)
+        stream.write(
+            struct.pack(f"<BQHI{count}Q", Opcode.MESSAGE_INDEX, 6 + 8 * count, self._channel, 8 * count, *self.numbers)
+        )
 
 
 def message_appender(writer: Writer) -> Append:
     """Append messages to a chunked writer as its `add_message`, to the same bytes; by it where mcap has changed."""
     private: Any = writer
     if not all(hasattr(writer, name) for name in _PRIVATE):
-        return lambda channel, stamp, raw, number: writer.add_message(channel, stamp, raw, stamp, number)
+        return lambda messages: _append_one_by_one(writer, messages)
     chunk, statistics = private._Writer__chunk_builder, private._Writer__statistics  # noqa: SLF001
-    finish_if_full = private._Writer__maybe_finalize_chunk  # noqa: SLF001
+    finish_if_full, size = private._Writer__maybe_finalize_chunk, private._Writer__chunk_size  # noqa: SLF001
     counts, indices, pack, opcode = statistics.channel_message_counts, chunk.message_indices, _HEAD.pack, Opcode.MESSAGE
 
-    def append(channel: int, stamp: int, raw: bytes, number: int) -> None:
-        if chunk.num_messages == 0 or stamp < chunk.message_start_time:
-            chunk.message_start_time = stamp
-        chunk.message_end_time = max(chunk.message_end_time, stamp)
-        if statistics.message_count == 0 or stamp < statistics.message_start_time:
-            statistics.message_start_time = stamp
-        statistics.message_end_time = max(statistics.message_end_time, stamp)
-        counts[channel] += 1
-        statistics.message_count += 1
-        chunk.num_messages += 1
-        index = indices.get(channel)
-        if index is None:
-            index = indices[channel] = MessageIndex(channel_id=channel, records=[])
-        records = chunk.record_writer
-        index.records.append((stamp, records.count))
-        records.write(pack(opcode, _BEHIND_LENGTH + len(raw), channel, number, stamp, stamp))
-        records.write(raw)
-        finish_if_full()
+    def append(messages: Iterable[Numbered]) -> None:
+        pieces: list[bytes] = []
+        place = chunk.record_writer.count
+        for channel, stamp, raw, number in messages:
+            if chunk.num_messages == 0 or stamp < chunk.message_start_time:
+                chunk.message_start_time = stamp
+            chunk.message_end_time = max(chunk.message_end_time, stamp)
+            if statistics.message_count == 0 or stamp < statistics.message_start_time:
+                statistics.message_start_time = stamp
+            statistics.message_end_time = max(statistics.message_end_time, stamp)
+            counts[channel] += 1
+            statistics.message_count += 1
+            chunk.num_messages += 1
+            index = indices.get(channel)
+            if index is None:
+                index = indices[channel] = _Index(channel)
+            index.numbers += (stamp, place)
+            pieces.append(pack(opcode, _BEHIND_LENGTH + len(raw), channel, number, stamp, stamp))
+            pieces.append(raw)
+            place += _HEAD.size + len(raw)
+            if place > size:
+                chunk.record_writer.write(b"".join(pieces))
+                pieces.clear()
+                finish_if_full()
+                place = chunk.record_writer.count
+        chunk.record_writer.write(b"".join(pieces))
 
     return append
+
+
+def _append_one_by_one(writer: Writer, messages: Iterable[Numbered]) -> None:
+    for channel, stamp, raw, number in messages:
+        writer.add_message(channel, stamp, raw, stamp, number)
