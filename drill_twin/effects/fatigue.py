@@ -15,7 +15,7 @@ from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.effects import bow
 from drill_twin.effects.config import EffectConfig, Incompatibility
-from drill_twin.effects.fatigue_section import FatigueSection, SNLine
+from drill_twin.effects.fatigue_blocks import FatigueSection, SNLine
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
 from drill_twin.model.rainflow import (
