@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from drill_twin.base.arrays import Array, Pair, Triple
 from drill_twin.base.jit import kernel
@@ -14,9 +14,22 @@ from drill_twin.effects.wall import Contact, contact_force
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
-from drill_twin.units import Dimensionless, InverseSpeed, Within, refuse, show
+from drill_twin.units import Dimensionless, InverseSpeed, Length, Within, refuse, show
 
 Quad = tuple[float, float, float, float]
+Coefficient = Annotated[Dimensionless, Within(at_least="0", at_most="5")]
+Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km")]
+
+
+class FrictionInterval(EffectConfig):
+    """Interval of the hole with a friction coefficient of its own, such as its casing."""
+
+    top: Depth
+    """Measured depth of its top, from the top clamp [m]."""
+    bottom: Depth
+    """Measured depth of its bottom [m]."""
+    coefficient: Coefficient
+    """Friction coefficient there at low slip speed [-]; `sliding` keeps its proportion to it."""
 
 
 class WallFriction(EffectConfig):
@@ -33,11 +46,11 @@ class WallFriction(EffectConfig):
     energy_class = "heat"
     disabled_for_static = ("coefficient", "sliding")
 
-    coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
-    """Friction coefficient mu at low slip speed [-]."""
+    coefficient: Coefficient
+    """Friction coefficient mu at low slip speed [-], outside `intervals`."""
     decay: Annotated[InverseSpeed, Within(at_least="0 s/m", at_most="1e4 s/m")] = 0.0
     """Decrease of friction with slip speed, delta [s/m]; 0 = Coulomb."""
-    sliding: Annotated[Dimensionless, Within(at_least="0", at_most="5")] = 0.0
+    sliding: Coefficient = 0.0
     """Friction coefficient at high slip speed, mu_d [-], which `decay` leads to; not above `coefficient`."""
     exponent: Annotated[Dimensionless, Within(at_least="1", at_most="20")] | None = None
     """Exponent n of Stribeck's law [-]; left out: the hyperbola."""
@@ -45,6 +58,8 @@ class WallFriction(EffectConfig):
     """Steepness xi of the regularised sign at zero slip [s/m]."""
     sign: Literal["root", "arctan"] = "root"
     """Regularised sign of the slip: `root` v / sqrt(v^2 + c^2); `arctan` 2/pi arctan(xi v), as the paper has it."""
+    intervals: Annotated[tuple[FrictionInterval, ...], Field(max_length=1000)] = ()
+    """Intervals of the hole with another coefficient, such as casing, from the top down."""
 
     @model_validator(mode="after")
     def _sticks_harder_than_it_slides(self) -> Self:
@@ -54,11 +69,35 @@ class WallFriction(EffectConfig):
             )
         return self
 
+    @model_validator(mode="after")
+    def _intervals_do_not_overlap(self) -> Self:
+        above = 0.0
+        for index, interval in enumerate(self.intervals):
+            if interval.top < above:
+                raise refuse(f"expected intervals from the top down that do not overlap; number {index} begins at "
+                             f"{interval.top:.6g} m, above {above:.6g} m, where the one before ends")  # fmt: skip
+            if interval.bottom <= interval.top:
+                raise refuse(f"expected a bottom below the top of interval {index} ({interval.top:.6g} m), "
+                             f"found {interval.bottom:.6g} m")  # fmt: skip
+            above = interval.bottom
+        if self.intervals and self.coefficient == 0.0:
+            raise refuse("expected a `coefficient` above 0 beside `intervals`, which scale the law, found 0")
+        return self
+
     @property
     def variant(self) -> str:
         """The law, by what it adds to the default one."""
         falls = ("stribeck",) if self.exponent is not None else ("sliding",) if self.sliding > 0.0 else ()
-        return "_".join((("arctan",) if self.sign == "arctan" else ()) + falls)
+        by_depth = ("by_depth",) if self.intervals else ()
+        return "_".join((("arctan",) if self.sign == "arctan" else ()) + falls + by_depth)
+
+    def scale_at(self, depth: Array) -> Array:
+        """Friction at measured depths over that of the law [-], shape (p,); where two intervals meet, the lower's."""
+        scale = np.ones(np.shape(depth))
+        if self.coefficient > 0.0:  # friction left out: scales do not matter
+            for interval in self.intervals:
+                scale[(depth >= interval.top) & (depth < interval.bottom)] = interval.coefficient / self.coefficient
+        return scale
 
 
 class Parameters(NamedTuple):
@@ -74,6 +113,7 @@ class Parameters(NamedTuple):
     )
     sliding: float
     exponent: float
+    scale: Array  # friction at the Gauss points over that of the law [-]; shape (2 n,)
 
 
 def parameters(block: WallFriction, model: DiscreteModel) -> Parameters:
@@ -81,7 +121,8 @@ def parameters(block: WallFriction, model: DiscreteModel) -> Parameters:
     memory = np.zeros((model.places.size, 6))
     memory[:, 5] = -1.0
     creep = np.pi / (2.0 * block.accuracy)
-    return Parameters(block.coefficient, block.decay, creep, memory, block.sliding, block.exponent or 0.0)
+    scale = block.scale_at(model.string_length - model.places)
+    return Parameters(block.coefficient, block.decay, creep, memory, block.sliding, block.exponent or 0.0, scale)
 
 
 @kernel
@@ -130,7 +171,9 @@ def row(
     stiff[i, 3] += (slip[0] * own[0] + slip[1] * own[1]) * round_[3]
 
 
-def bind(*, arctan: bool = False, sliding: bool = False, stribeck: bool = False) -> Callable[..., None]:
+def bind(
+    *, arctan: bool = False, sliding: bool = False, stribeck: bool = False, by_depth: bool = False
+) -> Callable[..., None]:
     """The load for one law; the branches of the others leave no machine code."""
 
     @kernel
@@ -162,6 +205,8 @@ def bind(*, arctan: bool = False, sliding: bool = False, stribeck: bool = False)
                 limit = law.sliding + excess
             else:
                 excess = limit = law.coefficient / falling
+            if by_depth:
+                excess, limit = law.scale[here.place] * excess, law.scale[here.place] * limit
             st, sz = around / size, along / size
             ft, fz = -limit * at.force * st, -limit * at.force * sz
             load[0] += ft * cx + fz * tx
@@ -198,3 +243,9 @@ distributed_load_sliding = bind(sliding=True)
 distributed_load_arctan_sliding = bind(arctan=True, sliding=True)
 distributed_load_stribeck = bind(stribeck=True)
 distributed_load_arctan_stribeck = bind(arctan=True, stribeck=True)
+distributed_load_by_depth = bind(by_depth=True)
+distributed_load_arctan_by_depth = bind(arctan=True, by_depth=True)
+distributed_load_sliding_by_depth = bind(sliding=True, by_depth=True)
+distributed_load_arctan_sliding_by_depth = bind(arctan=True, sliding=True, by_depth=True)
+distributed_load_stribeck_by_depth = bind(stribeck=True, by_depth=True)
+distributed_load_arctan_stribeck_by_depth = bind(arctan=True, stribeck=True, by_depth=True)

@@ -189,7 +189,8 @@ def hole_and_string(balance: SlidingBalance) -> HoleAndString:
     return HoleAndString(
         rod.length, along, weight + along[:, None] * tangent, bend, rod.bending,
         contact_radius(scene, middle), model.wellbore.clearance.reshape(-1, 2).mean(axis=1),
-        0.0 if friction is None else friction.coefficient,
+        np.zeros(middle.size) if friction is None
+        else friction.coefficient * friction.scale_at(scene.length - middle),
     )  # fmt: skip
 
 

@@ -40,7 +40,7 @@ class HoleAndString(NamedTuple):
     """Contact radius of the string [m]."""
     clearance: Array
     """[m]."""
-    friction: float
+    friction: Array
     """Coefficient mu."""
 
     def pressing(self, tension: Array) -> Array:

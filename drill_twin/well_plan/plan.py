@@ -40,6 +40,8 @@ class WellPlan(NamedTuple):
     mud: str = "1.2 sg"
     viscosity: str = "20 cP"
     friction: float = 0.25
+    cased_friction: float | None = None
+    """Friction coefficient in the casing; None: that of the open hole."""
     weight_on_bit: str = "100 kN"
     rotation: str = "120 rpm"
     units: str = "si"
@@ -105,11 +107,19 @@ class WellPlan(NamedTuple):
                 "internal_damping": dict.fromkeys(("bending_time", "stretch_time", "torsion_time"), "1 ms"),
                 "added_mass": {}, "quadratic_drag": {}, "rotation_drag": {},
                 "wall": {"stiffness": "1e10 N/m^2.5" if long else "1e8 N/m^2.5"},
-                "wall_friction": {"coefficient": self.friction},
+                "wall_friction": {"coefficient": self.friction, **self._cased_friction(casing)},
                 "bit_torque_stribeck": {"radius": f"{bit / 3.0:.6g} m", **BIT_TORQUE},
             },
             "numerics": {"frame_rate": "50 Hz" if long else "200 Hz"},
         }  # fmt: skip
+
+    def _cased_friction(self, casing: list[tuple[float, float, float]]) -> dict[str, Any]:
+        if self.cased_friction is None:
+            return {}
+        if not casing:
+            raise SceneError("--cased-friction: expected a casing with it, found none; give --casing, or leave it out")
+        ends = {"top": f"{casing[0][0]:g} m", "bottom": f"{casing[-1][1]:g} m"}
+        return {"intervals": [ends | {"coefficient": self.cased_friction}]}
 
     def _casing(self) -> list[tuple[float, float, float]]:
         """Top, bottom and inner diameter of the casing that is innermost there [m], from the top down."""

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from hole_scenes import ON_THE_WALL, bend, with_parts
+from pydantic import ValidationError
 
 from drill_twin.base.jit import as_python
 from drill_twin.effects import function_name, wall, wall_friction, with_variant
@@ -28,7 +29,8 @@ class Both(NamedTuple):
 
 
 LAWS = [{"decay": 1.0}, {"sign": "arctan", "decay": 1.0}, {"decay": 20.0, "sliding": 0.2},
-        {"decay": 20.0, "sliding": 0.2, "exponent": 3.0}]  # fmt: skip
+        {"decay": 20.0, "sliding": 0.2, "exponent": 3.0},
+        {"decay": 20.0, "sliding": 0.2, "intervals": [{"top": 0.0, "bottom": 19.0, "coefficient": 0.15}]}]  # fmt: skip
 
 
 def scene_of(hole: str, friction: dict[str, float]) -> Scene:
@@ -120,6 +122,33 @@ def test_friction_falls_to_that_of_sliding(slip: float, coefficient: float) -> N
     place, (_, t, _) = on_the_wall(twin, 1e-4, 0.7)
     load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), h2=0.0)
     assert load[:3] @ t == pytest.approx(-coefficient * 1e7 * 1e-4**1.5, rel=1e-4)
+
+
+@pytest.mark.parametrize("law", LAWS[:-1])
+@pytest.mark.parametrize(("bottom", "scale"), [(19.0, 0.5), (1.0, 1.0)])
+def test_an_interval_scales_the_whole_law(law: dict[str, float], bottom: float, scale: float) -> None:
+    """Load and tangent in an interval of half the coefficient, and outside it: the place is 15.7 m deep of 20 m."""
+    casing = {"intervals": [{"top": 0.0, "bottom": bottom, "coefficient": 0.15}]}
+    found = []
+    for own in ({}, casing):
+        both, twin = made(scene_of("straight", {"coefficient": 0.3, **law, **own}))
+        place, (c, t, _) = on_the_wall(twin, 1e-4, 0.7)
+        found.append(evaluate(both, twin, place, np.append(0.03 * c + 0.02 * t, 0.0)))
+    for plain, cased in zip(*found, strict=True):
+        assert cased == pytest.approx(scale * plain, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("intervals", "said"),
+    [
+        ([("0 m", "3 m"), ("2 m", "4 m")], "number 1 begins at 2 m, above 3 m, where the one before ends"),
+        ([("3 m", "3 m")], r"expected a bottom below the top of interval 0 \(3 m\), found 3 m"),
+    ],
+)
+def test_intervals_that_overlap_or_are_empty_are_refused(intervals: list[tuple[str, str]], said: str) -> None:
+    rows = [{"top": top, "bottom": bottom, "coefficient": 0.1} for top, bottom in intervals]
+    with pytest.raises(ValidationError, match=said):
+        scene_of("straight", {"coefficient": 0.3, "intervals": rows})
 
 
 def test_friction_that_slides_harder_than_it_sticks_is_refused() -> None:

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 import drill_twin as dt
 from drill_twin.cli.app import app
+from drill_twin.effects.wall_friction import WallFriction
 from drill_twin.errors import RunError
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.scene import Scene
@@ -91,6 +92,24 @@ def test_a_string_without_weight_is_told(bent_well: Scene) -> None:
     trip = Operation("trip out", 0.0, 0.3, 0.0)
     with pytest.raises(RunError, match=r'operation "trip out", found none: .*weight has no .*list effects\.gravity'):
         dt.statics(bent_well, {"effects.gravity.magnitude": 0.0, "numerics.elements": 20}, only=[trip])
+
+
+def test_friction_by_depth(bent_well: Scene) -> None:
+    """Torque of a rotating string in a hole at 60 deg throughout: mu w sin(60 deg) r over each interval."""
+    friction = {"coefficient": 0.3, "intervals": [{"top": 0.0, "bottom": 400.0, "coefficient": 0.1}]}
+    scene = bent_well.model_copy(
+        update={
+            "hole": bent_well.hole.model_copy(update={"survey": (), "inclination": math.radians(60.0)}),
+            "string": bent_well.string.model_copy(update={"sections": bent_well.string.sections[2:]}),
+            "effects": bent_well.effects.model_copy(update={"wall_friction": WallFriction(**friction)}),
+        }
+    )
+    loads = dt.statics(scene)["off bottom"]
+    area = math.pi / 4.0 * (PIPE["outer_diameter"] ** 2 - PIPE["inner_diameter"] ** 2)
+    across = area * 7850.0 * 9.81 * math.sin(math.radians(60.0))
+    expected = (0.1 * 400.0 + 0.3 * (scene.length - 400.0)) * across * 0.5 * PIPE["outer_diameter"]
+    assert loads.soft.surface_torque == pytest.approx(expected, rel=5e-3)
+    assert loads.surface_torque == pytest.approx(expected, rel=0.06)  # off the wall near both ends
 
 
 def test_lock_up_of_a_straight_hole() -> None:

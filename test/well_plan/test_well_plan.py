@@ -4,6 +4,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drill_twin.errors import SceneError
@@ -133,6 +134,14 @@ def test_a_mistake_is_one_line_that_names_row_and_remedy(tmp_path: Path, mistake
     with pytest.raises(SceneError, match=message) as caught:
         made(tmp_path, **changes)
     assert "\n" not in str(caught.value)
+
+
+def test_friction_of_the_casing(tmp_path: Path) -> None:
+    options = {"casing": ("12.7 in to 400 m", "12.415 in to 900 m"), "friction": 0.3, "cased_friction": 0.15}
+    friction = made(tmp_path, **options).effects.wall_friction
+    assert friction.scale_at(np.array([0.0, 899.0, 901.0])) * friction.coefficient == pytest.approx([0.15, 0.15, 0.3])
+    with pytest.raises(SceneError, match="--cased-friction: expected a casing with it, found none"):
+        made(tmp_path, cased_friction=0.15)
 
 
 def test_semicolons_and_decimal_commas_are_read(tmp_path: Path) -> None:

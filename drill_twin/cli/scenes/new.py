@@ -34,6 +34,9 @@ def new(
     mud: Annotated[str, typer.Option("--mud", metavar="DENSITY", help='Mud, as "1.2 sg" or "10 ppg".')] = "1.2 sg",
     viscosity: Annotated[str, typer.Option("--viscosity", metavar="VISCOSITY", help="Of the mud.")] = "20 cP",
     friction: Annotated[float, typer.Option("--friction", min=0.0, max=5.0, help="Of the string on the wall.")] = 0.25,
+    cased_friction: Annotated[
+        float | None, typer.Option("--cased-friction", min=0.0, max=5.0, help="The same, in the casing.")
+    ] = None,
     wob: Annotated[str, typer.Option("--wob", metavar="FORCE", help="Weight on bit.")] = "100 kN",
     rpm: Annotated[str, typer.Option("--rpm", metavar="SPEED", help="Rotation, with its unit.")] = "120 rpm",
     units: Annotated[
@@ -57,7 +60,7 @@ def new(
             raise SceneError(f"{out}: expected a scene file to write, found the table of {option}; choose another name")
     plan = WellPlan(
         out.stem, Path(answers["--survey"]), Path(answers["--tally"]), answers["--hole"], tuple(casing), bit, depth,
-        mud, viscosity, friction, wob, rpm, units,
+        mud, viscosity, friction, cased_friction, wob, rpm, units,
     )  # fmt: skip
     scene, data = plan.scene()
     write_file(out, "# SPDX-License-Identifier: Apache-2.0\n" + yaml_text(data))
