@@ -3,18 +3,30 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from drill_twin.errors import MessageError, printable
-from drill_twin.io.messages.diagnostics import decode_diagnostics
+from drill_twin.io.messages.diagnostics import Status, decode_diagnostics
 
 _MOST = 50
 _LONGEST_NAME, _LONGEST_TEXT = 60, 300
 _OWN = "estimate"
+_QUANTITIES = {
+    "N": ("force", 1.0),
+    "rad/s": ("rotation", 1.0 / math.tau),
+    "N m": ("torque", 1.0),
+    "m": ("offset", 1.0),
+    "Pa": ("stress", 1.0),
+}
+"""Quantity of the page (`units.js`) by the unit of an estimate, and the factor to the page's own unit."""
 
 
 def shown_estimates(raw: bytes) -> dict[str, Any]:
-    """Level and sentence of a `/estimate/state`, and name and text, mean with its 90 % band, of each estimate.
+    """Level and sentence of a `/estimate/state`, and rows of it for the page.
+
+    A row has name and text; an estimate with a unit of `_QUANTITIES` also its quantity, and mean, low and high end of its
+    90 % band in the page's own unit, which the page shows in the reader's.
 
     Raises:
         MessageError: It cannot be read, or has no status of the whole.
@@ -23,20 +35,33 @@ def shown_estimates(raw: bytes) -> dict[str, Any]:
     whole = next((status for status in statuses if status.name == _OWN), None)
     if whole is None:
         raise MessageError(f"expected the status {_OWN!r} among the estimates, found none")
-    try:
-        chance = f"{float(whole.values['chance_of_whirl']):.0%}"
-    except (KeyError, ValueError):
-        chance = "unknown"
-    rows = [
-        {"name": _short(status.name.removeprefix(f"{_OWN}: "), _LONGEST_NAME), "text": _short(status.text)}
-        for status in statuses[: _MOST + 1]
-        if status is not whole
-    ]
+    chance = _number(whole, "chance_of_whirl")
+    rows = [_row(status) for status in statuses[: _MOST + 1] if status is not whole]
     return {
         "level": int(whole.level),
         "text": _short(whole.text),
-        "rows": [{"name": "chance of whirl", "text": chance}, *rows],
+        "rows": [{"name": "chance of whirl", "text": "unknown" if chance is None else f"{chance:.0%}"}, *rows],
     }
+
+
+def _row(status: Status) -> dict[str, Any]:
+    name = _short(status.name.removeprefix(f"{_OWN}: "), _LONGEST_NAME)
+    shown: dict[str, Any] = {"name": name, "text": _short(status.text)}
+    quantity, factor = _QUANTITIES.get(status.text.partition(") ")[2], ("", 1.0))
+    band = [_number(status, key) for key in ("mean", "low", "high")]
+    if quantity and None not in band:
+        shown |= {"name": name.replace("_", " "), "quantity": quantity}
+        shown |= {key: factor * value for key, value in zip(("mean", "low", "high"), band, strict=True) if value is not None}
+    return shown
+
+
+def _number(status: Status, key: str) -> float | None:
+    """Finite number of a status; None where it has none."""
+    try:
+        value = float(status.values[key])
+    except (KeyError, ValueError):
+        return None
+    return value if math.isfinite(value) else None
 
 
 def _short(text: str, most: int = _LONGEST_TEXT) -> str:

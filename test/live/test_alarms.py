@@ -134,16 +134,22 @@ def test_estimates_are_shown_with_their_bands_until_the_estimator_is_gone():
 
     def tell(level, text):
         chance = {"chance_of_whirl": "0.25"}
-        band = Status("estimate: torque at the bit", Level.OK, "1.2 (1 to 1.4) N m")
-        page.update(ESTIMATE_STATE, encode_diagnostics(0, [Status("estimate", level, text, chance), band]))
+        ends = {"mean": "6.2832", "low": "3.1416", "high": "nan" if text == "odd" else "12.5664"}
+        speed = Status("estimate: bit_speed", Level.OK, "6.283 (3.142 to 12.57) rad/s", ends)
+        factor = Status("estimate: load_factor", Level.OK, "1.2 (1 to 1.4)", ends)
+        page.update(ESTIMATE_STATE, encode_diagnostics(0, [Status("estimate", level, text, chance), speed, factor]))
 
     tell(Level.OK, "the model explains what is measured")
-    rows = {row["name"]: row["text"] for row in page.snapshot()["estimates"]["rows"]}
-    assert rows == {"chance of whirl": "25%", "torque at the bit": "1.2 (1 to 1.4) N m"}
+    chance, speed, factor = page.snapshot()["estimates"]["rows"]
+    assert chance == {"name": "chance of whirl", "text": "25%"}
+    assert (speed["name"], speed["quantity"]) == ("bit speed", "rotation")
+    assert [speed[key] for key in ("mean", "low", "high")] == pytest.approx([1.0, 0.5, 2.0], rel=1e-4)  # rev/s
+    assert factor == {"name": "load_factor", "text": "1.2 (1 to 1.4)"}  # without a unit there is nothing to convert
     assert page.snapshot()["alarms"] == []
     tell(Level.ERROR, "hookload leaves the band")
     assert [row["text"] for row in page.snapshot()["alarms"]] == ["estimator: hookload leaves the band"]
-    tell(Level.OK, "")
+    tell(Level.OK, "odd")
+    assert page.snapshot()["estimates"]["rows"][1] == {"name": "bit_speed", "text": "6.283 (3.142 to 12.57) rad/s"}
     assert [row["active"] for row in page.snapshot()["alarms"]] == [False]
     times[0] = 5.0
     assert page.snapshot()["estimates"] == {"level": 3, "text": "no estimates for 5 s", "rows": []}

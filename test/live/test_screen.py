@@ -84,7 +84,8 @@ def test_map_and_advice_on_the_screen_at_three_metres_and_on_a_telephone(page):
     player.state.update(ADVICE_STATE, encode_diagnostics(0, [Status("advice", Level.ERROR, "go to 20 N", values)]))
     estimate = (
         Status("estimate", Level.ERROR, "hookload leaves the band"),
-        Status("estimate: torque", Level.OK, "1 N m"),
+        Status("estimate: bit_torque", Level.OK, "1.356 (1 to 2) N m", {"mean": "1.35582", "low": "1", "high": "2"}),
+        Status("estimate: wall_friction.coefficient", Level.OK, "0.2 (0.19 to 0.21)"),
     )
     player.state.update(ESTIMATE_STATE, encode_diagnostics(0, estimate))
     browser.width(1920, 1080)
@@ -92,6 +93,15 @@ def test_map_and_advice_on_the_screen_at_three_metres_and_on_a_telephone(page):
     assert "weight on bit [N]" in browser.text("map")
     assert browser.text("advice_text") == "go to 20 N"
     assert browser.text("estimate_text") == "hookload leaves the band"
+    cells = "[...document.querySelectorAll('#estimate_rows tr')].map((row) => [...row.cells].map((one) => one.textContent))"
+    assert browser.value(cells)[1:] == [
+        ["bit torque", "1.356 N m", "1.000 to 2.000"],
+        ["wall_friction.coefficient", "0.2", "0.19 to 0.21"],
+    ]
+    choose = "(name) => { units.value = name; units.dispatchEvent(new Event('change')); }"
+    browser.value(f"({choose})('field')")
+    until(lambda: browser.value(cells)[1] == ["bit torque", "0.0010 kft lbf", "0.0007 to 0.0015"], "the field's units")
+    browser.value(f"({choose})('laboratory')")
     assert "estimator: hookload leaves the band" in browser.text("alarms")
     until(lambda: browser.value("innerWidth") == 1920, "the width")
     assert browser.value("document.documentElement.scrollHeight") <= 1080

@@ -7,7 +7,7 @@ import { drawMap } from "./map_view.js";
 import { beginOrbits, drawOrbits, showOrbits } from "./orbits.js";
 import { $, element, keepTrails, replace, state } from "./state.js";
 import { offerTrends, showValues, trendsTable } from "./trends.js";
-import { offerUnits, text, unitsFor } from "./units.js";
+import { number, offerUnits, text, unitsFor } from "./units.js";
 import { drawString } from "./well_view.js";
 
 const NO_WHIRL = ["rotation about a fixed axis", "at rest"];
@@ -32,12 +32,20 @@ function show(picture) {
   $("estimates").hidden = !estimates;
   $("estimate_text").textContent = estimates?.text ?? "";
   $("estimate_text").className = `level_${estimates?.level ?? 0}`;
-  replace($("estimate_rows"), estimates?.rows, () => (estimates?.rows ?? []).map(({ name, text }) => row(name, text)));
+  const bands = (estimates?.rows ?? []).map(band);
+  replace($("estimate_rows"), bands, () => bands.map((cells) => element("tr", {}, ...cells.map((textContent) => element("td", { textContent })))));
   replace($("values"), ROWS.map(([id, , quantity]) => text(picture.rig[id], quantity)), () => ROWS.map(([id, words, quantity]) => row(words, text(picture.rig[id], quantity))));
   replace($("graph"), picture.graph.map(({ name, text, level }) => [name, text, level]), () => picture.graph.map((node) => row(node.name, node.text, `level_${node.level}`)));
 }
 
 const row = (name, value, className = "") => element("tr", { className }, element("td", { textContent: name }), element("td", { textContent: value }));
+
+// Cells of an estimate: name, mean, and the band in the unit of the mean.
+function band({ name, text: said, quantity, mean, low, high }) {
+  if (quantity) return [name, text(mean, quantity), `${number(low, quantity)} to ${number(high, quantity)}`];
+  const [, value, range] = /^(\S+) \((.*)\)$/.exec(said) ?? [null, said, ""];
+  return [name, value, range];
+}
 
 function begin(scene) {
   sceneText = JSON.stringify(scene);

@@ -10,11 +10,12 @@ const UNITS = {  // quantity: unit: [size in the unit of the server, digits]
   rate: { "m/h": [1 / 3600, 1], "ft/h": [FOOT / 3600, 1] },
   length: { m: [1, 1], ft: [FOOT, 0] },
   offset: { mm: [1e-3, 1], in: [0.0254, 2] },
+  stress: { MPa: [1e6, 2], ksi: [1e3 * POUND / 0.0254 ** 2, 2] },
 };
 const SYSTEMS = {
-  laboratory: { force: "N", rotation: "rev/s", torque: "N m", rate: "m/h", length: "m", offset: "mm" },
-  SI: { force: "kN", rotation: "rpm", torque: "kN m", rate: "m/h", length: "m", offset: "mm" },
-  field: { force: "klbf", rotation: "rpm", torque: "kft lbf", rate: "ft/h", length: "ft", offset: "in" },
+  laboratory: { force: "N", rotation: "rev/s", torque: "N m", rate: "m/h", length: "m", offset: "mm", stress: "MPa" },
+  SI: { force: "kN", rotation: "rpm", torque: "kN m", rate: "m/h", length: "m", offset: "mm", stress: "MPa" },
+  field: { force: "klbf", rotation: "rpm", torque: "kft lbf", rate: "ft/h", length: "ft", offset: "in", stress: "ksi" },
 };
 const PLACE = "drill_twin units";
 let chosen = null, listeners = [];
@@ -22,7 +23,13 @@ let chosen = null, listeners = [];
 export const unit = (quantity) => (chosen ?? SYSTEMS.laboratory)[quantity];
 export const size = (quantity) => UNITS[quantity][unit(quantity)][0];
 export const digits = (quantity) => UNITS[quantity][unit(quantity)][1];
-export const number = (value, quantity) => value === null || value === undefined ? "-" : (value / size(quantity)).toFixed(Math.abs(value) < 1e3 * size(quantity) ? digits(quantity) : 0);
+// Two more digits than usual for what would round to nothing; no sign before a zero.
+export function number(value, quantity) {
+  if (value === null || value === undefined) return "-";
+  const scaled = value / size(quantity), usual = Math.abs(scaled) < 1e3 ? digits(quantity) : 0;
+  const more = [usual, usual + 1, usual + 2].find((count) => Math.abs(scaled) >= 10 ** (1 - count)) ?? usual + 2;
+  return Math.abs(scaled) < 0.5 * 10 ** -more ? (0).toFixed(usual) : scaled.toFixed(more);
+}
 export const text = (value, quantity) => value === null || value === undefined ? "-" : `${number(value, quantity)} ${unit(quantity)}`;
 export const onUnits = (listener) => { listeners.push(listener); };
 
