@@ -17,6 +17,7 @@ import numpy as np
 from drill_twin import __version__
 from drill_twin.accuracy.trial import perturb
 from drill_twin.base.arrays import Array
+from drill_twin.base.missing import number_or_nan
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import Scene, load_scene
@@ -137,8 +138,8 @@ def run_motion(
         centre=centre[taken],
         contact=contact[taken],
         clearance=np.array([info.clearance for info in infos]),
-        onset=np.nan if found.onset_s is None else found.onset_s,
-        frequency=np.nan if found.mode_frequency_hz is None else found.mode_frequency_hz,
+        onset=number_or_nan(found.onset_s),
+        frequency=number_or_nan(found.mode_frequency_hz),
         cost=float(spent.sum()) / (k * period),
         frame_p95=float(np.quantile(spent[taken], 0.95)),
         spent=spent[taken],

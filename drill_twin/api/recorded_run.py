@@ -20,12 +20,16 @@ from drill_twin.io.messages.stamps import NANOSECONDS, unpack_stamp
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.runner.recorded_commands import RecordedCommands, recorded_commands
 from drill_twin.scene import Scene
+from drill_twin.scene.blocks.rig import SetPoint
 from drill_twin.schedule import Command, Schedule
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_OF_THE_BAG = ("wob", "rps", "duration", "rig.weight_on_bit", "rig.rotation", "rig.table", "rig.duration")
+_OF_THE_BAG = (
+    *("wob", "rps", "duration", "rig.weight_on_bit", "rig.rotation", "rig.table", "rig.duration"),
+    *(f"rig.block.{name}" for name in SetPoint.model_fields),
+)
 _FRAMES = (RIG_STATE, MARKS_STATE, STRING_POSES)
 
 

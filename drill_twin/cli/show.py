@@ -65,23 +65,14 @@ def print_findings(summary: Mapping[str, Any]) -> None:
 
     console = out()
     console.print(pairs([*_without_radii(findings(summary)), *provenance(summary)]))
-    console.print(
-        grid(
-            ("mark", "largest radius (of the clearance)", "over the threshold", "motion at the end"),
-            _marks(summary),
-            right=(2,),
-        )
-    )
-    console.print(
-        grid(
-            ("from", "to", "motion of the string", "what decided it"),
-            (
-                (f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"])
-                for period in summary["motion"]
-            ),
-            right=(0, 1),
-        )
-    )
+    if marks := list(_marks(summary)):
+        heads = ("mark", "largest radius (of the clearance)", "over the threshold", "motion at the end")
+        console.print(grid(heads, marks, right=(2,)))
+    if periods := [
+        (f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"])
+        for period in summary["motion"]
+    ]:
+        console.print(grid(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1)))
     for trouble in limitations(summary):
         err().print(Text(f"note: {trouble}", style="yellow"), soft_wrap=True)
 

@@ -11,7 +11,7 @@ from drill_twin.io.messages.diagnostics import Status, decode_diagnostics
 
 _MOST = 50
 _LONGEST_NAME, _LONGEST_TEXT = 60, 300
-_OWN = "estimate"
+_OWN, _BAND = "estimate", ("mean", "low", "high")
 _QUANTITIES = {
     "N": ("force", 1.0),
     "rad/s": ("rotation", 1.0 / math.tau),
@@ -25,8 +25,8 @@ _QUANTITIES = {
 def shown_estimates(raw: bytes) -> dict[str, Any]:
     """Level and sentence of a `/estimate/state`, and rows of it for the page.
 
-    A row has name and text; an estimate with a unit of `_QUANTITIES` also its quantity, and mean, low and high end of its
-    90 % band in the page's own unit, which the page shows in the reader's.
+    A row has name and text; an estimate with a unit of `_QUANTITIES` also its quantity, and mean, low and high end of
+    its 90 % band in the page's own unit, which the page shows in the reader's.
 
     Raises:
         MessageError: It cannot be read, or has no status of the whole.
@@ -48,10 +48,9 @@ def _row(status: Status) -> dict[str, Any]:
     name = _short(status.name.removeprefix(f"{_OWN}: "), _LONGEST_NAME)
     shown: dict[str, Any] = {"name": name, "text": _short(status.text)}
     quantity, factor = _QUANTITIES.get(status.text.partition(") ")[2], ("", 1.0))
-    band = [_number(status, key) for key in ("mean", "low", "high")]
-    if quantity and None not in band:
-        shown |= {"name": name.replace("_", " "), "quantity": quantity}
-        shown |= {key: factor * value for key, value in zip(("mean", "low", "high"), band, strict=True) if value is not None}
+    band = {key: factor * value for key in _BAND if (value := _number(status, key)) is not None}
+    if quantity and len(band) == len(_BAND):
+        shown |= {"name": name.replace("_", " "), "quantity": quantity, **band}
     return shown
 
 

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drill_twin.base.missing import number_or_nan
 from drill_twin.ensemble import Executor, expand
 from drill_twin.ensemble.outputs import Request
 from drill_twin.ensemble.run import Run
@@ -137,8 +138,7 @@ class Runner:
         summary, widest = values["summary"], int(np.argmax(shares))
         orbit = np.rint(values["centre"][-ORBIT:, widest] / clearance[widest] * 1000.0)
         onset, hz, ratio = (
-            math.nan if found is None else found
-            for found in (summary.onset_s, summary.mode_frequency_hz, summary.mode_ratio)
+            number_or_nan(found) for found in (summary.onset_s, summary.mode_frequency_hz, summary.mode_ratio)
         )
         return Record(
             regime_of(summary, shares, vertical=is_vertical(self.scene)),

@@ -77,7 +77,7 @@ def test_single_set_points_and_measured_states_are_used_where_there_are_no_comma
     assert dt.rerun(part_of(RIG_COMMAND)).commands.source == "/rig/wob_command and /rig/rps_command"
 
 
-@pytest.mark.parametrize("key", ["wob", "rig.rotation.value", "duration"])
+@pytest.mark.parametrize("key", ["wob", "rig.rotation.value", "duration", "rig.block.value", "rig.block.shape"])
 def test_set_points_are_those_of_the_bag(bench_run, key):
     with pytest.raises(dt.ArgumentError, match=f"{key}: expected a key that the bag does not decide"):
         dt.rerun(bench_run.bag, {key: "1"})

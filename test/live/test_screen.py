@@ -93,7 +93,7 @@ def test_map_and_advice_on_the_screen_at_three_metres_and_on_a_telephone(page):
     assert "weight on bit [N]" in browser.text("map")
     assert browser.text("advice_text") == "go to 20 N"
     assert browser.text("estimate_text") == "hookload leaves the band"
-    cells = "[...document.querySelectorAll('#estimate_rows tr')].map((row) => [...row.cells].map((one) => one.textContent))"
+    cells = "[...estimate_rows.rows].map((row) => [...row.cells].map((one) => one.textContent))"
     assert browser.value(cells)[1:] == [
         ["bit torque", "1.356 N m", "1.000 to 2.000"],
         ["wall_friction.coefficient", "0.2", "0.19 to 0.21"],

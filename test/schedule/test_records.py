@@ -110,6 +110,8 @@ def test_a_record_is_analysed_and_exported_as_a_bag_is(tmp_path, capsys):
     told = capsys.readouterr()
     assert "rotation from RPM [rpm], bit_speed from BRPM [rpm]; converted to SI" in told.err
     assert "not observable" in told.out
+    assert "largest radius" not in told.out  # no marks, so no table of them, and none of the string's motion
+    assert "motion of the string" not in told.out
     export(path, csv=True, out=tmp_path / "again")
     assert read_recording(tmp_path / "again.csv").rig.bit_speed == pytest.approx(recording.rig.bit_speed, rel=1e-9)
 

@@ -36,7 +36,7 @@ export function offerTrends() {
 export function showValues(picture) {
   for (const [channel, , quantity] of CHANNELS) {
     const value = picture.rig[channel], { low, high } = picture.limits?.[channel] ?? {};
-    $(channel).textContent = number(value, quantity);
+    $(channel).textContent = number(value, quantity, 1);
     $(`${channel}_unit`).textContent = unit(quantity);
     $(`${channel}_channel`).classList.toggle("beyond", value < low || value > high);
     for (const [side, own] of Object.entries({ low, high })) {

@@ -23,11 +23,12 @@ let chosen = null, listeners = [];
 export const unit = (quantity) => (chosen ?? SYSTEMS.laboratory)[quantity];
 export const size = (quantity) => UNITS[quantity][unit(quantity)][0];
 export const digits = (quantity) => UNITS[quantity][unit(quantity)][1];
-// Two more digits than usual for what would round to nothing; no sign before a zero.
-export function number(value, quantity) {
+// A few more digits than usual for what would round to nothing; no sign before a zero.
+export function number(value, quantity, extra = 2) {
   if (value === null || value === undefined) return "-";
   const scaled = value / size(quantity), usual = Math.abs(scaled) < 1e3 ? digits(quantity) : 0;
-  const more = [usual, usual + 1, usual + 2].find((count) => Math.abs(scaled) >= 10 ** (1 - count)) ?? usual + 2;
+  let more = usual;
+  while (more < usual + extra && Math.abs(scaled) < 10 ** (1 - more)) more += 1;
   return Math.abs(scaled) < 0.5 * 10 ** -more ? (0).toFixed(usual) : scaled.toFixed(more);
 }
 export const text = (value, quantity) => value === null || value === undefined ? "-" : `${number(value, quantity)} ${unit(quantity)}`;

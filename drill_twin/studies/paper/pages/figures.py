@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import MaxNLocator
 
+from drill_twin.base.missing import number_or_nan
 from drill_twin.report.figures.style import (
     BLUE,
     GREEN,
@@ -158,7 +158,7 @@ def _fill(figure: Figure, done: Reproduction, cases: list[Case], label: str, whe
     places = [where(case) for case in cases]
     for panel, (name, title, what) in zip(figure.axes, names, strict=True):
         values = [getattr(done.measured[case], name) for case in cases]
-        panel.plot(places, [math.nan if v is None else v for v in values], label="ours, of the centre line", **OURS)
+        panel.plot(places, [number_or_nan(value) for value in values], label="ours, of the centre line", **OURS)
         if what != CRITICAL_TIME:
             lines = [_line(done, case) / (case.speed if what == RATIO else 1.0) for case in cases]
             panel.plot(places, lines, label="ours, highest line along x", **LINE)
@@ -179,8 +179,7 @@ def _fill(figure: Figure, done: Reproduction, cases: list[Case], label: str, whe
 
 def _line(done: Reproduction, case: Case) -> float:
     """Highest line of mark_2 along x [Hz]; NaN where there is none."""
-    line = done.measured[case].line_hz
-    return math.nan if line is None else line
+    return number_or_nan(done.measured[case].line_hz)
 
 
 def _as(given: str, wanted: str, value: float, case: Case) -> float | None:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from drill_twin.base.missing import number_or_nan
 from drill_twin.studies.paper.runs.cases import LOAD, LOADS, REFERENCE, SPEED, SPEEDS, Case
 from drill_twin.studies.paper.runs.published import CRITICAL_TIME, DISPLACEMENT, FREQUENCY, RATIO, Number, published
 from drill_twin.studies.paper.runs.run import Measured, deviation
@@ -124,8 +125,8 @@ def _sweep(results: Results, fixed: float, values: tuple[float, ...]) -> list[tu
 def _values(results: Results, fixed: float, values: tuple[float, ...], name: str) -> list[tuple[float, float]]:
     pairs = []
     for case, measured in _sweep(results, fixed, values):
-        value = getattr(measured, name)
-        pairs.append((case.speed if values is SPEEDS else case.weight_on_bit, math.nan if value is None else value))
+        place = case.speed if values is SPEEDS else case.weight_on_bit
+        pairs.append((place, number_or_nan(getattr(measured, name))))
     return pairs
 
 

@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 from drill_twin.accuracy.trial import Trial, run_trial
+from drill_twin.base.missing import number_or_nan
 from drill_twin.scene import load_scene
 from drill_twin.studies.verify.case import case
 from drill_twin.studies.verify.row import Row
@@ -29,11 +29,8 @@ def the_bench() -> Iterator[Row]:
         ("mean orbit radius over the clearance [-]", spatial.mean_radius, lateral.mean_radius),
         ("share of nodes at the wall [-]", spatial.contact_fraction, lateral.contact_fraction),
     ):
-        yield Row(what, "lateral form = spatial form at small slopes", SOURCE, _known(expected), _known(computed), 0.02)
-
-
-def _known(value: float | None) -> float:
-    return math.nan if value is None else value
+        known = number_or_nan(expected), number_or_nan(computed)
+        yield Row(what, "lateral form = spatial form at small slopes", SOURCE, *known, 0.02)
 
 
 def _bench(changes: dict[str, str]) -> Trial:
