@@ -12,6 +12,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.errors import SceneError
+from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.rotordynamics.deflation import Deflation
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.modes import is_vertical
@@ -30,6 +31,8 @@ DEFLATIONS = 4
 MOST_UNKNOWNS = 1000
 ROLLING = 1e-2
 """Largest slip of a rolling string, over the speed of its surface."""
+SAME_ROLLING = 0.01
+"""Parts of a string roll at one whirl speed if theirs differ by less than this share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +168,17 @@ def state_near(equations: EquationsOfMotion, whirl: Whirl) -> WhirlState | None:
         return state_of(turning, stiff) if stiff is not None and _is_new(stiff, [], turning.clearance) else None
     finally:
         set_creep(turning, real)
+
+
+def rolling_ratios(model: DiscreteModel) -> tuple[float, ...]:
+    """Whirl speed over the rotation of each part of the string that would roll on the wall, minus contact radius over
+    clearance; parts within 1 % are one. A string with several cannot roll as a whole.
+    """
+    found: list[float] = []
+    for ratio in np.unique(-model.contact_radius / model.wellbore.clearance):
+        if not found or abs(ratio / found[-1] - 1.0) > SAME_ROLLING:
+            found.append(float(ratio))
+    return tuple(found)
 
 
 def _guesses(search: ShapeSearch, seed: int, random_starts: int) -> Iterator[Whirl]:

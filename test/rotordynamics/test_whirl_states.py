@@ -10,6 +10,8 @@ from typer.testing import CliRunner
 
 from drill_twin.api import load_scene, override
 from drill_twin.cli.app import app
+from drill_twin.discretisation.discretise import discretise
+from drill_twin.discretisation.grading import mesh
 from drill_twin.errors import RunError, SceneError
 from drill_twin.model.mesh import SPIN
 from drill_twin.rotordynamics import whirl_start
@@ -19,7 +21,7 @@ from drill_twin.rotordynamics.imperfections import imperfect, locked_states, mod
 from drill_twin.rotordynamics.shape_search import ShapeSearch
 from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
 from drill_twin.rotordynamics.turning_frame import quarter_turn
-from drill_twin.rotordynamics.whirl_states import state_near, whirl_states
+from drill_twin.rotordynamics.whirl_states import rolling_ratios, state_near, whirl_states
 from drill_twin.schedule import Schedule
 from drill_twin.schedule.command import Command
 from drill_twin.studies.rotordynamics.simulated import simulated_whirl, with_command
@@ -209,3 +211,28 @@ def test_a_state_is_found_again_from_a_shape_and_speed_of_a_run(fast):
     near = state_near(equations, Whirl(FAST, u + 1.02 * (state.whirl.u - u), state.whirl.omega * 1.003))
     assert near.ratio == pytest.approx(state.ratio, rel=1e-6)
     assert state_near(equations, Whirl(FAST, u, state.whirl.omega)) is None
+
+
+@pytest.mark.parametrize(("collars", "ratios"), [("8 in", (-1.882, -0.815)), ("5.5 in", (-0.815,))])
+def test_collars_and_pipe_roll_at_speeds_of_their_own(collars, ratios):
+    """Minus radius over clearance in a hole of 6 1/8 in."""
+    scene = load_scene("bha_full_size", {"string.sections.0.outer_diameter": collars})
+    assert rolling_ratios(discretise(scene, mesh(scene, 20))) == pytest.approx(ratios, abs=1e-3)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("collars", "is_steady"), [("8 in", False), ("5.5 in", True)])
+def test_a_steel_assembly_whirls_steadily_with_one_diameter_alone(collars, is_steady):
+    """Collars and pipe roll each at their own speed; with the diameter of the pipe all of the string rolls at one."""
+    forms = {"effects.stretch": "off", "effects.torsion": "off", "numerics.elements": "40"}
+    scene = load_scene("bha_full_size", forms | {"string.sections.0.outer_diameter": collars})
+    twin, schedule, path = Twin(scene), Schedule.from_scene(scene), []
+    for k in range(1, 2001):
+        twin.advance(schedule.at(0.02 * k), 0.02)
+        path.append(twin.unknowns[0][:, 0] + 1j * twin.unknowns[0][:, 1])
+    angle = np.unwrap(np.angle(path[-600:]), axis=0)
+    places = np.searchsorted(twin.rod.arc, [64.0, 389.0])
+    rates = ((angle[-1] - angle[0]) / (599 * 0.02) / scene.rig.rotation.value)[places]
+    ratios = rolling_ratios(twin.model)
+    assert rates == pytest.approx([ratios[0], ratios[-1]], rel=0.01)
+    assert (len(ratios) == 1) is is_steady

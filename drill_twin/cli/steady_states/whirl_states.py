@@ -73,10 +73,7 @@ def whirl_states(
         shares = [None if size is None else size / own.least_clearance for size in sizes]
         stdout().print(_table((*found, *locked), shares, own.name))
     else:
-        stdout().print(
-            f"{own.name}: no steady whirl found at these set-points; more first shapes with --starts, or a run in time",
-            markup=False, soft_wrap=True,
-        )  # fmt: skip
+        stdout().print(f"{own.name}: {_none_found(own)}", markup=False, soft_wrap=True)
     if out is not None:
         from drill_twin.cli.folder import make_folder, write_file
         from drill_twin.report.figures.style import save
@@ -87,6 +84,19 @@ def whirl_states(
         if found:
             save(states_figure(found, own), out / "states.png")
         err().print(f"{out}: states.json{', states.png' if found else ''}", markup=False, soft_wrap=True)
+
+
+def _none_found(scene: Scene) -> str:
+    """Sentence where the search finds no steady whirl."""
+    from drill_twin.rotordynamics.equations import EquationsOfMotion
+    from drill_twin.rotordynamics.whirl_states import rolling_ratios
+
+    ratios = rolling_ratios(EquationsOfMotion(scene).model)
+    text = "no steady whirl found at these set-points; more first shapes with --starts, or a run in time"
+    if len(ratios) == 1:
+        return text
+    rolling = " and ".join(f"{ratio:.3g}" for ratio in ratios)
+    return f"{text}. Its parts roll on the wall at {rolling} of the rotation, so it cannot roll as a whole"
 
 
 def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], name: str) -> Table:
