@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.accuracy.motion_run import Motion
-from drill_twin.base.arrays import ComplexArray
+from drill_twin.base.arrays import Array, ComplexArray
 
 SETTLED = 0.5
 """Share of the run after which statistics are taken."""
@@ -33,6 +33,12 @@ class Errors:
     """Error of the mean orbit radius, over the clearance."""
     contact: float
     """Error of the share of nodes at the wall."""
+    hookload: float | None = None
+    """Relative error of the mean hookload after half of the run."""
+    torque: float | None = None
+    """Relative error of the mean torque of the top drive after half of the run."""
+    stick_slip: float | None = None
+    """Relative error of the period of stick-slip."""
 
     @property
     def controlled(self) -> float:
@@ -58,7 +64,15 @@ def compare(motion: Motion, reference: Motion) -> Errors:
         frequency=_relative(motion.frequency, reference.frequency),
         radius=abs(radius - true_radius),
         contact=abs(contact - true_contact),
+        hookload=_relative(_late_mean(motion, motion.hookload), _late_mean(reference, reference.hookload)),
+        torque=_relative(_late_mean(motion, motion.torque), _late_mean(reference, reference.torque)),
+        stick_slip=_relative(motion.stick_slip_period, reference.stick_slip_period),
     )
+
+
+def _late_mean(motion: Motion, values: Array) -> float:
+    """Mean of the settled part; nan where it is zero, as the torque without friction."""
+    return float(values[motion.time > SETTLED * motion.time[-1]].mean()) or np.nan
 
 
 def path_error(motion: Motion, reference: Motion) -> float | None:
@@ -85,7 +99,10 @@ def spread(replicas: Sequence[Motion], reference: Motion) -> Errors:
         values = [getattr(errors, name) for errors in found if getattr(errors, name) is not None]
         return float(np.sqrt(np.mean(np.square(values)))) if values else None
 
-    return Errors(rms("path"), rms("onset"), rms("frequency"), rms("radius") or 0.0, rms("contact") or 0.0)
+    return Errors(
+        rms("path"), rms("onset"), rms("frequency"), rms("radius") or 0.0, rms("contact") or 0.0,
+        rms("hookload"), rms("torque"), rms("stick_slip"),
+    )  # fmt: skip
 
 
 def _relative(value: float, true: float) -> float | None:

@@ -25,7 +25,7 @@ from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer
 
-FORMAT = 3
+FORMAT = 4
 """Version of the cache files."""
 
 
@@ -39,12 +39,18 @@ class Motion:
     """Lateral position of the centre line at the marks [m], shape (T, m, 2)."""
     contact: Array
     """Share of nodes at the wall [-], shape (T,)."""
+    hookload: Array
+    """Hookload [N], shape (T,)."""
+    torque: Array
+    """Torque of the top drive [N m], shape (T,)."""
     clearance: Array
     """Clearance at the marks [m], shape (m,)."""
     onset: float
     """Onset of whirl [s]; nan if there was none."""
     frequency: float
     """Dominant whirl after it, positive = forward [Hz]; nan if there was none."""
+    stick_slip_period: float
+    """Mean cycle of the longest period of stick-slip [s]; nan if there was none."""
     cost: float
     """Processor time of the physics per simulated second [s/s]."""
     frame_p95: float
@@ -63,7 +69,9 @@ class Motion:
     def until(self, end: float) -> Motion:
         """The motion up to a time [s]; onset and frequency are those of the whole run."""
         taken = self.time <= end
-        cut = {name: getattr(self, name)[taken] for name in ("time", "centre", "contact", "spent")}
+        cut = {
+            name: getattr(self, name)[taken] for name in ("time", "centre", "contact", "hookload", "torque", "spent")
+        }
         return replace(self, **cut)
 
     def save(self, path: Path) -> None:
@@ -112,7 +120,7 @@ def run_motion(
     infos = mark_infos(scene)
     analyzer = Analyzer(infos)
     frames = max(1, round(min(schedule.duration, until) / period))
-    times, spent, contact = (np.zeros(frames) for _ in range(3))
+    times, spent, contact, hookload, torque = (np.zeros(frames) for _ in range(5))
     centre = np.empty((frames, len(infos), 2))
     iterations, k, found_at = 0, 0, math.inf
     while k < frames and times[k - 1] < found_at + after_onset:
@@ -123,9 +131,10 @@ def run_motion(
         times[k], centre[k] = frame.time, frame.marks.centre[:, :2]
         contact[k] = np.mean(frame.wall_force > 0.0)
         iterations += frame.stats.iterations
-        marks = frame.marks
+        marks, rig = frame.marks, frame.rig
+        hookload[k], torque[k] = rig.hookload, rig.top_drive_torque
         live = analyzer.push(
-            round(frame.time * 1e9), marks.position, marks.spin, frame.rig.top_drive_speed, marks.wall_force
+            round(frame.time * 1e9), marks.position, marks.spin, rig.top_drive_speed, marks.wall_force, rig.bit_speed
         )
         if live.onset is not None:
             found_at = min(found_at, frame.time)
@@ -137,9 +146,12 @@ def run_motion(
         time=times[taken],
         centre=centre[taken],
         contact=contact[taken],
+        hookload=hookload[taken],
+        torque=torque[taken],
         clearance=np.array([info.clearance for info in infos]),
         onset=number_or_nan(found.onset_s),
         frequency=number_or_nan(found.mode_frequency_hz),
+        stick_slip_period=max(found.stick_slip, key=lambda one: one.cycles).period_s if found.stick_slip else np.nan,
         cost=float(spent.sum()) / (k * period),
         frame_p95=float(np.quantile(spent[taken], 0.95)),
         spent=spent[taken],

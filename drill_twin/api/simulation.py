@@ -20,6 +20,7 @@ from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runner import Run, compile_kernel
 from drill_twin.runner.session import SetPoints
 from drill_twin.scene import Scene
+from drill_twin.scene.blocks.rig import FASTEST_BLOCK, FASTEST_ROTATION, LARGEST_LOAD
 from drill_twin.schedule import Command, Schedule
 from drill_twin.twin.frame import Frames
 from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
@@ -183,13 +184,16 @@ class Simulation:
             RunError: The motion could not be followed; `result` gives what came before.
         """
         last = self._run.command
-        if block is not None and self.scene.rig.block is None:
-            raise ArgumentError(f"block: expected a scene with rig.block, found none in {self.scene.name}")
+        carried = self.scene.rig.block
+        if block is not None and (carried is None or carried.auto_driller is not None):
+            found = "none" if carried is None else "one that an auto-driller moves, command wob"
+            raise ArgumentError(f"block: expected a scene with rig.block, found {found} in {self.scene.name}")
         command = Command(
             last.weight_on_bit if wob is None else in_si("wob", wob, FORCE),
             last.rotation if rpm is None else in_si("rpm", rpm, ANGULAR_SPEED, RPM),
             last.block if block is None else in_si("block", block, SPEED),
         )
+        self._check_ranges(command)
         wanted = 1.0 if seconds is None else self._frames("seconds", in_si("seconds", seconds, TIME))
         frames = round(wanted)
         if abs(wanted - frames) > 1e-6 * wanted:
@@ -198,6 +202,18 @@ class Simulation:
                 f"take {max(frames, 1) * self.frame_time:g}, or set numerics.frame_rate"
             )
         return self._run_on(lambda _: command, frames)
+
+    @staticmethod
+    def _check_ranges(command: Command) -> None:
+        for name, value, largest, unit, symbol in (
+            ("wob", command.weight_on_bit, LARGEST_LOAD, 1.0, "N"),
+            ("rpm", command.rotation, 60.0 * FASTEST_ROTATION, RPM, "rpm"),
+            ("block", command.block, FASTEST_BLOCK, 1.0, "m/s"),
+        ):
+            if abs(value) > largest * unit * (1.0 + 1e-9):
+                raise ArgumentError(
+                    f"{name}: expected {-largest:g} to {largest:g} {symbol}, found {value / unit:g} {symbol}"
+                )
 
     def follow(self, command: Command) -> State:
         """Run on by a frame, at whose end a command holds: weight on bit [N] and speed of the top drive [rad/s].

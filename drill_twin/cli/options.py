@@ -84,3 +84,15 @@ def overrides(pairs: list[str], **shorthands: str) -> dict[str, str]:
             raise SceneError(f'--set: expected KEY=VALUE such as "hole.radius=80 mm", found "{pair}"')
         changes[key.strip()] = value.strip()
     return changes
+
+
+def meshes(text: str, example: str) -> list[int]:
+    """Numbers of elements of an option such as "8,12,16".
+
+    Raises:
+        SceneError: It is none.
+    """
+    words = text.split(",")
+    if not all(word.strip().isdigit() and int(word) > 1 for word in words):
+        raise SceneError(f'--elements: expected numbers such as "{example}", found "{text}"')
+    return [int(word) for word in words]

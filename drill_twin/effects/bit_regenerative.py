@@ -79,7 +79,11 @@ class BitRegenerative(EffectConfig):
         return 0.5 * self.radius * ((weight - worn) / self.thrust + self.friction * self.spread * worn) / weight
 
     def check_against(self, scene: Any) -> Iterator[Incompatibility]:
-        """Yield a weight prescribed at the bit."""
+        """Yield a weight prescribed at the bit, and wear flats that carry nothing."""
+        if self.wear > 0.0 and self.contact_strength == 0.0:
+            yield Incompatibility(
+                ("wear",), "expected `contact_strength` with it, found none: the wear flats would carry no weight"
+            )
         if scene.rig.weight_on_bit.at == "bit":
             yield Incompatibility(
                 (),

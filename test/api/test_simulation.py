@@ -99,6 +99,7 @@ def test_a_controller_is_in_the_loop(bench_scene):
         (lambda s: s.advance(seconds=0.013), r"whole number of frames of 0.01 s, found 0.013; take 0.01"),
         (lambda s: s.advance(seconds=-1), "seconds: expected a time above 0 s"),
         (lambda s: s.run(duration=0), "duration: expected a time above 0 s"),
+        (lambda s: s.advance(rpm=7000), "rpm: expected -6000 to 6000 rpm, found 7000 rpm"),
         (lambda s: s.result(), "at least one frame"),
     ],
 )

@@ -105,6 +105,7 @@ def test_statics_have_the_torque_of_the_law():
         ({"blades": 2.5}, "expected a whole number from 1 to 100, found 2.5"),
         ({"specific_energy": 0.0}, "above 0 Pa"),
         ({"radius": "30 kg"}, "length"),
+        ({"wear": 0.01, "contact_strength": 0.0}, "expected `contact_strength` with it, found none"),
     ],
 )
 def test_numbers_out_of_range_are_refused(change, said):

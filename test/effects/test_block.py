@@ -109,6 +109,7 @@ def test_a_command_has_the_block_as_a_joint():
         ({"block": {"auto_driller": {"rate": 0.0}}}, "above 0 m/s"),
         ({"block": {"auto_driller": {"rate": 0.01, "torque": 5.0}}}, "a top drive with a motor"),
         ({"block": {"value": 100.0}}, "no block moves faster"),
+        ({"block": {"value": 0.1, "auto_driller": {"rate": 0.01}}}, "either a speed or `auto_driller`"),
         ({"start": "equilibrium"}, 'expected "axis" with a block'),
     ],
 )
@@ -130,3 +131,16 @@ def test_the_block_of_the_page_is_read_from_yaml(tmp_path):
 def test_the_speed_of_a_block_that_is_not_there_is_refused():
     with pytest.raises(ArgumentError, match=r"expected a scene with rig\.block, found none in two_mass"):
         Simulation("two_mass").advance(block=0.1)
+
+
+@pytest.mark.parametrize(
+    ("block", "said"),
+    [
+        ({}, "block: expected -10 to 10 m/s, found 30 m/s"),
+        ({"off_bottom": 0.005, "auto_driller": {"rate": RATE}}, "found one that an auto-driller moves, command wob"),
+    ],
+)
+def test_a_speed_that_no_block_follows_is_refused(block, said):
+    load = {"at": "block", "value": WEIGHT if block else 0.0}
+    with pytest.raises(ArgumentError, match=said):
+        Simulation(rig({"weight_on_bit": load, "block": block})).advance(block="30 m/s")

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrides
+from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, meshes, overrides
 
 ELEMENTS = "8,12,16,24,32"
 
@@ -30,18 +30,15 @@ def whirl_cost(
     from drill_twin.cli.show import grid, print_json
     from drill_twin.cli.show import out as stdout
     from drill_twin.cli.studies.output import counting_bar
-    from drill_twin.errors import SceneError
     from drill_twin.studies.rotordynamics.cost import whirl_cost as measure
 
-    words = elements.split(",")
-    if not all(word.strip().isdigit() and int(word) > 1 for word in words):
-        raise SceneError(f'--elements: expected numbers such as "{ELEMENTS}", found "{elements}"')
+    counts = meshes(elements, ELEMENTS)
     own = as_scene(scene, overrides(change))
-    progress, task = counting_bar("meshes", len(words))
+    progress, task = counting_bar("meshes", len(counts))
     with progress:
         costs = list(
             measure(
-                own, [int(word) for word in words], runs=runs,
+                own, counts, runs=runs,
                 progress=lambda count: progress.update(task, completed=count),
             )
         )  # fmt: skip

@@ -16,6 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from drill_twin.ros.simulator.echo_filter import EchoFilter
+from drill_twin.scene.blocks.rig import FASTEST_BLOCK
 from drill_twin.schedule.command import Command
 
 _RECENT = 5.0  # s; for so long a value of another source is reported
@@ -30,7 +31,7 @@ class Limits:
     """Weight on bit [N]."""
     rotation: tuple[float, float]
     """Top-drive speed [rad/s]."""
-    block: tuple[float, float] = (-10.0, 10.0)
+    block: tuple[float, float] = (-FASTEST_BLOCK, FASTEST_BLOCK)
     """Speed of the block [m/s]."""
 
     def why_refused(self, command: Command) -> tuple[str, str] | None:

@@ -8,12 +8,14 @@ from pydantic import Field, model_validator
 from drill_twin.scene.blocks.part import Part, refuse_all, refuse_at
 from drill_twin.scene.blocks.top_drive import TopDrive
 from drill_twin.scene.set_point_shapes import SHAPES
-from drill_twin.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within
+from drill_twin.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within, refuse
 
 if TYPE_CHECKING:
     Shape = str
 else:
     Shape = Literal[SHAPES]
+LARGEST_LOAD, FASTEST_BLOCK, FASTEST_ROTATION = 1e8, 10.0, 100.0
+"""Largest set-points, up and down: weight on bit [N], speed of the block [m/s] and of the top drive [rev/s]."""
 _LoadRange = Within(at_least="-100 MN", at_most="100 MN")
 _BlockRange = Within(at_least="-10 m/s", at_most="10 m/s", reason="no block moves faster")
 _SpeedRange = Within(at_least="-100 rev/s", at_most="100 rev/s", reason="no rig turns faster")
@@ -96,7 +98,7 @@ class Block(SetPoint):
     """Speed of the travelling block, which carries the string's top on the drilling lines; positive is upwards."""
 
     value: Annotated[Speed, _BlockRange] = 0.0
-    """Final speed [m/s]; without effect under an auto-driller."""
+    """Final speed [m/s]; none with an auto-driller."""
     initial: Annotated[Speed, _BlockRange] = 0.0
     """Speed before `start` [m/s]."""
     stiffness: Annotated[Stiffness, Within(above="0 N/m", at_most="1e12 N/m")] = 1e8
@@ -110,6 +112,12 @@ class Block(SetPoint):
     @classmethod
     def _has_a_value(cls, data: Any) -> Any:
         return data  # a block rests unless told
+
+    @model_validator(mode="after")
+    def _is_moved_by_one(self) -> Self:
+        if self.auto_driller is not None and (self.value != 0.0 or self.initial != 0.0):
+            raise refuse("expected either a speed or `auto_driller`, which moves the block itself, found both")
+        return self
 
 
 class Column(Part):

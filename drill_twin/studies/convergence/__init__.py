@@ -2,6 +2,6 @@
 """Cost of accuracy: a scene over formulations, elements and time steps, against its converged run."""
 
 from drill_twin.accuracy.errors import Errors
-from drill_twin.studies.convergence.curve import Curve, Resolution, choose_resolutions, measure
+from drill_twin.studies.convergence.curve import Curve, Resolution, choose_resolutions, measure, on_meshes
 
-__all__ = ["Curve", "Errors", "Resolution", "choose_resolutions", "measure"]
+__all__ = ["Curve", "Errors", "Resolution", "choose_resolutions", "measure", "on_meshes"]

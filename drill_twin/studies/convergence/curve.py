@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 from drill_twin.accuracy.error_model import ErrorModel, from_motions
 from drill_twin.accuracy.errors import Errors, compare, spread
 from drill_twin.accuracy.motion_run import Motion, cached_run
+from drill_twin.discretisation.resolution import resolution_of
 from drill_twin.errors import RunError, SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.studies.pool import run_jobs
@@ -112,6 +113,16 @@ def choose_resolutions(
     resolutions = [Resolution(form, count, length) for form in forms(scene) for count in counts for length in lengths]
     plain = (resolutions[0].form, max(MIN_ELEMENTS, sections, twin.elements), min(twin.step_size, frame))
     return resolutions + [Resolution(*plain, tolerance) for tolerance in TOLERANCES]
+
+
+def on_meshes(scene: Scene, elements: Sequence[int]) -> list[Resolution]:
+    """Resolutions with numbers of elements, in the scene's own formulation, at its step.
+
+    Raises:
+        SceneError: A scene that asks for an accuracy.
+    """
+    form, step = forms(scene)[0], resolution_of(scene)[1]
+    return [Resolution(form, count, step) for count in elements]
 
 
 def forms(scene: Scene) -> list[str]:

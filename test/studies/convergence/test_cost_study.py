@@ -29,7 +29,8 @@ def motion(**changes) -> Motion:
     time = np.linspace(0.01, 10.0, 1000)
     centre = np.stack([np.cos(time), np.sin(time)], -1)[:, None, :] * 0.05
     whole = Motion(
-        time=time, centre=centre, contact=np.zeros(1000), clearance=np.array([0.08]), onset=5.0, frequency=1.0,
+        time=time, centre=centre, contact=np.zeros(1000), hookload=np.full(1000, 2e5), torque=np.zeros(1000),
+        clearance=np.array([0.08]), onset=5.0, frequency=1.0, stick_slip_period=3.0,
         cost=0.01, frame_p95=1e-4, spent=np.full(1000, 1e-4), compile_seconds=1.0, iterations=100.0,
         elements=16, step=1e-3, tolerance=1e-5,
     )  # fmt: skip
@@ -122,3 +123,27 @@ def test_the_command_measures_resumes_and_finds_the_order_of_the_scheme(tmp_path
     assert again.exit_code == 0, again.output
     assert {path: path.stat().st_mtime_ns for path in (folder / "runs").iterdir()} == kept
     assert json.loads(again.stdout)["runs"] == json.loads(once_more.stdout)["runs"]
+
+
+def test_given_meshes_are_compared_at_the_rig_too(tmp_path, monkeypatch):
+    """Of a string that turns free: its weight on bit and nothing else at the top, no onset and no stick-slip."""
+    monkeypatch.chdir(tmp_path)
+    words = [word for key, value in SWING.items() for word in ("--set", f"{key}={value}")]
+    command = ["cost", "pa6_bench", *words, "--duration", "0.5 s", "--replicas", "0", "--elements"]
+    made = CliRunner().invoke(app, [*command, "8,12"])
+    assert made.exit_code == 0, made.output
+    assert "against 24 elements and" in made.stdout
+    assert [line.split()[0] for line in made.stdout.splitlines()[-4:] if line.strip()][-3:] == ["8", "12", "spread"]
+    found = CliRunner().invoke(app, [*command, "8,twelve"])
+    assert str(found.exception) == '--elements: expected numbers such as "125,250,500", found "8,twelve"'
+
+
+def test_hookload_torque_and_stick_slip_are_compared_as_means_of_the_second_half():
+    early = np.linspace(0.01, 10.0, 1000) < 5.0
+    reference = motion(torque=np.full(1000, 4.0))
+    errors = compare(motion(hookload=np.where(early, 0.0, 1.98e5), torque=np.full(1000, 4.4)), reference)
+    assert errors.hookload == pytest.approx(0.01)
+    assert errors.torque == pytest.approx(0.1)
+    assert compare(motion(stick_slip_period=3.3), motion()).stick_slip == pytest.approx(0.1)
+    assert compare(motion(stick_slip_period=np.nan), motion()).stick_slip == 1.0
+    assert compare(motion(), motion()).torque is None, "no torque to compare with"
