@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
-from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.decode import JointState, JointStates
 from drill_twin.io.messages.encode import MARK_AXES, wall_push
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
 from drill_twin.twin.frame import Frames, RigState
@@ -69,6 +69,11 @@ class SamplePairing:
         self.unpaired = 0
         self.clear()
 
+    @property
+    def waits(self) -> bool:
+        """True while a state waits for its partner."""
+        return bool(self._marks or self._speeds)
+
     def clear(self) -> None:
         """Discard the states that wait for a partner."""
         self._marks: dict[int, JointState] = {}
@@ -114,6 +119,20 @@ class MarkReader:
             components = np.append(state.effort, np.nan)[self._columns]
             force = np.hypot(components[:, 0], components[:, 1])
         return values[:, :3], values[:, 3], force
+
+    def read_rows(self, states: JointStates, top_speed: Array, bit_speed: Array) -> SampleRows:
+        """As `read`, of states one a row, with the speeds of the rig [rad/s], shape (n,) each.
+
+        Raises:
+            MessageError: As `read`, or there are no forces.
+        """
+        places = columns(states.names, self._marks)
+        if not (states.position.size and states.effort.size):
+            raise MessageError(f"expected positions and forces on {MARKS_STATE}, found none")
+        unknown = np.full((len(states.stamps), 1), np.nan)
+        position, effort = (np.hstack((part, unknown))[:, places] for part in (states.position, states.effort))
+        force = np.hypot(effort[..., 0], effort[..., 1])
+        return SampleRows(position[..., :3], position[..., 3], force, top_speed, bit_speed)
 
     def check(self, state: JointState) -> None:
         """Check that the marks are in a message.

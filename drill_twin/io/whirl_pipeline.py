@@ -7,21 +7,22 @@ arrival nor on a clock: a bag gives what the live analyzer gave, bit for bit.
 
 from __future__ import annotations
 
+import operator
 from collections import deque
 from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
 from drill_twin.base.arrays import Array
-from drill_twin.errors import DrillTwinError
+from drill_twin.errors import DrillTwinError, MessageError
 from drill_twin.io.findings_encoder import FindingsEncoder
-from drill_twin.io.messages.decode import JointState, JointStateReader, read_string
+from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_string
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE
 from drill_twin.io.samples import FASTEST, UNKNOWN, WAITING, MarkReader, Sample, SamplePairing, SampleRows, speeds
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import AnalysisError, Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
-from drill_twin.whirl.findings import Quality
+from drill_twin.whirl.findings import FoundRows, Quality
 
 INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
 """Topics that the analysis needs."""
@@ -148,8 +149,14 @@ class WhirlPipeline:
         Returns:
             The messages that follow from each; None where they must be taken one by one.
         """
-        fast = np.abs((samples.top_speed, samples.bit_speed)).max(initial=0.0) > FASTEST
-        if self._analyzer is None or self._encoder is None or fast or stamps[0] <= self._latest or self._selected:
+        return None if (found := self.find_rows(stamps, samples)) is None else self.encode_rows(found, frame_id)
+
+    def find_rows(self, stamps: Sequence[int], samples: SampleRows) -> FoundRows | None:
+        """The findings of `take_rows`."""
+        if self._analyzer is None or self._pairing.waits or samples.spin.shape[1] != len(self.marks):
+            return None
+        fast = any((np.abs(speed) > FASTEST).any() for speed in (samples.top_speed, samples.bit_speed))
+        if fast or stamps[0] <= self._latest or not all(map(operator.lt, stamps, stamps[1:])):
             return None
         spin = samples.spin if self._known_spin(samples.spin[0]) is not None else None
         found = self._analyzer.push_block(
@@ -158,7 +165,25 @@ class WhirlPipeline:
         self.findings = self._analyzer.findings
         self._latest = stamps[-1]
         self._behind.clear()
-        return self._encoder.rows(found, frame_id)
+        return found
+
+    def encode_rows(self, found: FoundRows, frame_id: str) -> list[list[Message]]:
+        """The messages of findings, in the frame of the samples."""
+        try:
+            return [] if self._encoder is None else self._encoder.rows(found, frame_id)
+        except MessageError as error:
+            self.malformed += 1
+            self.trouble = str(error)
+            return [[] for _ in found.stamps]
+
+    def samples_of(self, marks: JointStates, top_speed: Array, bit_speed: Array) -> SampleRows | None:
+        """Samples of states of the marks, one a row, with the speeds of the rig; None where marks are missing."""
+        if self._without_rig or self.bit_only is not None:
+            return None
+        try:
+            return self._mark_reader.read_rows(marks, top_speed, bit_speed)
+        except MessageError:
+            return None
 
     def summary(self) -> Summary:
         """Findings of the whole run.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
 from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
+from drill_twin.io.bag.time_series import Rows
 from drill_twin.io.messages.stamps import raw_header_stamp, seconds
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
@@ -39,12 +40,15 @@ from drill_twin.report.quantities.string_curve import along_hole, smooth
 from drill_twin.report.run_log import RunLog
 from drill_twin.report.selection import Selection, marks_without_scene, missing_topics, open_bag
 from drill_twin.scene import Scene
+from drill_twin.twin.frame import RigState
 from drill_twin.whirl import Findings, MarkInfo, Summary
 from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
 
 SHAPES = 600
 """Most poses of the string that are kept, evenly over the run."""
 
+_FIRST_BATCH, _BATCH, _BATCH_BYTES = 64, 4096, 8_000_000
+"""Messages that are read at once, first, and then; and their size."""
 _WITH_HEADER = frozenset({MARKS_STATE, RIG_STATE, RIG_COMMAND, STRING_POSES, STRING_STRESS, WHIRL_STATE})
 """Topics whose messages begin with a header, so that they can be selected by time."""
 
@@ -87,7 +91,7 @@ class Recording:
         self._missing = missing_topics(bag)
         self._pipeline = WhirlPipeline(scene, lacks=self._missing, marks=self.selection.marks, infos=infos)
         self._pipeline.start()
-        self._stray = self._stray_places()
+        self._stray, self._time = self._stray_places(), 0.0
         self._reset()
         self._read()
         self._skip_other_layouts()
@@ -114,14 +118,64 @@ class Recording:
             self._readers[WHIRL_STATE] = self.live.on_state
 
     def _read(self) -> None:
+        """Read all messages: many at once where they are as drill_twin records them, else one by one."""
+        batch: list[tuple[str, bytes, float]] = []
+        unpaired, size, least = 0, 0, _FIRST_BATCH
         for topic, raw in self._messages(tuple(self._readers), self.skipped):
-            reason = self._analyse(topic, raw)
-            try:
-                self._readers[topic](raw)
-            except MessageError as error:
-                reason = str(error)
-            if reason:
-                self.skipped.add(topic, self._time, reason)
+            batch.append((topic, raw, self._time))
+            unpaired += (topic == MARKS_STATE) - (topic == RIG_STATE)
+            size += len(raw)
+            filled = max(len(batch) / least, size / _BATCH_BYTES)
+            if filled >= 2.0 or (filled >= 1.0 and unpaired == 0):
+                self._take(batch)
+                batch, size, least = [], 0, _BATCH
+        self._take(batch)
+
+    def _take(self, batch: list[tuple[str, bytes, float]]) -> None:
+        time = self._time
+        taken = self._take_rows(batch)
+        for topic, raw, self._time in batch:
+            if topic not in taken:
+                self._take_message(topic, raw)
+        self._time = time
+
+    def _take_rows(self, batch: list[tuple[str, bytes, float]]) -> Collection[str]:
+        """Take the messages of a batch that can be taken at once; returns their topics."""
+        raws: dict[str, list[bytes]] = {}
+        for topic, raw, _ in batch:
+            raws.setdefault(topic, []).append(raw)
+        if TWIN_SCENE in raws or not {MARKS_STATE, RIG_STATE} <= raws.keys():
+            return ()
+        marks, rig = self.marks.rows(raws[MARKS_STATE]), self.rig.rows(raws[RIG_STATE])
+        if marks is None or rig is None or marks[0].stamps != rig.stamps:
+            return ()
+        speeds = (rig.values[:, RigState._fields.index(name)] for name in ("top_drive_speed", "bit_speed"))
+        samples = self._pipeline.samples_of(marks[1], *speeds)
+        found = None if samples is None else self._pipeline.find_rows(rig.stamps, samples)
+        if found is None:
+            return ()
+        for messages in self._pipeline.encode_rows(found, marks[1].frame_id):
+            for _, raw in messages[:1]:  # `/whirl/state`
+                self.live.on_analysed(raw)
+        names = tuple(mark.name for mark in self._pipeline.marks)
+        self.whirl.extend(Rows(found.stamps, found.values.swapaxes(1, 2), names))
+        self.marks.extend(marks[0])
+        self.rig.extend(rig)
+        taken = {MARKS_STATE, RIG_STATE}
+        for topic, series in ((RIG_COMMAND, self.commands), (STRING_POSES, self.poses)):
+            if topic in raws and (rows := series.rows(raws[topic])) is not None:
+                series.extend(rows)
+                taken.add(topic)
+        return taken
+
+    def _take_message(self, topic: str, raw: bytes) -> None:
+        reason = self._analyse(topic, raw)
+        try:
+            self._readers[topic](raw)
+        except MessageError as error:
+            reason = str(error)
+        if reason:
+            self.skipped.add(topic, self._time, reason)
 
     def _stray_places(self) -> dict[str, set[int]]:
         """Places, by topic, of the messages whose stamps are from the future."""

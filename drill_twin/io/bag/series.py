@@ -4,16 +4,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import MessageError
-from drill_twin.io.bag.time_series import Column, Series
-from drill_twin.io.messages.decode import JointStateReader, read_pose_array
-from drill_twin.io.messages.encode import MARK_AXES
+from drill_twin.io.bag.time_series import Column, Rows, Series, usable
+from drill_twin.io.messages.decode import JointStateReader, JointStates, read_pose_array, read_pose_rows
+from drill_twin.io.messages.encode import MARK_AXES, RIG_COLUMNS
 from drill_twin.io.messages.pose import spin_of, tangent_of
-from drill_twin.io.messages.rig_messages import RIG_JOINTS, read_command, read_rig_state
+from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, RIG_JOINTS, read_command, read_rig_state
 from drill_twin.io.messages.whirl_encode import read_whirl_state
 from drill_twin.io.samples import columns, speeds
 from drill_twin.model.section_stress import (
@@ -68,6 +69,18 @@ class MarkSeries(Series):
         missing = np.full(len(state.names), np.nan)
         parts = (part if part.size else missing for part in (state.position, state.velocity, state.effort))
         self.append(state.stamp, [np.append(part, np.nan)[self._columns] for part in parts], self._layout_marks)
+
+    def rows(self, raws: Sequence[bytes]) -> tuple[Rows, JointStates] | None:
+        """What `add_message` would append for messages of one known layout; None for others."""
+        states = self._reader.read_rows(raws)
+        if states is None or states.names != self._layout or not states.position.size:
+            return None
+        values = np.full((len(raws), 3, len(states.names) + 1), np.nan)
+        for k, part in enumerate((states.position, states.velocity, states.effort)):
+            if part.size:
+                values[:, k, :-1] = part
+        found = usable(Rows(states.stamps, values[:, :, self._columns], self._layout_marks))
+        return None if found is None else (found, states)
 
     def _set_layout(self, names: tuple[str, ...]) -> None:
         """Find the columns of these joints: of the marks of an earlier message, if all are there, else of all marks."""
@@ -125,6 +138,17 @@ class RigSeries(Series):
             rig = _UNKNOWN_RIG._replace(top_drive_speed=top_drive, bit_speed=bit)
         self.append(state.stamp, rig)
 
+    def rows(self, raws: Sequence[bytes]) -> Rows | None:
+        """As of `MarkSeries`, for messages of drill_twin: the fields of `RigState`."""
+        states = self._reader.read_rows(raws)
+        if states is None or states.names != RIG_JOINTS or not (states.velocity.size and states.effort.size):
+            return None
+        both = np.stack((states.position, states.velocity, states.effort), axis=1)
+        values = np.empty((len(raws), len(RigState._fields)))
+        for column, place in zip(RIG_COLUMNS.ravel(), np.ndindex(*RIG_COLUMNS.shape), strict=True):
+            values[:, column] = both[(slice(None), *place)]
+        return usable(Rows(states.stamps, values))
+
 
 class CommandSeries(Series):
     """`/rig/command`."""
@@ -147,6 +171,13 @@ class CommandSeries(Series):
         state = self._reader.read(raw)
         command = read_command(state)
         self.append(state.stamp, (command.weight_on_bit, command.rotation))
+
+    def rows(self, raws: Sequence[bytes]) -> Rows | None:
+        """As of `MarkSeries`."""
+        states = self._reader.read_rows(raws)
+        if states is None or states.names[:2] != COMMAND_JOINTS or not (states.velocity.size and states.effort.size):
+            return None
+        return usable(Rows(states.stamps, np.stack((states.effort[:, 0], states.velocity[:, 1]), axis=1)))
 
 
 class StressSeries(Series):
@@ -209,6 +240,22 @@ class PoseSeries(Series):
         if not np.isfinite(row).all():
             raise MessageError("expected poses of the nodes, found a number that is not finite")
         self.append(poses.stamp, row, keep=keep)
+
+    def rows(self, raws: Sequence[bytes]) -> Rows | None:
+        """As of `MarkSeries`; `extend` of the series counts them."""
+        try:
+            found = read_pose_rows(raws)
+        except MessageError:
+            return None
+        if found is None or not np.isfinite(found[1]).all():
+            return None
+        kept = [(self.seen + k) % self._every == 0 for k in range(len(raws))]
+        return usable(Rows(*found, kept=kept))
+
+    def extend(self, found: Rows) -> None:
+        """As of `Series`."""
+        self.seen += len(found.stamps)
+        super().extend(found)
 
     @property
     def tangent(self) -> Array:

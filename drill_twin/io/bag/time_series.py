@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ _Layout = tuple[tuple[str, ...], tuple[int, ...]]  # names, shape of a row
 
 @dataclass(eq=False)
 class _Rows:
-    """Rows of one layout."""
+    """Rows of one layout so far."""
 
     first: int = 0
     """Stamp of the first [ns]."""
@@ -28,6 +28,19 @@ class _Rows:
     """Number of them, those included that are not kept."""
     stamps: list[int] = field(default_factory=list)
     values: list[Array] = field(default_factory=list)
+
+
+class Rows(NamedTuple):
+    """Rows of one layout."""
+
+    stamps: Sequence[int]
+    """Stamps [ns]."""
+    values: Array
+    """Shape (n, ...)."""
+    names: tuple[str, ...] = ()
+    """Names of the parts of a row."""
+    kept: Sequence[bool] | None = None
+    """Those that are kept; None: all."""
 
 
 class Series:
@@ -62,6 +75,15 @@ class Series:
         if keep and (not rows.stamps or stamp > rows.stamps[-1]):
             rows.stamps.append(stamp)
             rows.values.append(values)
+
+    def extend(self, found: Rows) -> None:
+        """Append rows, each as `append`."""
+        rows = self._layouts.setdefault((found.names, found.values.shape[1:]), _Rows(found.stamps[0]))
+        rows.count += len(found.stamps)
+        for k, stamp in enumerate(found.stamps):
+            if (found.kept is None or found.kept[k]) and (not rows.stamps or stamp > rows.stamps[-1]):
+                rows.stamps.append(stamp)
+                rows.values.append(found.values[k] if found.kept is None else found.values[k].copy())
 
     def other_layouts(self) -> Iterator[tuple[int, int, str]]:
         """First stamp [ns], number and description of the rows of each layout that is not that of the series."""
@@ -102,6 +124,11 @@ class Series:
             stacked.flags.writeable = False
             self._stacked = main, stacked
         return stacked
+
+
+def usable(rows: Rows) -> Rows | None:
+    """The rows, if `append` takes each of them; else None."""
+    return None if (np.abs(rows.values) > _LARGEST).any() else rows
 
 
 def _text(layout: tuple[str, ...] | tuple[int, ...]) -> str:

@@ -4,14 +4,15 @@
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.base.arrays import Array, Bytes
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
-from drill_twin.io.messages.stamps import header_stamp, unpack_stamp
+from drill_twin.io.messages.stamps import NANOSECONDS, header_stamp, unpack_stamp
 from drill_twin.io.messages.topics import CLOCK, FLOAT64, FRAME_ID, JOINT_STATE, POSE_ARRAY, STRING
 from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN, SPARE_BYTES, deserialize
 
@@ -46,6 +47,20 @@ class JointState:
             raise MessageError(f"expected a joint {name!r}, found {', '.join(self.names) or 'none'}") from None
 
 
+@dataclass(frozen=True, eq=False)
+class JointStates:
+    """JointStates of one layout, one a row; each array has a column for each name, or none."""
+
+    stamps: list[int]
+    """Header stamps [ns]."""
+    names: tuple[str, ...]
+    """Joint names."""
+    position: Array
+    velocity: Array
+    effort: Array
+    frame_id: str
+
+
 class JointStateReader:
     """Decoder of the JointStates of one publisher: 5 us each after the first.
 
@@ -77,6 +92,17 @@ class JointStateReader:
         self._keep_layout(raw, state)
         return state
 
+    def read_rows(self, raws: Sequence[bytes]) -> JointStates | None:
+        """Decode messages at once; None where they are not all of the layout that is kept, or it is that of none."""
+        if self._length < 0 or any(len(raw) != self._length for raw in raws):
+            return None
+        table = np.frombuffer(b"".join(raws), np.uint8).reshape(len(raws), self._length)
+        for part, expected in ((slice(_STAMP), CDR_LITTLE_ENDIAN), (self._text, self._text_bytes), *self._gaps):
+            if (table[:, part] != np.frombuffer(expected, np.uint8)).any():
+                return None
+        position, velocity, effort = (float_columns(table, offset, count) for count, offset in self._places)
+        return JointStates(header_stamps(table), self._names, position, velocity, effort, self._frame_id)
+
     def _gaps_agree(self, raw: bytes) -> bool:
         return raw[:_STAMP] == CDR_LITTLE_ENDIAN and all(raw[gap] == expected for gap, expected in self._gaps)
 
@@ -97,6 +123,20 @@ class JointStateReader:
         start, end = _FRAME_ID, self._places[0][1]
         self._text, self._text_bytes = slice(start, end), raw[start:end]
         self._gaps = [(gap, raw[gap]) for gap in _gaps_after(self._places, len(raw))]
+
+
+def header_stamps(table: Bytes) -> list[int]:
+    """Header stamps [ns] of messages in little-endian CDR, one a row, shape (n, bytes)."""
+    whole = np.ascontiguousarray(table[:, _STAMP : _STAMP + 4]).view("<i4").astype(np.int64)
+    part = np.ascontiguousarray(table[:, _STAMP + 4 : _STAMP + 8]).view("<u4").astype(np.int64)
+    stamps: list[int] = (whole * NANOSECONDS + part).ravel().tolist()
+    return stamps
+
+
+def float_columns(table: Bytes, offset: int, count: int) -> Array:
+    """Numbers from an offset on in messages, one a row; shape (n, count)."""
+    numbers: Array = np.ascontiguousarray(table[:, offset : offset + 8 * count]).view(np.float64)
+    return numbers.reshape(len(table), count)
 
 
 def _gaps_after(places: list[tuple[int, int]], length: int) -> list[slice]:
@@ -153,17 +193,42 @@ def read_pose_array(raw: bytes) -> PoseArray:
     if raw[:_STAMP] != CDR_LITTLE_ENDIAN:
         return _poses_by_rosbags(raw)
     try:
-        place = _FRAME_ID + 4 + _COUNT.unpack_from(raw, _FRAME_ID)[0]
-        place += -place % 4
-        count = _COUNT.unpack_from(raw, place)[0]
-        place += 4
-        place += (_STAMP - place) % 8 if count else 0
+        place, count = _pose_block(raw)
         poses = np.frombuffer(raw, np.float64, 7 * count, place).reshape(count, 7).copy()
         if len(raw) - place - 56 * count > SPARE_BYTES:
             raise ValueError("bytes left over")
     except (struct.error, ValueError) as error:
         raise MessageError(f"expected the CDR bytes of a {POSE_ARRAY}, found {len(raw)} others ({error})") from error
     return PoseArray(unpack_stamp(raw), poses[:, :3], poses[:, 3:])
+
+
+def _pose_block(raw: bytes) -> tuple[int, int]:
+    """Offset of the numbers of a PoseArray, and number of poses."""
+    place = _FRAME_ID + 4 + _COUNT.unpack_from(raw, _FRAME_ID)[0]
+    place += -place % 4
+    count = _COUNT.unpack_from(raw, place)[0]
+    place += 4
+    return place + ((_STAMP - place) % 8 if count else 0), count
+
+
+def read_pose_rows(raws: Sequence[bytes]) -> tuple[list[int], Array] | None:
+    """Header stamps [ns] and poses x y z and quaternion x y z w, shape (n, nodes, 7), of messages of one layout.
+
+    None where they are not, or not little-endian.
+
+    Raises:
+        MessageError: The first is not a PoseArray.
+    """
+    read_pose_array(raws[0])
+    length = len(raws[0])
+    if raws[0][:_STAMP] != CDR_LITTLE_ENDIAN or any(len(raw) != length for raw in raws):
+        return None
+    place, count = _pose_block(raws[0])
+    table = np.frombuffer(b"".join(raws), np.uint8).reshape(len(raws), length)
+    for part in (slice(_STAMP), slice(_FRAME_ID, place)):
+        if (table[:, part] != table[:1, part]).any():
+            return None
+    return header_stamps(table), float_columns(table, place, 7 * count).reshape(len(raws), count, 7)
 
 
 def _poses_by_rosbags(raw: bytes) -> PoseArray:

@@ -30,7 +30,8 @@ MARK_AXES = ("x", "y", "z", "spin")
 _POSITION = ("top_drive_angle", "bit_angle", "block_position", "bit_angle")
 _VELOCITY = ("top_drive_speed", "bit_speed", "block_velocity", "bit_speed")
 _EFFORT = ("top_drive_torque", "bit_force", "hookload", "bit_torque")
-_RIG_COLUMNS = np.array([[RigState._fields.index(name) for name in row] for row in (_POSITION, _VELOCITY, _EFFORT)])
+RIG_COLUMNS = np.array([[RigState._fields.index(name) for name in row] for row in (_POSITION, _VELOCITY, _EFFORT)])
+"""Field of `RigState` in position, velocity and effort of each joint of `/rig/state`, shape (3, 4)."""
 
 
 class TwinEncoder:
@@ -79,7 +80,7 @@ class TwinEncoder:
 
     def rig_state(self, frames: Frames) -> list[bytes]:
         """`/rig/state`."""
-        values = frames.rig[:, _RIG_COLUMNS]
+        values = frames.rig[:, RIG_COLUMNS]
         check_rows(RIG_STATE, values)
         return self._rig.rows(stamps_ns(frames.time), *values.swapaxes(0, 1))
 

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Messages that are read many at once give what they give one by one; odd ones among them are told as before."""
+
+import numpy as np
+import pytest
+
+from drill_twin.io.bag.memory import MemoryBag
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.messages import topics
+from drill_twin.report import recording
+from drill_twin.report.recording import Recording
+from drill_twin.report.summary import summarise
+
+ODD = {
+    "nothing": None,
+    "a cut pose": (topics.STRING_POSES, 150, lambda raw: raw[:-9]),
+    "no number in a pose": (topics.STRING_POSES, 150, lambda raw: raw[:-8] + np.array([np.nan]).tobytes()),
+    "marks that are missing": (topics.MARKS_STATE, 150, lambda _: None),
+    "marks out of order": (topics.MARKS_STATE, 150, lambda raw: raw[:8] + bytes(4) + raw[12:]),
+    "a huge number": (topics.RIG_STATE, 150, lambda raw: raw[:-8] + np.array([1e16]).tobytes()),
+    "a large speed": (topics.RIG_COMMAND, 150, lambda raw: raw[:-40]),
+}
+
+
+def spoiled(bag: Bag, odd) -> MemoryBag:
+    copy, seen = MemoryBag(), dict.fromkeys(bag.topics, 0)
+    for topic, stamp, raw in bag.messages():
+        seen[topic] += 1
+        found = raw
+        if odd is not None and (topic, seen[topic]) == odd[:2]:
+            found = odd[2](raw)
+        if found is not None:
+            copy.write(topic, stamp, found)
+    return copy
+
+
+def content(bag: MemoryBag):
+    read = Recording(bag)
+    series = (read.marks, read.rig, read.commands, read.poses, read.whirl)
+    columns = [(one.names, one.stamp.tobytes(), one.values.tobytes(), list(one.other_layouts())) for one in series]
+    return columns, summarise(read), read.skipped.sentences(), read.unpaired
+
+
+@pytest.mark.parametrize("odd", ODD.values(), ids=ODD)
+def test_batches_change_nothing(bench_run, monkeypatch, odd):
+    bag = spoiled(Bag(bench_run.bag), odd)
+    found = content(bag)
+    monkeypatch.setattr(recording, "_FIRST_BATCH", 10**9)
+    monkeypatch.setattr(Recording, "_take_rows", lambda *_: ())
+    assert found == content(bag)
+    for size in (7, 300):
+        monkeypatch.undo()
+        monkeypatch.setattr(recording, "_BATCH", size)
+        assert found == content(bag)
+
+
+def test_most_messages_are_taken_in_batches(bench_run, monkeypatch):
+    one_by_one, take = [], Recording._take_message
+    monkeypatch.setattr(Recording, "_take_message", lambda self, *one: (one_by_one.append(one[0]), take(self, *one)))
+    Recording(Bag(bench_run.bag))
+    assert one_by_one.count(topics.MARKS_STATE) < 30
