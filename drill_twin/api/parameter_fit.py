@@ -15,7 +15,7 @@ from drill_twin.api.quantity import Quantity, in_si
 from drill_twin.api.scenes import Overrides, as_scene, override
 from drill_twin.base.arrays import Array
 from drill_twin.errors import ArgumentError, RunError
-from drill_twin.fitting import LIKELIHOODS, Posterior, Record, Sampling, read_record, sample
+from drill_twin.fitting import CHANNELS, LIKELIHOODS, SET_POINTS, Posterior, Record, Sampling, read_record, sample
 from drill_twin.fitting.posterior import full_key
 from drill_twin.fitting.ranges import in_ranges
 from drill_twin.scene import Scene
@@ -79,6 +79,11 @@ def fit(
         raise ArgumentError(
             f"fit: expected a range of at least one number and a likelihood of {', '.join(LIKELIHOODS)}, "
             f"found {len(ranges)} and {likelihood!r}"
+        )
+    if told := sorted(SET_POINTS & found.series.keys()):
+        raise ArgumentError(
+            f"fit: expected channels that a run computes, {', '.join(CHANNELS)}, found {', '.join(told)}; "
+            "runs take the set-points of a record by rig.table of the scene"
         )
     length = base.rig.duration if end is None else in_si("end", end, TIME)
     frequency, first = in_si("rate", rate, FREQUENCY), in_si("start", start, TIME)

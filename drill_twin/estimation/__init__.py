@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimates of state and numbers of a running rig from what is measured, by an ensemble that is corrected."""
 
-from drill_twin.estimation.ensemble_filter import CHANNELS, Band, EnsembleFilter, Estimate, EstimatorOptions, Window
+from drill_twin.estimation.bands import Band
+from drill_twin.estimation.ensemble_filter import CHANNELS, EnsembleFilter, Estimate, EstimatorOptions, Window
 from drill_twin.estimation.intake import SET_POINTS, Intake
 from drill_twin.estimation.members import LOAD, SENSORS
 from drill_twin.estimation.square_root_filter import Correction, correction

@@ -3,18 +3,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Integral, Real
 
 import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import ArgumentError
+from drill_twin.estimation.bands import Band
 from drill_twin.estimation.branches import Branches
 from drill_twin.estimation.channel_errors import ChannelErrors
 from drill_twin.estimation.divergence import Divergence
 from drill_twin.estimation.members import SENSORS, Members, Pace
-from drill_twin.estimation.square_root_filter import correction
+from drill_twin.estimation.square_root_filter import applied, corrections
 from drill_twin.fitting.ranges import Ranges
 from drill_twin.scene import Scene
 from drill_twin.twin.frame import Frame
@@ -59,10 +62,15 @@ class EstimatorOptions:
         Raises:
             ArgumentError: One of them.
         """
-        if self.members < 4 or not 0.05 <= self.window <= 3600.0:
-            raise ArgumentError(
-                f"expected 4 or more members and a window of 0.05 to 3600 s, found {self.members} and {self.window:g} s"
-            )
+        for name, least, most in (
+            ("members", 4, 10_000), ("window", 0.05, 3600.0), ("rate", 0.1, 1000.0), ("error", 1e-6, 1.0),
+            ("memory", 1.0, math.inf), ("horizon", 0.0, 3600.0), ("scouts", 1, 10_000),
+        ):  # fmt: skip
+            value = getattr(self, name)
+            kind = Integral if isinstance(least, int) else Real
+            if not isinstance(value, kind) or not least <= float(value) <= most:
+                of = "a whole number" if kind is Integral else "a number"
+                raise ArgumentError(f"{name}: expected {of} of {least:g} to {most:g}, found {value!r}")
 
 
 @dataclass(frozen=True)
@@ -76,22 +84,6 @@ class Window:
 
     commands: Array
     measured: Mapping[str, Array]
-
-
-@dataclass(frozen=True)
-class Band:
-    """Mean, standard deviation, and 90 % band of the members."""
-
-    mean: float
-    deviation: float
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, values: Array) -> Band:
-        """Band of the values of the members, shape (N,)."""
-        low, high = np.quantile(values, (0.05, 0.95))
-        return cls(float(values.mean()), float(values.std(ddof=1)), float(low), float(high))
 
 
 @dataclass(frozen=True)
@@ -177,27 +169,22 @@ class EnsembleFilter:
         missing = np.full(self.pace.samples, np.nan)
         measured = np.stack([window.measured.get(name, missing) for name in self.channels])
         measured = self._errors.screen(predicted, measured)
-        found = correction(
-            predicted.reshape(len(predicted), -1),
-            measured.ravel(),
-            np.repeat(self._errors.deviation**2, self.pace.samples),
-        )
-        corrected = found.apply(predicted)
+        found = corrections(predicted, measured, self._errors.deviation)
+        corrected = applied(found, predicted)
         misfit = self._misfit(measured, predicted.mean(axis=0))
         self._errors.learn(measured, predicted.mean(axis=0), corrected.mean(axis=0))
         self.members.correct(found)
         self._forget()
         sensors = {
-            name: found.apply(values) if name in _CORRECTED else values for name, values in prediction.sensors.items()
+            name: applied(found, values) if name in _CORRECTED else values
+            for name, values in prediction.sensors.items()
         }
         self._divergence.take(start, misfit)
         self._change_branch(predicted, measured)
         self._weigh_distance(corrected, measured)
         return Estimate(
             time=self.time,
-            numbers={
-                key: Band.of(values) for key, values in zip(self.members.keys, self.members.values.T, strict=True)
-            },
+            numbers=self.members.bands,
             sensors={name: Band.of(sensors[name]) for name in SENSORS},
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),

@@ -16,7 +16,8 @@ from drill_twin.ensemble.outputs import Request
 from drill_twin.ensemble.outputs.series import Channels
 from drill_twin.errors import ArgumentError, DrillTwinError, RunError
 from drill_twin.estimation.asynchronous import asynchronous_radius
-from drill_twin.estimation.square_root_filter import Correction
+from drill_twin.estimation.bands import SHARE, Band
+from drill_twin.estimation.square_root_filter import Correction, applied
 from drill_twin.fitting.posterior import full_key
 from drill_twin.fitting.ranges import Ranges, in_ranges
 from drill_twin.scene import Scene
@@ -119,7 +120,19 @@ class Members:
     @property
     def values(self) -> Array:
         """Free numbers [SI], shape (N, d)."""
-        return in_ranges(special.ndtr(self.normal), self._ranges)
+        return self._in_ranges(self.normal)
+
+    @property
+    def bands(self) -> dict[str, Band]:
+        """Bands of the free numbers [SI] by key.
+
+        A filter for near-linear motion knows a mean and a variance, in the space of `normal`; single members, which
+        are mixed by it, have no more to say.
+        """
+        ends = special.ndtri(0.5 + 0.5 * SHARE * np.array([[-1.0], [1.0]]))
+        low, high = self._in_ranges(self.normal.mean(axis=0) + ends * self.normal.std(axis=0, ddof=1))
+        of = zip(self.values.mean(axis=0), self.values.std(axis=0, ddof=1), low, high, strict=True)
+        return {key: Band(*map(float, each)) for key, each in zip(self.keys, of, strict=True)}
 
     def advance(self, commands: Array, shown: int = -1) -> tuple[list[Frame], Prediction]:
         """Advance by a window; a member that fails becomes a copy of one that does not.
@@ -158,19 +171,19 @@ class Members:
         change_numbers(twin.dynamics, self.twins[source].dynamics.scene)  # whose numbers its arrays have now
         change_numbers(twin.dynamics, self._scene(target))
 
-    def correct(self, correction: Correction) -> None:
-        """Correct numbers and state.
+    def correct(self, found: Sequence[Correction]) -> None:
+        """Correct numbers and torsional motion.
 
-        Surface channels of a straight hole do not change when the lateral motion is turned about its axis. So they are
-        uncorrelated with it, and only torsional and axial motion are corrected; in a curved hole only the torsional,
-        as its axial motion has no column of its own.
+        Surface channels of a straight hole do not change when the lateral motion is turned about its axis, so they are
+        uncorrelated with it. Axial motion follows loads and lateral motion (a bent string is shorter) within the time
+        of a wave: moved by itself it would stretch the string and throw it against the wall.
         """
-        self.normal = np.clip(correction.apply(self.normal), -WIDEST, WIDEST)
-        dynamics = self.twins[0].dynamics
-        columns = () if dynamics.form != SPATIAL else (2, 5, 6) if dynamics.hole == "straight" else (6,)
+        for correction in found:
+            self.normal = np.clip(correction.apply_to_numbers(self.normal), -WIDEST, WIDEST)
+        columns = (6,) if self.twins[0].dynamics.form == SPATIAL else ()
         for part in range(2):
             rows = [twin.unknowns[part] for twin in self.twins]
-            corrected = correction.apply(np.array([row[:, columns] for row in rows]))
+            corrected = applied(found, np.array([row[:, columns] for row in rows]))
             for row, values in zip(rows, corrected, strict=True):
                 row[:, columns] = values
         for number, twin in enumerate(self.twins):
@@ -196,6 +209,10 @@ class Members:
             frames.clear()
         twin.restore(before)
         return frames
+
+    def _in_ranges(self, normal: Array) -> Array:
+        """Numbers [SI] from those of the space in which their prior is standard normal, both of shape (..., d)."""
+        return in_ranges(special.ndtr(normal), self._ranges)
 
     def _load(self, number: int) -> float:
         """Weight on bit of a member over that of the set-points."""

@@ -3,7 +3,7 @@
 
 from drill_twin.fitting.likelihood import LIKELIHOODS
 from drill_twin.fitting.posterior import Posterior
-from drill_twin.fitting.record import CHANNELS, Record, read_record
+from drill_twin.fitting.record import CHANNELS, SET_POINTS, Record, read_record
 from drill_twin.fitting.sampling import Sampling, sample
 
-__all__ = ["CHANNELS", "LIKELIHOODS", "Posterior", "Record", "Sampling", "read_record", "sample"]
+__all__ = ["CHANNELS", "LIKELIHOODS", "SET_POINTS", "Posterior", "Record", "Sampling", "read_record", "sample"]

@@ -27,7 +27,12 @@ CHANNELS: Mapping[str, Dimension] = {
     "hookload": FORCE,
 }
 """Channels that a run computes (`drill_twin.ensemble.outputs.series.Channels`), and their dimensions."""
-_OF_BAG = {name: "top_drive_torque" if name == "torque" else name for name in CHANNELS if name != "motor_torque"}
+SET_POINTS: Mapping[str, Dimension] = {"weight_on_bit": FORCE, "rotation": ANGULAR_SPEED}
+"""What a rig is told to do, or indicates of it, and dimensions: inputs of the estimator."""
+_KNOWN = {**CHANNELS, **SET_POINTS}
+_OF_BAG = {name: name for name in CHANNELS if name != "motor_torque"} | {
+    "torque": "top_drive_torque", "weight_on_bit": "bit_force", "rotation": "top_drive_speed"
+}  # fmt: skip
 _MNEMONICS = {"motor_torque": "torque", "top_drive_speed": "rotation", "bit_force": "weight_on_bit"}
 """Channels whose columns have the mnemonics of another name."""
 
@@ -82,8 +87,8 @@ def channel_column(text: str) -> ChannelColumn:
         ArgumentError: An unknown channel.
     """
     channel, _, rest = text.partition("=")
-    if channel not in CHANNELS and channel != "time":
-        raise ArgumentError(f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(CHANNELS)}, found "{text}"')
+    if channel not in _KNOWN and channel != "time":
+        raise ArgumentError(f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(_KNOWN)}, found "{text}"')
     column, colon, unit = rest.rpartition(":")
     return ChannelColumn(channel, column, unit) if colon else ChannelColumn(channel, rest, "")
 
@@ -93,19 +98,23 @@ def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, sta
 
     Args:
         path: The file; a bag may be a folder.
-        columns: Names of channels of a bag; of a file column and unit of each channel and of `time`, as
-            `channel_column` parses them. Without `time`, it is the column whose name begins with ``time`` or ``t_``,
-            in s where the file gives no unit.
+        columns: Names of channels of a bag; of a file column and unit of each channel, of the set-points
+            `weight_on_bit` and `rotation` and of `time`, as `channel_column` parses them. Set-points of a bag are those
+            of `/rig/command`; where it has none, load and speed of `/rig/state`. Without `time`, it is the column whose
+            name begins with ``time`` or ``t_``, in s where the file gives no unit.
         start: Time in the record that is time zero of the scene [s].
 
     Raises:
         TableError: No such file or column, or no unit or one of another dimension.
-        ArgumentError: No channel, or one that a bag does not hold; or a LAS file without the package lasio.
+        ArgumentError: No channel, one twice, or one that a bag does not hold; or a LAS file without the package lasio.
         BagError: The bag cannot be read.
     """
     file = Path(path)
     if not columns:
         raise ArgumentError("channel: expected at least one, as bit_speed=COLUMN:rpm, found none")
+    names = [item.partition("=")[0] if isinstance(item, str) else item.channel for item in columns]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ArgumentError(f"channel: expected each one once, found {', '.join(twice)} again; give it one column")
     if file.is_dir() or file.suffix in {".mcap", ".db3"}:
         return _of_bag(file, columns, start)
     found = read_columns(file)
@@ -124,12 +133,16 @@ def _of_bag(path: Path, channels: Sequence[str | ChannelColumn], start: float) -
     for channel in channels:
         if channel not in _OF_BAG:
             raise ArgumentError(f"channel: expected of a bag one of {', '.join(_OF_BAG)}, found {channel!r}")
-    rig = Recording(open_bag(bag_path(path), Selection())).rig
+    recording = Recording(open_bag(bag_path(path), Selection()))
+    rig, commands = recording.rig, recording.commands
     time = np.asarray(rig.time) - start
     middle = time - 0.5 * float(np.median(np.diff(time)))  # forces and torques are means of a frame
     series = {}
     for channel in map(str, channels):
-        stamps = time if CHANNELS[channel] is ANGULAR_SPEED else middle
+        if channel in SET_POINTS and len(commands):
+            series[channel] = _present(path, channel, np.asarray(commands.time) - start, getattr(commands, channel))
+            continue
+        stamps = time if _KNOWN[channel] is ANGULAR_SPEED else middle
         series[channel] = _present(path, channel, stamps, np.asarray(getattr(rig, _OF_BAG[channel])))
     return Record(str(path), series)
 
@@ -144,7 +157,7 @@ def _present(source: Path, channel: str, time: Array, values: Array) -> tuple[Ar
 
 
 def _si(found: Columns, item: ChannelColumn) -> Array:
-    channel, dimension = item.channel, CHANNELS.get(item.channel, TIME)
+    channel, dimension = item.channel, _KNOWN.get(item.channel, TIME)
     names = [item.column] if item.column else found.named(_MNEMONICS.get(channel, channel))
     if channel == "time" and not names:
         names = [name for name in found if re.match(r"(time|t_|t$)", name, re.IGNORECASE)]

@@ -64,6 +64,7 @@ def test_hidden_numbers_and_the_unmeasured_bit_are_found(record, followed):
     wanted = HIDDEN | {"load_factor": 55.0 / 53.0}
     for key, value in wanted.items():
         assert last.numbers[key].mean == pytest.approx(value, rel=0.1), key
+        assert last.numbers[key].low < value < last.numbers[key].high, key
     assert last.sensors["weight_on_bit"].mean == pytest.approx(55e3, rel=0.01)
     places = [round(each.time * 10.0) - 1 for each in followed]
     error = [
@@ -121,6 +122,10 @@ def test_numbers_changed_at_the_start_are_those_of_another_twin():
         ({"load_factor": "1.2..0.8"}, "a range of a factor"),
         ({"load_factor": 3}, "a range of a factor"),
         ({}, "at least one number"),
+        ({"load_facto": "0.8..1.2"}, "near it: load_factor$"),
+        ({"bit_torque_stribek.stiking": "0.5..0.9"}, "near it: bit_torque_stribeck.sticking"),
+        ({"xyz": "0.5..0.9"}, "known: load_factor, "),
+        ("load_factor=0.8..1.2", "ranges by key"),
     ],
 )
 def test_what_cannot_be_followed_is_refused_in_a_line(free, words):
@@ -128,11 +133,32 @@ def test_what_cannot_be_followed_is_refused_in_a_line(free, words):
         dt.Estimator("two_mass", free, overrides=OVER)
 
 
-def test_values_and_options_that_cannot_be_are_refused():
-    with pytest.raises(ArgumentError, match="4 or more members"):
-        dt.EstimatorOptions(members=0)
+@pytest.mark.parametrize(
+    ("channels", "words"),
+    [("torque", "a list of channels"), (["torque", "torque"], "each channel once"), ([], "found 0")],
+)
+def test_channels_that_cannot_be_are_refused(channels, words):
+    with pytest.raises(ArgumentError, match=words):
+        dt.Estimator("two_mass", FREE, channels=channels, overrides=OVER)
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [({"members": 0}, "whole number of 4"), ({"members": 4.5}, "found 4.5"), ({"rate": -1.0}, "rate: expected"),
+     ({"horizon": "4 s"}, "horizon: expected a number of 0")],
+)  # fmt: skip
+def test_options_that_cannot_be_are_refused(option, words):
+    with pytest.raises(ArgumentError, match=words):
+        dt.EstimatorOptions(**option)
+
+
+def test_samples_that_cannot_be_are_refused():
+    estimator = dt.Estimator("two_mass", FREE, overrides=OVER, options=dt.EstimatorOptions(members=4))
     with pytest.raises(ArgumentError, match="found torqe"):
-        dt.Estimator("two_mass", FREE, overrides=OVER, options=FEW).take(0.0, {"torqe": 1.0})
+        estimator.take(0.0, {"torqe": 1.0})
+    for sample in [("a",), (0.0, {"torque": "1 kN m"}), (0.0, 3.0), (None, {})]:
+        with pytest.raises(ArgumentError, match="expected a time"):
+            estimator.take(*sample)
 
 
 def test_members_that_swing_while_the_rig_does_not_are_replaced():
@@ -160,11 +186,14 @@ def test_divergence_begins_with_its_first_window_and_ends():
 
 
 def test_command_follows_a_record(record, tmp_path):
-    rows = np.column_stack([record["time"] - 0.05, record["torque"] / 1e3, record["hookload"] / 1e3])
-    np.savetxt(tmp_path / "rig.csv", rows, delimiter=",", header="time_s,torque [kN m],hookload [kN]", comments="")
+    shown = np.full(record["time"].size, 53.0)  # weight on bit as the rig indicates it; the scene has another
+    rows = [record["time"] - 0.05, record["torque"] / 1e3, record["hookload"] / 1e3, shown, 100.0 + 0.0 * shown]
+    heading = "time_s,torque [kN m],hookload [kN],WOB [kN],speed [rad/s]"
+    np.savetxt(tmp_path / "rig.csv", np.column_stack(rows), delimiter=",", header=heading, comments="")
     options = [f"--free={key}={span}" for key, span in FREE.items()]
-    options += ["--set=wob=53 kN", "--set=numerics.step=20 ms", "--set=numerics.frame_rate=10 Hz"]
+    options += ["--set=wob=40 kN", "--set=numerics.step=20 ms", "--set=numerics.frame_rate=10 Hz"]
     options += ["--channel=torque=torque [kN m]", "--channel=hookload=hookload [kN]", "--members=16", "--window=2"]
+    options += ["--channel=weight_on_bit", "--channel=rotation=speed [rad/s]"]
     done = CliRunner().invoke(
         app, ["estimate", str(tmp_path / "rig.csv"), "--scene=two_mass", *options, "--horizon=0", "--json"]
     )

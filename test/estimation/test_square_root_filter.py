@@ -6,6 +6,7 @@ import pytest
 from filterpy.kalman import KalmanFilter
 
 from drill_twin.estimation import correction
+from drill_twin.estimation.square_root_filter import applied, corrections
 
 
 def oscillator(step):
@@ -58,3 +59,47 @@ def test_values_of_any_shape_are_corrected_alike():
     flat = found.apply(ensemble.reshape(12, 6))
     np.testing.assert_allclose(found.apply(ensemble).reshape(12, 6), flat, atol=1e-14)
     assert np.var(flat[:, 0], ddof=1) < np.var(ensemble[:, 0, 0], ddof=1)
+
+
+def test_numbers_keep_their_spread_where_nothing_acts_on_what_is_measured():
+    draw = np.random.default_rng(5)
+    kept = plain = draw.standard_normal((64, 3))
+    for _ in range(20):  # windows of chaotic motion, which the numbers do not determine
+        found = correction(draw.standard_normal((64, 10)), draw.standard_normal(10), np.full(10, 0.01))
+        kept, plain = found.apply_to_numbers(kept), found.apply(plain)
+    assert kept.std(axis=0).min() > 0.4
+    assert plain.std(axis=0).max() < 0.3
+    assert np.all(np.abs(kept.mean(axis=0)) < 1.0)
+
+
+def test_what_is_measured_moves_numbers_as_the_filter_says():
+    draw = np.random.default_rng(6)
+    numbers = draw.standard_normal((400, 2))
+    predicted = numbers @ np.array([[1.0], [0.2]]) + 0.1 * draw.standard_normal((400, 1))
+    found = correction(predicted, np.array([1.3]), np.array([0.01]))
+    np.testing.assert_allclose(found.apply_to_numbers(numbers), found.apply(numbers), atol=0.08)
+    assert found.apply_to_numbers(numbers)[:, 0].std() < 0.3
+    assert found.directions == pytest.approx(1.0, abs=0.02)
+
+
+def test_where_a_number_acts_less_its_band_is_wider():
+    draw = np.random.default_rng(8)
+    numbers = draw.standard_normal((400, 1))
+    predicted = np.exp(1.5 * numbers) + 0.05 * draw.standard_normal((400, 1))
+    low, high = (correction(predicted, np.array([value]), np.array([0.01])) for value in (0.1, 4.0))
+    assert low.near.sum() == pytest.approx(133, abs=2)
+    assert low.apply_to_numbers(numbers).std() > 1.2 * low.apply(numbers).std()
+    assert high.apply_to_numbers(numbers).std() < low.apply_to_numbers(numbers).std()
+
+
+def test_corrections_by_means_and_by_what_varies_are_together_that_by_all_samples():
+    draw = np.random.default_rng(7)
+    state = draw.standard_normal((12, 5))
+    predicted = np.tensordot(state, draw.standard_normal((5, 2, 6)), axes=1)
+    measured, deviation = draw.standard_normal((2, 6)), np.array([0.3, 2.0])
+    measured[0, 2] = np.nan
+    once = correction(predicted.reshape(12, -1), measured.ravel(), np.repeat(deviation**2, 6)).apply(state)
+    twice = applied(corrections(predicted, measured, deviation), state)
+    np.testing.assert_allclose(twice.mean(axis=0), once.mean(axis=0), atol=1e-12)
+    np.testing.assert_allclose(np.cov(twice.T), np.cov(once.T), atol=1e-12)
+    assert corrections(predicted, np.full((2, 6), np.nan), deviation) == []

@@ -10,6 +10,7 @@ from scipy.io import savemat
 import drill_twin as dt
 from drill_twin.errors import ArgumentError, SceneError, TableError
 from drill_twin.fitting.record import channel_column
+from drill_twin.io.bag.series import CommandSeries
 
 HIDDEN = {"bit_torque_stribeck.sticking": 0.71, "bit_torque_stribeck.decay": 1.3}
 FREE = {"bit_torque_stribeck.sticking": "0.55..0.95", "bit_torque_stribeck.decay": "0.2 s/rad..6 s/rad"}
@@ -79,7 +80,7 @@ def test_what_cannot_be_fitted_is_refused(record, change, error, said):
         )
 
 
-def test_a_bag_and_a_mat_file_are_records_too(tmp_path):
+def test_a_bag_and_a_mat_file_are_records_too(tmp_path, monkeypatch):
     result = dt.Simulation(dt.load_scene("two_mass", OVER)).run(duration=2.0)
     found = dt.read_record(result.to_bag(tmp_path / "bag_0"), ["torque", "bit_speed"])
     time = np.arange(0.5, 1.9, 0.1)
@@ -90,6 +91,13 @@ def test_a_bag_and_a_mat_file_are_records_too(tmp_path):
     stamps, torque = dt.read_record(tmp_path / "rig.mat", ["torque=Torque:kN m"]).series["torque"]
     assert stamps.tolist() == [0.0, 2.0, 3.0]
     assert torque.tolist() == [1e3, 2e3, 4e3]
+    told = dt.read_record(tmp_path / "bag_0", ["weight_on_bit", "rotation"]).series
+    assert told["weight_on_bit"][1] == pytest.approx(np.full(20, OVER["wob"]))
+    assert told["rotation"][1] == pytest.approx(np.full(20, 100.0))
+    monkeypatch.setattr(CommandSeries, "add_message", lambda *_: None)  # a bag without commands: what the rig did
+    told = dt.read_record(tmp_path / "bag_0", ["weight_on_bit", "rotation"]).series
+    assert told["weight_on_bit"][1] == pytest.approx(result.rig.bit_force)
+    assert told["rotation"][1] == pytest.approx(result.rig.top_drive_speed)
     with pytest.raises(ArgumentError, match="expected of a bag one of torque, top_drive_speed"):
         dt.read_record(tmp_path / "bag_0", ["motor_torque"])
 
@@ -109,6 +117,10 @@ def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
     record.write_text("time [s],T,TQA [kft-lb]\n0,1,1\n1,2,2\n")
     with pytest.raises(TableError, match='expected a unit of torque, as in "torque=T:UNIT", found none'):
         dt.read_record(record, ["torque=T"])
+    with pytest.raises(ArgumentError, match="expected each one once, found torque again"):
+        dt.read_record(record, ["torque", "torque=T:N m"])
+    with pytest.raises(ArgumentError, match=r"found weight_on_bit; runs take the set-points .* by rig\.table"):
+        dt.fit(record, "two_mass", {"wob": "50 kN..58 kN"}, channels=["weight_on_bit=T:kN"])
     assert dt.read_record(record, ["torque"]).series["torque"][1] == pytest.approx([1355.818, 2711.636], rel=1e-6)
 
 

@@ -27,7 +27,11 @@ def estimate(
     ],
     channel: Annotated[
         list[str],
-        typer.Option("--channel", metavar="NAME=COLUMN:UNIT", help='Column, as "torque=Torque:N m"; of a bag NAME.'),
+        typer.Option(
+            "--channel",
+            metavar="NAME=COLUMN:UNIT",
+            help='Column, as "torque=Torque:N m"; of a bag NAME. weight_on_bit and rotation are the set-points.',
+        ),
     ],
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     members: Annotated[int, typer.Option("--members", min=4, help="Members of the ensemble.")] = 64,
@@ -41,6 +45,7 @@ def estimate(
     import drill_twin as dt
     from drill_twin.cli.show import err, grid, out, print_json
     from drill_twin.errors import ArgumentError, RunError
+    from drill_twin.estimation import SET_POINTS
     from drill_twin.fitting.record import channel_column
 
     options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
@@ -49,7 +54,7 @@ def estimate(
         raise ArgumentError("--free: expected each number once, found one twice; give it one range")
     names = [text if "=" not in text else channel_column(text).channel for text in channel]
     estimator = dt.Estimator(
-        scene, ranges, channels=[name for name in names if name != "time"],
+        scene, ranges, channels=[name for name in names if name != "time" and name not in SET_POINTS],
         overrides=overrides(change), options=options,
     )  # fmt: skip
     found: Estimate | None = None

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -15,7 +15,9 @@ def estimator_score(
     truths: Annotated[int, typer.Option("--truths", min=1, help="Twins with hidden numbers.")] = 10,
     first: Annotated[int, typer.Option("--first", min=0, help="Number of the first one.")] = 0,
     seconds: Annotated[float, typer.Option("--seconds", min=2.0, help="Time to follow each.")] = 60.0,
-    members: Annotated[int, typer.Option("--members", min=0, help="Members; 0: those of the case.")] = 0,
+    members: Annotated[
+        list[int], typer.Option("--members", min=4, help="Members; repeatable: error against members and time.")
+    ] = [],  # noqa: B006
     json: JsonOption = False,
 ) -> None:
     """Measure the estimator on hidden truths: numbers, bands, unmeasured places, warnings of whirl, processor time.
@@ -25,20 +27,23 @@ def estimator_score(
     from drill_twin.cli.show import err, print_json
     from drill_twin.errors import ArgumentError
     from drill_twin.studies.estimation.hidden_truth import CASES, follow
-    from drill_twin.studies.estimation.score import lines, score
+    from drill_twin.studies.estimation.score import cost_lines, lines, score
 
     odd = [name for name in only if name not in CASES]
     if odd:
         raise ArgumentError(f"--only: expected one of {', '.join(CASES)}, found {', '.join(odd)}")
-    found = {}
+    found: dict[str, Any] = {}
     for name in only or CASES:
-        runs = []
-        for number in range(first, first + truths):
-            runs.append(follow(CASES[name], number, seconds, members or CASES[name].members))
-            told = ", ".join(f"{key} {error:+.1%}" for key, error in runs[-1].errors.items())
-            err().print(f"{name} {number}: {told}", markup=False, soft_wrap=True)
-        found[name] = score(runs)
+        by_members = {}
+        for count in members or [CASES[name].members]:
+            runs = []
+            for number in range(first, first + truths):
+                runs.append(follow(CASES[name], number, seconds, count))
+                told = ", ".join(f"{key} {error:+.1%}" for key, error in runs[-1].errors.items())
+                err().print(f"{name} {number}, {count} members: {told}", markup=False, soft_wrap=True)
+            by_members[count] = score(runs)
+        found[name] = by_members if len(by_members) > 1 else by_members[count]
         if not json:
-            print("\n".join(lines(name, found[name])))
+            print("\n".join(cost_lines(name, by_members) if len(by_members) > 1 else lines(name, found[name])))
     if json:
         print_json(found)

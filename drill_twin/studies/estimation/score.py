@@ -75,3 +75,15 @@ def lines(name: str, found: Mapping[str, Any]) -> list[str]:
         f"Processor: {found['processor']:.2f} of a core."
     )
     return [*table, "", sentence, ""]
+
+
+def cost_lines(name: str, by_members: Mapping[int, Mapping[str, Any]]) -> list[str]:
+    """Error against members and processor time as lines of Markdown."""
+    table = [f"| {name}: members | median error of the numbers | bands hold | error over open loop's | of a core |",
+             "| --- | --- | --- | --- | --- |"]  # fmt: skip
+    for members, found in by_members.items():
+        error = np.median([of_key["median_error"] for of_key in found["numbers"].values()])
+        ratio = np.median([of_sensor["error_over_open_loop"] for of_sensor in found["sensors"].values()])
+        held, processor = found["numbers_held"], found["processor"]
+        table.append(f"| {members} | {error:.2%} | {held:.0%} | {ratio:.2f} | {processor:.2f} |")
+    return [*table, ""]
