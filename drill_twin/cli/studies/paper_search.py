@@ -98,3 +98,4 @@ def _print(found: Exclusion) -> None:
     screen.print(grid(text.ALONE, text.alone_rows(found), title="Each number", right=(1, 2, 3)))
     screen.print(grid(text.OPENED, text.opened_rows(found), title="Pairs excluded with all assumptions kept"))
     screen.print(grid(text.BEST, text.best_rows(found), title="Sets that meet most numbers", right=(1, 2)))
+    screen.print(grid(text.VALUES, text.value_rows(found), title="Numbers of set 1", right=(1, 2, 3)))

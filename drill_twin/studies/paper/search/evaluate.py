@@ -79,12 +79,13 @@ class Bench:
             for at, place in enumerate(("bit", "top"))
         }
 
-    def grown_times(self, one: Trial) -> Array | None:
-        """Critical times in each reading by growth alone [s], shape (3, readings); None where it does not hold.
+    def grows(self, one: Trial) -> bool:
+        """True if growth from the axis says when a set begins to whirl: in a vertical hole, by a bit without play."""
+        return one.choices[INCLINATION] == 0 and one.choices[BIT] < 2
 
-        It holds in a vertical hole and for a bit without play.
-        """
-        if one.choices[INCLINATION] or one.choices[BIT] > 1:
+    def grown_times(self, one: Trial) -> Array | None:
+        """Critical times in each reading by growth alone [s], shape (3, readings); None where it says nothing."""
+        if not self.grows(one):
             return None
         string = self.strings[one.choices[BIT], one.choices[LOAD_AT]]
         clearance = RADIUS[one.choices[HOLE]] - self._surface

@@ -6,21 +6,49 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass
 from io import StringIO
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.studies.paper.runs.cases import Case
+from drill_twin.studies.paper.runs.published import Number
 from drill_twin.studies.paper.search.assumptions import ASSUMPTIONS, LOOSE, STRICT, Score, score
 from drill_twin.studies.paper.search.evaluate import TIMED, Bench
-from drill_twin.studies.paper.search.readings import BASE, IRREGULAR, NEAR, NUMBERS
+from drill_twin.studies.paper.search.readings import (
+    BASE,
+    IRREGULAR,
+    KINDS,
+    NEAR,
+    NUMBERS,
+    READINGS,
+    Results,
+    misfit,
+    values,
+)  # fmt: skip
 from drill_twin.studies.paper.search.record import Evaluated, Record
 from drill_twin.studies.paper.search.search import PAIRS, Archive
 from drill_twin.studies.paper.search.space import BIT, CHOICES, FREE, LAW, PLAY, SHARE_LEFT, SPRING, Trial
 
 SHOWN = 3
 """Sets that are shown of those that meet most numbers."""
+
+
+class Value(NamedTuple):
+    """A number of a set."""
+
+    number: Number
+    ours: float
+    """In the reading of the set [unit of the number]; NaN: none, or its run was not made."""
+    misfit: float
+    """In units of 20 %; NaN: its run was not made."""
+    spread: float
+    """Range of the precession of mark_2 over windows of the last half, over its mean."""
+
+    @property
+    def irregular(self) -> bool:
+        """True where the whirl is irregular, so that one value of it is a matter of the window."""
+        return KINDS[self.number.what] == "whirl" and self.spread > IRREGULAR
 
 
 @dataclass(frozen=True)
@@ -31,19 +59,28 @@ class Finalist:
         trial: The set.
         under: Assumptions that it keeps to, by their place in `ASSUMPTIONS`.
         score: What it meets.
-        regular: How many of those are of a run whose precession is steady.
+        values: Each number.
     """
 
     trial: Trial
     under: int
     score: Score
-    regular: int
+    values: tuple[Value, ...]
+
+    @property
+    def steady(self) -> int:
+        """How many of the numbers that it meets are no line of an irregular whirl."""
+        return sum(value.misfit <= NEAR and not value.irregular for value in self.values)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
         return {
-            "under": ASSUMPTIONS[self.under].name, "met": self.score.met, "regular": self.regular,
+            "under": ASSUMPTIONS[self.under].name, "met": self.score.met, "steady": self.steady,
             "readings": self.score.readings, "numbers": numbers_of(self.trial), "choices": choices_of(self.trial),
+            "values": [
+                {"number": one.number.name, "ours": one.ours, "misfit": one.misfit, "irregular": one.irregular}
+                for one in self.values
+            ],
         }  # fmt: skip
 
 
@@ -123,19 +160,30 @@ def exclusion_of(record: Record, bench: Bench) -> Exclusion:
 
 def finalists_of(evaluated: list[Evaluated], under: int) -> list[Finalist]:
     """Sets that meet most numbers under some assumptions, the best first."""
-    found = []
-    for k, one in enumerate(evaluated):
-        if ASSUMPTIONS[under].hold(one.trial):
-            any_reading = ASSUMPTIONS[under].any_reading
-            near, steady = (
-                score(results, any_reading=any_reading)
-                for results in (one.results, {c: r for c, r in one.results.items() if r.spread <= IRREGULAR})
-            )
-            found.append((near.met, steady.met, -k, near))
-    return [
-        Finalist(evaluated[-k].trial, under, near, steady)
-        for _, steady, k, near in sorted(found, key=lambda row: row[:3], reverse=True)[:SHOWN]
+    assumptions = ASSUMPTIONS[under]
+    found = [
+        (score(one.results, any_reading=assumptions.any_reading), one)
+        for one in evaluated
+        if assumptions.hold(one.trial)
     ]
+    best = sorted(found, key=lambda item: -item[0].met)[: 10 * SHOWN]
+    finalists = [Finalist(one.trial, under, near, values_of(one.results, near)) for near, one in best]
+    return sorted(finalists, key=lambda one: (-one.score.met, -one.steady))[:SHOWN]
+
+
+def values_of(results: Results, near: Score) -> tuple[Value, ...]:
+    """Each number of a set in its readings."""
+    found = []
+    for number in NUMBERS:
+        run, kind = results.get(Case(number.weight_on_bit, number.speed)), KINDS[number.what]
+        if run is None:
+            found.append(Value(number, np.nan, np.nan, np.nan))
+        else:
+            reading = READINGS[kind].index(near.readings[kind])
+            found.append(
+                Value(number, float(values(number, run)[reading]), float(misfit(number, run)[reading]), run.spread)
+            )
+    return tuple(found)
 
 
 def growth_error(bench: Bench, evaluated: list[Evaluated]) -> tuple[float, float]:

@@ -159,15 +159,18 @@ def misfits(results: Results) -> dict[str, Array]:
 
 
 def misfit(number: Number, found: Readings) -> Array:
-    """Misfit of one number in each reading of its kind; the sense of a whirl frequency is not published."""
-    if number.what == CRITICAL_TIME:
-        ours = found.time
-    elif number.what == DISPLACEMENT:
-        ours = 1e3 * found.size[MARKS.index(number.mark)]
-    else:
-        ours = np.abs(found.whirl) if number.what == FREQUENCY else found.whirl / number.speed
-    off = np.abs(ours / number.value - 1.0) / 0.2
+    """Misfit of one number in each reading of its kind."""
+    off = np.abs(values(number, found) / number.value - 1.0) / 0.2
     return np.asarray(np.minimum(np.where(np.isfinite(off), off, LARGEST), LARGEST))
+
+
+def values(number: Number, found: Readings) -> Array:
+    """A number in each reading of its kind, in its own unit; the sense of a whirl frequency is not published."""
+    if number.what == CRITICAL_TIME:
+        return found.time
+    if number.what == DISPLACEMENT:
+        return np.asarray(1e3 * found.size[MARKS.index(number.mark)])
+    return np.asarray(np.abs(found.whirl) if number.what == FREQUENCY else found.whirl / number.speed)
 
 
 def of_kind(kind: str) -> list[int]:

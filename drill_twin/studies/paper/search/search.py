@@ -3,9 +3,9 @@
 
 Each set is proposed for a goal: a pair of numbers, or the whole table. A proposal is a neighbour of the best set known
 for the goal, or one drawn at random. Where the goal has a critical time, many are proposed, and growth along the ramps
-(`growth`), a thousandth of the price of a run, says which of them is run. Runs that cannot improve on the goal are not
-made (`evaluate`). A generation depends on the seed, its number and the generations before alone, so a search that was
-broken off and taken up again is the same, for any number of threads.
+(`growth`), a hundredth of the price of a run, rejects those whose critical times are farther off. Runs that cannot
+improve on the goal are not made (`evaluate`). A generation depends on the seed, its number and the generations before
+alone, so a search that was broken off and taken up again is the same, for any number of threads.
 """
 
 from __future__ import annotations
@@ -33,7 +33,9 @@ TOGETHER = 32
 """Sets that are run in a generation."""
 PROPOSED = 100
 """Sets proposed for one that is run, where growth can choose."""
-AT_RANDOM = 0.15
+SLACK = 0.3
+"""Misfit of the critical times by which a proposal may be farther off than the set that it is a neighbour of."""
+AT_RANDOM = 0.1
 """Share of the proposals that are drawn at random."""
 WHOLE = 0.5
 """Share of the sets whose goal is the whole table."""
@@ -162,36 +164,44 @@ def _proposals(bench: Bench, archive: Archive, random: np.random.Generator) -> t
     jobs, grown = [], 0
     for _ in range(TOGETHER):
         goal = _goal(archive, random)
-        candidates = [_proposal(archive, goal, random) for _ in range(PROPOSED if goal.timed else 1)]
-        found = [_screened(bench, one, goal) if goal.timed else None for one in candidates]
-        known = [value for value in found if value is not None]
-        grown += len(known)
-        silent = [k for k, value in enumerate(found) if value is None]
-        if random.random() < len(silent) / len(found):  # growth says nothing about them: as often as their share
-            chosen = silent[int(random.integers(len(silent)))]
-        else:
-            chosen = found.index(min(known))
-        jobs.append((candidates[chosen], goal))
+        parent = _parent(archive, goal, random)
+        candidates = [_proposal(archive, goal, parent, random) for _ in range(PROPOSED if goal.timed else 1)]
+        off = np.array([_screened(bench, one, goal) if goal.timed else 0.0 for one in candidates])
+        if goal.timed:
+            grown += sum(map(bench.grows, candidates))
+        least = _screened(bench, parent, goal) if parent is not None and goal.timed else 0.0
+        passed = np.flatnonzero(off <= max(least + SLACK, float(off.min())))
+        jobs.append((candidates[int(random.choice(passed))], goal))
     return jobs, grown
 
 
-def _screened(bench: Bench, one: Trial, goal: Goal) -> float | None:
-    """Misfit of a goal's critical times by growth; None where it says nothing."""
+def _screened(bench: Bench, one: Trial, goal: Goal) -> float:
+    """Misfit of a goal's critical times by growth; 0 where it says nothing."""
     found = bench.grown(one)
     if found is None:
-        return None
+        return 0.0
     rows = np.minimum(found[goal.timed], 2.0 * ENOUGH)
     if not ASSUMPTIONS[goal.under].any_reading:
         rows = rows[:, [BASE["time"]]]
     return float(rows.sum(axis=0).min())
 
 
-def _proposal(archive: Archive, goal: Goal, random: np.random.Generator) -> Trial:
-    assumptions, elite = ASSUMPTIONS[goal.under], archive.elite[goal.under if goal.under == STRICT else LOOSE]
+def _elite(archive: Archive, goal: Goal) -> list[tuple[float, int, Trial]]:
+    return archive.elite[goal.under if goal.under == STRICT else LOOSE]
+
+
+def _parent(archive: Archive, goal: Goal, random: np.random.Generator) -> Trial | None:
+    """Best set known for a goal; of those for the whole table one, the better the likelier."""
     known = archive.best.get((goal.under, *goal.pair)) if goal.pair else None
+    elite = _elite(archive, goal)
     if known is None and elite:
-        known = elite[int(random.integers(len(elite)))][2]
-    if known is None or random.random() < AT_RANDOM:
+        known = elite[min(int(random.geometric(0.2)) - 1, len(elite) - 1)][2]
+    return known if random.random() >= AT_RANDOM else None
+
+
+def _proposal(archive: Archive, goal: Goal, parent: Trial | None, random: np.random.Generator) -> Trial:
+    assumptions, elite = ASSUMPTIONS[goal.under], _elite(archive, goal)
+    if parent is None:
         return assumptions.applied(random_trial(random))
-    other = elite[int(random.integers(len(elite)))][2] if elite else known
-    return assumptions.applied(mutated(random, known, other))
+    other = elite[int(random.integers(len(elite)))][2] if elite else parent
+    return assumptions.applied(mutated(random, parent, other))

@@ -43,6 +43,9 @@ FREE = (
 """Numbers of a set, on a logarithmic scale."""
 NUMBER = {parameter.name: k for k, parameter in enumerate(FREE)}
 
+STARTING = ("ramp of the load", "start of the load", "ramp of the rotation", "bow", "eccentricity")
+"""Numbers that matter before the string touches the wall, and hardly after."""
+
 
 class Choice(NamedTuple):
     """Reading of the bench that is one of a few; the first is that of `pa6_calibrated`."""
@@ -98,7 +101,9 @@ def random_trial(random: np.random.Generator) -> Trial:
 def mutated(random: np.random.Generator, one: Trial, other: Trial) -> Trial:
     """A neighbour of a set: some numbers moved or taken from another set, now and then another choice."""
     shares = np.array(one.shares)
-    moved = random.random(shares.size) < random.choice((0.15, 0.4, 1.0))
+    part = random.choice(3)  # of the start, of the whirl, or of both
+    free = np.array([part == 2 or (parameter.name in STARTING) == (part == 0) for parameter in FREE])
+    moved = free & (random.random(shares.size) < random.choice((0.2, 0.5, 1.0)))
     shares += moved * random.choice((0.01, 0.04, 0.15)) * random.standard_normal(shares.size)
     if random.random() < 0.3:
         shares = np.where(random.random(shares.size) < 0.3, other.shares, shares)

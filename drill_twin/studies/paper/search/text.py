@@ -14,6 +14,7 @@ from drill_twin.studies.paper.search.space import CHOICES
 UNDER = ("assumptions", "pairs excluded", "of")
 ALONE = ("number", "published", "least misfit, all kept", "none kept")
 OPENED = ("number", "and", "all kept", "opened alone by", "none kept")
+VALUES = ("number", "published", "set 1", "off by, in 20 %", "")
 BEST = ("set", "met of 15", "in steady whirl", "assumptions", "readings", "choices that differ")
 
 Cells = tuple[str, ...]
@@ -67,6 +68,16 @@ def best_rows(found: Exclusion) -> Iterator[Cells]:
             if option != choice.options[0]
         ]
         yield (
-            str(k), str(one.score.met), str(one.regular), ASSUMPTIONS[one.under].name,
+            str(k), str(one.score.met), str(one.steady), ASSUMPTIONS[one.under].name,
             "; ".join(one.score.readings.values()), "; ".join(differing) or "-",
+        )  # fmt: skip
+
+
+def value_rows(found: Exclusion) -> Iterator[Cells]:
+    """Cells under `VALUES`: the numbers of the best set."""
+    for one in found.finalists[0].values:
+        unit = f" {one.number.unit}".rstrip()
+        yield (
+            f"{one.number.q} {one.number.name}", f"{one.number.value:g}{unit}", f"{one.ours:.3g}{unit}",
+            f"{one.misfit:.2f}", "irregular: a line of one window" if one.irregular else "",
         )  # fmt: skip
