@@ -30,7 +30,7 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs test test-long faults faults-seeded kills soak fuzz day random-scenes fit-coverage browser bench bag-window map-boundary advice-loop peers check clean
+.PHONY: help setup setup-test demo docs test test-long faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage browser bench bag-window map-boundary advice-loop peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
@@ -42,6 +42,7 @@ help:
 	@echo 'make faults-seeded  small faults put into a copy of the package: each is caught by a test of its room'
 	@echo 'make soak       an hour of all nodes, with checks of memory and file handles'
 	@echo 'make fuzz       10 000 damaged scenes, tables, bags and checkpoints, 12 000 truncations and flips, bombs'
+	@echo 'make damage     2 000 truncations and 10 000 flips of bags, checkpoints and metadata; prints a table'
 	@echo 'make random-scenes  10 000 random scenes: finite, in the hole, energy accounted for; goes on where it was broken off'
 	@echo 'make day        a day of simulated rotation; goes on where it was broken off'
 	@echo 'make fit-coverage  90 % intervals of 200 random twins; goes on where it was broken off'
@@ -146,6 +147,9 @@ soak: setup-test
 
 fuzz: setup-test
 	@DRILL_TWIN_FUZZ=10000 DRILL_TWIN_DAMAGE=12000 $(PYTHON) -m pytest test/fuzz -q -s -m 'long or not long'
+
+damage: setup-test
+	@DRILL_TWIN_DAMAGE=12000 $(PYTHON) -m pytest test/fuzz/test_damage.py -q -s
 
 random-scenes: setup-test
 	@nice $(PYTHON) test/studies/stress/campaign.py --scenes 10000

@@ -62,7 +62,8 @@ def operating_map(
         progress: Called with the phase, the runs that have ended, and the number expected by now.
 
     Raises:
-        ArgumentError: A range or number is absurd, or the folder has the runs of another map.
+        ArgumentError: A range or number is absurd, the folder has the runs of another map, or the block is moved by its
+            speed.
         SceneError: The scene cannot be loaded, has no marks or plays a record, or a value does not fit it.
         BagError: The folder cannot be written.
         RunError: The scheduler or its workers cannot make runs.
@@ -72,6 +73,11 @@ def operating_map(
         from drill_twin.accuracy import resolve
 
         own = resolve(own).scene
+    if own.rig.block is not None and own.rig.block.auto_driller is None:
+        raise ArgumentError(
+            f"{own.name}: expected a load as set-point, found a block moved by its speed, under which there is none to "
+            "vary; use `rig.weight_on_bit.at: bit`, or an auto-driller"
+        )
     plane = Plane(range_in_si("wob", wob, FORCE), range_in_si("rps", rps, ANGULAR_SPEED, TURNS), steps).checked()
     if plane.speed.low < 0.0:
         raise ArgumentError(f'rps: expected speeds from 0 upwards, found "{str(rps)[:60]}"; a map is of one sense')

@@ -10,6 +10,8 @@ import pytest
 from drill_twin.errors import TableError
 from drill_twin.gateway.drillbotics import SUGGESTED, TIMESERIES
 from drill_twin.gateway.drillbotics_rules import check_log, check_timeseries
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.writer import BagWriter
 from drill_twin.report import read_recording
 
 lasio = pytest.importorskip("lasio")
@@ -44,6 +46,23 @@ def test_the_files_hold_the_means_of_the_recorded_signals(bench_run, files):
     assert np.diff(las["TIME"]) == pytest.approx(0.2)
     again = read_recording(files / TIMESERIES)
     assert again.rig.top_drive_speed[1] == pytest.approx(rig.top_drive_speed[inside].mean(), rel=1e-5)
+
+
+def test_of_a_bag_with_two_runs_the_last_one_counts(bench_run, call, files, tmp_path):
+    bag = Bag(bench_run.bag)
+    messages = list(bag.messages())
+    begin, end = messages[0][1], messages[-1][1]
+    with BagWriter(tmp_path / "bag_0", topics=bag.topics.values()) as writer:
+        for topic, stamp, raw in messages:
+            if stamp < begin + 0.7 * (end - begin):  # broken off, and begun again
+                writer.write(topic, stamp, raw)
+        for topic, stamp, raw in messages:
+            writer.write(topic, stamp + end + 10**9, raw)
+    given = ("--well", "Ä 1", "--rate", "5 Hz", "--start", "2026-05-14T13:57:00Z")
+    said = call("drillbotics", tmp_path / "bag_0", "--out", tmp_path / "twice", *given)
+    assert said.code == 0, said.err
+    once, twice = ((folder / TIMESERIES).read_text("utf-8").splitlines() for folder in (files, tmp_path / "twice"))
+    assert twice == once
 
 
 @pytest.mark.parametrize(

@@ -155,6 +155,9 @@ def test_bad_input_is_one_clear_sentence(change, said):
 def test_a_record_and_a_string_without_marks_are_refused():
     with pytest.raises(SceneError, match="expected set-points with a final value, found a recorded weight_on_bit"):
         dt.operating_map("ufrj_rig", wob="1..2 kN", rps="1..2")
+    block = {"rig.weight_on_bit": "{at: block}", "rig.block": "{value: -0.01 m/s, shape: constant}"}
+    with pytest.raises(ArgumentError, match="expected a load as set-point, found a block moved by its speed"):
+        dt.operating_map(dt.load_scene("pa6_bench", block), wob="1..2 N", rps="1..2")
     bare = dt.load_scene("pa6_bench")
     bare = bare.model_copy(update={"string": bare.string.model_copy(update={"marks": []})})
     with pytest.raises(SceneError, match="expected marks on the string"):
