@@ -178,7 +178,7 @@ class WhirlPipeline:
 
     def samples_of(self, marks: JointStates, top_speed: Array, bit_speed: Array) -> SampleRows | None:
         """Samples of states of the marks, one a row, with the speeds of the rig; None where marks are missing."""
-        if self._without_rig or self.bit_only is not None:
+        if self._without_rig or self._analyzer is None:
             return None
         try:
             return self._mark_reader.read_rows(marks, top_speed, bit_speed)
