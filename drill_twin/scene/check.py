@@ -6,6 +6,7 @@ The requirements of an effect stand in its own file (`drill_twin.effects.EffectC
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import partial
@@ -17,13 +18,15 @@ from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.numerics import Numerics
 from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.section import Section
-from drill_twin.scene.blocks.sensors import Sensors
+from drill_twin.scene.blocks.sensors import Sensors, Sub, Surface
 from drill_twin.scene.blocks.string import String
 
 TOGETHER = ("stretch", "torsion")
 """Effects that are listed both or not at all: the spatial formulation, or the lateral one."""
 LARGEST_STRAIN = 0.05
 """Largest axial strain under the load [-]: steel yields at 0.5 %, polyamide at 3 %."""
+EVEN = 1e-4
+"""Largest share by which frames in a sample of an instrument may differ from a whole number [-]."""
 
 
 class SceneParts(Protocol):
@@ -206,15 +209,13 @@ def _top_can_turn(rig: Rig, effects: Effects) -> Iterator[Incompatibility]:
 def _sensors_fit(scene: SceneParts) -> Iterator[Incompatibility]:
     if scene.sensors is None:
         return
-    string, fastest = scene.string, scene.numerics.frame_rate * (1.0 + 1e-9)
-    surface = [] if scene.sensors.surface is None else [(("surface",), scene.sensors.surface.rate)]
-    for place, rate in [*surface, *((("subs", k), sub.rate) for k, sub in enumerate(scene.sensors.subs))]:
-        if rate > fastest:
-            yield Incompatibility(
-                ("sensors", *place, "rate"),
-                f"expected at most numerics.frame_rate ({scene.numerics.frame_rate:.6g} Hz), found {rate:.6g} Hz; "
-                "a higher frame_rate allows it",
-            )
+    string, surface = scene.string, scene.sensors.surface
+    places: list[tuple[tuple[str | int, ...], Sub | Surface]] = [
+        (("subs", k), sub) for k, sub in enumerate(scene.sensors.subs)
+    ]
+    for place, instrument in [*places, *([] if surface is None else [(("surface",), surface)])]:
+        for key, text in _instrument_fits(instrument, scene.numerics.frame_rate, scene.rig.duration):
+            yield Incompatibility(("sensors", *place, key), text)
     for index, sub in enumerate(scene.sensors.subs):
         if sub.distance_from_bit > string.length * (1.0 + 1e-12):
             yield Incompatibility(
@@ -227,6 +228,23 @@ def _sensors_fit(scene: SceneParts) -> Iterator[Incompatibility]:
                 ("sensors", "subs", index, "radius"),
                 f"expected a sensor inside the string (outer radius {outer:.6g} m there), found {sub.radius:.6g} m",
             )
+
+
+def _instrument_fits(instrument: Sub | Surface, frame_rate: float, duration: float) -> Iterator[tuple[str, str]]:
+    """Keys of an instrument that do not fit the frames or the run, with the reason."""
+    rate, frames = instrument.rate, frame_rate / instrument.rate
+    allowed = f"numerics.frame_rate ({frame_rate:.6g} Hz)"
+    if rate > frame_rate * (1.0 + 1e-9):
+        yield "rate", f"expected at most {allowed}, found {rate:.6g} Hz; a higher frame_rate allows it"
+    elif abs(frames - round(frames)) > EVEN * frames:
+        fitting = " or ".join(f"{frame_rate / count:.6g} Hz" for count in (math.ceil(frames), math.floor(frames)))
+        text = f"expected {allowed} over a whole number, for even samples, found {rate:.6g} Hz; {fitting} fits"
+        yield "rate", text
+    elif rate * duration < 1.0:
+        yield "rate", f"expected a sample within rig.duration ({duration:.6g} s), found {rate:.6g} Hz"
+    if (delay := instrument.delay) >= duration:
+        text = f"expected less than rig.duration ({duration:.6g} s), found {delay:.6g} s: no reading would come"
+        yield "delay", text
 
 
 def _block_can_move(rig: Rig, effects: Effects) -> Iterator[Incompatibility]:

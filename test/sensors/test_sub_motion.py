@@ -112,3 +112,20 @@ def test_scene_with_sensors_is_checked() -> None:
     sub = "{name: a, distance_from_bit: 1 m, rate: 200 Hz, radius: 1 m}"
     with pytest.raises(Exception, match=r"at most numerics.frame_rate \(100 Hz\)"):
         parse_scene(text, name="x", overrides={"sensors.subs": f"[{sub}]"})
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "told"),
+    [
+        ("subs", "rate: 30 Hz", r"over a whole number.*found 30 Hz; 25 Hz or 33.3333 Hz fits"),
+        ("surface", "rate: 0.01 Hz", r"a sample within rig.duration \(30 s\), found 0.01 Hz"),
+        ("surface", "rate: 10 Hz, delay: 30 s", r"less than rig.duration \(30 s\), found 30 s: no reading would come"),
+    ],
+)
+def test_an_instrument_without_even_samples_or_readings_is_refused(place: str, value: str, told: str) -> None:
+    text = load_scene("pa6_bench").to_yaml()
+    block = f"[{{name: a, distance_from_bit: 1 m, {value}}}]" if place == "subs" else f"{{{value}}}"
+    overrides = {f"sensors.{place}": block, "rig.duration": "30 s"}
+    with pytest.raises(Exception, match=told):
+        parse_scene(text, name="x", overrides=overrides)
+    parse_scene(text, name="x", overrides={**overrides, f"sensors.{place}": block.replace(value, "rate: 33.3333 Hz")})
