@@ -6,9 +6,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from drill_twin.errors import ArgumentError
-from drill_twin.io.scene_geometry import sub_info
+from drill_twin.io.downhole import sub_analyzer
 from drill_twin.whirl import Summary
-from drill_twin.whirl.downhole import ToolNoise, analyse_sub
 
 if TYPE_CHECKING:
     from drill_twin.api.result import Result
@@ -22,19 +21,13 @@ def whirl_from_sub(result: Result, name: str) -> Summary:
         name: Name of the sub, `measured/NAME` for that of a real rig.
 
     Raises:
-        ArgumentError: The bag has no readings of it, or the scene does not list it.
-        AnalysisError: The readings are not evenly spaced, do not turn, or are too few.
+        ArgumentError: The bag has no readings of it.
+        AnalysisError: The scene does not list it, or the readings hold too few revolutions without a gap.
     """
     read = {key: sub for key, sub in result.measured.subs.items() if len(sub.imu)}
     if name not in read:
         raise ArgumentError(f"expected a sub with readings, one of {', '.join(read) or 'none'}, found {name!r}")
-    sensors = result.scene.sensors
-    listed = {sub.name: sub for sub in (() if sensors is None else sensors.subs)}
-    sub = listed.get(name.removeprefix("measured/"))
-    if sub is None:
-        raise ArgumentError(
-            f"expected a sub that the scene lists, one of {', '.join(listed) or 'none'}, found {name!r}"
-        )
-    noise = ToolNoise(sub.accelerometer.noise, sub.gyroscope.noise)
-    imu = read[name].imu
-    return analyse_sub(imu.stamp, imu.values, sub_info(result.scene, sub), sub.radius, noise)
+    analyzer = sub_analyzer(result.scene, name)
+    for stamp, values in zip(read[name].imu.stamp.tolist(), read[name].imu.values, strict=True):
+        analyzer.push(stamp, values)
+    return analyzer.checked_summary()

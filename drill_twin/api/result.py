@@ -239,6 +239,7 @@ def read_bag(
     begin: float = -math.inf,
     end: float = math.inf,
     namespace: str | None = None,
+    sub: str = "",
 ) -> Result:
     """Open a bag, or the bag in the folder of a run, and analyse it.
 
@@ -248,12 +249,13 @@ def read_bag(
         begin: Samples before this time are left out [s].
         end: Samples after this time are left out [s].
         namespace: Namespace of the twin, as "/rig2", where the bag holds several.
+        sub: Downhole sub whose readings are analysed instead of the marks, `measured/NAME` for that of a real rig.
 
     Raises:
         BagError: Not a bag of this package, nothing in it that could be analysed, or several twins without a choice.
         TableError: The record cannot be read.
     """
-    selection = Selection(begin=begin, end=end, namespace=namespace)
+    selection = Selection(begin=begin, end=end, namespace=namespace, sub=sub)
     result = Result(open_bag(bag_path(path), selection), scene, selection)
     _ = result.recording
     return result

@@ -15,13 +15,17 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError, MessageError
+from drill_twin.io.downhole import readings_topic, sub_analyzer
 from drill_twin.io.findings_encoder import FindingsEncoder
 from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_string
-from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE
+from drill_twin.io.messages.sensor_messages import ImuReading, read_imu
+from drill_twin.io.messages.topics import FRAME_ID, MARKS_STATE, RIG_STATE, TWIN_SCENE
 from drill_twin.io.samples import FASTEST, UNKNOWN, WAITING, MarkReader, Sample, SamplePairing, SampleRows, speeds
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import AnalysisError, Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
+from drill_twin.whirl.downhole import SubAnalyzer
+from drill_twin.whirl.downhole.motion import Place
 from drill_twin.whirl.findings import FoundRows, Quality
 
 INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
@@ -37,7 +41,8 @@ class WhirlPipeline:
     """Pairs marks and rig by stamp, analyses the samples, and encodes the findings.
 
     Where a stream has no rig states, `lacks` names them: the rotation is then that of the marks' spin. Where it has no
-    marks, whirl is not observable, and only stick-slip of the bit is found.
+    marks, whirl is not observable, and only stick-slip of the bit is found; with the readings of a downhole `sub`, both
+    are those of its section.
 
     Attributes:
         scene: The scene of the marks; None until it is known.
@@ -56,6 +61,7 @@ class WhirlPipeline:
         lacks: Collection[str] = (),
         marks: Sequence[str] = (),
         infos: Sequence[MarkInfo] = (),
+        sub: str = "",
     ) -> None:
         """Start the analysis, or wait for a scene if neither `scene` nor `infos` is given.
 
@@ -64,29 +70,32 @@ class WhirlPipeline:
             lacks: Topics that the stream does not contain: `/rig/state` or `/marks/state`.
             marks: Names of the marks to analyse; all if empty.
             infos: The marks themselves, for a stream without a scene.
+            sub: Name of a downhole sub whose readings are analysed instead of the marks, `measured/NAME` for that of a
+                real rig.
 
         Raises:
-            AnalysisError: `marks` has a name that `scene` or `infos` has not.
+            AnalysisError: `marks` has a name that `scene` or `infos` has not, or `scene` does not list `sub`.
         """
         self.scene: Scene | None = None
         self.findings: Findings | None = None
         self.malformed = self.runs = 0
         self.trouble = ""
         self._given = scene
-        self._infos = tuple(infos)
+        self._infos = () if sub else tuple(infos)
         self._selected = tuple(marks)
         self._without_rig, self._without_marks = RIG_STATE in lacks, MARKS_STATE in lacks
-        self.bit_only = BitOnlyAnalyzer() if self._without_marks else None
+        self._sub, self._readings = sub, readings_topic(sub) if sub else ""
+        self.bit_only = BitOnlyAnalyzer() if self._without_marks and not sub else None
         self._text: str | None = None
         self._refused: tuple[str, DrillTwinError] | None = None  # the last scene that is none, not to parse it again
-        self._analyzer: Analyzer | None = None
+        self._analyzer: Analyzer | SubAnalyzer | None = None
         self._encoder: FindingsEncoder | None = None
         self._mark_reader = MarkReader(())
         self._pairing = SamplePairing()
         self.marks: tuple[MarkInfo, ...] = ()
         self._latest = -1
         self._clear()
-        if scene is not None or infos:
+        if scene is not None or self._infos:
             self._start_run(scene)
 
     @property
@@ -99,6 +108,8 @@ class WhirlPipeline:
         """Counts of good and bad samples so far."""
         if self.bit_only is not None:
             return self.bit_only.quality
+        if isinstance(self._analyzer, SubAnalyzer):
+            return self._analyzer.quality
         return Quality() if self.findings is None else self.findings.quality
 
     @property
@@ -110,6 +121,11 @@ class WhirlPipeline:
             return "unknown"
         bit = self.findings.bit
         return f"{self.findings.motion.value}{', stick-slip of the bit' if bit is BitMotion.STICK_SLIP else ''}"
+
+    @property
+    def place(self) -> Place | None:
+        """Newest place of the section of a sub; None where marks are analysed, or before its first."""
+        return self._analyzer.place if isinstance(self._analyzer, SubAnalyzer) else None
 
     @property
     def onset_announced(self) -> bool:
@@ -127,6 +143,10 @@ class WhirlPipeline:
         Errors in its content are not raised, but counted as `malformed` and described in `trouble`.
         """
         try:
+            if self._sub and topic == self._readings:
+                return list(self._analyse(read_imu(raw)))
+            if self._sub and topic in {MARKS_STATE, RIG_STATE}:
+                return []
             if topic == MARKS_STATE:
                 return self._on_marks(self._read_marks(raw))
             if topic == RIG_STATE:
@@ -153,16 +173,17 @@ class WhirlPipeline:
 
     def find_rows(self, stamps: Sequence[int], samples: SampleRows) -> FoundRows | None:
         """The findings of `take_rows`."""
-        if self._analyzer is None or self._pairing.waits or samples.spin.shape[1] != len(self.marks):
+        analyzer = self._analyzer
+        if not isinstance(analyzer, Analyzer) or self._pairing.waits or samples.spin.shape[1] != len(self.marks):
             return None
         fast = any((np.abs(speed) > FASTEST).any() for speed in (samples.top_speed, samples.bit_speed))
         if fast or stamps[0] <= self._latest or not all(map(operator.lt, stamps, stamps[1:])):
             return None
         spin = samples.spin if self._known_spin(samples.spin[0]) is not None else None
-        found = self._analyzer.push_block(
+        found = analyzer.push_block(
             np.array(stamps), samples.position, spin, samples.top_speed, samples.wall_force, samples.bit_speed
         )
-        self.findings = self._analyzer.findings
+        self.findings = analyzer.findings
         self._latest = stamps[-1]
         self._behind.clear()
         return found
@@ -222,14 +243,18 @@ class WhirlPipeline:
         return messages
 
     def _start_run(self, scene: Scene | None) -> list[Message]:
-        infos = mark_infos(scene) if scene is not None else self._infos
-        self.marks = tuple(select_marks(infos, self._selected))
-        self.bit_only = BitOnlyAnalyzer() if self._without_marks or not self.marks else None
-        self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
+        if self._sub and scene is not None:
+            self._analyzer = sub_analyzer(scene, self._sub)
+            self.marks = (self._analyzer.mark,)
+        else:
+            infos = mark_infos(scene) if scene is not None else self._infos
+            self.marks = tuple(select_marks(infos, self._selected))
+            self.bit_only = BitOnlyAnalyzer() if self._without_marks or not self.marks else None
+            self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
         self._encoder = FindingsEncoder(self.marks)
         self._mark_reader = MarkReader([mark.name for mark in self.marks])
         self._latest = -1
-        self._behind: list[Sample] = []
+        self._behind: list[Sample | ImuReading] = []
         self.scene, self.findings, self.trouble = scene, None, ""
         self.runs += 1
         return [self._encoder.no_onset()]
@@ -239,7 +264,7 @@ class WhirlPipeline:
         self._has_spin: bool | None = None
         self._read_marks, self._read_rig = JointStateReader().read, JointStateReader().read
         self._pairing.clear()
-        self._before_scene: deque[Sample] = deque(maxlen=WAITING)
+        self._before_scene: deque[Sample | ImuReading] = deque(maxlen=WAITING)
 
     # --- samples --------------------------------------------------------------------------------------------------
 
@@ -261,16 +286,24 @@ class WhirlPipeline:
         sample = self._pairing.add_speeds(state.stamp, found)
         return [] if sample is None else list(self._analyse(sample))
 
-    def _analyse(self, sample: Sample) -> Iterator[Message]:
+    def _analyse(self, sample: Sample | ImuReading) -> Iterator[Message]:
         """Raise MessageError where the message is not one of the marks that are analysed."""
-        if self._analyzer is None or self._encoder is None:
+        analyzer = self._analyzer
+        if analyzer is None or self._encoder is None:
             self._before_scene.append(sample)
             return
-        position, spin, force = self._mark_reader.read(sample.marks)
-        top_speed, bit_speed = sample.speeds
-        known_spin = self._known_spin(spin)
-        self.findings = self._analyzer.push(sample.stamp, position, known_spin, top_speed, force, bit_speed)
-        yield from self._encoder.messages(self.findings, sample.marks.frame_id)
+        frame = FRAME_ID
+        if isinstance(sample, Sample) and isinstance(analyzer, Analyzer):
+            position, spin, force = self._mark_reader.read(sample.marks)
+            top_speed, bit_speed = sample.speeds
+            known_spin = self._known_spin(spin)
+            self.findings = analyzer.push(sample.stamp, position, known_spin, top_speed, force, bit_speed)
+            frame = sample.marks.frame_id
+        elif isinstance(sample, ImuReading) and isinstance(analyzer, SubAnalyzer):
+            self.findings = analyzer.push(sample.stamp, sample.values)
+        if self.findings is None:
+            return
+        yield from self._encoder.messages(self.findings, frame)
         if self._time_went_back(sample):
             behind = list(self._behind)
             yield from self._start_run(self.scene)
@@ -283,7 +316,7 @@ class WhirlPipeline:
             self._has_spin = bool(np.isfinite(spin).any())
         return spin if self._has_spin else None
 
-    def _time_went_back(self, sample: Sample) -> bool:
+    def _time_went_back(self, sample: Sample | ImuReading) -> bool:
         """Check for `STUCK` ordered samples that are all before the latest stamp.
 
         Single late samples are rejected by the analyzer; but after one stamp from the future, or a clock set back, all

@@ -22,6 +22,8 @@ from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
 from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
 from drill_twin.io.bag.time_series import Rows
+from drill_twin.io.downhole import readings_topic
+from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.stamps import raw_header_stamp, seconds
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
@@ -38,11 +40,12 @@ from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.live_findings import LiveFindings
 from drill_twin.report.quantities.string_curve import along_hole, smooth
 from drill_twin.report.run_log import RunLog
-from drill_twin.report.selection import Selection, marks_without_scene, missing_topics, open_bag
+from drill_twin.report.selection import Selection, marks_without_scene, missing_topics, open_bag, sub_without_marks
 from drill_twin.scene import Scene
 from drill_twin.twin.frame import RigState
 from drill_twin.whirl import Findings, MarkInfo, Summary
 from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
+from drill_twin.whirl.downhole import WAITING
 
 SHAPES = 600
 """Most poses of the string that are kept, evenly over the run."""
@@ -68,6 +71,7 @@ class Recording:
         live: Findings that the analyzer recorded while the twin ran.
         log: `run` block and diagnostics.
         skipped: Messages that could not be used.
+        sub: Downhole sub whose readings are analysed instead of marks; empty without.
         summary: Findings of the analysis for the whole run.
     """
 
@@ -89,8 +93,13 @@ class Recording:
         self.skipped = SkippedMessages()
         infos = marks_without_scene(bag, self.selection) if scene is None else ()
         self._missing = missing_topics(bag)
-        self._pipeline = WhirlPipeline(scene, lacks=self._missing, marks=self.selection.marks, infos=infos)
+        self.sub = self.selection.sub or (sub_without_marks(bag) if MARKS_STATE in self._missing else "")
+        self._sub_topic = readings_topic(self.sub) if self.sub else ""
+        self._pipeline = WhirlPipeline(
+            scene, lacks=self._missing, marks=self.selection.marks, infos=infos, sub=self.sub
+        )
         self._pipeline.start()
+        self._with_header = _WITH_HEADER | ({self._sub_topic} if self.sub else set())
         self._stray, self._time = self._stray_places(), 0.0
         self._reset()
         self._read()
@@ -105,7 +114,7 @@ class Recording:
         self.live = LiveFindings()
         self.log = RunLog(self.log.info)
         self._readers: dict[str, Callable[[bytes], None]] = {
-            MARKS_STATE: self.marks.add_message,
+            **({self._sub_topic: self._add_place} if self.sub else {MARKS_STATE: self.marks.add_message}),
             RIG_STATE: self.rig.add_message,
             RIG_COMMAND: self.commands.add_message,
             STRING_POSES: self.poses.add_message,
@@ -177,10 +186,19 @@ class Recording:
         if reason:
             self.skipped.add(topic, self._time, reason)
 
+    def _add_place(self, _: bytes) -> None:
+        """Append the place of the section of the sub, about its mean, as that of a mark."""
+        place = self._pipeline.place
+        if place is not None:
+            mark, row = self._pipeline.marks[0], np.full((3, 1, len(MARK_AXES)), np.nan)
+            height = mark.distance_from_bit - self.scene.length
+            row[0, 0] = place.position.real, place.position.imag, height, place.spin
+            self.marks.append(place.stamp, row, (mark.name,))
+
     def _stray_places(self) -> dict[str, set[int]]:
         """Places, by topic, of the messages whose stamps are from the future."""
         stamps: dict[str, list[int]] = {}
-        for topic, _, raw in self.bag.messages(_WITH_HEADER):
+        for topic, _, raw in self.bag.messages(self._with_header):
             stamps.setdefault(topic, []).append(raw_header_stamp(raw))
         self._poses = sum(map(self.selection.holds, stamps.get(STRING_POSES, ())))
         return {topic: stray_stamps(values) for topic, values in stamps.items()}
@@ -190,7 +208,7 @@ class Recording:
         places = dict.fromkeys(self._stray, -1)
         self._time = 0.0
         for topic, _, raw in self.bag.messages(topics):
-            if topic in _WITH_HEADER:
+            if topic in self._with_header:
                 stamp = raw_header_stamp(raw)
                 places[topic] += 1
                 if places[topic] in self._stray[topic]:
@@ -230,6 +248,8 @@ class Recording:
         if pipeline.findings is None:
             raise BagError(self._no_samples())
         summary = pipeline.summary()
+        if self.sub and not summary.quality.accepted:
+            raise BagError(f"{self.path}: expected revolutions of a sub at a steady speed, found {WAITING}")
         if self.rotation_from_spin and not summary.quality.accepted:
             raise BagError(
                 f"{self.path}: expected the rotation, as top_drive on {RIG_STATE} or as the spin of the marks, "
@@ -339,7 +359,7 @@ class Recording:
     def centre_lines(self) -> ComplexArray:
         """Centre line z = x + i y at the marks [m], without the rotation of marks on the wall, shape (T, m)."""
         position = self.marks.position
-        offset = np.array([place.wall_offset for place in self.scene.mark_table])
+        offset = np.array([place.wall_offset if place.on == "wall" else 0.0 for place in self.places])
         centre: ComplexArray = position[..., 0] + 1j * position[..., 1] - offset * np.exp(1j * self.marks.spin)
         return centre
 

@@ -14,7 +14,7 @@ from drill_twin.errors import BagError, MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.record import RecordBag, is_record
 from drill_twin.io.messages.decode import JointStateReader
-from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
+from drill_twin.io.messages.topics import MARKS_STATE, MEASURED, RIG_STATE, sub_of
 from drill_twin.whirl import MarkInfo
 
 
@@ -36,6 +36,9 @@ class Selection:
     """Clearance of the marks [m], for a bag without a scene."""
     rim: float = 0.0
     """Outer radius of the string at the marks [m], for a bag without a scene; 0 for marks on the centre line."""
+    sub: str = ""
+    """Downhole sub whose readings are analysed instead of the marks; empty: the one with most readings in a bag without
+    marks."""
 
     def __post_init__(self) -> None:
         """Refuse a time that holds nothing.
@@ -74,6 +77,13 @@ def open_bag(path: Path, selection: Selection) -> Bag:
 def missing_topics(bag: Bag) -> list[str]:
     """Topics of marks and rig that have no messages."""
     return [topic for topic in (MARKS_STATE, RIG_STATE) if topic not in bag.topics or not bag.topics[topic].count]
+
+
+def sub_without_marks(bag: Bag) -> str:
+    """Name of the downhole sub with most readings, `measured/NAME` for that of a real rig; empty without one."""
+    counts = {name: topic.count for name, topic in bag.topics.items() if sub_of(name) and name.endswith("/imu")}
+    topic = max(counts, key=lambda name: (counts[name], name.startswith(MEASURED)), default="")
+    return f"{'measured/' if topic.startswith(MEASURED) else ''}{sub_of(topic)}" if topic and counts[topic] else ""
 
 
 def marks_without_scene(bag: Bag, selection: Selection) -> Sequence[MarkInfo]:

@@ -173,7 +173,9 @@ def _notes(bag: Recording) -> list[str]:
         notes.append(f"the run was stopped: {guard.stopped}")
     elif guard.count:
         notes.append(f"the guard had {guard.count} frames done again with a smaller step; see `guard`")
-    if bag.rotation_from_spin and bag.places:
+    if bag.sub:
+        notes.append(f"positions are those of the section of the sub {bag.sub}, about its mean, from its readings")
+    elif bag.rotation_from_spin and bag.places:
         notes.append("the bag holds no rig states: the rotation is taken from the spin of the marks")
     if bag.runs > 1:
         notes.append(f"the bag holds {bag.runs} runs; this is the last of them")

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -79,6 +80,11 @@ class Analyzer:
             self._names, self._decisions, self._state.samples.largest, self._bit, self.quality
         )
 
+    def move_onset(self, time_s: float) -> None:
+        """Give the onset, which has been found, a time [s] that is known better."""
+        self._decisions.move_onset(time_s)
+        self._findings = replace(self._findings, onset=self._decisions.onset)
+
     def push(
         self,
         stamp_ns: int,
@@ -115,6 +121,15 @@ class Analyzer:
         for _ in self._analysed():
             pass
         return self._present()
+
+    def push_bit_speed(self, stamp_ns: int, bit_speed: float) -> Findings:
+        """Add a speed of the bit [rad/s] alone, at a header stamp [ns], and return the findings after it."""
+        self._bit.push(stamp_ns * 1e-9, bit_speed)
+        bit = self._bit
+        self._findings = self._findings.with_sample(
+            stamp_ns, self._radius.copy(), self.quality, bit.motion, bit.criterion
+        )
+        return self._findings
 
     def push_block(
         self,

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from drill_twin.whirl.analyzer_kernel import CHECK, CROSSED, DECIDE, DESCRIBE, NEW, UNDECIDED
 from drill_twin.whirl.analyzer_state import AnalyzerState
@@ -97,6 +98,14 @@ class WhirlEstimator:
         self._state.flow[[UNDECIDED, NEW]] = 0, 1
         self._state.statistics.flags[WHIRLED] = 1
         self.timelines[-1].move_first_whirl(self.onset.time_s)
+
+    def move_onset(self, time_s: float) -> None:
+        """Give the onset a time [s] that is known better."""
+        if self.onset is not None:
+            self.onset = replace(self.onset, time_s=time_s)
+            self.crossed[self._names.index(self.onset.mark)] = time_s
+            self.timelines[-1].move_first_whirl(time_s)
+            self._state.flow[NEW] = 1
 
     def _describe_states(self) -> None:
         """Put the states that have changed or settled into words."""

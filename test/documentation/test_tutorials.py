@@ -92,5 +92,10 @@ def test_a_scene_of_ones_own(tmp_path):
 
 
 @pytest.mark.long
+def test_a_scene_with_sensors(tmp_path):
+    assert "first at middle" in follow_shell("sensors.md", tmp_path)[0]
+
+
+@pytest.mark.long
 def test_a_bag_simulated_again(tmp_path):
     follow_python("howto/replay_a_bag.md", tmp_path)

@@ -8,7 +8,8 @@ import pytest
 
 from drill_twin.sensors.motion import instantaneous
 from drill_twin.whirl import AnalysisError, MarkInfo
-from drill_twin.whirl.downhole import ToolNoise, analyse_sub, corner_for, lateral_motion
+from drill_twin.whirl.downhole import ToolNoise, analyse_sub
+from drill_twin.whirl.downhole.motion import SubMotion, corner_for
 
 RATE, CLEARANCE, RADIUS, TURN = 100.0, 0.08, 0.03, math.tau * 2.0
 NOISE = ToolNoise(0.005, 0.001)
@@ -39,6 +40,12 @@ def read(seconds, ratio, begin, *, level=0.5, slope=0.0, lean=0.0, seed=1, noise
     return np.round(time * 1e9).astype(np.int64), values
 
 
+def places(stamp, values, noise=NOISE):
+    motion = SubMotion(RADIUS, CLEARANCE, noise)
+    found = [place for at, row in zip(stamp.tolist(), values, strict=True) for place in motion.push(at, row.tolist())]
+    return motion, np.array([place.position for place in found]), np.array([place.spin for place in found])
+
+
 @pytest.mark.parametrize("ratio", [-1.2, -0.4, 0.3, 0.7, 1.4])
 @pytest.mark.parametrize(("slope", "lean"), [(0.0, 0.0), (0.2, 0.0), (0.0, 0.6)])
 def test_sense_ratio_radius_and_onset_are_found(ratio, slope, lean):
@@ -52,8 +59,8 @@ def test_sense_ratio_radius_and_onset_are_found(ratio, slope, lean):
 
 def test_a_slow_whirl_of_a_tilted_section_is_not_taken_for_a_larger_one():
     stamp, readings = read(40.0, 0.3, 10.0, slope=0.2, noise=ToolNoise(0.0, 0.0))
-    motion = lateral_motion(stamp, readings, RADIUS)
-    steady = np.abs(motion.position[-1000:])
+    _, position, _ = places(stamp, readings, ToolNoise(0.0, 0.0))
+    steady = np.abs(position[-1000:])
     assert steady == pytest.approx(0.5 * CLEARANCE, rel=0.03)
 
 
@@ -67,10 +74,11 @@ def test_a_noisier_tool_sees_faster_whirls_only():
     assert corners[0] < corners[1] < corners[2]
     assert corner_for(CLEARANCE, ToolNoise(0.0, 0.0), 0.01) == 0.0
     stamp, values = read(600.0, 0.5, 1e6, seed=3)
-    motion = lateral_motion(stamp, values, RADIUS, 4.0 * corners[0])
-    z = motion.position * np.exp(-1j * motion.spin)
-    rest = (z - z.mean()) * np.exp(1j * motion.spin)
-    expected = corner_noise(4.0 * corners[0])
+    motion, position, spin = places(stamp, values, ToolNoise(0.02, 0.004))
+    assert motion.corner == corners[1]
+    z = position * np.exp(-1j * spin)
+    rest = (z - z.mean()) * np.exp(1j * spin)
+    expected = corner_noise(corners[1])
     assert np.sqrt(0.5 * np.mean(np.abs(rest[1000:]) ** 2)) == pytest.approx(expected, rel=0.25)
 
 
@@ -82,12 +90,34 @@ def corner_noise(corner):
     return math.sqrt(np.sum(density * passed) * (frequency[1] - frequency[0]) / math.pi)
 
 
-@pytest.mark.parametrize("what", ["uneven", "still"])
+@pytest.mark.parametrize("what", ["with gaps", "still"])
 def test_readings_that_cannot_be_used_are_refused(what):
     stamp, values = read(30.0, 0.5, 10.0)
-    if what == "uneven":
-        stamp[100:] += 500_000_000
-    else:
+    if what == "still":
         values[:, 5] = 0.0
-    with pytest.raises(AnalysisError, match="steady rate" if what == "uneven" else "revolutions"):
+    else:
+        stamp += np.arange(stamp.size) // 100 * 500_000_000
+    with pytest.raises(AnalysisError, match="more than 4 revolutions of a sub without a gap"):
         analyse_sub(stamp, values, MARK, RADIUS, NOISE)
+
+
+def test_readings_that_are_lost_repeated_or_absurd_are_survived():
+    stamp, values = read(30.0, 0.5, 14.0)
+    values[500, 2] = math.nan
+    values[700, 0] = 1e30
+    kept = np.ones(stamp.size, bool)
+    kept[[900, 1200]] = False
+    order = np.insert(np.flatnonzero(kept), 1300, [1000, 800])
+    found = analyse_sub(stamp[order], values[order], MARK, RADIUS, NOISE)
+    assert (found.quality.incomplete, found.quality.late) == (2, 2)
+    assert found.mode_ratio == pytest.approx(0.5, abs=0.02)
+    whole = analyse_sub(*read(30.0, 0.5, 14.0), MARK, RADIUS, NOISE)
+    assert found.onset_s == pytest.approx(whole.onset_s, abs=0.1)
+
+
+def test_after_a_long_gap_the_analysis_begins_again():
+    stamp, values = read(40.0, 0.5, 25.0)
+    kept = (stamp < 8e9) | (stamp > 12e9)
+    found = analyse_sub(stamp[kept], values[kept], MARK, RADIUS, NOISE)
+    assert found.mode_ratio == pytest.approx(0.5, abs=0.02)
+    assert found.onset_s == pytest.approx(25.0 - math.log(9.0) / 4.0, abs=0.5)

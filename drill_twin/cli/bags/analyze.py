@@ -67,6 +67,14 @@ def analyze(
     ] = "",
     namespace: NamespaceOption = "",
     states: StatesOption = False,
+    sub: Annotated[
+        str,
+        typer.Option(
+            "--sub",
+            metavar="NAME",
+            help="Analyse the readings of this downhole sub instead of the marks; measured/NAME for that of a rig.",
+        ),
+    ] = "",
 ) -> None:
     """Find onset, frequencies and motion states of whirl in a bag, and stick-slip of the bit.
 
@@ -80,7 +88,7 @@ def analyze(
     if out is not None:
         check_new(out, replace=replace)
     with err().status("analysing the bag"):
-        selection = _selection(marks, begin, end, topics, clearance, rim, namespace)
+        selection = _selection(marks, begin, end, topics, clearance, rim, namespace, sub)
         recording = _recording(bag, scene, selection)
         summary = summarise(recording)
         if states:
@@ -160,7 +168,14 @@ def _recording(bag: Path, scene: str, selection: Selection | None = None) -> Rec
 
 
 def _selection(
-    marks: list[str], begin: float, end: float, topics: list[str], clearance: str, rim: str, namespace: str
+    marks: list[str],
+    begin: float,
+    end: float,
+    topics: list[str],
+    clearance: str,
+    rim: str,
+    namespace: str,
+    sub: str = "",
 ) -> Selection:
     """The part of a bag that the options name.
 
@@ -180,7 +195,7 @@ def _selection(
         except UnitError as error:
             raise BagError(f"{option}: {error}") from error
     chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
-    return Selection(chosen, begin, end, names, namespace or None, lengths[0], lengths[1] or 0.0)
+    return Selection(chosen, begin, end, names, namespace or None, lengths[0], lengths[1] or 0.0, sub)
 
 
 def print_marks(summary: Mapping[str, Any]) -> None:

@@ -14,7 +14,7 @@ from drill_twin.report.text import millimetres
 def displacement(recording: Recording) -> Figure:
     """One panel a mark, all with one scale [mm], with the limits of the centre line."""
     time, centre = recording.marks.time, recording.centre_lines() * 1e3
-    places = recording.scene.mark_table
+    places = recording.places
     largest = float(np.nanmax(np.abs(centre), initial=0.0))
     nearest = min(place.clearance for place in places) * 1e3
     limit = 1.12 * max(largest, nearest if largest > 0.4 * nearest else 1e-3)

@@ -65,7 +65,7 @@ def _band(panel: Axes, row: int, periods: tuple[MotionPeriod, ...], end: float) 
 
 def _ratio(panel: Axes, recording: Recording) -> None:
     time, ratios = recording.whirl.time, recording.whirl.ratio
-    clearance = np.array([place.clearance for place in recording.scene.mark_table])
+    clearance = np.array([place.clearance for place in recording.places])
     large = recording.whirl.orbit_radius > Criteria().onset_radius * clearance
     for mark, name in enumerate(recording.findings.marks):
         panel.plot(time, ratios[:, mark], linewidth=0.8, alpha=0.25, **mark_style(mark))

@@ -69,14 +69,14 @@ def orbits(recording: Recording) -> Figure:
 def by_depth(recording: Recording) -> list[list[int]]:
     """Numbers of the marks at each distance from the bit, in the scene's order."""
     found: dict[float, list[int]] = {}
-    for number, place in enumerate(recording.scene.mark_table):
+    for number, place in enumerate(recording.places):
         found.setdefault(place.distance_from_bit, []).append(number)
     return list(found.values())
 
 
 def _orbits_at(panel: Axes, recording: Recording, marks: list[int], norm: Normalize) -> None:
     """Orbits of the marks at one depth."""
-    places, scene = [recording.scene.mark_table[mark] for mark in marks], recording.scene
+    places, scene = [recording.places[mark] for mark in marks], recording.scene
     distance = places[0].distance_from_bit
     wall = 1e3 * scene.hole.radius_at(max(scene.length - distance, 0.0))
     centre = recording.centre_lines()[:, marks] * 1e3

@@ -27,7 +27,7 @@ def spectrum(recording: Recording) -> Figure:
     chosen = time >= begin
     sign = -1.0 if (recording.summary.rotation_rev_s or 1.0) < 0.0 else 1.0
     highest = 0.0
-    for mark, place in enumerate(recording.scene.mark_table):
+    for mark, place in enumerate(recording.places):
         try:
             found = two_sided_spectrum(time[chosen], centre[chosen, mark])
         except AnalysisError as error:

@@ -65,7 +65,7 @@ def _window(recording: Recording) -> float:
 def _paths(panel: Any, recording: Recording, since: float) -> None:
     time, centre = recording.marks.time, recording.centre_lines() * 1e3
     height, chosen = recording.marks.position[..., 2], time >= since
-    for mark, place in enumerate(recording.scene.mark_table):
+    for mark, place in enumerate(recording.places):
         z = centre[chosen, mark]
         style = {**mark_style(mark), "linewidth": 1.6}
         panel.plot(z.real, z.imag, height[chosen, mark], label=place.name, **style)

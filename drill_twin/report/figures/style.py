@@ -167,7 +167,7 @@ def note(
 
 def mark_label(recording: Recording, mark: int) -> str:
     """Name and position of a mark, as `mark_1, 4.4 m from the bit`."""
-    place = recording.scene.mark_table[mark]
+    place = recording.places[mark]
     return f"{place.name}, {place.distance_from_bit:g} m from the bit"
 
 

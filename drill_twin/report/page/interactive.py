@@ -52,11 +52,9 @@ def view_data(recording: Recording) -> str:
             "values": _packed(shapes / (radius, radius, length)),
         },
         "paths": {"time": _times(recording.marks.time[::every]), "values": _packed(paths)},
-        "marks": [place.name for place in recording.scene.mark_table],
-        "walls": [
-            recording.scene.hole.radius_at(length - place.distance_from_bit) for place in recording.scene.mark_table
-        ],
-        "clearance": [place.clearance for place in recording.scene.mark_table],
+        "marks": [place.name for place in recording.places],
+        "walls": [recording.scene.hole.radius_at(length - place.distance_from_bit) for place in recording.places],
+        "clearance": [place.clearance for place in recording.places],
         "colours": [MARK_COLOURS[mark % len(MARK_COLOURS)] for mark in range(centre.shape[1])],
         "onset": onset.time_s if onset else None,
     }

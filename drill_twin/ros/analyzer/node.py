@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Analyzer node: onset and motion states of whirl from the marks and the rig, live or from a replayed bag.
+"""Analyzer node: onset and motion states of whirl from the marks and the rig, or from a downhole sub; live or replayed.
 
 It uses the stamps of the messages alone, so a replay gives the findings of the live run.
 """
@@ -45,6 +45,13 @@ class Analyzer(TwinNode):
             "",
             'scene that the marks belong to, by name or path, where none is on /twin/scene; "": the one there',
         ),
+        Parameter(
+            "sub",
+            "",
+            "downhole sub whose readings are analysed instead of the marks, by its name in the scene; of a real rig "
+            'measured/NAME; "": the marks',
+            such_as="near_bit",
+        ),
     )
 
     def __init__(
@@ -59,11 +66,14 @@ class Analyzer(TwinNode):
     def open(self) -> None:
         """Create the topics."""
         # Imported here: a bad parameter should be refused before.
+        from drill_twin.io.downhole import readings_topic
         from drill_twin.io.whirl_pipeline import WhirlPipeline
         from drill_twin.scene import load_scene
 
         scene = load_scene(self.settings.marks_scene) if self.settings.marks_scene else None
-        pipeline = WhirlPipeline(scene)
+        pipeline = WhirlPipeline(scene, sub=self.settings.sub)
+        samples = (readings_topic(self.settings.sub),) if self.settings.sub else (MARKS_STATE, RIG_STATE)
+        self._sampled = samples[0]
         self._scenes = SceneGate(lambda raw: self._on_message(pipeline, TWIN_SCENE, raw, {}))
         self._pipeline = pipeline
         for topic in (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET):
@@ -71,19 +81,19 @@ class Analyzer(TwinNode):
         self._publish(pipeline.start())
         self.topics.subscribe(TWIN_SCENE, lambda raw, _: self._scenes.take(bytes(raw)))
         self._inputs = [
-            self.topics.subscribe(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH)
-            for topic in (MARKS_STATE, RIG_STATE)
+            self.topics.subscribe(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH) for topic in samples
         ]
 
     def _on_message(self, pipeline: WhirlPipeline, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
         runs = pipeline.runs
         self._publish(pipeline.take(topic, bytes(raw)))
-        if topic == MARKS_STATE or pipeline.bit_only is not None:
+        if topic == self._sampled or pipeline.bit_only is not None:
             self._last_sample = time.monotonic()
         if pipeline.runs != runs and pipeline.scene is not None:
             self._onset_logged = False
-            self.get_logger().info(f"analysing {len(pipeline.scene.string.marks)} marks of {pipeline.scene.name}")
+            what = f"the sub {self.settings.sub}" if self.settings.sub else f"{len(pipeline.scene.string.marks)} marks"
+            self.get_logger().info(f"analysing {what} of {pipeline.scene.name}")
         if pipeline.trouble != self._logged_problem:
             self._logged_problem = pipeline.trouble
             self.get_logger().error(self._logged_problem or "analysing again")

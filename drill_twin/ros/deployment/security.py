@@ -84,6 +84,8 @@ SUBS, MEASURED_SUBS = (
     for measured in (False, True)
 )
 """Topics of subs, simulated and measured, with * for the name of any sub."""
+READINGS = tuple(name for name in (*SUBS, *MEASURED_SUBS) if name.endswith("/imu"))
+"""Those of their readings."""
 _READY = ("analyzer/ready", "recorder/ready", "simulator/ready")
 RIGHTS: dict[str, Rights] = {
     "simulator": Rights(
@@ -97,7 +99,7 @@ RIGHTS: dict[str, Rights] = {
         (*_LIFECYCLE, *_CONTROLS, *_STANDARD),
     ),
     "rig_driver": Rights((RIG_COMMAND, WOB_COMMAND, RPS_COMMAND), (CLOCK_TOPIC,), (), _READY),
-    "analyzer": Rights((WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET), (TWIN_SCENE, MARKS_STATE, RIG_STATE)),
+    "analyzer": Rights((WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET), (TWIN_SCENE, MARKS_STATE, RIG_STATE, *READINGS)),
     "advisor": Rights((ADVICE_STATE, ADVICE_MAP), (TWIN_SCENE, RIG_STATE, WHIRL_MOTION)),
     "estimator": Rights(
         (ESTIMATE_STATE, *(ESTIMATE + topic for topic in OF_NEAREST_TWIN)), (MEASURED_RIG_STATE, RIG_COMMAND)

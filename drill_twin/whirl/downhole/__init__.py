@@ -1,0 +1,7 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whirl from the readings of one downhole sub."""
+
+from drill_twin.whirl.downhole.analyzer import WAITING, SubAnalyzer, analyse_sub
+from drill_twin.whirl.downhole.motion import ToolNoise
+
+__all__ = ["WAITING", "SubAnalyzer", "ToolNoise", "analyse_sub"]

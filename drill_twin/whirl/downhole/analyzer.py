@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whirl from the readings of one downhole sub, reading by reading: the analysis of its section as of a mark."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.base.arrays import Array
+from drill_twin.whirl.analyzer import Analyzer
+from drill_twin.whirl.criteria import MotionState
+from drill_twin.whirl.downhole.dating import crossing
+from drill_twin.whirl.downhole.motion import CALIBRATION, Place, SubMotion, ToolNoise
+from drill_twin.whirl.findings import Findings, Quality, Summary
+from drill_twin.whirl.marks import AnalysisError, MarkInfo
+
+LARGEST = 1e6
+"""Readings are below this [m/s^2, rad/s]; others are skipped as incomplete."""
+WAITING = f"no {CALIBRATION:g} revolutions at a steady speed so far"
+
+
+class SubAnalyzer:
+    """Finds whirl in the readings of a sub.
+
+    Stick-slip is that of the section of the sub, from its gyroscope.
+    """
+
+    def __init__(self, mark: MarkInfo, radius: float, noise: ToolNoise) -> None:
+        """Begin before the first reading.
+
+        Args:
+            mark: The section, as a mark on the centre.
+            radius: Distance of the sensor from the axis of the collar [m].
+            noise: Noise of the instruments.
+        """
+        self.mark = mark
+        self.motion = SubMotion(radius, mark.clearance, noise)
+        """Lateral motion of the section."""
+        self.place: Place | None = None
+        """Newest place of the section; None before the first."""
+        self._analyzer = Analyzer([mark])
+        self._duplicate = self._late = self._incomplete = 0
+        self._last = -1
+        self._dated = False
+        self._position, self._spin = np.zeros((1, 2)), np.zeros(1)
+        self._findings = self._without_place(self._analyzer.findings)
+
+    @property
+    def findings(self) -> Findings:
+        """The findings so far."""
+        return self._findings
+
+    @property
+    def quality(self) -> Quality:
+        """Counts of readings analysed and skipped."""
+        skipped = {"duplicate": self._duplicate, "late": self._late, "incomplete": self._incomplete}
+        return self._analyzer.quality._replace(**skipped)
+
+    def push(self, stamp: int, values: Array) -> Findings:
+        """Add a reading and return the findings after it.
+
+        Args:
+            stamp: Middle of the reading [ns].
+            values: Specific force [m/s^2] and rates [rad/s] in the axes of the sub, shape (6,).
+        """
+        reading = values.tolist()
+        if stamp <= self._last:
+            self._duplicate += stamp == self._last
+            self._late += stamp < self._last
+        elif not all(-LARGEST < value < LARGEST for value in reading):
+            self._incomplete += 1
+        else:
+            self._last = stamp
+            places = self.motion.push(stamp, reading)
+            for place in places:
+                self.place = place
+                self._findings = self._analyse(place)
+            if not places:
+                found = self._analyzer.push_bit_speed(stamp, reading[5])
+                self._findings = found if self.place else self._without_place(found)
+        return self._findings
+
+    def summary(self) -> Summary:
+        """The findings of the whole run so far."""
+        return replace(self._analyzer.summary(), quality=self.quality)
+
+    def checked_summary(self) -> Summary:
+        """The findings of the whole run.
+
+        Raises:
+            AnalysisError: The readings hold too few revolutions without a gap.
+        """
+        if not self.quality.accepted:
+            raise AnalysisError(
+                f"expected more than {CALIBRATION:g} revolutions of a sub without a gap, "
+                f"found {self.motion.revolutions:.2f}"
+            )
+        return self.summary()
+
+    def _without_place(self, found: Findings) -> Findings:
+        unknown = MotionState.NOT_OBSERVABLE
+        return replace(found, state=(unknown,), criterion=(WAITING,), motion=unknown, motion_criterion=WAITING)
+
+    def _analyse(self, place: Place) -> Findings:
+        self._position[0] = place.position.real, place.position.imag
+        self._spin[0] = place.spin
+        found = self._analyzer.push(place.stamp, self._position, self._spin, place.speed, None, place.speed)
+        if found.onset is not None and not self._dated:
+            self._dated = True
+            begin, end = found.onset.time_s, found.onset.detected_s
+            time = crossing(self.motion.record(), self.mark.clearance, begin, end)
+            if time is not None:
+                self._analyzer.move_onset(min(time, end))
+                found = self._analyzer.findings
+        return found
+
+
+def analyse_sub(stamp: NDArray[np.int64], readings: Array, mark: MarkInfo, radius: float, noise: ToolNoise) -> Summary:
+    """Findings of the whirl analysis for the section of a sub.
+
+    Args:
+        stamp: Stamps of the readings, the middle of what each covers [ns], shape (n,).
+        readings: Specific force [m/s^2] and rates [rad/s] in the axes of the sub, shape (n, 6).
+        mark: The section, as a mark on the centre.
+        radius: Distance of the sensor from the axis of the collar [m].
+        noise: Noise of the instruments.
+
+    Raises:
+        AnalysisError: The readings hold too few revolutions without a gap.
+    """
+    analyzer = SubAnalyzer(mark, radius, noise)
+    for at, values in zip(stamp.tolist(), readings, strict=True):
+        analyzer.push(at, values)
+    return analyzer.checked_summary()
