@@ -5,8 +5,11 @@ from drill_twin.scene.schema import Scene
 
 
 def number_at(scene: Scene, key: str) -> float | None:
-    """Value of a number of a scene in SI, by a key as `effects.wall_friction.coefficient`; None if there is none."""
+    """Value of a number of a scene in SI, by a key as `string.sections.0.length`; None if there is none."""
     found: object = scene
     for part in key.split("."):
-        found = getattr(found, part, None)
+        if isinstance(found, tuple):
+            found = found[int(part)] if part.isdigit() and int(part) < len(found) else None
+        else:
+            found = getattr(found, part, None)
     return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else None

@@ -58,7 +58,7 @@ def test_a_table_with_a_spike_and_a_gap_is_played_mended_and_said_so(bench, join
 
 def test_the_record_of_a_real_rig_drives_a_twin_of_it(bench, joints, compiled):
     folders = [Path(os.environ["DRILL_TWIN_DATA"])] if "DRILL_TWIN_DATA" in os.environ else []
-    folders += [ROOT.parent / "shared" / "data", ROOT.parent / "shared" / "data" / "ufrj_rig"]
+    folders = [folder / "ufrj_rig" for folder in [*folders, ROOT.parent / "shared" / "data"]]
     found = [folder / RECORD for folder in folders if (folder / RECORD).is_file()]
     if not found:
         pytest.skip(f"{RECORD} is in none of {', '.join(map(str, folders))}; DRILL_TWIN_DATA names the folder it is in")

@@ -181,6 +181,7 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
         "sliding": just(0.0),
         "exponent": just(None),
         "sign": just("root"),
+        "intervals": just(()),
     },
     "rock_floor": {
         "stiffness": lambda s: log(1e3 * s.load / s.length, min(1e7 * s.load / s.length, 1e12)),
