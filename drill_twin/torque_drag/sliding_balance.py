@@ -142,6 +142,7 @@ class SlidingBalance:
                 return Balance(operation, u, residual[0].copy(), residual[-1].copy(), count)
             step = float(np.clip(step * np.clip(last / force, SHRINKAGE, GROWTH), SHORTEST, LONGEST))
             last = force
+            tangents[MASS, :, SPIN] = 0.0  # torsion is linear while all of the string slides
             change = self._change(free, tangents[STIFFNESS] + tangents[MASS] / step**2)
             while self._across(change) > LARGEST_MOVE * self.room and step > SHORTEST:
                 step *= 0.5 * SHRINKAGE

@@ -16,7 +16,7 @@ from drill_twin.cli.app import app
 from drill_twin.effects.wall_friction import WallFriction
 from drill_twin.errors import RunError
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.scene import Scene
+from drill_twin.scene import Scene, well_scenes
 from drill_twin.torque_drag.analysis import Statics, hole_and_string, steady
 from drill_twin.torque_drag.buckling import BucklingState, buckling_loads
 from drill_twin.torque_drag.operations import Operation, operations
@@ -167,3 +167,14 @@ def test_the_command(bent_well: Scene, found: Statics, tmp_path) -> None:
 def test_the_command_refuses_what_has_no_balance(arguments: list[str], words: str) -> None:
     said = CliRunner().invoke(app, ["statics", "wells/s_shaped", *arguments])
     assert words in str(said.exception)
+
+
+@pytest.mark.parametrize("name", well_scenes())
+def test_shipped_wells_have_a_balance_in_each_operation(name: str) -> None:
+    found = dt.statics(name)
+    assert len(found.operations) == 5
+    for loads in found.operations:
+        assert loads.hookload == pytest.approx(loads.soft.hookload, rel=0.02, abs=0.5)
+        assert loads.surface_torque == pytest.approx(
+            loads.soft.surface_torque, rel=0.08, abs=0.05 * found["drill"].surface_torque
+        )

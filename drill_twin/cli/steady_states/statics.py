@@ -51,7 +51,7 @@ def statics(
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
     from drill_twin.studies.torque_drag.data import depth_table, statics_data
-    from drill_twin.studies.torque_drag.unit_system import SYSTEMS
+    from drill_twin.studies.torque_drag.unit_system import unit_system
 
     speeds = {option: _speed(option, text) for option, text in (("--trip-speed", trip_speed), ("--rop", feed))}
     if out is not None:
@@ -63,7 +63,7 @@ def statics(
             scene, overrides(change, wob=wob, rps=rps), without=without,
             trip_speed=speeds["--trip-speed"], feed=speeds["--rop"],
         )  # fmt: skip
-    shown, data = SYSTEMS[units], statics_data(found)
+    shown, data = unit_system(units, found.scene.length), statics_data(found)
     if json:
         print_json(data)
     else:

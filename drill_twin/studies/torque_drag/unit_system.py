@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Units of results: SI with the prefixes of a rig, or oil field units."""
+"""Units of results: SI with the prefixes of a rig or of a laboratory, or oil field units."""
 
 from __future__ import annotations
 
@@ -24,4 +24,11 @@ class UnitSystem(NamedTuple):
 
 SI = UnitSystem("m", "kN", "kN m", "N/m", "MPa")
 FIELD = UnitSystem("ft", "klbf", "klbf ft", "lbf/ft", "ksi")
-SYSTEMS = {"si": SI, "field": FIELD}
+LABORATORY = UnitSystem("m", "N", "N m", "N/m", "MPa")
+WELL = 100.0
+"""Length above which a string is one of a well [m]; the live page draws the line there too."""
+
+
+def unit_system(name: str, length: float) -> UnitSystem:
+    """System by its name, `si` or `field`; in SI that of the laboratory for a short string [m]."""
+    return FIELD if name == "field" else SI if length > WELL else LABORATORY
