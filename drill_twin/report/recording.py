@@ -259,10 +259,8 @@ class Recording:
 
     def _no_scene(self) -> str:
         if self._pipeline.trouble:
-            return (
-                f"{self.path}: expected a scene on {TWIN_SCENE}, found one that cannot be used: "
-                f"{self._pipeline.trouble}"
-            )
+            unused = "" if self.sub else f"expected a scene on {TWIN_SCENE}, found one that cannot be used: "
+            return f"{self.path}: {unused}{self._pipeline.trouble}"
         return (
             f"{self.path}: expected the scene on {TWIN_SCENE}, found no message there; "
             "name the scene with --scene, or give --clearance"

@@ -174,7 +174,10 @@ def _notes(bag: Recording) -> list[str]:
     elif guard.count:
         notes.append(f"the guard had {guard.count} frames done again with a smaller step; see `guard`")
     if bag.sub:
-        notes.append(f"positions are those of the section of the sub {bag.sub}, about its mean, from its readings")
+        notes.append(
+            f"positions are those of the section of the sub {bag.sub}, about its mean, from its readings: "
+            "contact is not known"
+        )
     elif bag.rotation_from_spin and bag.places:
         notes.append("the bag holds no rig states: the rotation is taken from the spin of the marks")
     if bag.runs > 1:
@@ -185,7 +188,7 @@ def _notes(bag: Recording) -> list[str]:
     if bag.live.differing:
         notes.append(
             f"{bag.live.differing} of {bag.live.messages} findings recorded live differ from those of this analysis: "
-            "the live analyzer missed samples, or was another version"
+            f"the live analyzer {'read marks, ' if bag.sub else ''}missed samples, or was another version"
         )
     return notes
 

@@ -187,6 +187,8 @@ def _selection(
     from drill_twin.units import UnitError, parse
     from drill_twin.units.dimension import LENGTH
 
+    if sub and marks:
+        raise BagError(f"--marks: expected none beside --sub, which is analysed instead of marks, found {marks[0]}")
     names = parse_remappings(topics, "--map")
     lengths = []
     for option, text in (("--clearance", clearance), ("--rim", rim)):
