@@ -4,16 +4,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Generator, Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+from drill_twin.base.resumable import resume
 from drill_twin.errors import ArgumentError, BagError
 from drill_twin.maps.runs import Key, Record
 
 TOGETHER = 32
 """Runs that are written at a time."""
+
+FOREIGN = "expected the runs of a map, found another file; choose another folder with --out"
+OTHER = "expected runs of this map, found those of another {}; choose another folder with --out, or --replace"
+"""Messages about the file of something else."""
 
 
 class Journal:
@@ -36,34 +41,11 @@ class Journal:
         """
         self.file, self.records = file, dict[Key, Record]()
         try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            text = file.read_bytes() if file.exists() else b""
-            whole = text[: text.rfind(b"\n") + 1]  # a line that was cut off is run again
-            lines = whole.decode("utf-8", "replace").splitlines()
-            if lines:
-                self._check(lines[0], setup)
-                self._read(lines[1:])
-            with file.open("ab") as stream:
-                stream.truncate(len(whole))
-                if not whole:
-                    stream.write((json.dumps({"map": setup}) + "\n").encode())
+            resume(file, "map", setup, self._read, foreign=FOREIGN, other=OTHER)
         except OSError as error:
             raise _not_writable(file, error) from error
 
-    def _check(self, line: str, setup: Mapping[str, Any]) -> None:
-        try:
-            found = json.loads(line)["map"]
-        except (ValueError, KeyError, TypeError):
-            raise ArgumentError(
-                f"{self.file}: expected the runs of a map, found another file; choose another folder with --out"
-            ) from None
-        if other := [name for name, value in setup.items() if found.get(name) != json.loads(json.dumps(value))]:
-            raise ArgumentError(
-                f"{self.file}: expected runs of this map, found those of another {' and '.join(other)}; "
-                "choose another folder with --out, or --replace"
-            )
-
-    def _read(self, lines: Iterable[str]) -> None:
+    def _read(self, lines: list[str]) -> None:
         for number, line in enumerate(lines, 2):
             try:
                 (i, j, draw, origin), data = json.loads(line)

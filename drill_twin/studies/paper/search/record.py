@@ -10,10 +10,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drill_twin.base.resumable import resume
 from drill_twin.errors import ArgumentError, BagError
 from drill_twin.studies.paper.runs.cases import Case
 from drill_twin.studies.paper.search.readings import READINGS, Readings, Results
 from drill_twin.studies.paper.search.space import Trial
+
+FOREIGN = "expected the record of a search, found another file; choose another with --record"
+OTHER = "expected a record of this search, found one of another {}; choose another with --record"
+"""Messages about the file of something else."""
 
 
 class Evaluated(NamedTuple):
@@ -52,32 +57,9 @@ class Record:
         """
         self.file, self.generations = file, list[Generation]()
         try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            text = file.read_bytes() if file.exists() else b""
-            whole = text[: text.rfind(b"\n") + 1]  # a line that was cut off is computed again
-            lines = whole.decode("utf-8", "replace").splitlines()
-            if lines:
-                self._check(lines[0], setup)
-                self._read(lines[1:])
-            with file.open("ab") as stream:
-                stream.truncate(len(whole))
-                if not whole:
-                    stream.write((json.dumps({"paper search": setup}) + "\n").encode())
+            resume(file, "paper search", setup, self._read, foreign=FOREIGN, other=OTHER)
         except OSError as error:
             raise self._not_writable(error) from error
-
-    def _check(self, line: str, setup: dict[str, Any]) -> None:
-        try:
-            found = json.loads(line)["paper search"]
-        except (ValueError, KeyError, TypeError):
-            raise ArgumentError(
-                f"{self.file}: expected the record of a search, found another file; choose another with --record"
-            ) from None
-        if other := [name for name, value in setup.items() if found.get(name) != json.loads(json.dumps(value))]:
-            raise ArgumentError(
-                f"{self.file}: expected a record of this search, found one of another {' and '.join(other)}; "
-                "choose another with --record"
-            )
 
     def _read(self, lines: list[str]) -> None:
         for number, line in enumerate(lines, 2):
