@@ -15,6 +15,7 @@ from drill_twin.errors import ArgumentError, SceneError
 from drill_twin.estimation import CHANNELS, LOAD, SET_POINTS, EnsembleFilter, Estimate, EstimatorOptions, Intake
 from drill_twin.fitting import Record
 from drill_twin.scene import Scene
+from drill_twin.scene.problems import nearest
 
 _NOTHING: Mapping[str, float] = {}
 
@@ -116,7 +117,8 @@ def _check(channels: Sequence[str], free: Mapping[str, Any]) -> None:
     if odd or not channels or not free:
         raise ArgumentError(
             f"expected channels of {', '.join(CHANNELS)} and a range of at least one number, found "
-            f"{', '.join(odd) or f'{len(channels)} channels and {len(free)} ranges'}"
+            + (", ".join(odd) or f"{len(channels)} channels and {len(free)} ranges")
+            + (nearest(odd[0], [*CHANNELS]) if odd else "")
         )
     if len(set(channels)) < len(channels):
         raise ArgumentError(f"expected each channel once, found {', '.join(channels)}")

@@ -13,6 +13,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import ArgumentError, TableError
+from drill_twin.scene.problems import nearest
 from drill_twin.schedule.reading import Columns, read_columns
 from drill_twin.units import Dimension
 from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME, TORQUE
@@ -88,7 +89,10 @@ def channel_column(text: str) -> ChannelColumn:
     """
     channel, _, rest = text.partition("=")
     if channel not in _KNOWN and channel != "time":
-        raise ArgumentError(f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(_KNOWN)}, found "{text}"')
+        raise ArgumentError(
+            f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(_KNOWN)}, found "{text}"'
+            + nearest(channel, [*_KNOWN])
+        )
     column, colon, unit = rest.rpartition(":")
     return ChannelColumn(channel, column, unit) if colon else ChannelColumn(channel, rest, "")
 
@@ -110,35 +114,43 @@ def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, sta
         BagError: The bag cannot be read.
     """
     file = Path(path)
-    if not columns:
-        raise ArgumentError("channel: expected at least one, as bit_speed=COLUMN:rpm, found none")
-    names = [item.partition("=")[0] if isinstance(item, str) else item.channel for item in columns]
+    items = [channel_column(item) if isinstance(item, str) else item for item in columns]
+    names = [item.channel for item in items]
+    if not {*names} - {"time"}:
+        raise ArgumentError(
+            f"channel: expected one or more, as bit_speed=COLUMN:rpm, found {', '.join(names) or 'none'}"
+        )
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ArgumentError(f"channel: expected each one once, found {', '.join(twice)} again; give it one column")
     if file.is_dir() or file.suffix in {".mcap", ".db3"}:
-        return _of_bag(file, columns, start)
+        return _of_bag(file, items, start)
     found = read_columns(file)
-    wanted = {item.channel: item for item in (channel_column(c) if isinstance(c, str) else c for c in columns)}
+    wanted = {item.channel: item for item in items}
     wanted.setdefault("time", ChannelColumn("time", "", ""))
     values = {channel: _si(found, item) for channel, item in wanted.items()}
     time = values.pop("time") - start
     return Record(str(file), {channel: _present(file, channel, time, column) for channel, column in values.items()})
 
 
-def _of_bag(path: Path, channels: Sequence[str | ChannelColumn], start: float) -> Record:
+def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float) -> Record:
     from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.report.recording import Recording
     from drill_twin.report.selection import Selection, open_bag
 
-    for channel in channels:
+    for channel, column, unit in items:
         if channel not in _OF_BAG:
             raise ArgumentError(f"channel: expected of a bag one of {', '.join(_OF_BAG)}, found {channel!r}")
+        if column or unit:
+            raise ArgumentError(
+                f'channel: expected of a bag the name alone, as "{channel}", found "{channel}={column}'
+                f'{unit and ":"}{unit}"; a bag has topics in SI, no columns'
+            )
     recording = Recording(open_bag(bag_path(path), Selection()))
     rig, commands = recording.rig, recording.commands
     time = np.asarray(rig.time) - start
     middle = time - 0.5 * float(np.median(np.diff(time)))  # forces and torques are means of a frame
     series = {}
-    for channel in map(str, channels):
+    for channel, _, _ in items:
         if channel in SET_POINTS and len(commands):
             series[channel] = _present(path, channel, np.asarray(commands.time) - start, getattr(commands, channel))
             continue

@@ -135,8 +135,11 @@ def test_what_cannot_be_followed_is_refused_in_a_line(free, words):
 
 @pytest.mark.parametrize(
     ("channels", "words"),
-    [("torque", "a list of channels"), (["torque", "torque"], "each channel once"), ([], "found 0")],
-)
+    [
+        ("torque", "a list of channels"), (["torque", "torque"], "each channel once"), ([], "found 0"),
+        (["hook_load"], 'found hook_load, did you mean "hookload"'),
+    ],
+)  # fmt: skip
 def test_channels_that_cannot_be_are_refused(channels, words):
     with pytest.raises(ArgumentError, match=words):
         dt.Estimator("two_mass", FREE, channels=channels, overrides=OVER)
@@ -201,5 +204,8 @@ def test_command_follows_a_record(record, tmp_path):
     found = json.loads(done.stdout)
     assert found["numbers"]["load_factor"]["mean"] == pytest.approx(55.0 / 53.0, rel=0.01)
     assert "whirls now 0%" in done.stderr
+    alone = CliRunner().invoke(app, ["estimate", "rig.csv", "--scene=two_mass", options[0], "--channel=rotation"])
+    assert "expected a measured channel, torque, " in str(alone.exception)
+    assert "found rotation alone; set-points are only played" in str(alone.exception)
     twice = CliRunner().invoke(app, ["estimate", str(tmp_path / "rig.csv"), "--scene=two_mass", *options, options[0]])
     assert "each number once" in str(twice.exception)

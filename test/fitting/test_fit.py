@@ -100,6 +100,8 @@ def test_a_bag_and_a_mat_file_are_records_too(tmp_path, monkeypatch):
     assert told["rotation"][1] == pytest.approx(result.rig.top_drive_speed)
     with pytest.raises(ArgumentError, match="expected of a bag one of torque, top_drive_speed"):
         dt.read_record(tmp_path / "bag_0", ["motor_torque"])
+    with pytest.raises(ArgumentError, match='expected of a bag the name alone, as "torque", found "torque=T:kN m"'):
+        dt.read_record(tmp_path / "bag_0", ["bit_speed", "torque=T:kN m"])
 
 
 def test_a_record_that_is_dense_is_averaged_over_the_spacing():
@@ -111,12 +113,14 @@ def test_a_record_that_is_dense_is_averaged_over_the_spacing():
 
 def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
     assert channel_column("torque=T:kN m") == ("torque", "T", "kN m")
-    with pytest.raises(ArgumentError, match="channel: expected"):
-        channel_column("speed=x:rpm")
+    with pytest.raises(ArgumentError, match=r'channel: expected NAME=COLUMN:UNIT .* did you mean "bit_torque"'):
+        channel_column("bit_torqe=x:N m")
     record = tmp_path / "rig.csv"
     record.write_text("time [s],T,TQA [kft-lb]\n0,1,1\n1,2,2\n")
     with pytest.raises(TableError, match='expected a unit of torque, as in "torque=T:UNIT", found none'):
         dt.read_record(record, ["torque=T"])
+    with pytest.raises(ArgumentError, match="expected one or more, as bit_speed=COLUMN:rpm, found time"):
+        dt.read_record(record, ["time=T:s"])
     with pytest.raises(ArgumentError, match="expected each one once, found torque again"):
         dt.read_record(record, ["torque", "torque=T:N m"])
     with pytest.raises(ArgumentError, match=r"found weight_on_bit; runs take the set-points .* by rig\.table"):

@@ -45,18 +45,21 @@ def estimate(
     import drill_twin as dt
     from drill_twin.cli.show import err, grid, out, print_json
     from drill_twin.errors import ArgumentError, RunError
-    from drill_twin.estimation import SET_POINTS
+    from drill_twin.estimation import CHANNELS, SET_POINTS
     from drill_twin.fitting.record import channel_column
 
     options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
     ranges = dict(range_option(text) for text in free)
     if len(ranges) < len(free):
         raise ArgumentError("--free: expected each number once, found one twice; give it one range")
-    names = [text if "=" not in text else channel_column(text).channel for text in channel]
-    estimator = dt.Estimator(
-        scene, ranges, channels=[name for name in names if name != "time" and name not in SET_POINTS],
-        overrides=overrides(change), options=options,
-    )  # fmt: skip
+    names = [channel_column(text).channel for text in channel]
+    measured = [name for name in names if name not in {"time", *SET_POINTS}]
+    if not measured:
+        raise ArgumentError(
+            f"--channel: expected a measured channel, {', '.join(CHANNELS)}, found {', '.join(names)} alone; "
+            "set-points are only played"
+        )
+    estimator = dt.Estimator(scene, ranges, channels=measured, overrides=overrides(change), options=options)
     found: Estimate | None = None
     alarm, due = "", 0.0
     for found in estimator.follow(dt.read_record(record, channel)):
