@@ -28,7 +28,7 @@ _USER = "bench"
 
 def main(seconds: float = 20.0) -> None:
     """Measure, and print the result."""
-    from drill_twin.gateway.keys import CERTIFICATE, TRUSTED, make_keys
+    from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, make_keys
     from drill_twin.ros.deployment.discovery import DomainClaim, prepare
 
     claim = DomainClaim()

@@ -12,7 +12,7 @@ import pytest
 
 asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
 
-from drill_twin.gateway.keys import CERTIFICATE, TRUSTED, make_keys  # noqa: E402
+from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, make_keys  # noqa: E402
 from drill_twin.io.messages.diagnostics import Level  # noqa: E402
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE  # noqa: E402
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.io import savemat
 
 from drill_twin.errors import DrillTwinError, TableError
-from drill_twin.gateway.drillbotics_rules import check_timeseries
+from drill_twin.gateway.drillbotics.rules import check_timeseries
 from drill_twin.gateway.signals import read_signals
 from drill_twin.scene import load_scene
 from drill_twin.scene.blocks.rig import Column

@@ -43,8 +43,8 @@ def drillbotics(
     from drill_twin.cli.folder import check_new, make_folder, write_file
     from drill_twin.cli.show import err, grid
     from drill_twin.cli.show import out as stdout
-    from drill_twin.gateway.drillbotics import LOWEST_RATE, TIMESERIES, read_log
-    from drill_twin.gateway.drillbotics_rules import check_log, check_timeseries
+    from drill_twin.gateway.drillbotics.files import LOWEST_RATE, TIMESERIES, read_log
+    from drill_twin.gateway.drillbotics.rules import check_log, check_timeseries
     from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.report.selection import Selection, open_bag
     from drill_twin.units import UnitError, parse

@@ -21,7 +21,7 @@ def gateway_keys(
     Certificates of clients go into the folder trusted of it.
     """
     try:
-        from drill_twin.gateway.keys import CERTIFICATE, TRUSTED, make_keys
+        from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, make_keys
     except ModuleNotFoundError as error:
         from drill_twin.errors import DrillTwinError
 

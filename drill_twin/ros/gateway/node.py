@@ -32,8 +32,8 @@ from drill_twin.ros.gateway.parameters import PARAMETERS
 from drill_twin.ros.gateway.rig import Rig
 
 if TYPE_CHECKING:
-    from drill_twin.gateway.keys import Keys
-    from drill_twin.gateway.server import OpcUaServer, Sample
+    from drill_twin.gateway.opc_ua.keys import Keys
+    from drill_twin.gateway.opc_ua.server import OpcUaServer, Sample
 
 _TURN = 0.05  # s between two turns of the loop
 _CONTROL_PERIOD = 0.1  # s
@@ -103,7 +103,7 @@ class Gateway(TwinNode):
     # --- twin -> OPC UA -------------------------------------------------------------------------------------------
 
     def _samples(self) -> dict[str, Sample]:
-        from drill_twin.gateway.server import Sample
+        from drill_twin.gateway.opc_ua.server import Sample
 
         values, samples = self._quantities.values, {}
         for signal in self._signals.show:
@@ -237,7 +237,7 @@ def _read_keys(folder: str) -> Keys | None:
         DrillTwinError: asyncua is not installed, or the keys cannot be used.
     """
     try:
-        from drill_twin.gateway.keys import read_keys
+        from drill_twin.gateway.opc_ua.keys import read_keys
     except ModuleNotFoundError as error:
         raise DrillTwinError(f"expected the Python module {error.name!r}, found none; {_REMEDY}") from error
     return read_keys(Path(folder)) if folder else None
@@ -251,7 +251,7 @@ def _make_server(settings: Any, signals: Signals, control: Control, keys: Keys |
         RunError: The port is taken.
     """
     try:
-        from drill_twin.gateway.server import OpcUaServer
+        from drill_twin.gateway.opc_ua.server import OpcUaServer
     except ModuleNotFoundError as error:
         raise DrillTwinError(f"expected the Python module {error.name!r}, found none; {_REMEDY}") from error
     return OpcUaServer((settings.host, settings.port), signals.show, signals.command, control, keys)

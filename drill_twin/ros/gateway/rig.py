@@ -27,7 +27,7 @@ from drill_twin.ros.gateway.commands import CommandOutput
 from drill_twin.sensors.summaries import SUMMARY
 
 if TYPE_CHECKING:
-    from drill_twin.gateway.keys import Keys
+    from drill_twin.gateway.opc_ua.keys import Keys
     from drill_twin.gateway.soundness import Judged
 
 _ARRAYS = ("position", "velocity", "effort")
@@ -149,8 +149,8 @@ class Rig:
 
 
 def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | None) -> RigReader:
-    from drill_twin.gateway.rig_client import Access, RigClient
-    from drill_twin.gateway.server import APPLICATION
+    from drill_twin.gateway.opc_ua.rig_client import Access, RigClient
+    from drill_twin.gateway.opc_ua.server import APPLICATION
 
     password = ""
     if settings.rig_user:

@@ -17,7 +17,7 @@ from typing import Any
 from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 
-from drill_twin.gateway.keys import CERTIFICATE, Keys
+from drill_twin.gateway.opc_ua.keys import CERTIFICATE, Keys
 from drill_twin.gateway.rig_reader import PATIENCE, RefusedError, RigReader
 from drill_twin.gateway.signals import RigSignal
 from drill_twin.gateway.soundness import Reading, unit_fault

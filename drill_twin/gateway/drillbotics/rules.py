@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from drill_twin.base.extras import import_lasio
 from drill_twin.errors import TableError, encoding_problem
-from drill_twin.gateway.drillbotics import LOWEST_RATE, SUGGESTED, TIMESERIES
+from drill_twin.gateway.drillbotics.files import LOWEST_RATE, SUGGESTED, TIMESERIES
 
 _NEEDED_OF_VIRTUAL_TEAMS = {"flow_in_lpm": "flow in", "flow_out_lpm": "flow out", "spp_MPa": "standpipe pressure"}
 _STAMP = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z")

@@ -19,11 +19,11 @@ from asyncua.common.callback import CallbackType
 
 from drill_twin import __version__
 from drill_twin.errors import RunError
-from drill_twin.gateway.address_space import HOLDER, PERMISSION, AddressSpace
 from drill_twin.gateway.control import Control
 from drill_twin.gateway.event_loop import EventLoopThread
-from drill_twin.gateway.keys import Keys
-from drill_twin.gateway.sessions import Sessions
+from drill_twin.gateway.opc_ua.address_space import HOLDER, PERMISSION, AddressSpace
+from drill_twin.gateway.opc_ua.keys import Keys
+from drill_twin.gateway.opc_ua.sessions import Sessions
 from drill_twin.gateway.signals import Shown, Target
 
 APPLICATION = "urn:drill_twin:gateway"

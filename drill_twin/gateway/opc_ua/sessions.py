@@ -15,7 +15,7 @@ from cryptography.hazmat.primitives.serialization import Encoding
 
 from drill_twin.errors import shortened
 from drill_twin.gateway.control import Control, User
-from drill_twin.gateway.keys import Keys
+from drill_twin.gateway.opc_ua.keys import Keys
 
 _TOLD = 10.0  # s; for so long a refusal is told
 
