@@ -9,7 +9,7 @@ import pytest
 from browser import Browser
 from hypothesis import settings
 
-from drill_twin.io.messages.geometry import StringGeometry
+from drill_twin.io.messages.drawing.geometry import StringGeometry
 from drill_twin.runner import Outcome, Session
 from drill_twin.scene import Scene, load_scene
 from drill_twin.twin.frame import Frame, MarkStates, RigState, StepStats

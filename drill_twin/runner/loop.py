@@ -18,8 +18,8 @@ from drill_twin.discretisation.notes import notes_on
 from drill_twin.errors import RunError
 from drill_twin.io.measurements import Measurements, sensor_topics
 from drill_twin.io.messages.diagnostics import Level
+from drill_twin.io.messages.drawing.geometry import StringGeometry
 from drill_twin.io.messages.encode import TwinEncoder, encode_float64, encode_string
-from drill_twin.io.messages.geometry import StringGeometry
 from drill_twin.io.messages.topics import (
     CLOCK_TOPIC,
     MARKS_STATE,

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from drill_twin.io.messages.pose import orientation, spin_of, tangent_of
+from drill_twin.io.messages.drawing.pose import orientation, spin_of, tangent_of
 from drill_twin.report import read_recording
 from drill_twin.report.build import draw
 from drill_twin.report.quantities.string_forces import string_forces

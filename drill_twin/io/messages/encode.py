@@ -7,10 +7,10 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.io.messages.cdr import ClockTemplate, JointStateTemplate, PoseArrayTemplate
+from drill_twin.io.messages.drawing.geometry import StringGeometry, default_exaggeration
+from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
+from drill_twin.io.messages.drawing.pose import orientation
 from drill_twin.io.messages.finite import check_rows
-from drill_twin.io.messages.geometry import StringGeometry, default_exaggeration
-from drill_twin.io.messages.markers import MarkerArrayTemplate
-from drill_twin.io.messages.pose import orientation
 from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.stamps import stamps_ns
 from drill_twin.io.messages.topics import (

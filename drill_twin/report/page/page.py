@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from drill_twin import __version__
-from drill_twin.io.messages.geometry import default_exaggeration
+from drill_twin.io.messages.drawing.geometry import default_exaggeration
 from drill_twin.report.figures import CAPTIONS, OVER_TIME
 from drill_twin.report.page.interactive import plotly_packed, view_data
 from drill_twin.report.page.well_geometry import deviated

@@ -9,9 +9,9 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from drill_twin.io.messages.geometry import StringGeometry
+from drill_twin.io.messages.drawing.geometry import StringGeometry
+from drill_twin.io.messages.drawing.transforms import StringTransforms, TransformsTemplate, hole_transform
 from drill_twin.io.messages.stamps import stamp_ns
-from drill_twin.io.messages.transforms import StringTransforms, TransformsTemplate, hole_transform
 from drill_twin.twin.frame import Frame
 
 _DEPTH = 100

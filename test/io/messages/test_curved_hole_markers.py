@@ -8,9 +8,9 @@ import pytest
 
 from drill_twin.base.jit import as_python
 from drill_twin.io.messages.cdr import PoseArrayTemplate
+from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, StringGeometry
+from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.geometry import ExaggeratedGeometry, StringGeometry
-from drill_twin.io.messages.markers import MarkerArrayTemplate
 from drill_twin.io.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
 from drill_twin.io.scene_geometry import hole_steps, string_steps

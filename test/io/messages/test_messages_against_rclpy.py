@@ -10,8 +10,8 @@ import pytest
 
 from drill_twin.io.messages.cdr import ClockTemplate, Float64Template, JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
+from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
 from drill_twin.io.messages.encode import TwinEncoder, encode_string
-from drill_twin.io.messages.markers import MarkerArrayTemplate
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.io.messages.type_store import type_hash
 from drill_twin.twin.frame import Frames

@@ -13,8 +13,8 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
-from drill_twin.io.messages.geometry import ExaggeratedGeometry, StringGeometry
-from drill_twin.io.messages.pose import orientation
+from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, StringGeometry
+from drill_twin.io.messages.drawing.pose import orientation
 from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.io.messages.type_store import message
 from drill_twin.twin.frame import Frame
