@@ -11,7 +11,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from drill_twin.base.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
+from drill_twin.base.process.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
 from drill_twin.cli import interrupt
 from drill_twin.errors import printable, words_cut
 

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from drill_twin.base.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
+from drill_twin.base.process.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
 from drill_twin.errors import DrillTwinError, RunError, printable
 from drill_twin.ros.core.stop_request import Stopped, StopRequest
 

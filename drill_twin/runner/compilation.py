@@ -16,7 +16,7 @@ import tempfile
 import time
 from collections.abc import Callable
 
-from drill_twin.base.child_environment import child_environment
+from drill_twin.base.process.child_environment import child_environment
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.monitor.run_timing import EffectTiming
 from drill_twin.scene import Scene

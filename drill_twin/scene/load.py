@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from drill_twin.base.standard_streams import error_text
+from drill_twin.base.process.standard_streams import error_text
 from drill_twin.base.yaml_reader import LARGEST_TEXT
 from drill_twin.errors import SceneError, encoding_problem
 from drill_twin.scene.lines import Lines, copy_plain, read_lines

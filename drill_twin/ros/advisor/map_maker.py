@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 
-from drill_twin.base.child_environment import child_environment
+from drill_twin.base.process.child_environment import child_environment
 from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.maps import OperatingMap, read_map
 from drill_twin.scene import Scene

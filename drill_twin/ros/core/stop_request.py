@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from drill_twin.base.unraisable import is_unraisable
+from drill_twin.base.process.unraisable import is_unraisable
 
 _RETRY = 0.02  # s until a signal that came during an import is handled again
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from drill_twin.base.child_environment import child_environment
+from drill_twin.base.process.child_environment import child_environment
 from drill_twin.errors import RunError
 
 _SIGNAL_TIMEOUT = 10.0  # s after each signal, before the next and harsher one

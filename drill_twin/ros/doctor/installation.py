@@ -18,7 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from drill_twin import __version__
-from drill_twin.base.child_environment import child_environment
+from drill_twin.base.process.child_environment import child_environment
 from drill_twin.errors import DrillTwinError
 from drill_twin.ros.doctor.check import Check, Verdict
 

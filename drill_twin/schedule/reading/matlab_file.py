@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drill_twin.base.child_environment import child_environment
 from drill_twin.base.json_reader import read_json
+from drill_twin.base.process.child_environment import child_environment
 from drill_twin.errors import TableError
 from drill_twin.schedule.reading.columns import Columns
 
