@@ -11,19 +11,19 @@ import numpy as np
 from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.base.arrays import Array
 from drill_twin.errors import ArgumentError, SceneError
-from drill_twin.rotordynamics import branches as _branches
 from drill_twin.rotordynamics import campbell as _campbell
 from drill_twin.rotordynamics import growth_map as _growth_map
 from drill_twin.rotordynamics import modes as _modes
-from drill_twin.rotordynamics import whirl_states as _whirl_states
-from drill_twin.rotordynamics.branches import Branch
 from drill_twin.rotordynamics.campbell import Campbell
 from drill_twin.rotordynamics.equations import EquationsOfMotion, without
 from drill_twin.rotordynamics.growth_map import GrowthMap
-from drill_twin.rotordynamics.imperfections import Modulation, locked_states, modulation
 from drill_twin.rotordynamics.modes import ModeTable, Resting
-from drill_twin.rotordynamics.steady_whirl import TurningEquations
-from drill_twin.rotordynamics.whirl_states import WhirlState
+from drill_twin.rotordynamics.steady import branches as _branches
+from drill_twin.rotordynamics.steady import whirl_states as _whirl_states
+from drill_twin.rotordynamics.steady.branches import Branch
+from drill_twin.rotordynamics.steady.imperfections import Modulation, locked_states, modulation
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
+from drill_twin.rotordynamics.steady.whirl_states import WhirlState
 from drill_twin.scene import Scene
 from drill_twin.scene.keys import number_at
 from drill_twin.schedule import Command

@@ -16,7 +16,7 @@ from drill_twin.errors import RunError, SceneError
 from drill_twin.report.recording import Recording
 from drill_twin.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion, without
 from drill_twin.rotordynamics.growth_map import growth_map
-from drill_twin.rotordynamics.whirl_states import WhirlState, whirl_states
+from drill_twin.rotordynamics.steady.whirl_states import WhirlState, whirl_states
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.schedule.command import Command

@@ -94,7 +94,7 @@ class Dynamics:
         if self.scene.rig.start == "equilibrium":
             start_in_equilibrium(self, Dynamics)
         elif self.scene.rig.start == "whirl-state":
-            from drill_twin.rotordynamics.whirl_start import start_in_whirl  # here, for its use of scipy
+            from drill_twin.rotordynamics.steady.whirl_start import start_in_whirl  # here, for its use of scipy
 
             self.begin(*start_in_whirl(self.scene))
         for name in self.scene.effect_names:

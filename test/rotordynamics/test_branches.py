@@ -7,10 +7,10 @@ import pytest
 
 from drill_twin.api import rotordynamics as api
 from drill_twin.errors import SceneError
-from drill_twin.rotordynamics.branches import branch, key_of, load_of, passes, speed_of
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.steady_whirl import TurningEquations
-from drill_twin.rotordynamics.whirl_states import whirl_states
+from drill_twin.rotordynamics.steady.branches import branch, key_of, load_of, passes, speed_of
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
+from drill_twin.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.schedule.command import Command
 
 FAST = Command(40.0, 6.5 * math.tau)

@@ -9,12 +9,12 @@ from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
 from drill_twin.errors import ArgumentError
-from drill_twin.rotordynamics.deflation import Deflation
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
-from drill_twin.rotordynamics.slow_whirls import damped, helix
-from drill_twin.rotordynamics.steady_whirl import TurningEquations
-from drill_twin.rotordynamics.whirl_states import state_of, whirl_states
+from drill_twin.rotordynamics.steady.deflation import Deflation
+from drill_twin.rotordynamics.steady.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
+from drill_twin.rotordynamics.steady.slow_whirls import damped, helix
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
+from drill_twin.rotordynamics.steady.whirl_states import state_of, whirl_states
 from drill_twin.schedule.command import Command
 from drill_twin.studies.rotordynamics import comparison
 from drill_twin.studies.rotordynamics.motion import Motion, motion_of

@@ -6,7 +6,7 @@ import pytest
 from drill_twin.api.rotordynamics import final_command, steady_scene
 from drill_twin.errors import SceneError
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.whirl_states import check_whirls, whirl_states
+from drill_twin.rotordynamics.steady.whirl_states import check_whirls, whirl_states
 from drill_twin.studies.stress import all_hard_cases
 from drill_twin.studies.stress.case import LATERAL
 

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
 from drill_twin.report.near_states import _conclusion, _placed
-from drill_twin.rotordynamics import whirl_states
+from drill_twin.rotordynamics.steady import whirl_states
 from drill_twin.schedule.command import Command
 
 FORM = ["--set", "effects.stretch=off", "--set", "effects.torsion=off", "--set", "numerics.elements=12"]

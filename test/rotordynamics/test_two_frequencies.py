@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.steady_whirl import TurningEquations
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
+from drill_twin.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.rotordynamics.two_frequency.harmonic_balance import Series, TwoFrequencyEquations, TwoFrequencyWhirl
-from drill_twin.rotordynamics.whirl_states import whirl_states
 from drill_twin.schedule.command import Command
 from drill_twin.studies.rotordynamics import comparison
 from drill_twin.studies.rotordynamics.motion import motion_of

@@ -14,14 +14,14 @@ from drill_twin.discretisation.discretise import discretise
 from drill_twin.discretisation.grading import mesh
 from drill_twin.errors import RunError, SceneError
 from drill_twin.model.mesh import SPIN
-from drill_twin.rotordynamics import whirl_start
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.growth_map import growth_map
-from drill_twin.rotordynamics.imperfections import imperfect, locked_states, modulation
-from drill_twin.rotordynamics.shape_search import ShapeSearch
-from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
+from drill_twin.rotordynamics.steady import whirl_start
+from drill_twin.rotordynamics.steady.imperfections import imperfect, locked_states, modulation
+from drill_twin.rotordynamics.steady.shape_search import ShapeSearch
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.rotordynamics.steady.whirl_states import rolling_ratios, state_near, whirl_states
 from drill_twin.rotordynamics.turning_frame import quarter_turn
-from drill_twin.rotordynamics.whirl_states import rolling_ratios, state_near, whirl_states
 from drill_twin.schedule import Schedule
 from drill_twin.schedule.command import Command
 from drill_twin.studies.rotordynamics.simulated import simulated_whirl, with_command

@@ -15,7 +15,7 @@ from drill_twin.cli.steady_states.modes import TurnOption, WeightOption, Without
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from drill_twin.rotordynamics.whirl_states import WhirlState
+    from drill_twin.rotordynamics.steady.whirl_states import WhirlState
     from drill_twin.scene import Scene
     from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
 
@@ -89,7 +89,7 @@ def whirl_states(
 def _none_found(scene: Scene) -> str:
     """Sentence where the search finds no steady whirl."""
     from drill_twin.rotordynamics.equations import EquationsOfMotion
-    from drill_twin.rotordynamics.whirl_states import rolling_ratios
+    from drill_twin.rotordynamics.steady.whirl_states import rolling_ratios
 
     ratios = rolling_ratios(EquationsOfMotion(scene).model)
     text = "no steady whirl found at these set-points; more first shapes with --starts, or a run in time"

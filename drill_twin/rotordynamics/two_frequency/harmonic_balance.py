@@ -23,7 +23,7 @@ from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.model.mesh import SPIN
 from drill_twin.rotordynamics.block_rows import solve_banded
 from drill_twin.rotordynamics.equations import EquationsOfMotion, Linearised
-from drill_twin.rotordynamics.steady_whirl import TurningEquations
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.schedule.command import Command
 from drill_twin.solver.linearisation import DAMPING, MASS
 

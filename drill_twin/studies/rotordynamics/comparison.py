@@ -25,11 +25,11 @@ from drill_twin.api.rotordynamics import steady_scene
 from drill_twin.base.arrays import ComplexArray
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.growth_map import growth_map
-from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.rotordynamics.steady.whirl_states import WhirlState, state_near, whirl_states
 from drill_twin.rotordynamics.two_frequency import stability as two_frequency
 from drill_twin.rotordynamics.two_frequency.harmonic_balance import TwoFrequencyEquations, from_amplitudes
 from drill_twin.rotordynamics.two_frequency.stability import TwoFrequencyState
-from drill_twin.rotordynamics.whirl_states import WhirlState, state_near, whirl_states
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.string import Mark
 from drill_twin.schedule.command import Command

@@ -15,8 +15,8 @@ from drill_twin.base.arrays import Array
 from drill_twin.errors import RunError
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.growth_map import growth_map
-from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
-from drill_twin.rotordynamics.whirl_states import whirl_states
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.studies.rotordynamics.simulated import simulated_whirl

@@ -6,11 +6,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from drill_twin.rotordynamics.branches import Branch
 from drill_twin.rotordynamics.campbell import Campbell
 from drill_twin.rotordynamics.growth_map import GrowthMap
 from drill_twin.rotordynamics.modes import ModeTable
-from drill_twin.rotordynamics.whirl_states import WhirlState
+from drill_twin.rotordynamics.steady.branches import Branch
+from drill_twin.rotordynamics.steady.whirl_states import WhirlState
 from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
 
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.imperfections import modulation
-from drill_twin.rotordynamics.steady_whirl import TurningEquations
+from drill_twin.rotordynamics.steady.imperfections import modulation
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
+from drill_twin.rotordynamics.steady.whirl_states import WhirlState
 from drill_twin.rotordynamics.two_frequency.harmonic_balance import TwoFrequencyWhirl
-from drill_twin.rotordynamics.whirl_states import WhirlState
 from drill_twin.schedule.command import Command
 from drill_twin.studies.rotordynamics.motion import AXIS, STEADY, TWO, Motion, motion_of
 from drill_twin.studies.rotordynamics.points import COEXISTS, MISSED, MODULATED, NO_STATE, ON_STATE, PAST_HOPF, Point

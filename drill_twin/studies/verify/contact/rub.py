@@ -11,11 +11,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from drill_twin.errors import RunError
-from drill_twin.rotordynamics.branches import branch, speed_of
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.shape_search import Shape, ShapeSearch
-from drill_twin.rotordynamics.slow_whirls import helix
-from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
+from drill_twin.rotordynamics.steady.branches import branch, speed_of
+from drill_twin.rotordynamics.steady.shape_search import Shape, ShapeSearch
+from drill_twin.rotordynamics.steady.slow_whirls import helix
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import FORMS, case

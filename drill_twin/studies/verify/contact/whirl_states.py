@@ -11,7 +11,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.whirl_states import WhirlState, whirl_states
+from drill_twin.rotordynamics.steady.whirl_states import WhirlState, whirl_states
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import FORMS, case

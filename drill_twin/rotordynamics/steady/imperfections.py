@@ -18,9 +18,9 @@ import numpy as np
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.model.mesh import SPIN
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.shape_search import ShapeSearch
-from drill_twin.rotordynamics.steady_whirl import TOLERANCE, TurningEquations, Whirl
-from drill_twin.rotordynamics.whirl_states import WhirlState, state_of
+from drill_twin.rotordynamics.steady.shape_search import ShapeSearch
+from drill_twin.rotordynamics.steady.steady_whirl import TOLERANCE, TurningEquations, Whirl
+from drill_twin.rotordynamics.steady.whirl_states import WhirlState, state_of
 from drill_twin.schedule.command import Command
 from drill_twin.solver.linearisation import MASS
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl, solve
-from drill_twin.rotordynamics.whirl_states import WhirlState, state_of
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl, solve
+from drill_twin.rotordynamics.steady.whirl_states import WhirlState, state_of
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.schedule.command import Command

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
 
 LONGEST = 4.0
 """Largest factor on a step; deflated steps may be of any length and sign."""

@@ -8,7 +8,7 @@ import math
 from drill_twin.base.arrays import Array
 from drill_twin.errors import RunError
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.whirl_states import whirl_states
+from drill_twin.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 

@@ -13,12 +13,12 @@ import numpy as np
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.errors import SceneError
 from drill_twin.model.discrete_model import DiscreteModel
-from drill_twin.rotordynamics.deflation import Deflation
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.modes import is_vertical
-from drill_twin.rotordynamics.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
-from drill_twin.rotordynamics.slow_whirls import slow_whirls
-from drill_twin.rotordynamics.steady_whirl import MARGIN, TurningEquations, Whirl
+from drill_twin.rotordynamics.steady.deflation import Deflation
+from drill_twin.rotordynamics.steady.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
+from drill_twin.rotordynamics.steady.slow_whirls import slow_whirls
+from drill_twin.rotordynamics.steady.steady_whirl import MARGIN, TurningEquations, Whirl
 from drill_twin.schedule.command import Command
 
 RANDOM_STARTS = 2

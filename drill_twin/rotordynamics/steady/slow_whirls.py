@@ -15,8 +15,8 @@ from scipy.interpolate import CubicSpline
 
 from drill_twin.base.arrays import Array
 from drill_twin.model.mesh import SPIN
-from drill_twin.rotordynamics.shape_search import ShapeSearch
-from drill_twin.rotordynamics.steady_whirl import Whirl
+from drill_twin.rotordynamics.steady.shape_search import ShapeSearch
+from drill_twin.rotordynamics.steady.steady_whirl import Whirl
 
 TURNS = (-1.0, 1.0)
 """Turns of the helices over the length, from the bit up, positive in the sense of rotation."""

@@ -22,7 +22,7 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.equilibrium.static_equilibrium import random_shape
 from drill_twin.rotordynamics.eigenvalues import Pencil, undamped_basis
-from drill_twin.rotordynamics.steady_whirl import TurningEquations, Whirl
+from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
 from drill_twin.rotordynamics.turning_frame import quarter_turn
 from drill_twin.schedule.command import Command
 from drill_twin.solver.linearisation import MASS
