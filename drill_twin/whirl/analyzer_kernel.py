@@ -50,8 +50,8 @@ from drill_twin.whirl.orbit.runout_separation import (
     start,
 )
 from drill_twin.whirl.orbit.string_shape import StringShape, find_shape
+from drill_twin.whirl.record.run_statistics import ESTIMATED, RunStatistics, add_bin
 from drill_twin.whirl.rotation import ANGLE, FIRST, LAST, REVOLUTIONS, Clock, accept, is_new, rotate
-from drill_twin.whirl.run_statistics import ESTIMATED, RunStatistics, add_bin
 from drill_twin.whirl.sample_bins import BINS, FORCES, TIME, Bin, SampleBins, add, close, is_full
 from drill_twin.whirl.sample_bins import REVOLUTIONS as BIN_REVOLUTIONS
 

@@ -21,8 +21,8 @@ from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsets
 from drill_twin.whirl.orbit.orbit import Orbit
 from drill_twin.whirl.orbit.runout_separation import RunoutSeparation
 from drill_twin.whirl.orbit.string_shape import StringShape
+from drill_twin.whirl.record.run_statistics import RunStatistics
 from drill_twin.whirl.rotation import Clock
-from drill_twin.whirl.run_statistics import RunStatistics
 from drill_twin.whirl.sample_bins import Bin, SampleBins
 
 LARGEST_RADIUS = 3.0

@@ -14,7 +14,7 @@ from drill_twin.whirl.motion.state_hysteresis import CHANGED, KEPT, STATES
 from drill_twin.whirl.motion.timeline import Timeline
 from drill_twin.whirl.onset.asynchronous_onset import OnsetDetector
 from drill_twin.whirl.onset.threshold_crossing import Crossing
-from drill_twin.whirl.run_statistics import WHIRLED
+from drill_twin.whirl.record.run_statistics import WHIRLED
 from drill_twin.whirl.sample_bins import TIME
 from drill_twin.whirl.text import criterion_text
 

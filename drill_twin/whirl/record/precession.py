@@ -14,7 +14,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.whirl.marks import AnalysisError
-from drill_twin.whirl.spectrum import Peak, two_sided_spectrum
+from drill_twin.whirl.record.spectrum import Peak, two_sided_spectrum
 
 WINDOW = 10.0
 """Length of a window [rev]."""
