@@ -6,12 +6,12 @@ from drill_twin.api.estimator import Estimator
 from drill_twin.api.maps import operating_map
 from drill_twin.api.parameter_fit import fit
 from drill_twin.api.recorded_run import Rerun, rerun
-from drill_twin.api.result import Cost, Result, read_bag
+from drill_twin.api.results.result import Cost, Result, read_bag
+from drill_twin.api.results.whirl import Whirl, analyze
 from drill_twin.api.rotordynamics import branches, campbell, growth_map, modes, whirl_states
 from drill_twin.api.scenes import build_scene, check_scene, load_scene, override, scene_names, write_scene
 from drill_twin.api.simulation import Simulation, State
 from drill_twin.api.torque_drag import statics
-from drill_twin.api.whirl import Whirl, analyze
 from drill_twin.ensemble import EnsembleResult
 from drill_twin.errors import (
     ArgumentError,

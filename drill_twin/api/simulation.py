@@ -11,7 +11,7 @@ from pathlib import Path
 
 from drill_twin.api.compile_progress import CompileProgress
 from drill_twin.api.quantity import Quantity, in_si
-from drill_twin.api.result import Result
+from drill_twin.api.results.result import Result
 from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.base.arrays import Array
 from drill_twin.errors import ArgumentError, RunError

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from drill_twin.api.result import Result
+from drill_twin.api.results.result import Result
 from drill_twin.errors import ArgumentError
 from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.messages.decode import read_joint_state

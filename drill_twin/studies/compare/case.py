@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from drill_twin.api.result import Result, read_bag
+from drill_twin.api.results.result import Result, read_bag
 from drill_twin.api.scenes import load_scene
 from drill_twin.api.simulation import Simulation
 from drill_twin.api.torque_drag import statics

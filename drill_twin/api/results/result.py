@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drill_twin.api.plots import Plots
-from drill_twin.api.whirl import Whirl
+from drill_twin.api.results.plots import Plots
+from drill_twin.api.results.whirl import Whirl
 from drill_twin.base.arrays import Array
 from drill_twin.io.bag.memory import copy_bag
 from drill_twin.io.bag.reader import Bag
@@ -131,7 +131,7 @@ class Result(Plots):
             ArgumentError: The bag has no readings of this sub, or the scene does not list it.
             AnalysisError: The readings are not evenly spaced, do not turn, or are too few.
         """
-        from drill_twin.api.downhole import whirl_from_sub
+        from drill_twin.api.results.downhole import whirl_from_sub
 
         return whirl_from_sub(self, name)
 
@@ -219,7 +219,7 @@ class Result(Plots):
         Raises:
             ArgumentError: xarray is not installed.
         """
-        from drill_twin.api.dataset import dataset
+        from drill_twin.api.results.dataset import dataset
 
         return dataset(self)
 

@@ -13,7 +13,7 @@ from drill_twin.base.extras import import_xarray
 if TYPE_CHECKING:
     import xarray
 
-    from drill_twin.api.result import Result
+    from drill_twin.api.results.result import Result
 
 _RIG = {
     "hookload": ("hookload", "N"),

@@ -10,7 +10,7 @@ from drill_twin.io.downhole import sub_analyzer
 from drill_twin.whirl import Summary
 
 if TYPE_CHECKING:
-    from drill_twin.api.result import Result
+    from drill_twin.api.results.result import Result
 
 
 def whirl_from_sub(result: Result, name: str) -> Summary:
