@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Notes on a scene that can be simulated but not as its author may expect: a coarse mesh, a large rotary drag."""
+"""Notes on a scene that can be simulated but not as its author may expect: mesh, drag, idle friction intervals."""
 
 import math
 from collections.abc import Iterator
@@ -17,12 +17,12 @@ LARGEST_SHEAR = 4e-4
 
 
 def notes_on(scene: Scene) -> list[str]:
-    """Sentences on the resolution and the rotary drag of a scene.
+    """Sentences on the resolution, the rotary drag and the friction intervals of a scene.
 
     Raises:
         TableError: A record that cannot be used.
     """
-    return [*_coarse_mesh(scene), *_rotary_drag(scene)]
+    return [*_coarse_mesh(scene), *_rotary_drag(scene), *_friction_below_the_string(scene)]
 
 
 def frequency_error(elements: float) -> float:
@@ -64,3 +64,13 @@ def _rotary_drag(scene: Scene) -> Iterator[str]:
             f"{scene.length:.6g} m: a shear strain of {100.0 * shear:.2g} % at the top, more than a tenth of what "
             "steel pipe carries; the couple of mud is far smaller (`mud` with `rotation_drag`)"
         )
+
+
+def _friction_below_the_string(scene: Scene) -> Iterator[str]:
+    friction = getattr(scene.effects, "wall_friction", None)
+    for index, interval in enumerate(friction.intervals if friction else ()):
+        if interval.top >= scene.length:
+            yield (
+                f"`effects.wall_friction.intervals[{index}]` begins at {interval.top:.6g} m, below the bit at "
+                f"{scene.length:.6g} m: no part of the string is in it"
+            )

@@ -118,6 +118,10 @@ class WellPlan(NamedTuple):
             return {}
         if not casing:
             raise SceneError("--cased-friction: expected a casing with it, found none; give --casing, or leave it out")
+        if self.friction == 0.0:
+            raise SceneError(
+                "--friction: expected a coefficient above 0 beside --cased-friction, which scales the same law, found 0"
+            )
         ends = {"top": f"{casing[0][0]:g} m", "bottom": f"{casing[-1][1]:g} m"}
         return {"intervals": [ends | {"coefficient": self.cased_friction}]}
 

@@ -99,6 +99,10 @@ def test_scenes_are_listed_and_checked(call):
     assert json.loads(checked.out)["hole_radius_m"] == 0.07
     assert "is right" in call("check", "pa6_bench").out
     assert parse_scene(call("check", "pa6_bench", "--yaml").out).name == "pa6_bench"
+    cased = "effects.wall_friction.intervals=[{top: 9 m, bottom: 12 m, coefficient: 0.1}]"
+    told = call("check", "pa6_bench", "--set", cased).out
+    assert "0.1 from 9 to 12 m" in told
+    assert "below the bit at 5 m" in told
 
 
 def test_schema_is_that_of_the_package(call, inside):

@@ -66,3 +66,10 @@ def test_a_rotary_drag_copied_to_a_long_string_is_told():
 def test_notes_are_in_the_diagnostics():
     loop = RunLoop(load_scene("bha_full_size", overrides=LOADED), 0.01, lambda *_: None)
     assert loop.diagnostics()["notes"].startswith("`numerics.elements: auto` takes 400 elements")
+
+
+def test_friction_of_an_interval_below_the_bit_is_told():
+    cased = "effects.wall_friction.intervals"
+    near = {cased: "[{top: 2 m, bottom: 20 m, coefficient: 0.1}, {top: 20 m, bottom: 30 m, coefficient: 0.2}]"}
+    (note,) = notes_on(load_scene("pa6_bench", overrides=near))
+    assert note == f"`{cased}[1]` begins at 20 m, below the bit at 5 m: no part of the string is in it"

@@ -9,6 +9,7 @@ from drill_twin.ros.simulator.command_arbiter import CommandArbiter, Limits, Sil
 from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Command
+from drill_twin.studies.verify.statics.block import rig
 
 TURN = 2.0 * math.pi
 LIMITS = Limits(weight_on_bit=(0.0, 400.0), rotation=(0.0, 20.0 * TURN))
@@ -53,6 +54,31 @@ def test_a_command_that_cannot_be_meant_is_refused_whole(arbiter, command, kind)
     assert arbiter.refused == {kind: 1}
     assert "expected" in arbiter.last_refusal
     assert arbiter.last_stamp == 2  # it came, though refused: lockstep goes on
+
+
+@pytest.mark.parametrize(
+    ("block", "reason"),
+    [
+        (None, "the scene has no `rig.block`"),
+        ({"auto_driller": {"rate": 0.02}}, "the auto-driller moves it"),
+        ({"value": -0.01}, ""),
+    ],
+)
+def test_a_speed_of_the_block_that_nothing_follows_is_refused_by_itself(clock, block, reason):
+    scene = load_scene("pa6_bench") if block is None else rig({"weight_on_bit": {"at": "block"}, "block": block})
+    limits = limits_for(scene, max_weight_on_bit=400.0, max_speed=0.0, negative=False)
+    arbiter = CommandArbiter(limits, Silence(1.0), Command(0.0, 0.0), clock=clock)
+    arbiter.both(1, Command(40.0, 6.0))
+    assert not arbiter.refused
+    arbiter.both(2, Command(30.0, 6.0, 0.1))
+    if not reason:
+        assert arbiter.good == Command(30.0, 6.0, 0.1)
+        return
+    assert arbiter.good == Command(30.0, 6.0)
+    assert arbiter.refused == {"block": 1}
+    assert arbiter.refused_recently  # a warning in diagnostics and log
+    expected = f"speed of the block: expected none, since {reason}, found 0.1 m/s; the other set-points are followed"
+    assert arbiter.last_refusal == expected
 
 
 def test_limits_include_their_ends(arbiter):

@@ -142,6 +142,8 @@ def test_friction_of_the_casing(tmp_path: Path) -> None:
     assert friction.scale_at(np.array([0.0, 899.0, 901.0])) * friction.coefficient == pytest.approx([0.15, 0.15, 0.3])
     with pytest.raises(SceneError, match="--cased-friction: expected a casing with it, found none"):
         made(tmp_path, cased_friction=0.15)
+    with pytest.raises(SceneError, match=r"^--friction: expected a coefficient above 0 beside --cased-friction"):
+        made(tmp_path, **(options | {"friction": 0.0}))
 
 
 def test_semicolons_and_decimal_commas_are_read(tmp_path: Path) -> None:

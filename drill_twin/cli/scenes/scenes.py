@@ -115,6 +115,10 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "rotation", turn
     yield "duration", f"{scene.rig.duration:g} s"
     yield "effects", ", ".join(scene.effect_names)
+    friction = getattr(scene.effects, "wall_friction", None)
+    if friction and friction.intervals:
+        cased = (f"{one.coefficient:g} from {one.top:g} to {one.bottom:g} m" for one in friction.intervals)
+        yield "friction", f"{friction.coefficient:g}; {', '.join(cased)}"
     if scene.sensors:
         surface = ["surface"] if scene.sensors.surface else []
         yield "sensors", ", ".join([*(sub.name for sub in scene.sensors.subs), *surface])

@@ -64,13 +64,14 @@ def cost(
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
     from drill_twin.scene import load_scene
-    from drill_twin.studies.convergence import choose_resolutions, measure, on_meshes
+    from drill_twin.studies.convergence import choose_resolutions, measure, on_meshes, require_marks
     from drill_twin.studies.convergence.curve import ELEMENTS, STEPS
     from drill_twin.studies.convergence.figure import draw
     from drill_twin.studies.json_io import json_text
 
     changes = overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)
+    require_marks(described)
     folder = out or Path("out") / f"cost_{folder_name(described.name)}"
     make_folder(folder / "runs")
     with err().status("building the string"):

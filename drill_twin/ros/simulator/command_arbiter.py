@@ -33,6 +33,8 @@ class Limits:
     """Top-drive speed [rad/s]."""
     block: tuple[float, float] = (-FASTEST_BLOCK, FASTEST_BLOCK)
     """Speed of the block [m/s]."""
+    block_not_followed: str = ""
+    """Reason why a speed of the block is not followed; empty where it is."""
 
     def why_refused(self, command: Command) -> tuple[str, str] | None:
         """Kind and sentence of the refusal; None for a good command."""
@@ -84,7 +86,7 @@ class CommandArbiter:
         self.accepted = 0
         """Commands followed."""
         self.refused: Counter[str] = Counter()
-        """Commands refused, by kind: not_finite, out_of_range, malformed."""
+        """Commands refused, by kind: not_finite, out_of_range, malformed; block: its speed alone."""
         self.last_refusal = ""
         """The last refusal, in words."""
         self.by_hand = False
@@ -107,7 +109,7 @@ class CommandArbiter:
         self.last_stamp = stamp
         self._both_time = self._clock()
         self._echoes.command(command)
-        self._judge(command, by_hand=False)
+        self._judge(self._with_followed_block(command), by_hand=False)
 
     def weight_on_bit(self, value: float, *, driver_present: bool) -> None:
         """Receive a `/rig/wob_command` [N]."""
@@ -130,6 +132,18 @@ class CommandArbiter:
     def _refuse(self, kind: str, reason: str) -> None:
         self.refused[kind] += 1
         self.last_refusal, self._last_refusal_time = reason, self._clock()
+
+    def _with_followed_block(self, command: Command) -> Command:
+        """The command without a speed of the block that the scene does not follow, which is refused by itself."""
+        reason = self._limits.block_not_followed
+        if not reason or command.block == 0.0 or not math.isfinite(command.block):
+            return command
+        self._refuse(
+            "block",
+            f"speed of the block: expected none, since {reason}, found {command.block:g} m/s; the other set-points "
+            "are followed",
+        )
+        return replace(command, block=0.0)
 
     def _driver_is_silent(self) -> bool:
         return self._both_time is not None and self._clock() - self._both_time > self._silence.timeout

@@ -34,7 +34,14 @@ def limits_for(scene: Scene, *, max_weight_on_bit: float, max_speed: float, nega
     return Limits(
         weight_on_bit=_range(rig.weight_on_bit, weight, negative=negative),
         rotation=_range(rig.rotation, speed, negative=negative),
+        block_not_followed=_block_not_followed(scene),
     )
+
+
+def _block_not_followed(scene: Scene) -> str:
+    if scene.rig.block is None:
+        return "the scene has no `rig.block`"
+    return "the auto-driller moves it" if scene.rig.block.auto_driller else ""
 
 
 def _largest(planned: SetPoint, least: float, recorded: float) -> float:

@@ -2,6 +2,13 @@
 """Cost of accuracy: a scene over formulations, elements and time steps, against its converged run."""
 
 from drill_twin.accuracy.errors import Errors
-from drill_twin.studies.convergence.curve import Curve, Resolution, choose_resolutions, measure, on_meshes
+from drill_twin.studies.convergence.curve import (
+    Curve,
+    Resolution,
+    choose_resolutions,
+    measure,
+    on_meshes,
+    require_marks,
+)
 
-__all__ = ["Curve", "Errors", "Resolution", "choose_resolutions", "measure", "on_meshes"]
+__all__ = ["Curve", "Errors", "Resolution", "choose_resolutions", "measure", "on_meshes", "require_marks"]

@@ -100,6 +100,19 @@ class Curve:
         return sorted((run for run in self.runs if run.on_front), key=lambda run: run.cost)
 
 
+def require_marks(scene: Scene) -> None:
+    """Check that a scene has marks, whose paths are compared.
+
+    Raises:
+        SceneError: It has none.
+    """
+    if not scene.string.marks:
+        raise SceneError(
+            f"{scene.name}: expected marks in `string.marks`, whose paths are compared, found none; add one, as "
+            "`{name: middle, distance_from_bit: 4 m}`"
+        )
+
+
 def choose_resolutions(
     scene: Scene, elements: tuple[float, ...] = ELEMENTS, steps: tuple[float, ...] = STEPS
 ) -> list[Resolution]:

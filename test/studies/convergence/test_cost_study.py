@@ -138,6 +138,13 @@ def test_given_meshes_are_compared_at_the_rig_too(tmp_path, monkeypatch):
     assert str(found.exception) == '--elements: expected numbers such as "125,250,500", found "8,twelve"'
 
 
+def test_a_scene_without_marks_is_refused_before_anything_is_made(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    found = CliRunner().invoke(app, ["cost", "pa6_bench", "--set", "string.marks=[]"])
+    assert "pa6_bench: expected marks in `string.marks`, whose paths are compared, found none" in str(found.exception)
+    assert not list(tmp_path.iterdir())
+
+
 def test_hookload_torque_and_stick_slip_are_compared_as_means_of_the_second_half():
     early = np.linspace(0.01, 10.0, 1000) < 5.0
     reference = motion(torque=np.full(1000, 4.0))
