@@ -14,10 +14,11 @@ from drill_twin.effects.wall import Contact, contact_force
 from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
 from drill_twin.model.point import Point
-from drill_twin.units import Dimensionless, InverseSpeed, Length, Within, refuse, show
+from drill_twin.units import Dimensionless, InverseSpeed, Length, Speed, Within, refuse, show
 
 Quad = tuple[float, float, float, float]
 Coefficient = Annotated[Dimensionless, Within(at_least="0", at_most="5")]
+SlipSpeed = Annotated[Speed, Within(above="0 m/s", at_most="100 m/s")] | None
 Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km")]
 
 
@@ -40,6 +41,9 @@ class WallFriction(EffectConfig):
 
     sign(v) is v / sqrt(v^2 + c^2), c = pi / (2 xi), or 2/pi arctan(xi v) as in the paper's Eq. 10. Slope at zero slip
     and limits are the same; at v = c arctan gives 0.64 and the other 0.71, at v = 10 c 0.96 and 0.995.
+
+    With `static_speed` v_s and `dynamic_speed` v_d instead the law of multibody codes (contact force of ADAMS): a cubic
+    STEP from -mu at -v_s to mu at v_s, and another down to mu_d at v_d. Below v_s the contact creeps.
     """
 
     requires: ClassVar[tuple[str, ...]] = ("wall",)
@@ -58,6 +62,10 @@ class WallFriction(EffectConfig):
     """Steepness xi of the regularised sign at zero slip [s/m]."""
     sign: Literal["root", "arctan"] = "root"
     """Regularised sign of the slip: `root` v / sqrt(v^2 + c^2); `arctan` 2/pi arctan(xi v), as the paper has it."""
+    static_speed: SlipSpeed = None
+    """Slip speed v_s at which friction is mu, by a STEP through zero slip [m/s]; left out: the sign and its fall."""
+    dynamic_speed: SlipSpeed = None
+    """Slip speed v_d, above v_s, from which friction is mu_d, by a STEP [m/s]."""
     intervals: Annotated[tuple[FrictionInterval, ...], Field(max_length=1000)] = ()
     """Intervals of the hole with another coefficient, such as casing, from the top down."""
 
@@ -67,6 +75,17 @@ class WallFriction(EffectConfig):
             raise refuse(
                 f"expected `sliding` not above `coefficient` ({self.coefficient:g}), found {show(self.sliding)}"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _has_one_law(self) -> Self:
+        low, high = self.static_speed, self.dynamic_speed
+        if (low is None) != (high is None):
+            raise refuse("expected `static_speed` and `dynamic_speed` together, found one of them")
+        if low is not None and high is not None and high <= low:
+            raise refuse(f"expected `dynamic_speed` above `static_speed` ({low:g} m/s), found {show(high)}")
+        if low is not None and (self.decay > 0.0 or self.exponent is not None or self.sign != "root"):
+            raise refuse("expected no `decay`, `exponent` or `sign` beside `static_speed`, which joins mu and mu_d itself")
         return self
 
     @model_validator(mode="after")
@@ -89,6 +108,8 @@ class WallFriction(EffectConfig):
         """The law, by what it adds to the default one."""
         falls = ("stribeck",) if self.exponent is not None else ("sliding",) if self.sliding > 0.0 else ()
         by_depth = ("by_depth",) if self.intervals else ()
+        if self.static_speed is not None:
+            return "_".join(("step", *by_depth))
         return "_".join((("arctan",) if self.sign == "arctan" else ()) + falls + by_depth)
 
     def scale_at(self, depth: Array) -> Array:
@@ -114,6 +135,8 @@ class Parameters(NamedTuple):
     sliding: float
     exponent: float
     scale: Array  # friction at the Gauss points over that of the law [-]; shape (2 n,)
+    low: float  # slip speed of static friction [m/s]
+    high: float  # and of dynamic friction
 
 
 def parameters(block: WallFriction, model: DiscreteModel) -> Parameters:
@@ -122,7 +145,10 @@ def parameters(block: WallFriction, model: DiscreteModel) -> Parameters:
     memory[:, 5] = -1.0
     creep = np.pi / (2.0 * block.accuracy)
     scale = block.scale_at(model.string_length - model.places)
-    return Parameters(block.coefficient, block.decay, creep, memory, block.sliding, block.exponent or 0.0, scale)
+    return Parameters(
+        block.coefficient, block.decay, creep, memory, block.sliding, block.exponent or 0.0, scale,
+        block.static_speed or 0.0, block.dynamic_speed or 0.0,
+    )  # fmt: skip
 
 
 @kernel
@@ -133,6 +159,24 @@ def arctan_size(law: Parameters, slip: float) -> Pair:
         return law.creep, np.pi * np.pi / 6.0
     sign = 2.0 / np.pi * np.arctan(steep)
     return slip / sign, (1.0 - slip / (law.creep * (1.0 + steep * steep) * sign)) / (sign * sign)
+
+
+@kernel
+def step_size(law: Parameters, slip: float) -> Pair:
+    """As `arctan_size` for the STEP from -mu to mu, (3 x - x^3) / 2 at x = v / v_s up to 1."""
+    square = (slip / law.low) ** 2
+    if square >= 1.0:
+        return slip, 1.0
+    left = 3.0 - square
+    return 2.0 * law.low / left, 8.0 / (left * left * left)
+
+
+@kernel
+def step_limit(law: Parameters, slip: float) -> Pair:
+    """Friction coefficient from v_s on, mu falling to mu_d by a STEP, and its fall over slip speed [s/m]."""
+    t = min(max((slip - law.low) / (law.high - law.low), 0.0), 1.0)
+    drop = law.coefficient - law.sliding
+    return law.coefficient - drop * t * t * (3.0 - 2.0 * t), drop * 6.0 * t * (1.0 - t) / (law.high - law.low)
 
 
 @kernel
@@ -172,7 +216,12 @@ def row(
 
 
 def bind(
-    *, arctan: bool = False, sliding: bool = False, stribeck: bool = False, by_depth: bool = False
+    *,
+    arctan: bool = False,
+    sliding: bool = False,
+    stribeck: bool = False,
+    step: bool = False,
+    by_depth: bool = False,
 ) -> Callable[..., None]:
     """The load for one law; the branches of the others leave no machine code."""
 
@@ -191,12 +240,16 @@ def bind(
             around = cx * here.vx + cy * here.vy + cz * here.vz + r * here.spin_rate
             along = tx * here.vx + ty * here.vy + tz * here.vz
             slip = np.sqrt(around * around + along * along)
-            if arctan:
+            if step:
+                size, bend = step_size(law, slip)
+            elif arctan:
                 size, bend = arctan_size(law, slip)
             else:
                 size, bend = np.sqrt(slip * slip + law.creep * law.creep), 1.0
             falling = 1.0 + law.decay * slip
-            if stribeck:
+            if step:
+                limit, excess = step_limit(law, slip)
+            elif stribeck:
                 steep = (law.decay * slip) ** law.exponent
                 excess = (law.coefficient - law.sliding) * np.exp(-steep)
                 limit = law.sliding + excess
@@ -218,7 +271,9 @@ def bind(
             tt, zz = scale * (1.0 - bend * dt * st), scale * (1.0 - bend * dz * sz)
             mixed = -0.5 * bend * scale * (dt * sz + dz * st)
             # the limit decreases with slip (without a branch; negligible within the creep)
-            if stribeck:
+            if step:
+                fall = excess * at.force / max(slip, law.low)
+            elif stribeck:
                 slower = max(slip, law.creep)
                 fall = excess * at.force * law.exponent * steep / (slower * slower)
             else:
@@ -243,6 +298,8 @@ distributed_load_sliding = bind(sliding=True)
 distributed_load_arctan_sliding = bind(arctan=True, sliding=True)
 distributed_load_stribeck = bind(stribeck=True)
 distributed_load_arctan_stribeck = bind(arctan=True, stribeck=True)
+distributed_load_step = bind(step=True)
+distributed_load_step_by_depth = bind(step=True, by_depth=True)
 distributed_load_by_depth = bind(by_depth=True)
 distributed_load_arctan_by_depth = bind(arctan=True, by_depth=True)
 distributed_load_sliding_by_depth = bind(sliding=True, by_depth=True)

@@ -29,7 +29,7 @@ class Both(NamedTuple):
 
 
 LAWS = [{"decay": 1.0}, {"sign": "arctan", "decay": 1.0}, {"decay": 20.0, "sliding": 0.2},
-        {"decay": 20.0, "sliding": 0.2, "exponent": 3.0},
+        {"decay": 20.0, "sliding": 0.2, "exponent": 3.0}, {"sliding": 0.1, "static_speed": 0.1, "dynamic_speed": 1.0},
         {"decay": 20.0, "sliding": 0.2, "intervals": [{"top": 0.0, "bottom": 19.0, "coefficient": 0.15}]}]  # fmt: skip
 
 
@@ -122,6 +122,37 @@ def test_friction_falls_to_that_of_sliding(slip: float, coefficient: float) -> N
     place, (_, t, _) = on_the_wall(twin, 1e-4, 0.7)
     load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), h2=0.0)
     assert load[:3] @ t == pytest.approx(-coefficient * 1e7 * 1e-4**1.5, rel=1e-4)
+
+
+def step(x: float, x0: float, h0: float, x1: float, h1: float) -> float:
+    """The cubic STEP of ADAMS."""
+    t = min(max((x - x0) / (x1 - x0), 0.0), 1.0)
+    return h0 + (h1 - h0) * t * t * (3.0 - 2.0 * t)
+
+
+@pytest.mark.parametrize("slip", [1e-6, 0.03, 0.0999, 0.1001, 0.4, 0.9, 5.0])
+def test_static_and_dynamic_friction_are_joined_by_steps(slip: float) -> None:
+    """The friction of a contact force of ADAMS: STEP(v, -v_s, mu_s, v_s, -mu_s), then STEP(v, v_s, mu_s, v_d, mu_d)."""
+    mu, sliding, low, high = 0.5, 0.2, 0.1, 0.9
+    law = {"coefficient": mu, "sliding": sliding, "static_speed": low, "dynamic_speed": high}
+    both, twin = made(scene_of("straight", law))
+    place, (_, t, _) = on_the_wall(twin, 1e-4, 0.7)
+    load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), h2=0.0)
+    expected = step(slip, -low, -mu, low, mu) if slip < low else step(slip, low, mu, high, sliding)
+    assert load[:3] @ t == pytest.approx(-expected * 1e7 * 1e-4**1.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        ({"static_speed": 0.1}, "`static_speed` and `dynamic_speed` together"),
+        ({"static_speed": 0.1, "dynamic_speed": 0.1}, r"`dynamic_speed` above `static_speed` \(0\.1 m/s\)"),
+        ({"static_speed": 0.1, "dynamic_speed": 1.0, "decay": 1.0}, "no `decay`, `exponent` or `sign` beside"),
+    ],
+)
+def test_slip_speeds_that_join_nothing_are_refused(law: dict[str, float], said: str) -> None:
+    with pytest.raises(ValidationError, match=said):
+        scene_of("straight", {"coefficient": 0.3, **law})
 
 
 @pytest.mark.parametrize("law", LAWS[:-1])

@@ -181,6 +181,8 @@ FIELDS: dict[str, dict[str, Strategy | Callable[[Scale], Strategy]]] = {
         "sliding": just(0.0),
         "exponent": just(None),
         "sign": just("root"),
+        "static_speed": just(None),
+        "dynamic_speed": just(None),
         "intervals": just(()),
     },
     "rock_floor": {
