@@ -85,7 +85,9 @@ class WallFriction(EffectConfig):
         if low is not None and high is not None and high <= low:
             raise refuse(f"expected `dynamic_speed` above `static_speed` ({low:g} m/s), found {show(high)}")
         if low is not None and (self.decay > 0.0 or self.exponent is not None or self.sign != "root"):
-            raise refuse("expected no `decay`, `exponent` or `sign` beside `static_speed`, which joins mu and mu_d itself")
+            raise refuse(
+                "expected no `decay`, `exponent` or `sign` beside `static_speed`, which joins mu and mu_d itself"
+            )
         return self
 
     @model_validator(mode="after")

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -27,6 +27,10 @@ def paper_search(
     ] = 200_000,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the search.")] = 1,
     scene: Annotated[str, typer.Option("--scene", metavar="SCENE", help="The bench.")] = "pa6_calibrated",
+    friction: Annotated[
+        Literal["falling", "joined"],
+        typer.Option("--friction", help="joined: static and dynamic friction joined by STEPs, two numbers more."),
+    ] = "falling",
     threads: Annotated[int, typer.Option("--threads", min=1, max=256, help="Sets run at a time.")] = 1,
     seconds: Annotated[float, typer.Option("--duration", min=2.0, max=120.0, help="Length of a run [s].")] = 30.0,
     out: Annotated[
@@ -51,8 +55,10 @@ def paper_search(
     from drill_twin.studies.paper.search.space import scene_of_trial
 
     described = bench(scene)
-    kept = Record(record, {"seed": seed, "seconds": seconds, "scene": described.to_yaml()})
-    on = Bench(described, seconds)
+    joined = friction == "joined"
+    setup = {"seed": seed, "seconds": seconds, "scene": described.to_yaml(), "friction": friction if joined else None}
+    kept = Record(record, setup)
+    on = Bench(described, seconds, joined=joined)
     _search(on, kept, sets, seed, threads)
     found = exclusion_of(kept, on)
     folder = record.parent if out is None else out

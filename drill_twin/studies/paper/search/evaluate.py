@@ -57,12 +57,13 @@ class Bench:
     Attributes:
         scene: The bench in its lateral form.
         seconds: Simulated time of a run [s].
+        joined: Join static and dynamic friction by STEPs.
     """
 
-    def __init__(self, scene: Scene, seconds: float = SECONDS) -> None:
+    def __init__(self, scene: Scene, seconds: float = SECONDS, *, joined: bool = False) -> None:
         """Take the bench."""
         numerics = {"numerics.elements": ELEMENTS, "numerics.step": STEP, "numerics.frame_rate": FRAME_RATE}
-        self.scene, self.seconds = lateral(scene), seconds
+        self.scene, self.seconds, self.joined = lateral(scene), seconds, joined
         for key, value in numerics.items():
             self.scene = changed(self.scene, key, value)
 

@@ -28,7 +28,7 @@ from drill_twin.studies.paper.search.readings import (
 )  # fmt: skip
 from drill_twin.studies.paper.search.record import Evaluated, Record
 from drill_twin.studies.paper.search.search import PAIRS, Archive
-from drill_twin.studies.paper.search.space import BIT, CHOICES, FREE, LAW, PLAY, SHARE_LEFT, SPRING, Trial
+from drill_twin.studies.paper.search.space import BIT, CHOICES, LAW, PLAY, SHARE_LEFT, SPRING, Trial
 
 SHOWN = 3
 """Sets that are shown of those that meet most numbers."""
@@ -201,12 +201,12 @@ def growth_error(bench: Bench, evaluated: list[Evaluated]) -> tuple[float, float
 
 def numbers_of(one: Trial) -> dict[str, str]:
     """Numbers of a set with their units; those that its choices do not use are left out."""
-    unused = {SHARE_LEFT} if one.choices[LAW] == 0 else set()
+    unused = {"fall of friction with slip"} if one.joined else {SHARE_LEFT} if one.choices[LAW] == 0 else set()
     unused |= {PLAY, SPRING} if one.choices[BIT] != 2 else set()
     unused |= {"friction at the bit", "radius at which the bit rubs"} if one.choices[BIT] != 0 else set()
     return {
         parameter.name: f"{parameter.value(share) / parameter.scale:.3g} {parameter.unit}".rstrip()
-        for parameter, share in zip(FREE, one.shares, strict=True)
+        for parameter, share in zip(one.parameters, one.shares, strict=True)
         if parameter.name not in unused
     }
 

@@ -145,8 +145,8 @@ def _evaluate(bench: Bench, archive: Archive, one: Trial, goal: Goal) -> Results
 
 def _first(bench: Bench, random: np.random.Generator) -> list[tuple[Trial, Goal]]:
     """First generation: the bench, its variants, and sets drawn at random."""
-    known = known_trials(bench.scene)
-    drawn = (random_trial(random) for _ in range(TOGETHER - len(known)))
+    known = known_trials(bench.scene, joined=bench.joined)
+    drawn = (random_trial(random, joined=bench.joined) for _ in range(TOGETHER - len(known)))
     return [(one, Goal(None, LOOSE)) for one in (*known, *drawn)]
 
 
@@ -165,7 +165,7 @@ def _proposals(bench: Bench, archive: Archive, random: np.random.Generator) -> t
     for _ in range(TOGETHER):
         goal = _goal(archive, random)
         parent = _parent(archive, goal, random)
-        candidates = [_proposal(archive, goal, parent, random) for _ in range(PROPOSED if goal.timed else 1)]
+        candidates = [_proposal(bench, archive, goal, parent, random) for _ in range(PROPOSED if goal.timed else 1)]
         off = np.array([_screened(bench, one, goal) if goal.timed else 0.0 for one in candidates])
         if goal.timed:
             grown += sum(map(bench.grows, candidates))
@@ -199,9 +199,9 @@ def _parent(archive: Archive, goal: Goal, random: np.random.Generator) -> Trial 
     return known if random.random() >= AT_RANDOM else None
 
 
-def _proposal(archive: Archive, goal: Goal, parent: Trial | None, random: np.random.Generator) -> Trial:
+def _proposal(bench: Bench, archive: Archive, goal: Goal, parent: Trial | None, random: np.random.Generator) -> Trial:
     assumptions, elite = ASSUMPTIONS[goal.under], _elite(archive, goal)
     if parent is None:
-        return assumptions.applied(random_trial(random))
+        return assumptions.applied(random_trial(random, joined=bench.joined))
     other = elite[int(random.integers(len(elite)))][2] if elite else parent
     return assumptions.applied(mutated(random, parent, other))

@@ -16,6 +16,7 @@ from drill_twin.studies.paper.runs.cases import DAMPING, changed, value_at
 from drill_twin.studies.paper.runs.variants import VARIANTS
 
 SHARE_LEFT = "share of friction left at high slip"
+STATIC, DYNAMIC = "slip speed of static friction", "slip speed of dynamic friction over it"
 PLAY, SPRING = "play of the bit", "stiffness of the bit's guide"
 FREE = (
     FreeParameter("rig.weight_on_bit.duration", "ramp of the load", "s", 1.0, 0.5, 15.0, None, "not given"),
@@ -41,7 +42,12 @@ FREE = (
     FreeParameter("", SPRING, "N/m", 1.0, 5.0, 1e4, None, "rubber to steel"),
 )  # fmt: skip
 """Numbers of a set, on a logarithmic scale."""
-NUMBER = {parameter.name: k for k, parameter in enumerate(FREE)}
+SLIP = (
+    FreeParameter("", STATIC, "m/s", 1.0, 0.003, 0.5, None, "a film to five times the default of ADAMS, 0.1"),
+    FreeParameter("", DYNAMIC, "", 1.0, 1.1, 50.0, None, "a fall at once to one over metres a second"),
+)
+"""Numbers of a set whose static and dynamic friction are joined by STEPs, after those of `FREE`."""
+NUMBER = {parameter.name: k for k, parameter in enumerate((*FREE, *SLIP))}
 
 STARTING = ("ramp of the load", "start of the load", "ramp of the rotation", "bow", "eccentricity")
 """Numbers that matter before the string touches the wall, and hardly after."""
@@ -77,14 +83,24 @@ class Trial(NamedTuple):
     """Set of numbers and choices."""
 
     shares: tuple[float, ...]
-    """Of each number of `FREE` the way between its bounds, 0 to 1, rounded to 1e-4."""
+    """Of each number of `FREE`, and of `SLIP` if it has them, the way between its bounds, 0 to 1, rounded to 1e-4."""
     choices: tuple[int, ...]
     """Option of each of `CHOICES`."""
+
+    @property
+    def parameters(self) -> tuple[FreeParameter, ...]:
+        """The numbers that it has."""
+        return (*FREE, *SLIP)[: len(self.shares)]
+
+    @property
+    def joined(self) -> bool:
+        """True if static and dynamic friction are joined by STEPs, so that its choice of a law says nothing."""
+        return len(self.shares) > len(FREE)
 
     def number(self, name: str) -> float:
         """A number [SI] by its name."""
         k = NUMBER[name]
-        return FREE[k].value(self.shares[k])
+        return self.parameters[k].value(self.shares[k])
 
 
 def trial(shares: Array, choices: tuple[int, ...]) -> Trial:
@@ -92,17 +108,17 @@ def trial(shares: Array, choices: tuple[int, ...]) -> Trial:
     return Trial(tuple(round(float(min(max(share, 0.0), 1.0)), 4) for share in shares), tuple(choices))
 
 
-def random_trial(random: np.random.Generator) -> Trial:
+def random_trial(random: np.random.Generator, *, joined: bool = False) -> Trial:
     """A set drawn at random."""
     choices = tuple(int(random.choice(len(choice.options), p=choice.chance)) for choice in CHOICES)
-    return trial(random.random(len(FREE)), choices)
+    return trial(random.random(len(FREE) + joined * len(SLIP)), choices)
 
 
 def mutated(random: np.random.Generator, one: Trial, other: Trial) -> Trial:
     """A neighbour of a set: some numbers moved or taken from another set, now and then another choice."""
     shares = np.array(one.shares)
     part = random.choice(3)  # of the start, of the whirl, or of both
-    free = np.array([part == 2 or (parameter.name in STARTING) == (part == 0) for parameter in FREE])
+    free = np.array([part == 2 or (parameter.name in STARTING) == (part == 0) for parameter in one.parameters])
     moved = free & (random.random(shares.size) < random.choice((0.2, 0.5, 1.0)))
     shares += moved * random.choice((0.01, 0.04, 0.15)) * random.standard_normal(shares.size)
     if random.random() < 0.3:
@@ -118,7 +134,7 @@ def scene_of_trial(bench: Scene, one: Trial) -> Scene:
     """The bench in its lateral form, with the numbers and choices of a set."""
     values: dict[str, Any] = {
         place: parameter.value(share)
-        for parameter, share in zip(FREE, one.shares, strict=True)
+        for parameter, share in zip(one.parameters, one.shares, strict=True)
         for place in (parameter.place, *parameter.also)
         if place
     }
@@ -132,7 +148,14 @@ def scene_of_trial(bench: Scene, one: Trial) -> Scene:
         values["effects.bit_stabiliser"] = BitStabiliser(
             gauge=2.0 * (radius - free), stiffness=one.number(SPRING), tilt_stiffness=NO_TILT
         )
-    left = one.number(SHARE_LEFT) if option[LAW] else 0.0
+    left = one.number(SHARE_LEFT) if option[LAW] or one.joined else 0.0
+    if one.joined:
+        static = one.number(STATIC)
+        values |= {
+            "effects.wall_friction.decay": 0.0,
+            "effects.wall_friction.static_speed": static,
+            "effects.wall_friction.dynamic_speed": static * one.number(DYNAMIC),
+        }
     values |= {
         "hole.radius": radius,
         "hole.inclination": INCLINED[option[INCLINATION]],
@@ -167,12 +190,14 @@ def trial_of_scene(scene: Scene) -> Trial:
     return trial(shares, tuple(choices))
 
 
-def known_trials(bench: Scene) -> list[Trial]:
+def known_trials(bench: Scene, *, joined: bool = False) -> list[Trial]:
     """The bench as calibrated, and its variants."""
+    own = tuple(round(p.share(start), 4) for p, start in zip(SLIP, (0.1, 10.0), strict=True)) if joined else ()
     found = []
     for variant in VARIANTS:
         scene = bench
         for place, value in variant.changes.items():
             scene = changed(scene, place, value)
-        found.append(trial_of_scene(scene))
+        one = trial_of_scene(scene)
+        found.append(one._replace(shares=one.shares + own))
     return found
