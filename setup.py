@@ -53,6 +53,7 @@ setup(
             "asyncua>=1.1",
             "colcon-common-extensions",
             "distributed>=2024.5",
+            "emcee>=3.1",
             "filterpy>=2",
             "foxglove-sdk>=0.14",
             "hypothesis",
@@ -73,6 +74,7 @@ setup(
         "foxglove": ["foxglove-sdk>=0.14"],
         "las": ["lasio>=0.31"],
         "opcua": ["asyncua>=1.1", "cryptography"],
+        "posterior": ["emcee>=3.1"],
         "xarray": ["xarray"],
         "bench": [
             "exudyn>=1.13.6",

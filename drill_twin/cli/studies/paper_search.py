@@ -13,8 +13,10 @@ from drill_twin.cli.options import JsonOption
 if TYPE_CHECKING:
     from drill_twin.studies.paper.search.evaluate import Bench
     from drill_twin.studies.paper.search.exclusion import Exclusion
+    from drill_twin.studies.paper.search.posterior import Posterior
     from drill_twin.studies.paper.search.record import Record
 
+POSTERIOR, WALKERS = ("posterior.json", "paper_posterior.png"), 48
 TABLE, DATA, FIGURE = "exclusion.csv", "exclusion.json", "paper_exclusion.png"
 
 
@@ -36,6 +38,10 @@ def paper_search(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder of the result; left out: that of the record.")
     ] = None,
+    posterior: Annotated[
+        int,
+        typer.Option("--posterior", metavar="STEPS", min=0, help="Steps of the walkers of a posterior; 0: none."),
+    ] = 0,
     json: JsonOption = False,
 ) -> None:
     """Search all that the paper leaves open for sets that meet its numbers, two at a time and as many as possible.
@@ -74,10 +80,13 @@ def paper_search(
     for name, one in zip(scenes, found.finalists, strict=True):
         own = scene_of_trial(described, one.trial).model_copy(update={"name": f"paper_{name.removesuffix('.yaml')}"})
         write_file(folder / name, own.to_yaml())
+    sampled = _posterior(on, kept, folder, posterior, seed) if posterior else None
     if json:
-        print_json(found.to_dict())
+        print_json(found.to_dict() | ({"posterior": sampled.to_dict()} if sampled else {}))
     else:
         _print(found)
+        if sampled:
+            _print_posterior(sampled)
     err().print(f"{folder}: {', '.join((TABLE, DATA, FIGURE, *scenes))}", markup=False, soft_wrap=True)
 
 
@@ -91,6 +100,34 @@ def _search(bench: Bench, record: Record, sets: int, seed: int, threads: int) ->
             bench, record, sets=sets, seed=seed, threads=threads,
             progress=lambda done, of, _archive: progress.update(task, completed=done, total=max(done, of)),
         )  # fmt: skip
+
+
+def _posterior(bench: Bench, record: Record, folder: Path, steps: int, seed: int) -> Posterior:
+    from drill_twin.cli.folder import write_file
+    from drill_twin.cli.show import err
+    from drill_twin.report.figures.style import save, styled
+    from drill_twin.studies.json_io import json_text
+    from drill_twin.studies.paper.search.figure import draw_posterior
+    from drill_twin.studies.paper.search.posterior import sample
+
+    with err().status("posterior"):
+        found = sample(bench, list(record.evaluated), walkers=WALKERS, steps=steps, seed=seed)
+        write_file(folder / POSTERIOR[0], json_text(found.to_dict()))
+        with styled():
+            save(draw_posterior(found), folder / POSTERIOR[1])
+    return found
+
+
+def _print_posterior(found: Posterior) -> None:
+    from drill_twin.cli.show import grid, out
+    from drill_twin.studies.paper.search import text
+
+    screen = out()
+    screen.print(text.posterior_lead(found), markup=False, soft_wrap=True)
+    screen.print(grid(text.SOUGHT, text.sought_rows(found), title="What the numbers determine", right=(1, 2, 3)))
+    screen.print(
+        grid(text.MODEL, text.model_rows(found), title="Model of the posterior against runs", right=(1, 2, 3, 4))
+    )
 
 
 def _print(found: Exclusion) -> None:

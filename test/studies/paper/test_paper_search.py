@@ -12,14 +12,23 @@ from drill_twin.cli.app import app
 from drill_twin.errors import ArgumentError
 from drill_twin.scene import load_scene
 from drill_twin.studies.paper.runs.cases import Case
+from drill_twin.studies.paper.search import posterior, space
 from drill_twin.studies.paper.search import search as module
-from drill_twin.studies.paper.search import space
 from drill_twin.studies.paper.search.assumptions import ASSUMPTIONS, LOOSE, STRICT, pair_misfits, score
 from drill_twin.studies.paper.search.evaluate import Bench, failed
-from drill_twin.studies.paper.search.exclusion import exclusion_of
+from drill_twin.studies.paper.search.exclusion import exclusion_of, numbers_of
 from drill_twin.studies.paper.search.readings import BASE, NUMBERS, TIMES, WHIRLS, Motion, misfits, read
-from drill_twin.studies.paper.search.record import Record
-from drill_twin.studies.paper.search.space import FREE, random_trial, scene_of_trial, trial_of_scene
+from drill_twin.studies.paper.search.record import Evaluated, Record
+from drill_twin.studies.paper.search.space import (
+    FREE,
+    NUMBER,
+    SLIP,
+    known_trials,
+    mutated,
+    random_trial,
+    scene_of_trial,
+    trial_of_scene,
+)  # fmt: skip
 
 RADIUS, CLEARANCE = 8.25e-3, 81.75e-3
 BENCH = "pa6_calibrated"
@@ -89,6 +98,48 @@ def test_a_set_is_a_scene_and_a_scene_a_set(tmp_path):
     assert ASSUMPTIONS[STRICT].hold(kept)
     assert not any(kept.choices)
     assert len(one.shares) == len(FREE)
+
+
+def test_a_set_of_joined_friction_has_two_numbers_more():
+    bench = Bench(load_scene(BENCH), joined=True)
+    one = known_trials(bench.scene, joined=True)[0]
+    law = scene_of_trial(bench.scene, one).effects.wall_friction
+    assert (law.static_speed, law.dynamic_speed) == pytest.approx((0.1, 1.0), rel=1e-3)
+    assert law.variant == "step"
+    assert 0.0 < law.sliding < law.coefficient
+    assert "fall of friction with slip" not in numbers_of(one)
+    random = np.random.default_rng(4)
+    drawn = random_trial(random, joined=True)
+    assert len(drawn.shares) == len(one.shares) == len(FREE) + len(SLIP)
+    assert any(mutated(random, one, drawn).shares[-2:] != one.shares[-2:] for _ in range(9))
+    plain = random_trial(np.random.default_rng(4))
+    assert (len(plain.shares), plain.shares) == (len(FREE), drawn.shares[: len(FREE)])
+
+
+def test_the_posterior_finds_what_the_numbers_determine(monkeypatch):
+    """Whirls that depend on the friction alone: its posterior is narrow about the value that meets them all."""
+    bench = Bench(load_scene(BENCH), SECONDS)
+    random, friction = np.random.default_rng(2), NUMBER["friction at the wall"]
+    cases = {Case(number.weight_on_bit, number.speed): number for number in posterior.WHIRLED}
+    evaluated = []
+    for _ in range(150):
+        one = ASSUMPTIONS[STRICT].applied(random_trial(random))
+        ratio = 1.6 - 1.2 * one.shares[friction]  # 1 at a half
+        results = {case: failed() for case in cases}
+        for case, number in cases.items():
+            whirl = ratio * number.value * (number.speed if number.unit == "" else 1.0)
+            results[case].whirl[BASE["whirl"]] = whirl
+        evaluated.append(Evaluated(one, results))
+    monkeypatch.setattr(posterior, "CHECKED", 1)
+    monkeypatch.setattr(Bench, "run", lambda *_: None)
+    found = posterior.sample(bench, evaluated, walkers=24, steps=60, seed=1)
+    known, bow = (posterior.SOUGHT.index(k) for k in (friction, NUMBER["bow"]))
+    assert np.median(found.shares[:, known]) == pytest.approx(0.5, abs=0.1)
+    assert found.width(known) < 0.3 < found.width(bow)
+    assert all(one.error[1] < 0.1 for one in found.surrogates)
+    assert found.checked.shape == (1, len(posterior.TIMED) + len(posterior.WHIRLED), 2)
+    with pytest.raises(ArgumentError, match="expected a record with 100 runs at 20 N, 2 rev/s"):
+        posterior.sample(bench, evaluated[:5], walkers=24, steps=1, seed=1)
 
 
 def test_growth_along_the_ramps_gives_the_critical_times_of_runs():

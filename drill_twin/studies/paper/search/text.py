@@ -5,16 +5,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
+from drill_twin.studies.paper.runs.table import NEAR
 from drill_twin.studies.paper.search.assumptions import ASSUMPTIONS, LOOSE, STRICT
 from drill_twin.studies.paper.search.exclusion import Exclusion, choices_of
+from drill_twin.studies.paper.search.posterior import SOUGHT as PLACES
+from drill_twin.studies.paper.search.posterior import TIMED, WHIRLED, Posterior
 from drill_twin.studies.paper.search.readings import NUMBERS
 from drill_twin.studies.paper.search.search import PAIRS
-from drill_twin.studies.paper.search.space import CHOICES
+from drill_twin.studies.paper.search.space import CHOICES, FREE
 
 UNDER = ("assumptions", "pairs excluded", "of")
 ALONE = ("number", "published", "least misfit, all kept", "none kept")
 OPENED = ("number", "and", "all kept", "opened alone by", "none kept")
 VALUES = ("number", "published", "set 1", "off by, in 20 %", "")
+SOUGHT = ("number", "median", "90 %", "of the prior's width")
+MODEL = ("number", "runs", "left out: median, 9th decile", "draws run: median error", "draws within 20 %")
 BEST = ("set", "met of 15", "in steady whirl", "assumptions", "readings", "choices that differ")
 
 Cells = tuple[str, ...]
@@ -80,4 +87,33 @@ def value_rows(found: Exclusion) -> Iterator[Cells]:
         yield (
             f"{one.number.q} {one.number.name}", f"{one.number.value:g}{unit}", f"{one.ours:.3g}{unit}",
             f"{one.misfit:.2f}", "irregular: a line of one window" if one.irregular else "",
+        )  # fmt: skip
+
+
+def posterior_lead(found: Posterior) -> str:
+    """Size of the sampling."""
+    return (
+        f"Posterior with all assumptions kept: {len(found.shares)} draws of {found.steps} steps a walker, the longest "
+        f"autocorrelation {found.autocorrelation:.0f} steps."
+    )
+
+
+def sought_rows(found: Posterior) -> Iterator[Cells]:
+    """Cells under `SOUGHT`."""
+    for k, place in enumerate(PLACES):
+        low, middle, high = found.interval(k)
+        unit = f" {FREE[place].unit}".rstrip()
+        yield FREE[place].name, f"{middle:.3g}{unit}", f"{low:.3g} to {high:.3g}{unit}", f"{found.width(k):.2f}"
+
+
+def model_rows(found: Posterior) -> Iterator[Cells]:
+    """Cells under `MODEL`."""
+    errors = {one.number: one for one in found.surrogates}
+    for k, number in enumerate((*TIMED, *WHIRLED)):
+        model, run = found.checked[:, k].T
+        own = errors.get(number)
+        yield (
+            f"{number.q} {number.name}", str(own.count) if own else "growth",
+            f"{own.error[0]:.1%}, {own.error[1]:.1%}" if own else "-",
+            f"{np.median(np.abs(model - run)):.1%}", f"{np.mean(np.abs(run - 1.0) <= NEAR):.0%}",
         )  # fmt: skip
