@@ -6,8 +6,9 @@ from __future__ import annotations
 import hashlib
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -15,18 +16,25 @@ from zipfile import BadZipFile
 import numpy as np
 
 from drill_twin import __version__
-from drill_twin.accuracy.trial import perturb
+from drill_twin.accuracy.replicas import perturb
 from drill_twin.base.arrays import Array
 from drill_twin.base.missing import number_or_nan
-from drill_twin.errors import DrillTwinError
+from drill_twin.ensemble.outputs import Collector, Request, Variable, first_rows
+from drill_twin.ensemble.run import frames_of, run_scene
+from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.io.scene_geometry import mark_infos
+from drill_twin.runner import compile_kernel
 from drill_twin.scene import Scene, load_scene
-from drill_twin.schedule import Schedule
+from drill_twin.solver.state import ITERATIONS
+from drill_twin.twin.frame_kernel import Rows
+from drill_twin.twin.observer import RigRows
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer
 
-FORMAT = 4
+FORMAT = 5
 """Version of the cache files."""
+TIMED = 10
+"""Frames whose processor time is measured together: of one alone the clock and the call would be a part."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +62,9 @@ class Motion:
     cost: float
     """Processor time of the physics per simulated second [s/s]."""
     frame_p95: float
-    """95th percentile of the processor time of a frame [s]."""
+    """95th percentile of the processor time of a frame, as a mean of `TIMED` frames [s]."""
     spent: Array
-    """Processor time of the physics in each frame [s], shape (T,)."""
+    """Processor time of the physics in each frame, as a mean of `TIMED` frames [s], shape (T,)."""
     compile_seconds: float
     """Wall-clock time to the first frame, with compiling where the kernel was not cached [s]."""
     iterations: float
@@ -89,6 +97,47 @@ class Motion:
         return Motion(**plain)
 
 
+class _Motion(Collector):
+    """Motion of the marks and findings of the analysis, up to a time [s] after the detection of the onset."""
+
+    def __init__(self, twin: Twin, request: Request, after_onset: float) -> None:
+        super().__init__(twin, request)
+        self._infos, self._after_onset = mark_infos(twin.scene), after_onset
+        self._analyzer, self._time, self._end = Analyzer(self._infos), 0.0, math.inf
+        self._columns: list[tuple[Array, ...]] = []
+
+    def add(self, rows: Rows, rig: RigRows) -> None:
+        """Add the frames that begin before the end."""
+        count = int(np.count_nonzero(np.concatenate(([self._time], rows.time[:-1])) < self._end))
+        rows, rig = first_rows(rows, count), RigRows(*(column[:count] for column in rig))
+        self._time = float(rows.time[-1])
+        columns = (rows.time, rows.centre[..., :2], rows.string[:, 2], rig.hookload, rig.top_drive_torque, rows.counted)
+        self._columns.append(tuple(column.copy() for column in columns))
+        found = self._analyzer.push_block(
+            np.rint(rows.time * 1e9).astype(np.int64), rows.position, rows.spin, rig.top_drive_speed, rows.wall_force,
+            rig.bit_speed,
+        )  # fmt: skip
+        if self._end == math.inf and self._analyzer.findings.onset is not None:
+            first = min((row for row, after in found.changes.items() if after.onset is not None), default=count - 1)
+            self._end = float(rows.time[first]) + self._after_onset
+        self.ended = self._time >= self._end
+
+    def close(self) -> Mapping[str, Variable]:
+        """Fields of `Motion` but for the cost."""
+        time, centre, contact, hookload, torque, counted = map(np.concatenate, zip(*self._columns, strict=True))
+        found, twin = self._analyzer.summary(), self.twin
+        longest = max(found.stick_slip, key=lambda one: one.cycles, default=None)
+        fields = {
+            "time": time, "centre": centre, "contact": contact, "hookload": hookload, "torque": torque,
+            "clearance": np.array([info.clearance for info in self._infos]),
+            "onset": number_or_nan(found.onset_s), "frequency": number_or_nan(found.mode_frequency_hz),
+            "stick_slip_period": math.nan if longest is None else longest.period_s,
+            "iterations": int(counted[:, ITERATIONS].sum()) / (time.size * self.request.period),
+            "elements": twin.elements, "step": twin.step_size, "tolerance": twin.scene.tolerance,
+        }  # fmt: skip
+        return {"motion": Variable(fields, (), "")}
+
+
 def run_motion(
     scene: Scene,
     seed: int | None = None,
@@ -97,70 +146,34 @@ def run_motion(
     after_onset: float = math.inf,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Motion:
-    """Run a scene to its end.
+    """Run a scene to its end, as a member of an ensemble is run.
 
     Args:
         scene: The scene.
         seed: Seed of a small random lateral velocity at time zero; None: start as the scene says.
         until: Simulated time at which to stop, if before the end of the scene [s].
         after_onset: Simulated time from the detection of the onset to the end [s].
-        progress: Called with the simulated time [s] after every frame.
+        progress: Called with the simulated time [s] after some frames.
 
     Raises:
         RunError: A time step did not converge.
     """
-    schedule = Schedule.from_scene(scene)
-    period = 1.0 / scene.numerics.frame_rate
     began = time.perf_counter()
-    Twin(scene).advance(schedule.at(period), period)
+    compile_kernel(scene, 1.0 / scene.numerics.frame_rate)
     compiled = time.perf_counter() - began
-    twin = Twin(scene)
-    if seed is not None:
-        perturb(twin, seed)
-    infos = mark_infos(scene)
-    analyzer = Analyzer(infos)
-    frames = max(1, round(min(schedule.duration, until) / period))
-    times, spent, contact, hookload, torque = (np.zeros(frames) for _ in range(5))
-    centre = np.empty((frames, len(infos), 2))
-    iterations, k, found_at = 0, 0, math.inf
-    while k < frames and times[k - 1] < found_at + after_onset:
-        command = schedule.at((k + 1) * period)
-        began = time.process_time()
-        frame = twin.advance(command, period)
-        spent[k] = time.process_time() - began
-        times[k], centre[k] = frame.time, frame.marks.centre[:, :2]
-        contact[k] = np.mean(frame.wall_force > 0.0)
-        iterations += frame.stats.iterations
-        marks, rig = frame.marks, frame.rig
-        hookload[k], torque[k] = rig.hookload, rig.top_drive_torque
-        live = analyzer.push(
-            round(frame.time * 1e9), marks.position, marks.spin, rig.top_drive_speed, marks.wall_force, rig.bit_speed
-        )
-        if live.onset is not None:
-            found_at = min(found_at, frame.time)
-        progress(frame.time)
-        k += 1
-    taken = slice(0, k)
-    found = analyzer.summary()
+    run = run_scene(
+        scene, [partial(_Motion, after_onset=after_onset)],
+        *frames_of(scene, min(scene.rig.duration, until)),
+        begin=lambda twin: None if seed is None else perturb(twin, seed), progress=progress, size=TIMED,
+    )  # fmt: skip
+    if run.failure:
+        raise RunError(run.failure)
+    fields: dict[str, Any] = run.values["motion"].value
+    spent = np.concatenate([np.full(count, seconds / count) for count, seconds in run.spent])[: fields["time"].size]
     return Motion(
-        time=times[taken],
-        centre=centre[taken],
-        contact=contact[taken],
-        hookload=hookload[taken],
-        torque=torque[taken],
-        clearance=np.array([info.clearance for info in infos]),
-        onset=number_or_nan(found.onset_s),
-        frequency=number_or_nan(found.mode_frequency_hz),
-        stick_slip_period=max(found.stick_slip, key=lambda one: one.cycles).period_s if found.stick_slip else np.nan,
-        cost=float(spent.sum()) / (k * period),
-        frame_p95=float(np.quantile(spent[taken], 0.95)),
-        spent=spent[taken],
-        compile_seconds=compiled,
-        iterations=iterations / (k * period),
-        elements=twin.elements,
-        step=twin.step_size,
-        tolerance=scene.tolerance,
-    )
+        **fields, spent=spent, cost=float(spent.mean()) * scene.numerics.frame_rate,
+        frame_p95=float(np.quantile(spent, 0.95)), compile_seconds=compiled,
+    )  # fmt: skip
 
 
 def cached_run(scene: str, overrides: dict[str, str], seed: int | None, folder: Path) -> Motion | str:

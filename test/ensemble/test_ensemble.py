@@ -3,13 +3,15 @@
 
 import re
 import threading
+from itertools import islice
 
 import numpy as np
 import pytest
 
 import drill_twin as dt
 from drill_twin.ensemble import run as member_run
-from drill_twin.ensemble.outputs import Request
+from drill_twin.ensemble.outputs import Collector, Request, Variable
+from drill_twin.ensemble.outputs.severity import Contact
 from drill_twin.ensemble.outputs.spectra import Spectra
 from drill_twin.schedule import Command
 from drill_twin.twin.step_guard import StepGuard
@@ -195,3 +197,39 @@ def test_stress_and_damage_of_members():
     assert (found["damage"][1] > found["damage"][0]).all()
     (failure,) = dt.Ensemble("pa6_bench", {"wob": [40]}, overrides=COARSE).run(0.1, outputs="fatigue").failed.values()
     assert "expected a scene with effects.fatigue" in failure
+
+
+def test_scenes_of_other_kernels_are_members_and_end_when_they_are_closed():
+    """The second fails; the third has an hour to go, and is closed after the others."""
+    scenes = {
+        "lateral": dt.load_scene(
+            "pa6_bench", COARSE | {"effects.stretch": "off", "effects.torsion": "off", "duration": 1}
+        ),
+        "fails": dt.load_scene("pa6_bench", COARSE | {"wob": 2e4, "duration": 1}),
+        "hour": dt.load_scene("pa6_bench", COARSE | {"duration": 3600}),
+    }
+    members = member_run.run_scenes(scenes, [Contact, Whole], 2)
+    found = dict(islice(members, 2))
+    members.close()
+    assert set(found) == {"lateral", "fails"}
+    assert found["lateral"].failure == ""
+    assert found["lateral"].simulated == pytest.approx(1.0)
+    assert found["lateral"].values["frames"].value == 100
+    assert "could not be followed" in found["fails"].failure
+    assert sum(count for count, _ in found["lateral"].spent) == 100
+    assert all(twin.time < 3600.0 for twin in Whole.made)
+
+
+class Whole(Collector):
+    """Counts the frames with the state of all nodes."""
+
+    whole, made = True, []
+    count = 0
+
+    def add_frames(self, frames):
+        self.made.append(self.twin)
+        assert frames.u.shape[1:] == (self.twin.elements + 1, 7)
+        self.count += len(frames.time)
+
+    def close(self):
+        return {"frames": Variable(self.count, (), "1")}

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from drill_twin.studies.detection.ground_truth import truth_of
+from drill_twin.studies.detection.ground_truth import Truth
 from drill_twin.studies.detection.runs import Run, simulate
 from drill_twin.studies.detection.signals import Record
 
@@ -110,7 +110,7 @@ def simulated(seed: int) -> Run:
     return simulate(f"drawn {seed}: {label}", overrides)
 
 
-def recorded(run: Run, *, forces: bool) -> Record:
+def recorded(run: Run, truth: Truth, *, forces: bool) -> Record:
     """Record of a run as measured by rig and camera, with its ground truth; `forces`: with wall forces of the marks."""
     return Record(
         run.name,
@@ -120,6 +120,6 @@ def recorded(run: Run, *, forces: bool) -> Record:
         run.mark_spin,
         run.top_speed,
         run.mark_force if forces else None,
-        truth_of(run),
+        truth,
         float(np.abs(run.top_speed[-1])) / math.tau,
     )

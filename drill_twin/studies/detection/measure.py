@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.studies.detection.cases import BENCH, bench, bouncing, recorded, simulated
+from drill_twin.studies.detection.ground_truth import truth_of
 from drill_twin.studies.detection.scoring import STATES, Score, analyse, f1_scores, macro_f1
 from drill_twin.studies.detection.signals import Record, labelled, steady
 from drill_twin.studies.detection.steady import false_onsets
@@ -94,7 +95,7 @@ def _one(plan: Plan, kind: str, number: int) -> tuple[str, list[tuple[str, Score
         record = labelled(number) if kind == "kinematic" else steady(number)
         return record.name, [("kinematic", _scored(record, states=kind == "kinematic"))]
     run = {"bouncing": bouncing, "bench": bench, "drawn": simulated}[kind](number)
-    seen = partial(recorded, run)
+    seen = partial(recorded, run, truth_of(run))
     return run.name, [
         ("simulated", _scored(seen(forces=False), early=True)),
         ("with_forces", _scored(seen(forces=True), early=True)),

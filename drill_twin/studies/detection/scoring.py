@@ -35,10 +35,7 @@ EARLY = 12.0
 def analyse(record: Record) -> Summary:
     """Summary of the analyzer for a record."""
     analyzer = Analyzer(record.marks)
-    stamps, speeds = record.stamp.tolist(), record.top_speed.tolist()
-    for i, stamp in enumerate(stamps):
-        spin = None if record.spin is None else record.spin[i]
-        analyzer.push(stamp, record.position[i], spin, speeds[i], None if record.force is None else record.force[i])
+    analyzer.push_block(record.stamp, record.position, record.spin, record.top_speed, record.force)
     return analyzer.summary()
 
 

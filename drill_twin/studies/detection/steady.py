@@ -39,7 +39,6 @@ def false_onsets(hours: float, *, marks: int = 4, rate: float = 20.0, noise: flo
         z = CLEARANCE * (OFFSET + BOW * np.exp(1j * spin)) + OUTER * np.exp(1j * spin)
         place[..., 0], place[..., 1] = z.real, z.imag
         place += noise * CLEARANCE * draw.normal(size=place.shape)
-        stamps = np.round(time * 1e9).astype(np.int64).tolist()
-        for i, stamp in enumerate(stamps):
-            analyzer.push(stamp, place[i], spin[i], math.tau * SPEED)
+        stamps = np.round(time * 1e9).astype(np.int64)
+        analyzer.push_block(stamps, place, spin, np.full(count, math.tau * SPEED))
     return sum(found is not None for found in analyzer.summary().mark_onset_s.values())

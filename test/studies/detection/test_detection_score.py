@@ -8,6 +8,7 @@ import pytest
 
 from drill_twin.studies.detection.cases import BENCH, bench, recorded, simulated
 from drill_twin.studies.detection.figure import confusion_figure
+from drill_twin.studies.detection.ground_truth import truth_of
 from drill_twin.studies.detection.measure import Plan, measure
 from drill_twin.studies.detection.runs import simulate
 from drill_twin.studies.detection.scoring import Score, analyse, macro_f1
@@ -42,7 +43,7 @@ def test_minutes_of_steady_rotation():
 def test_simulated_sample(forces):
     score = Score()
     for run in (bench(2), bench(8), bench(16), simulated(10)):
-        record = recorded(run, forces=forces)
+        record = recorded(run, truth_of(run), forces=forces)
         score.add(record.truth, analyse(record), record.rotation)
     assert score.met == 1.0
     assert score.missed == score.false == 0
@@ -53,7 +54,8 @@ def test_simulated_sample(forces):
 
 def test_steady_bench_has_no_onset():
     assert BENCH[0] == {"wob": "5 N"}
-    record = recorded(bench(0), forces=True)
+    run = bench(0)
+    record = recorded(run, truth_of(run), forces=True)
     assert record.truth.onset is None
     assert analyse(record).onset is None
 
@@ -64,7 +66,7 @@ def test_string_that_falls_to_the_low_side_of_an_inclined_hole_does_not_whirl():
     place = run.mark_centre / np.array([mark.clearance for mark in run.marks])
     assert np.abs(place[200:, 1]).min() > 0.5
     assert np.ptp(np.unwrap(np.angle(place[50:, 1]))) < 1.0
-    summary = analyse(recorded(run, forces=True))
+    summary = analyse(recorded(run, truth_of(run), forces=True))
     assert summary.onset is None, summary.onset
     assert summary.motion[-1].state.value == "rotation about a fixed axis"
 

@@ -13,16 +13,19 @@ from drill_twin.studies.paper.calibration.trade_off import draw_trade_off, front
 WANTED = (0.3, 0.7, 0.5, 0.4, 0.6, 0.2, 0.8, 0.45, 0.55, 0.35)
 
 
-def bowl(_scene, shares):
-    """A loss whose least value is known."""
-    return Loss(sum(20.0 * (x - w) ** 2 for x, w in zip(shares, WANTED, strict=True)), {})
+def bowl(scenes, _workers, done):
+    """Losses whose least value is known."""
+    wanted = [sum(20.0 * (x - w) ** 2 for x, w in zip(shares_of(scene), WANTED, strict=True)) for scene in scenes]
+    losses = [Loss(total, {}) for total in wanted]
+    for one in losses:
+        done(one)
+    return losses
 
 
 @pytest.fixture
 def quick_search(monkeypatch, quick_bench):
-    monkeypatch.setattr(module, "loss_at", bowl)
+    monkeypatch.setattr(module, "evaluate", bowl)
     monkeypatch.setattr(module, "_without", lambda *_given: [Loss(9.0, {})] * 7)
-    monkeypatch.setattr(module, "compile_for", lambda _scene: None)
 
     def search(**more):
         given = {"seed": 3, "population": 16, "generations": 60, "processes": 1, "progress": lambda *_told: None}
@@ -64,9 +67,8 @@ def test_numbers_and_shares_are_each_others_and_lie_within_the_bounds():
 
 
 def test_a_run_without_findings_costs_most_but_not_everything(quick_bench):
-    results = evaluate(quick_bench)
-    found = loss(results)
-    assert found == loss(evaluate(quick_bench))
+    found, again = evaluate([quick_bench, quick_bench], 2)
+    assert found == again
     assert all(0.0 <= e <= LARGEST for e in found.deviations.values())
     nothing = loss({})
     assert set(nothing.deviations.values()) == {LARGEST}

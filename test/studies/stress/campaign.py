@@ -32,9 +32,9 @@ from random_scenes import BYTES, Tape  # noqa: E402
 from random_scenes import scene as drawn  # noqa: E402
 
 import drill_twin  # noqa: E402
+from drill_twin.ensemble.run import set_points  # noqa: E402
 from drill_twin.errors import RunError  # noqa: E402
 from drill_twin.scene import Scene  # noqa: E402
-from drill_twin.schedule import Schedule  # noqa: E402
 from drill_twin.studies.stress.bound import allowed_depth  # noqa: E402
 from drill_twin.studies.stress.run import MAX_ENERGY_ERROR, RunStatistics  # noqa: E402
 from drill_twin.twin.twin import Twin  # noqa: E402
@@ -100,13 +100,16 @@ def result_of(number: int) -> Result:
 
 def run_scene(number: int, scene: Scene, refined: int) -> Result:
     """Run a scene once."""
-    twin, schedule, found, stopped = Twin(scene), Schedule.from_scene(scene), RunStatistics(), ""
-    period = 1.0 / scene.numerics.frame_rate
-    try:
-        for k in range(1, FRAMES + 1):
-            found.add(twin.advance(schedule.at(k * period), period))
-    except RunError as error:
-        stopped = str(error)
+    twin, found, stopped, period = Twin(scene), RunStatistics(), "", 1.0 / scene.numerics.frame_rate
+    record = twin.record(1)  # with an energy audit
+    for command in set_points(scene, [k * period for k in range(1, FRAMES + 1)]):
+        frames, error = twin.fill(record, command[None], period)
+        if isinstance(error, RunError):
+            stopped = str(error)
+            break
+        if error is not None:
+            raise error
+        found.add(frames)
     bound = allowed_depth(twin, found.speed)
     # twice: as in the tests of single scenes; and the way of one step, since contact is evaluated at its ends
     depth = max(found.depth, 0.0) / (2.0 * bound + twin.step_size * found.speed) if math.isfinite(bound) else 0.0

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from drill_twin.ensemble.run import set_points
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.studies.stress.bound import allowed_depth
@@ -26,6 +27,7 @@ from drill_twin.twin.twin import Twin
 
 PERIOD = 0.1  # of a frame [s]
 HOUR = 3600.0  # [s]
+BLOCK = 100  # frames in one call
 
 
 class Hour(NamedTuple):
@@ -48,18 +50,22 @@ def scene_of(hours: int, seconds: float) -> Scene:
     return load_scene("hard/steady_hour", overrides={"duration": str(hours * seconds)})
 
 
-def hour_of(number: int, twin: Twin, schedule: Schedule, seconds: float) -> Hour:
+def hour_of(number: int, twin: Twin, seconds: float) -> Hour:
     """Run an hour."""
     found, frames = RunStatistics(), round(seconds / PERIOD)
-    for k in range((number - 1) * frames, number * frames):
-        frame = twin.advance(schedule.at(PERIOD * (k + 1)), PERIOD)
-        found.add(frame)
+    commands = set_points(twin.scene, [PERIOD * (k + 1) for k in range((number - 1) * frames, number * frames)])
+    record = twin.record(min(frames, BLOCK))
+    for first in range(0, frames, BLOCK):
+        part, error = twin.fill(record, commands[first : first + BLOCK], PERIOD)
+        if error is not None:
+            raise error
+        found.add(part)
     case = HardCase("hard/steady_hour", "spatial", "", seconds)
     allowed = allowed_depth(twin, found.speed) + 0.5 * twin.step_size * found.speed
-    x, y, _ = frame.positions[0]
+    (x, y, _), turns = part.positions[-1, 0], part.spin[-1, 0] / 6.283185307179586
     return Hour(
         number, found.steps, found.iterations, found.cut_steps, found.interventions, float(found.depth), found.speed,
-        float((x * x + y * y) ** 0.5), float(frame.spin[0] / 6.283185307179586), verdict_on(case, found, "", allowed),
+        float((x * x + y * y) ** 0.5), float(turns), verdict_on(case, found, "", allowed),
     )  # fmt: skip
 
 
@@ -81,7 +87,7 @@ def run(folder: Path, hours: int = 24, seconds: float = HOUR) -> list[Hour]:
         done = [Hour(*json.loads(line)) for line in lines.read_text("utf-8").splitlines()[:count]]
     lines.write_text("".join(json.dumps(list(hour)) + "\n" for hour in done), "utf-8")
     for number in range(len(done) + 1, hours + 1):
-        done.append(hour_of(number, twin, schedule, seconds))
+        done.append(hour_of(number, twin, seconds))
         with lines.open("a", encoding="utf-8") as file:
             file.write(json.dumps(list(done[-1])) + "\n")
         Checkpoint.of(twin, schedule.at(number * seconds)).save(kept)  # after the line: a kill between repeats the hour

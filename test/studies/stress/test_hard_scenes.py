@@ -2,6 +2,7 @@
 """Hard scenes are followed, no deeper into the wall than its law explains; what goes wrong is told."""
 
 import json
+from dataclasses import replace
 
 import day
 import numpy as np
@@ -13,9 +14,10 @@ from drill_twin.monitor.run_timing import RunTiming
 from drill_twin.scene import hard_scenes, load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.studies import stress
+from drill_twin.studies.stress import run as stress_run
 from drill_twin.studies.stress.bound import allowed_depth
 from drill_twin.studies.stress.run import RunStatistics, verdict_on
-from drill_twin.twin.frame import EnergyBalance
+from drill_twin.twin.frame import EnergyBalance, Frames
 from drill_twin.twin.twin import Twin
 
 QUICK = (
@@ -28,6 +30,13 @@ CASES = [case for case in stress.all_hard_cases() if not case.long]
 
 def result_of(name):
     return stress.run_case(next(case for case in stress.all_hard_cases() if case.name == name))
+
+
+def alone(frame):
+    """A frame as those of a run, with its node rows."""
+    u = np.column_stack((frame.positions, frame.tangents, frame.spin))
+    v = np.column_stack((frame.velocities, 0.0 * frame.tangents, frame.spin_rate))
+    return Frames.of(frame)._replace(u=u[None], v=v[None])
 
 
 def test_every_scene_says_why_it_is_hard():
@@ -50,6 +59,26 @@ def test_a_hard_scene_is_in_order(case):
 def test_a_slower_hard_scene_is_in_order(case):
     result = stress.run_case(case)
     assert result.ok, result.verdict
+
+
+def test_a_case_that_fails_is_reported_and_stops_no_other(monkeypatch):
+    """One scene is not there, another cannot be followed."""
+    cases = [case for case in CASES if case.name in {"elements_5[spatial]", "elements_5[lateral]"}]
+    gone = replace(cases[0], scene_name="hard/not_there")
+    late = replace(cases[1], scene_name="hard/late")
+    scenes = {late: load_scene("hard/elements_5", overrides={"wob": "20 kN", "duration": "1 s"})}
+    scene_of = stress.HardCase.scene
+    monkeypatch.setattr(stress.HardCase, "scene", lambda case, **given: scenes.get(case) or scene_of(case, **given))
+    monkeypatch.setattr(
+        stress_run, "run_jobs", lambda function, jobs, *_, **__: {k: function(*j) for k, j in jobs.items()}
+    )
+    missing, stopped, result = stress.run_hard([gone, late, cases[0]], workers=1)
+    assert "not_there" in missing.verdict
+    assert "could not be followed" in stopped.verdict
+    assert not missing.ok
+    assert not stopped.ok
+    assert 0.0 < stopped.reached < 1.0
+    assert result.ok
 
 
 @pytest.mark.long
@@ -101,7 +130,7 @@ def test_what_is_wrong_is_told(make_frame):
     case = next(case for case in CASES if case.name == "load_300_n[spatial]")
     folds = next(case for case in CASES if case.name == "folds[spatial]")
     found = RunStatistics()
-    found.add(make_frame())
+    found.add(alone(make_frame()))
     assert verdict_on(case, found, "", 0.0) == "ok"
     found.depth = 2e-3
     assert "2 mm into the wall" in verdict_on(case, found, "", 1e-3)
@@ -111,7 +140,7 @@ def test_what_is_wrong_is_told(make_frame):
     assert "run to its end" in verdict_on(folds, found, "", 1.0)
     broken = make_frame()
     broken.velocities[3, 1] = np.nan
-    found.add(broken)
+    found.add(alone(broken))
     assert verdict_on(case, found, "", 1.0) == "the state is not finite"
 
 
@@ -119,13 +148,13 @@ def test_heat_cannot_come_back(make_frame):
     case, found = next(case for case in CASES if case.name == "load_300_n[spatial]"), RunStatistics()
     for heat in (0.5, -0.1):
         books = EnergyBalance({}, {}, {"drag": heat}, residual=-2e-3, scale=1.0, newton=0.0)
-        found.add(make_frame()._replace(energy=books))
+        found.add(alone(make_frame()._replace(energy=books)))
         assert verdict_on(case, found, "", 1.0) == (
             "ok" if heat > 0.0 else "drag added energy to the string, expected only dissipation"
         )
     assert found.energy == pytest.approx(2e-3)
     lost = EnergyBalance({}, {}, {}, residual=0.3, scale=1.0, newton=0.0)
-    (found := RunStatistics()).add(make_frame()._replace(energy=lost))
+    (found := RunStatistics()).add(alone(make_frame()._replace(energy=lost)))
     assert verdict_on(case, found, "", 1.0) == "30% of the energy in motion is an error of the energy balance"
 
 

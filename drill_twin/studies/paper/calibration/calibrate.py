@@ -8,10 +8,9 @@ scene and Sobol points; a generation is evaluated as a whole, so the result does
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -21,10 +20,9 @@ from scipy.stats import qmc
 
 from drill_twin.base.arrays import Array
 from drill_twin.scene import Scene
-from drill_twin.studies.paper.calibration.objective import Loss, lateral, loss_at
-from drill_twin.studies.paper.calibration.parameters import PARAMETERS, FreeParameter, shares_of
-from drill_twin.studies.paper.runs.run import compile_for
-from drill_twin.studies.pool import process_pool
+from drill_twin.studies.paper.calibration.objective import Loss, evaluate
+from drill_twin.studies.paper.calibration.parameters import PARAMETERS, FreeParameter, shares_of, with_shares
+from drill_twin.studies.paper.runs.cases import changed
 
 STEP = 0.03
 """Step of the sensitivity analysis, as a share of the bounds."""
@@ -89,22 +87,24 @@ Progress = Callable[[str, int, int, float], None]
 class _Search:
     """Evaluates generations and stores the best set of parameters."""
 
-    def __init__(self, scene: Scene, workers: ProcessPoolExecutor | None, progress: Progress, total: int) -> None:
+    def __init__(self, scene: Scene, workers: int, progress: Progress, total: int) -> None:
         self.scene, self.workers, self.progress, self.total = scene, workers, progress, total
         self.count, self.best, self.shares = 0, math.inf, tuple[float, ...]()
         self.tried: list[Loss] = []
 
     def losses(self, points: Iterable[Array]) -> list[Loss]:
         """Losses of some points, in their order."""
-        listed = [[float(x) for x in point] for point in points]
-        scenes = [self.scene] * len(listed)
-        found = []
-        for shares, value in zip(listed, (self.workers.map if self.workers else map)(loss_at, scenes, listed)):  # noqa: B905
-            self.count += 1
+        listed, least = [[float(x) for x in point] for point in points], self.best
+
+        def done(value: Loss) -> None:
+            nonlocal least
+            self.count, least = self.count + 1, min(least, value.total)
+            self.progress("search", self.count, self.total, least)
+
+        found = evaluate([with_shares(self.scene, shares) for shares in listed], self.workers, done)
+        for shares, value in zip(listed, found, strict=True):
             if value.total < self.best:
                 self.best, self.shares = value.total, tuple(shares)
-            self.progress("search", self.count, self.total, self.best)
-            found.append(value)
         self.tried += found
         return found
 
@@ -128,27 +128,24 @@ def calibrate(
         seed: Seed of the search.
         population: Members of a generation.
         generations: Generations after the first.
-        processes: Evaluations at once.
+        processes: Runs at once.
         progress: Called after each evaluation.
     """
     own = shares_of(scene)
-    for form in (scene, lateral(scene)):
-        compile_for(form)
     first = qmc.Sobol(len(PARAMETERS), seed=seed).random_base2((population - 1).bit_length())[:population]
     first[0] = own
-    with process_pool(processes) if processes > 1 else nullcontext() as workers:
-        search = _Search(scene, workers, progress, population * (generations + 1))
-        if generations:
-            differential_evolution(
-                _unused, [(0.0, 1.0)] * len(PARAMETERS), init=first, maxiter=generations, seed=seed,
-                strategy="currenttobest1bin", mutation=(0.4, 0.9), recombination=0.8, tol=0.0, polish=False,
-                updating="deferred", workers=search.map,
-            )  # fmt: skip
-        else:
-            search.map(_unused, first[:1])
-        spent, shares = search.count, search.shares
-        best, start = search.losses([np.array(shares), np.array(own)])
-        found = _examine(search, np.array(shares), best)
+    search = _Search(scene, processes, progress, population * (generations + 1))
+    if generations:
+        differential_evolution(
+            _unused, [(0.0, 1.0)] * len(PARAMETERS), init=first, maxiter=generations, seed=seed,
+            strategy="currenttobest1bin", mutation=(0.4, 0.9), recombination=0.8, tol=0.0, polish=False,
+            updating="deferred", workers=search.map,
+        )  # fmt: skip
+    else:
+        search.map(_unused, first[:1])
+    spent, shares = search.count, search.shares
+    best, start = search.losses([np.array(shares), np.array(own)])
+    found = _examine(search, np.array(shares), best)
     return Calibration(start, best, shares, spent, seed, tuple(found), tuple(search.tried))
 
 
@@ -182,14 +179,12 @@ def _examine(search: _Search, at: Array, best: Loss) -> list[Found]:
 
 def _without(search: _Search, at: Array, parameters: list[FreeParameter]) -> list[Loss]:
     """Losses with each of some parameters at the value that leaves it out."""
-    from drill_twin.studies.paper.calibration.objective import evaluate, loss
-    from drill_twin.studies.paper.calibration.parameters import with_shares
-    from drill_twin.studies.paper.runs.cases import changed
+    values = [0.0 if parameter.off is None else parameter.off * parameter.scale for parameter in parameters]
+    best = with_shares(search.scene, list(at))
+    scenes = [changed(best, parameter.place, off) for parameter, off in zip(parameters, values, strict=True)]
+    ended = itertools.count(1)
 
-    losses = []
-    for number, parameter in enumerate(parameters):
-        off = 0.0 if parameter.off is None else parameter.off * parameter.scale
-        scene = changed(with_shares(search.scene, list(at)), parameter.place, off)
-        losses.append(loss(evaluate(scene)))
-        search.progress("leaving out", number + 1, len(parameters), search.best)
-    return losses
+    def done(_: Loss) -> None:
+        search.progress("leaving out", next(ended), len(parameters), search.best)
+
+    return evaluate(scenes, search.workers, done)

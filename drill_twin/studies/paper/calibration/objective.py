@@ -4,15 +4,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 
-from drill_twin.errors import RunError
+from drill_twin.ensemble.run import run_scenes
 from drill_twin.scene import Scene
-from drill_twin.studies.paper.calibration.parameters import with_shares
 from drill_twin.studies.paper.runs.cases import Case, changed, scene_of
 from drill_twin.studies.paper.runs.published import CRITICAL_TIME, DISPLACEMENT, FREQUENCY, RATIO, Number, published
-from drill_twin.studies.paper.runs.run import Measured, measure, run
+from drill_twin.studies.paper.runs.run import Measured, Motion, measure, run_of
 from drill_twin.studies.paper.runs.table import ours_for
 
 RUNS = (Case(40.0, 2.0), Case(20.0, 2.0), Case(150.0, 2.0), Case(300.0, 2.0), Case(40.0, 6.0))
@@ -49,18 +49,29 @@ class Loss:
     """e by the number's name: its deviation in units of 20 %, on a logarithmic scale."""
 
 
-def evaluate(scene: Scene) -> dict[Case, Measured]:
-    """Results of the runs of the fit; a run that fails has none."""
-    results = {}
-    for case in RUNS:
-        described = scene_of(scene, case, {"numerics.frame_rate": max(20.0, SAMPLES * case.speed)})
-        if case.weight_on_bit <= LATERAL_UP_TO:
-            described = lateral(described)
-        try:
-            results[case] = measure(run(described))
-        except RunError:
-            continue
-    return results
+def evaluate(scenes: Sequence[Scene], workers: int = 1, done: Callable[[Loss], None] = lambda _: None) -> list[Loss]:
+    """Losses of some scenes, from the runs of the fit; a run that fails has no results.
+
+    Args:
+        scenes: The scenes.
+        workers: Runs at once.
+        done: Called with the loss of each scene whose runs have ended.
+    """
+    wanted = {(number, case): _of_fit(scene, case) for number, scene in enumerate(scenes) for case in RUNS}
+    found: list[dict[Case, Measured | None]] = [{} for _ in scenes]
+    losses = dict[int, Loss]()
+    with closing(run_scenes(wanted, [Motion], workers)) as members:
+        for (number, case), member in members:
+            found[number][case] = measure(run_of(member)) if member.values else None
+            if len(found[number]) == len(RUNS):
+                losses[number] = loss(found[number])
+                done(losses[number])
+    return [losses[number] for number in range(len(scenes))]
+
+
+def _of_fit(scene: Scene, case: Case) -> Scene:
+    described = scene_of(scene, case, {"numerics.frame_rate": max(20.0, SAMPLES * case.speed)})
+    return lateral(described) if case.weight_on_bit <= LATERAL_UP_TO else described
 
 
 def lateral(scene: Scene) -> Scene:
@@ -70,7 +81,7 @@ def lateral(scene: Scene) -> Scene:
     return scene
 
 
-def loss(results: Mapping[Case, Measured]) -> Loss:
+def loss(results: Mapping[Case, Measured | None]) -> Loss:
     """Cauchy loss, in which a number that contradicts the others has a bounded influence."""
     deviations = {
         number.name: deviation(ours_for(number, results.get(Case(number.weight_on_bit, number.speed))), number.value)
@@ -88,8 +99,3 @@ def deviation(ours: float | None, value: float) -> float:
     if ours is None or not math.isfinite(ours) or ours / value <= 0.0:
         return LARGEST
     return min(abs(math.log(ours / value)) / math.log(1.2), LARGEST)
-
-
-def loss_at(scene: Scene, shares: list[float]) -> Loss:
-    """Loss of the scene with its parameters at these shares of their bounds."""
-    return loss(evaluate(with_shares(scene, list(shares))))

@@ -4,17 +4,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from drill_twin import __version__
+from drill_twin.ensemble.run import run_scenes
 from drill_twin.errors import SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.studies.paper.runs import full_size
 from drill_twin.studies.paper.runs.cases import MATRIX, Case, scene_of
 from drill_twin.studies.paper.runs.full_size import Disorder, FullSizeRow
 from drill_twin.studies.paper.runs.published import published
-from drill_twin.studies.paper.runs.run import Measured, Run, compile_for, measure, run
+from drill_twin.studies.paper.runs.run import Measured, Motion, Run, measure, run_of
 from drill_twin.studies.paper.runs.similarity import Scale, similarity
 from drill_twin.studies.paper.runs.table import Row, Trend, rows, trends
 from drill_twin.studies.paper.runs.variants import CASES as VARIANT_CASES
@@ -106,18 +108,11 @@ def reproduce(
     wanted = {(FULL_SIZE_RUN, case): described for case, described in full.items()} | dict(
         sorted(wanted.items(), key=lambda item: -item[0][1].weight_on_bit)
     )
-    total, ended = len(wanted), 0
-    compile_for(scene)
-    if full_size_too:
-        compile_for(full[full_size.REFERENCE])
-
-    def done(key: Key, _: Run) -> None:
-        nonlocal ended
-        ended += 1
-        progress(f"{key[0]}, {_label(key[1])}", ended, total)
-
-    processes = processes or cores()
-    runs = run_jobs(run, {key: (described,) for key, described in wanted.items()}, processes, done=done)
+    processes, runs = processes or cores(), dict[Key, Run]()
+    with closing(run_scenes(wanted, [Motion], processes)) as members:
+        for key, member in members:
+            runs[key] = run_of(member)
+            progress(f"{key[0]}, {_label(key[1])}", len(runs), len(wanted))
     bench = {case: runs[MATRIX_RUN, case] for case in MATRIX}
     measured = {case: measure(found) for case, found in bench.items()}
     big = {case: runs[FULL_SIZE_RUN, case] for case in full}

@@ -4,16 +4,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.ensemble.outputs import Collector, Request, Variable
+from drill_twin.ensemble.run import Run as Member
+from drill_twin.ensemble.run import frames_of, run_scene
 from drill_twin.errors import RunError
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.scene import Scene
-from drill_twin.schedule import Schedule
+from drill_twin.twin.frame import Frames, RigState
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer, Summary
 
@@ -54,50 +57,64 @@ class Run:
         return float(self.time[0])
 
 
-def compile_for(scene: Scene) -> None:
-    """Compile the kernel of a scene in this process, so that the workers find it in the cache."""
-    schedule, period = Schedule.from_scene(scene), 1.0 / scene.numerics.frame_rate
-    Twin(scene).advance(schedule.at(period), period)
+class Motion(Collector):
+    """The motion of a run, with the summary of the analyzer."""
+
+    whole = True
+
+    def __init__(self, twin: Twin, request: Request) -> None:
+        super().__init__(twin, request)
+        infos = mark_infos(twin.scene)
+        self._names, self._analyzer = tuple(info.name for info in infos), Analyzer(infos)
+        self._time: Array = np.asarray(request.period * np.arange(1, request.frames + 1), float)
+        self._marks: list[Array] = [np.empty((request.frames, len(infos), 3)[:axes]) for axes in (3, 3, 3, 2)]
+        self._count, self._spent = 0, 0.0
+
+    def add_frames(self, frames: Frames) -> None:
+        """Add frames."""
+        marks, count = frames.marks, frames.time.size
+        at = slice(self._count, self._count + count)
+        for array, part in zip(
+            self._marks, (marks.position, marks.velocity, marks.centre, marks.spin_rate), strict=True
+        ):
+            array[at] = part
+        stamps = np.rint(self._time[at] * 1e9).astype(np.int64)
+        speed = frames.rig[:, RigState._fields.index("top_drive_speed")]
+        self._analyzer.push_block(stamps, marks.position, marks.spin, speed, marks.wall_force)
+        self._count, self._spent = at.stop, self._spent + frames.stats.wall_seconds
+
+    def close(self) -> Mapping[str, Variable]:
+        """The run up to its last frame."""
+        time, point, velocity, centre, spin_rate = (array[: self._count] for array in (self._time, *self._marks))
+        run = Run(
+            time, point, velocity, centre, spin_rate, self._names, self._analyzer.summary(), self._spent
+        )  # fmt: skip
+        return {"run": Variable(run, (), "")}
 
 
-def run(scene: Scene, seconds: float | None = None, progress: Callable[[float], None] | None = None) -> Run:
+def run(scene: Scene, seconds: float | None = None) -> Run:
     """Run a scene to its end, or for `seconds`; a run that fails later returns the frames before the failure.
 
     Args:
         scene: The scene.
         seconds: Simulated time [s], if not that of the scene.
-        progress: Called with the simulated time after every simulated second.
 
     Raises:
         RunError: The first frame could not be computed.
     """
-    schedule, twin, infos = Schedule.from_scene(scene), Twin(scene), mark_infos(scene)
-    analyzer = Analyzer(infos)
-    period, duration = 1.0 / scene.numerics.frame_rate, schedule.duration if seconds is None else seconds
-    count, m = max(1, round(duration / period)), len(infos)
-    point, velocity, centre = (np.empty((count, m, 3)) for _ in range(3))
-    spin_rate = np.empty((count, m))
-    spent, told, failure = 0.0, 0.0, ""
-    for k in range(count):
-        time = (k + 1) * period
-        try:
-            frame = twin.advance(schedule.at(time), period)
-        except RunError as error:
-            if k == 0:
-                raise
-            failure, count = str(error), k
-            break
-        spent += frame.stats.wall_seconds
-        marks = frame.marks
-        point[k], velocity[k], centre[k], spin_rate[k] = marks.position, marks.velocity, marks.centre, marks.spin_rate
-        analyzer.push(round(time * 1e9), marks.position, marks.spin, frame.rig.top_drive_speed, marks.wall_force)
-        if progress is not None and time - told >= 1.0:
-            told = time
-            progress(time)
-    return Run(
-        np.asarray(period * np.arange(1, count + 1), float), point[:count], velocity[:count], centre[:count],
-        spin_rate[:count], tuple(info.name for info in infos), analyzer.summary(), spent, failure,
-    )  # fmt: skip
+    return run_of(run_scene(scene, [Motion], *frames_of(scene, seconds)))
+
+
+def run_of(member: Member) -> Run:
+    """The run of a member with the output `Motion`.
+
+    Raises:
+        RunError: Its first frame could not be computed.
+    """
+    if not member.values:
+        raise RunError(member.failure)
+    done: Run = member.values["run"].value
+    return replace(done, failure=member.failure)
 
 
 @dataclass(frozen=True)
