@@ -22,9 +22,9 @@ from drill_twin.errors import ArgumentError
 from drill_twin.studies.paper.runs.cases import Case
 from drill_twin.studies.paper.runs.published import Number
 from drill_twin.studies.paper.search.assumptions import ASSUMPTIONS, STRICT
-from drill_twin.studies.paper.search.evaluate import Bench
+from drill_twin.studies.paper.search.evaluate import Bench, failed
 from drill_twin.studies.paper.search.growth import critical_times, start_of
-from drill_twin.studies.paper.search.readings import BASE, KINDS, LEVELS, NUMBERS, values
+from drill_twin.studies.paper.search.readings import BASE, KINDS, LEVELS, NUMBERS, Results, values
 from drill_twin.studies.paper.search.record import Evaluated
 from drill_twin.studies.paper.search.space import CHOICES, FREE, NUMBER, PLAY, RADIUS, SHARE_LEFT, SPRING, Trial, trial
 
@@ -45,8 +45,10 @@ OFF = 1.0
 """Largest difference of a ratio that counts."""
 LATEST = 15.0
 """Time after which no critical time is sought [s]."""
-CHECKED = 12
-"""Draws of the posterior that are run."""
+ROUNDS, DRAWN = 3, 24
+"""Times that draws of the posterior are run and taken into its model before the last sampling, and how many each time.
+
+A search runs few sets where it has no goal, so a model through its runs alone misleads the walkers."""
 
 
 class Surrogate:
@@ -65,7 +67,7 @@ class Surrogate:
             ArgumentError: There are too few runs.
         """
         case = Case(number.weight_on_bit, number.speed)
-        rows = [(one.trial.shares, _value(number, one, case)) for one in evaluated if case in one.results]
+        rows = [(one.trial.shares, _value(number, one.results)) for one in evaluated if case in one.results]
         rows = [(shares, value) for shares, value in rows if np.isfinite(value)]
         self.number, self.count = number, len(rows)
         if len(rows) < FEWEST:
@@ -94,10 +96,6 @@ class Surrogate:
     @staticmethod
     def _through(places: Array, ratio: Array) -> RBFInterpolator:
         return RBFInterpolator(places, ratio, kernel="linear", smoothing=SMOOTHING)
-
-
-def _value(number: Number, one: Evaluated, case: Case) -> float:
-    return float(values(number, one.results[case])[BASE[KINDS[number.what]]])
 
 
 class Likelihood:
@@ -198,7 +196,7 @@ class Posterior:
 
 
 def sample(bench: Bench, evaluated: list[Evaluated], *, walkers: int, steps: int, seed: int) -> Posterior:
-    """Sample the posterior, then run some of its draws.
+    """Sample the posterior, run some of its draws and take them into its model, again and again; check the last one.
 
     Args:
         bench: The bench of the search.
@@ -210,24 +208,45 @@ def sample(bench: Bench, evaluated: list[Evaluated], *, walkers: int, steps: int
     Raises:
         ArgumentError: emcee is not installed, or the record has too few runs.
     """
-    emcee = import_emcee()
-    likelihood = Likelihood(bench, evaluated)
-    kept = np.array([one.trial.shares for one in evaluated if ASSUMPTIONS[STRICT].hold(one.trial)])[:, SOUGHT]
-    random = np.random.default_rng(seed)
-    best = kept[np.argsort(-likelihood(kept))[:walkers]]
-    start = np.clip(best + 0.01 * random.standard_normal(best.shape), 0.001, 0.999)
-    sampler = emcee.EnsembleSampler(walkers, len(SOUGHT), likelihood, vectorize=True)
-    sampler.random_state = np.random.RandomState(seed).get_state()
-    sampler.run_mcmc(start, steps)
-    draws = sampler.get_chain(discard=steps // 3, flat=True)
-    drawn = full(draws[random.integers(0, len(draws), CHECKED)])
-    runs = [[_run(bench, one, number) for number in (*TIMED, *WHIRLED)] for one in map(kept_trial, drawn)]
+    emcee, random = import_emcee(), np.random.default_rng(seed)
+    known = [one for one in evaluated if ASSUMPTIONS[STRICT].hold(one.trial)]
+
+    def walked(likelihood: Likelihood, count: int) -> Any:
+        places = np.array([one.trial.shares for one in known])[:, SOUGHT]
+        best = places[np.argsort(-likelihood(places))[:walkers]]
+        start = np.clip(best + 0.01 * random.standard_normal(best.shape), 0.001, 0.999)
+        sampler = emcee.EnsembleSampler(walkers, len(SOUGHT), likelihood, vectorize=True)
+        sampler.random_state = np.random.RandomState(random.integers(2**31)).get_state()
+        sampler.run_mcmc(start, count)
+        return sampler
+
+    def drawn(sampler: Any, count: int) -> list[Trial]:
+        draws = sampler.get_chain(discard=count // 3, flat=True)
+        return [kept_trial(shares) for shares in full(draws[random.integers(0, len(draws), DRAWN)])]
+
+    for _ in range(ROUNDS):
+        known += [
+            Evaluated(one, _runs(bench, one)) for one in drawn(walked(Likelihood(bench, known), steps // 4), steps // 4)
+        ]
+    likelihood = Likelihood(bench, known)
+    sampler = walked(likelihood, steps)
+    trials = drawn(sampler, steps)
+    model = likelihood.ratios(np.array([one.shares for one in trials]))
     return Posterior(
-        draws, steps, float(sampler.get_autocorr_time(tol=0).max()), likelihood.surrogates,
-        np.stack([likelihood.ratios(drawn), np.array(runs)], axis=2),
+        sampler.get_chain(discard=steps // 3, flat=True), steps, float(sampler.get_autocorr_time(tol=0).max()),
+        likelihood.surrogates, np.stack([model, [_ratios(_runs(bench, one)) for one in trials]], axis=2),
     )  # fmt: skip
 
 
-def _run(bench: Bench, one: Trial, number: Number) -> float:
-    found = bench.run(one, Case(number.weight_on_bit, number.speed))
-    return float("nan") if found is None else float(values(number, found)[BASE[KINDS[number.what]]]) / number.value
+def _runs(bench: Bench, one: Trial) -> Results:
+    cases = dict.fromkeys(Case(number.weight_on_bit, number.speed) for number in (*TIMED, *WHIRLED))
+    return {case: bench.run(one, case) or failed() for case in cases}
+
+
+def _ratios(results: Results) -> list[float]:
+    return [_value(number, results) / number.value for number in (*TIMED, *WHIRLED)]
+
+
+def _value(number: Number, results: Results) -> float:
+    found = results[Case(number.weight_on_bit, number.speed)]
+    return float(values(number, found)[BASE[KINDS[number.what]]])
