@@ -13,6 +13,7 @@ from drill_twin.cli.options import JsonOption
 if TYPE_CHECKING:
     from drill_twin.studies.paper.search.evaluate import Bench
     from drill_twin.studies.paper.search.exclusion import Exclusion
+    from drill_twin.studies.paper.search.habits import Habit
     from drill_twin.studies.paper.search.posterior import Posterior
     from drill_twin.studies.paper.search.record import Record
 
@@ -42,6 +43,9 @@ def paper_search(
         int,
         typer.Option("--posterior", metavar="STEPS", min=0, help="Steps of the walkers of a posterior; 0: none."),
     ] = 0,
+    show_habits: Annotated[
+        bool, typer.Option("--habits", help="Run the bench with each habit of multibody codes too: friction, contact.")
+    ] = False,
     json: JsonOption = False,
 ) -> None:
     """Search all that the paper leaves open for sets that meet its numbers, two at a time and as many as possible.
@@ -57,6 +61,7 @@ def paper_search(
     from drill_twin.studies.paper.runs.reproduction import bench
     from drill_twin.studies.paper.search.evaluate import Bench
     from drill_twin.studies.paper.search.exclusion import exclusion_of
+    from drill_twin.studies.paper.search.habits import habits
     from drill_twin.studies.paper.search.record import Record
     from drill_twin.studies.paper.search.space import scene_of_trial
 
@@ -81,10 +86,14 @@ def paper_search(
         own = scene_of_trial(described, one.trial).model_copy(update={"name": f"paper_{name.removesuffix('.yaml')}"})
         write_file(folder / name, own.to_yaml())
     sampled = _posterior(on, kept, folder, posterior, seed) if posterior else None
+    habitual = habits(on) if show_habits else []
     if json:
-        print_json(found.to_dict() | ({"posterior": sampled.to_dict()} if sampled else {}))
+        more = {"posterior": sampled.to_dict()} if sampled else {}
+        print_json(found.to_dict() | more | ({"habits": [one.to_dict() for one in habitual]} if habitual else {}))
     else:
         _print(found)
+        if habitual:
+            _print_habits(habitual)
         if sampled:
             _print_posterior(sampled)
     err().print(f"{folder}: {', '.join((TABLE, DATA, FIGURE, *scenes))}", markup=False, soft_wrap=True)
@@ -118,6 +127,14 @@ def _posterior(bench: Bench, record: Record, folder: Path, steps: int, seed: int
     return found
 
 
+def _print_habits(found: list[Habit]) -> None:
+    from drill_twin.cli.show import grid, out
+    from drill_twin.studies.paper.search import text
+
+    title = "The bench as calibrated, with a habit of multibody codes"
+    out().print(grid(text.HABITS, text.habit_rows(found), title=title, right=(1, 2, 3)))
+
+
 def _print_posterior(found: Posterior) -> None:
     from drill_twin.cli.show import grid, out
     from drill_twin.studies.paper.search import text
@@ -142,3 +159,6 @@ def _print(found: Exclusion) -> None:
     screen.print(grid(text.OPENED, text.opened_rows(found), title="Pairs excluded with all assumptions kept"))
     screen.print(grid(text.BEST, text.best_rows(found), title="Sets that meet most numbers", right=(1, 2)))
     screen.print(grid(text.VALUES, text.value_rows(found), title="Numbers of set 1", right=(1, 2, 3)))
+    if rows := list(text.short_rows(found)):
+        title = "Short plain spectra that give 0.28 and 0.29 Hz"
+        screen.print(grid(text.SHORT, rows, title=title, right=(2, 3, 4)))

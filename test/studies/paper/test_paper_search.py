@@ -3,6 +3,7 @@
 
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,15 +11,17 @@ from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
 from drill_twin.errors import ArgumentError
-from drill_twin.scene import load_scene
-from drill_twin.studies.paper.runs.cases import Case
+from drill_twin.scene import load_scene, parse_scene
+from drill_twin.studies.paper.runs.cases import Case, changed
 from drill_twin.studies.paper.search import posterior, space
 from drill_twin.studies.paper.search import search as module
 from drill_twin.studies.paper.search.assumptions import ASSUMPTIONS, LOOSE, STRICT, pair_misfits, score
 from drill_twin.studies.paper.search.evaluate import Bench, failed
-from drill_twin.studies.paper.search.exclusion import exclusion_of, numbers_of
+from drill_twin.studies.paper.search.exclusion import examined, exclusion_of, finalists_of, numbers_of
+from drill_twin.studies.paper.search.habits import HABITS, habits
 from drill_twin.studies.paper.search.readings import BASE, NUMBERS, TIMES, WHIRLS, Motion, misfits, read
 from drill_twin.studies.paper.search.record import Evaluated, Record
+from drill_twin.studies.paper.search.short_spectra import short_spectra
 from drill_twin.studies.paper.search.space import (
     FREE,
     NUMBER,
@@ -29,18 +32,54 @@ from drill_twin.studies.paper.search.space import (
     scene_of_trial,
     trial_of_scene,
 )  # fmt: skip
+from drill_twin.studies.paper.search.text import habit_rows, value_rows
 
 RADIUS, CLEARANCE = 8.25e-3, 81.75e-3
 BENCH = "pa6_calibrated"
 SECONDS = 3.0
 
 
-def reading(whirl: float, rotation: float = 2.0, radius: float = 0.05, begins: float = 3.0):
-    """Readings of a string that whirls on a circle from some time on."""
+def whirling(whirl: float, rotation: float = 2.0, radius: float = 0.05, begins: float = 3.0) -> Motion:
+    """Motion of a string that whirls on a circle from some time on."""
     time = np.arange(1, 1201) / 40.0
     circle = np.where(time > begins, radius, 1e-5) * np.exp(2j * math.pi * whirl * time)
     centre = circle[:, None] * np.array([0.2, 0.6, 1.0])
-    return read(Motion(time, centre, math.tau * rotation * time, RADIUS, CLEARANCE))
+    return Motion(time, centre, math.tau * rotation * time, RADIUS, CLEARANCE)
+
+
+def reading(whirl: float, **how: float):
+    """Readings of such a motion."""
+    return read(whirling(whirl, **how))
+
+
+def test_a_short_plain_spectrum_has_its_lowest_line_at_the_inverse_of_its_length(monkeypatch):
+    """Whirls of 8/7 and 2/7 Hz; over 10 s the line nearest to 2/7 Hz is the third."""
+    rates = {20.0: 8.0 / 7.0, 150.0: 2.0 / 7.0, 300.0: 2.0 / 7.0}
+    monkeypatch.setattr(Bench, "motion", lambda _self, _one, case: whirling(rates[case.weight_on_bit], radius=0.07))
+    bench = Bench(load_scene(BENCH))
+    found = {one.reading: one for one in short_spectra(bench, trial_of_scene(bench.scene))}
+    lowest, third = (found[f"x of mark_2, {length} after the onset"] for length in ("3.5 s", "10 s"))
+    assert lowest.lines == pytest.approx((8.0 / 7.0, 2.0 / 7.0, 2.0 / 7.0), rel=0.01)
+    assert third.lines == pytest.approx((1.1, 0.3, 0.3), rel=0.01)
+    assert (lowest.first, third.first) == (True, False)
+    assert "x of mark_2, 2.5 s after the onset" not in found
+
+
+def test_an_interval_stands_in_place_of_an_irregular_whirl(monkeypatch):
+    """A whirl that changes from 0.2 to 0.6 Hz within the last half: least and most over windows of 3 s."""
+    slow, fast = whirling(0.2), whirling(0.6)
+    changing = slow._replace(centre=np.where(slow.time[:, None] < 22.0, slow.centre, fast.centre))
+    monkeypatch.setattr(Bench, "motion", lambda *_: changing)
+    bench = Bench(load_scene(BENCH))
+    one = trial_of_scene(bench.scene)
+    results = {case: bench.run(one, case) for case in map(_case, range(len(NUMBERS)))}
+    best = examined(bench, finalists_of([Evaluated(one, results)], STRICT)[0])
+    value = best.values[4]
+    assert value.irregular
+    assert (value.low, value.high) == pytest.approx((0.2, 0.6), abs=0.01)
+    assert f"irregular: {value.low:.2g} to {value.high:.2g} over windows" in str(
+        [cells[-1] for cells in value_rows(SimpleNamespace(finalists=(best,)))]
+    )
 
 
 def test_a_whirl_is_read_in_each_way():
@@ -130,7 +169,8 @@ def test_the_posterior_finds_what_the_numbers_determine(monkeypatch):
             whirl = ratio * number.value * (number.speed if number.unit == "" else 1.0)
             results[case].whirl[BASE["whirl"]] = whirl
         evaluated.append(Evaluated(one, results))
-    monkeypatch.setattr(posterior, "CHECKED", 1)
+    monkeypatch.setattr(posterior, "ROUNDS", 1)
+    monkeypatch.setattr(posterior, "DRAWN", 1)
     monkeypatch.setattr(Bench, "run", lambda *_: None)
     found = posterior.sample(bench, evaluated, walkers=24, steps=60, seed=1)
     known, bow = (posterior.SOUGHT.index(k) for k in (friction, NUMBER["bow"]))
@@ -140,6 +180,21 @@ def test_the_posterior_finds_what_the_numbers_determine(monkeypatch):
     assert found.checked.shape == (1, len(posterior.TIMED) + len(posterior.WHIRLED), 2)
     with pytest.raises(ArgumentError, match="expected a record with 100 runs at 20 N, 2 rev/s"):
         posterior.sample(bench, evaluated[:5], walkers=24, steps=1, seed=1)
+
+
+def test_a_habit_of_multibody_codes_is_a_change_of_the_bench():
+    bench = Bench(load_scene(BENCH), SECONDS)
+    one, changes = trial_of_scene(bench.scene), HABITS["integrator's damping at 5 ms and 1.1 Hz, as drag"]
+    asked = []
+    bench.run = lambda trial, case, own: asked.append((trial, case, own)) or failed()
+    rows = list(habit_rows(habits(bench)))
+    assert [cells[0] for cells in rows] == list(HABITS)
+    assert (one, Case(300.0, 2.0), {"numerics.elements": 20, **changes}) in asked
+    for name, own in HABITS.items():  # each is a change that a scene accepts
+        scene = bench.scene
+        for place, value in own.items():
+            scene = changed(scene, place, value)
+        assert parse_scene(scene.to_yaml()), name
 
 
 def test_growth_along_the_ramps_gives_the_critical_times_of_runs():

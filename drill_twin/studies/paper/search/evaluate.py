@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -107,9 +109,14 @@ class Bench:
     def _surface(self) -> float:
         return 0.5 * self.scene.string.sections[0].outer_diameter
 
-    def run(self, one: Trial, case: Case) -> Readings | None:
-        """Readings of one run of a set; None where it fails."""
-        scene = scene_of(scene_of_trial(self.scene, one), case)
+    def run(self, one: Trial, case: Case, changes: Mapping[str, Any] | None = None) -> Readings | None:
+        """Readings of one run of a set, with other values of its scene changed; None where it fails."""
+        motion = self.motion(one, case, changes)
+        return None if motion is None else read(motion)
+
+    def motion(self, one: Trial, case: Case, changes: Mapping[str, Any] | None = None) -> Motion | None:
+        """Motion of one run of a set; None where it fails."""
+        scene = scene_of(scene_of_trial(self.scene, one), case, changes)
         try:
             twin, schedule = Twin(scene), Schedule.from_scene(scene)
             times = np.arange(1, round(self.seconds * FRAME_RATE) + 1) / FRAME_RATE
@@ -121,9 +128,7 @@ class Bench:
         places = [mark.name for mark in scene.string.marks]
         centre = rows.centre[:, [places.index(mark) for mark in MARKS]]
         angle = np.cumsum(commands[:, 1]) / FRAME_RATE
-        return read(
-            Motion(rows.time, centre[..., 0] + 1j * centre[..., 1], angle, self._surface, scene.least_clearance)
-        )
+        return Motion(rows.time, centre[..., 0] + 1j * centre[..., 1], angle, self._surface, scene.least_clearance)
 
 
 def failed() -> Readings:

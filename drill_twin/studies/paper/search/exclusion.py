@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import StringIO
 from typing import Any, NamedTuple
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.studies.paper.runs.cases import Case
-from drill_twin.studies.paper.runs.published import Number
+from drill_twin.studies.paper.runs.published import RATIO, Number
 from drill_twin.studies.paper.search.assumptions import ASSUMPTIONS, LOOSE, STRICT, Score, score
 from drill_twin.studies.paper.search.evaluate import TIMED, Bench
 from drill_twin.studies.paper.search.readings import (
@@ -25,9 +25,11 @@ from drill_twin.studies.paper.search.readings import (
     Results,
     misfit,
     values,
+    window_rates,
 )  # fmt: skip
 from drill_twin.studies.paper.search.record import Evaluated, Record
 from drill_twin.studies.paper.search.search import PAIRS, Archive
+from drill_twin.studies.paper.search.short_spectra import Short, short_spectra
 from drill_twin.studies.paper.search.space import BIT, CHOICES, LAW, PLAY, SHARE_LEFT, SPRING, Trial
 
 SHOWN = 3
@@ -44,6 +46,9 @@ class Value(NamedTuple):
     """In units of 20 %; NaN: its run was not made."""
     spread: float
     """Range of the precession of mark_2 over windows of the last half, over its mean."""
+    low: float = np.nan
+    """Of an irregular whirl the least and the most precession of mark_2 over these windows [unit of the number]."""
+    high: float = np.nan
 
     @property
     def irregular(self) -> bool:
@@ -60,12 +65,14 @@ class Finalist:
         under: Assumptions that it keeps to, by their place in `ASSUMPTIONS`.
         score: What it meets.
         values: Each number.
+        short: Readings of short spectra that give the two frequencies at high load.
     """
 
     trial: Trial
     under: int
     score: Score
     values: tuple[Value, ...]
+    short: tuple[Short, ...] = ()
 
     @property
     def steady(self) -> int:
@@ -78,9 +85,11 @@ class Finalist:
             "under": ASSUMPTIONS[self.under].name, "met": self.score.met, "steady": self.steady,
             "readings": self.score.readings, "numbers": numbers_of(self.trial), "choices": choices_of(self.trial),
             "values": [
-                {"number": one.number.name, "ours": one.ours, "misfit": one.misfit, "irregular": one.irregular}
+                {"number": one.number.name, "ours": one.ours, "misfit": one.misfit, "irregular": one.irregular,
+                 "low": one.low, "high": one.high}
                 for one in self.values
             ],
+            "short_spectra": [one._asdict() for one in self.short],
         }  # fmt: skip
 
 
@@ -151,7 +160,7 @@ def exclusion_of(record: Record, bench: Bench) -> Exclusion:
         archive.add(one)
     loose, strict = (finalists_of(evaluated, under) for under in (LOOSE, STRICT))
     known = {one.trial for one in loose}
-    finalists = (*loose, *(one for one in strict if one.trial not in known))
+    finalists = tuple(examined(bench, one) for one in (*loose, *(one for one in strict if one.trial not in known)))
     return Exclusion(
         record.sets, record.grown, len(evaluated), sum(len(one.results) for one in evaluated),
         archive.least, archive.best, finalists, growth_error(bench, evaluated),
@@ -184,6 +193,24 @@ def values_of(results: Results, near: Score) -> tuple[Value, ...]:
                 Value(number, float(values(number, run)[reading]), float(misfit(number, run)[reading]), run.spread)
             )
     return tuple(found)
+
+
+def examined(bench: Bench, one: Finalist) -> Finalist:
+    """A finalist with the intervals of its irregular whirls and its readings of short spectra, by runs."""
+    return replace(
+        one,
+        values=tuple(_interval(bench, one.trial, value) for value in one.values),
+        short=tuple(short_spectra(bench, one.trial)),
+    )
+
+
+def _interval(bench: Bench, one: Trial, value: Value) -> Value:
+    number = value.number
+    motion = bench.motion(one, Case(number.weight_on_bit, number.speed)) if value.irregular else None
+    if motion is None:
+        return value
+    rates = window_rates(motion)[:, 1] / (number.speed if number.what == RATIO else 1.0)
+    return value._replace(low=float(rates.min()), high=float(rates.max()))
 
 
 def growth_error(bench: Bench, evaluated: list[Evaluated]) -> tuple[float, float]:

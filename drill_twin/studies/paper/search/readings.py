@@ -85,9 +85,8 @@ Results = dict[Case, Readings]
 
 def read(motion: Motion) -> Readings:
     """All readings of a run."""
-    wall = motion.centre + motion.surface * np.exp(1j * motion.angle)[:, None]
-    half = motion.time.size // 2
-    rates = _precession(motion, half)
+    wall, half = wall_points(motion), motion.time.size // 2
+    rates = window_rates(motion)
     lines = []
     for mark in range(len(MARKS)):
         for place in (wall, motion.centre):
@@ -100,6 +99,11 @@ def read(motion: Motion) -> Readings:
     mean = rates.mean(axis=0)
     spread = float(np.ptp(rates[:, 1]) / max(abs(mean[1]), 1e-3))
     return Readings(crossings(motion.time, motion.centre, motion.clearance), np.array([*mean, *lines]), size, spread)
+
+
+def wall_points(motion: Motion) -> ComplexArray:
+    """Marked points on the string's surface, x + i y [m], shape (T, 3)."""
+    return np.asarray(motion.centre + motion.surface * np.exp(1j * motion.angle)[:, None])
 
 
 def crossings(time: Array, centre: ComplexArray, clearance: float) -> Array:
@@ -134,8 +138,9 @@ def highest_line(x: Array, every: float) -> float:
     return float(k * resolution)
 
 
-def _precession(motion: Motion, half: int, windows: int = 5) -> Array:
+def window_rates(motion: Motion, windows: int = 5) -> Array:
     """Mean rate of precession of each mark in windows of the last half [Hz], shape (windows, 3)."""
+    half = motion.time.size // 2
     turned = np.unwrap(np.angle(motion.centre[half:]), axis=0)
     edges = np.linspace(0, turned.shape[0] - 1, windows + 1).astype(int)
     spent = np.diff(motion.time[half:][edges])[:, None]

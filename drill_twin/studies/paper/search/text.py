@@ -10,6 +10,7 @@ import numpy as np
 from drill_twin.studies.paper.runs.table import NEAR
 from drill_twin.studies.paper.search.assumptions import ASSUMPTIONS, LOOSE, STRICT
 from drill_twin.studies.paper.search.exclusion import Exclusion, choices_of
+from drill_twin.studies.paper.search.habits import Habit
 from drill_twin.studies.paper.search.posterior import SOUGHT as PLACES
 from drill_twin.studies.paper.search.posterior import TIMED, WHIRLED, Posterior
 from drill_twin.studies.paper.search.readings import NUMBERS
@@ -22,6 +23,8 @@ OPENED = ("number", "and", "all kept", "opened alone by", "none kept")
 VALUES = ("number", "published", "set 1", "off by, in 20 %", "")
 SOUGHT = ("number", "median", "90 %", "of the prior's width")
 MODEL = ("number", "runs", "left out: median, 9th decile", "draws run: median error", "draws within 20 %")
+HABITS = ("habit", "critical times, s", "whirl at 20, 40, 150, 300 N, Hz", "mark-3, -2, -1 at 40 N, mm")
+SHORT = ("set", "reading", "20 N", "150 N", "300 N", "lines at high load")
 BEST = ("set", "met of 15", "in steady whirl", "assumptions", "readings", "choices that differ")
 
 Cells = tuple[str, ...]
@@ -86,7 +89,25 @@ def value_rows(found: Exclusion) -> Iterator[Cells]:
         unit = f" {one.number.unit}".rstrip()
         yield (
             f"{one.number.q} {one.number.name}", f"{one.number.value:g}{unit}", f"{one.ours:.3g}{unit}",
-            f"{one.misfit:.2f}", "irregular: a line of one window" if one.irregular else "",
+            f"{one.misfit:.2f}", f"irregular: {one.low:.2g} to {one.high:.2g} over windows" if one.irregular else "",
+        )  # fmt: skip
+
+
+def short_rows(found: Exclusion) -> Iterator[Cells]:
+    """Cells under `SHORT`."""
+    for k, one in enumerate(found.finalists, 1):
+        for reading, lines, first in one.short:
+            yield str(k), reading, *(f"{line:.3g} Hz" for line in lines), "the lowest there is" if first else ""
+
+
+def habit_rows(found: list[Habit]) -> Iterator[Cells]:
+    """Cells under `HABITS`."""
+    for one in found:
+        yield (
+            one.name,
+            ", ".join(f"{value:.2f}" for value in one.times),
+            ", ".join(f"{value:+.2f}" for value in one.whirls),
+            ", ".join(f"{value:.0f}" for value in one.sizes[::-1]),
         )  # fmt: skip
 
 
