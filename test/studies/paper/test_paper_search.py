@@ -160,24 +160,40 @@ def test_the_posterior_finds_what_the_numbers_determine(monkeypatch):
     bench = Bench(load_scene(BENCH), SECONDS)
     random, friction = np.random.default_rng(2), NUMBER["friction at the wall"]
     cases = {Case(number.weight_on_bit, number.speed): number for number in posterior.WHIRLED}
+
+    def whirl_of(one, number):  # the published one at a half
+        return (1.6 - 1.2 * one.shares[friction]) * number.value * (number.speed if number.unit == "" else 1.0)
+
     evaluated = []
     for _ in range(150):
         one = ASSUMPTIONS[STRICT].applied(random_trial(random))
-        ratio = 1.6 - 1.2 * one.shares[friction]  # 1 at a half
         results = {case: failed() for case in cases}
         for case, number in cases.items():
-            whirl = ratio * number.value * (number.speed if number.unit == "" else 1.0)
-            results[case].whirl[BASE["whirl"]] = whirl
+            results[case].whirl[BASE["whirl"]] = whirl_of(one, number)
         evaluated.append(Evaluated(one, results))
     monkeypatch.setattr(posterior, "ROUNDS", 1)
     monkeypatch.setattr(posterior, "DRAWN", 1)
-    monkeypatch.setattr(Bench, "run", lambda *_: None)
+    monkeypatch.setattr(posterior, "WEIGHED", 60)
+
+    def run(_bench, one, case):
+        found = failed()
+        if case in cases:
+            found.whirl[BASE["whirl"]] = whirl_of(one, cases[case])
+        found.time[BASE["time"]] = begins[case.weight_on_bit]
+        return found
+
+    begins = {20.0: 7.24, 40.0: 6.12}
+    monkeypatch.setattr(posterior, "critical_times", lambda _string, start, *_: np.array([begins[start.load]]))
+
+    monkeypatch.setattr(Bench, "run", run)
     found = posterior.sample(bench, evaluated, walkers=24, steps=60, seed=1)
     known, bow = (posterior.SOUGHT.index(k) for k in (friction, NUMBER["bow"]))
-    assert np.median(found.shares[:, known]) == pytest.approx(0.5, abs=0.1)
+    assert found.interval(known)[1] == pytest.approx(FREE[friction].value(0.5), rel=0.4)
+    assert 1.0 < found.effective <= 60.0
+    assert found.weights.sum() == pytest.approx(1.0)
     assert found.width(known) < 0.3 < found.width(bow)
     assert all(one.error[1] < 0.1 for one in found.surrogates)
-    assert found.checked.shape == (1, len(posterior.TIMED) + len(posterior.WHIRLED), 2)
+    assert found.checked.shape == (60, len(posterior.TIMED) + len(posterior.WHIRLED), 2)
     with pytest.raises(ArgumentError, match="expected a record with 100 runs at 20 N, 2 rev/s"):
         posterior.sample(bench, evaluated[:5], walkers=24, steps=1, seed=1)
 

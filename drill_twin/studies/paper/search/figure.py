@@ -68,13 +68,15 @@ def draw_posterior(found: Posterior) -> Figure:
             panel.axis("off")
             continue
         x, y = (_logarithm(found, order[k]) for k in (j, i))
+        low, high = _bounds(order[j])
         if i == j:
-            panel.hist(x, bins=40, color=BLUE)
+            panel.hist(x, bins=list(np.linspace(low, high, 21)), weights=found.weights, color=BLUE)
             panel.set_yticks([])
         else:
-            panel.hexbin(x, y, gridsize=35, cmap="Blues", mincnt=1, linewidths=0.1)
+            panel.scatter(x, y, 2.0, color=LIGHT)
+            panel.scatter(x, y, 1500.0 * found.weights, color=BLUE, alpha=0.5, linewidths=0.0)
             panel.set_ylim(*_bounds(order[i]))
-        panel.set_xlim(*_bounds(order[j]))
+        panel.set_xlim(low, high)
         panel.grid(visible=False)
         panel.tick_params(labelsize=8, labelbottom=i == SHOWN - 1, labelleft=j == 0 and i > 0)
         if i == SHOWN - 1:
@@ -83,7 +85,8 @@ def draw_posterior(found: Posterior) -> Figure:
             panel.set_ylabel(_label(order[i]), fontsize=8)
     figure.text(
         0.02, 0.015,
-        f"{len(found.shares)} draws; the axes are the bounds of the prior, powers of ten.",
+        f"{len(found.shares)} draws, the area of each its weight, worth {found.effective:.0f} of equal weight; "
+        "the axes are the bounds of the prior, powers of ten.",
         fontsize=9, color=INK,
     )  # fmt: skip
     return figure

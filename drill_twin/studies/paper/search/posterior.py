@@ -4,7 +4,8 @@
 Prior: each number of a set uniform between its bounds on its logarithmic scale. Likelihood: normal in the ratio of
 computed to published, with the spread of `SPREAD` and the error of the surrogate. Critical times by growth along the
 ramps, whirl numbers by radial basis functions through the runs of a search; sampled by emcee (Foreman-Mackey, Hogg,
-Lang and Goodman 2013), whose walkers move by stretches along the lines between them.
+Lang and Goodman 2013), whose walkers move by stretches along the lines between them; then some draws are run and
+weighed by their likelihood, so that the surrogate's error does not shift the result.
 """
 
 from __future__ import annotations
@@ -49,6 +50,8 @@ ROUNDS, DRAWN = 3, 24
 """Times that draws of the posterior are run and taken into its model before the last sampling, and how many each time.
 
 A search runs few sets where it has no goal, so a model through its runs alone misleads the walkers."""
+WEIGHED = 120
+"""Draws of the last sampling that are run and weighed."""
 
 
 class Surrogate:
@@ -99,7 +102,7 @@ class Surrogate:
 
 
 class Likelihood:
-    """Logarithm of the posterior's density of sets, all assumptions kept.
+    """Logarithm of the model's density of sets, all assumptions kept.
 
     Attributes:
         surrogates: Of the whirl numbers.
@@ -132,9 +135,17 @@ class Likelihood:
         result = np.full(len(places), -np.inf)
         inside = ((places >= 0.0) & (places <= 1.0)).all(axis=1)
         if inside.any():
-            off = np.clip(self.ratios(full(places[inside])) - 1.0, -OFF, OFF)
-            result[inside] = -0.5 * ((off / self._spread) ** 2).sum(axis=1)
+            result[inside] = self.of(self.ratios(full(places[inside])))
         return result
+
+    def of(self, ratios: Array) -> Array:
+        """The same from the ratios, shape (s, numbers) to (s,)."""
+        return _density(ratios, self._spread)
+
+
+def _density(ratios: Array, spread: Array) -> Array:
+    off = np.minimum(np.abs(np.nan_to_num(ratios, nan=np.inf) - 1.0), OFF)
+    return np.asarray(-0.5 * ((off / spread) ** 2).sum(axis=1))
 
 
 def full(places: Array) -> Array:
@@ -155,13 +166,15 @@ class Posterior:
 
     Attributes:
         shares: Draws of the numbers sought, each 0 to 1 of the way between its bounds, shape (n, sought).
+        weights: Weight of each, shape (n,); their sum is 1.
         steps: Steps of each walker, the first third left out.
         autocorrelation: Longest autocorrelation time of a number [steps].
         surrogates: Of the whirl numbers.
-        checked: Computed over published of some draws, by the model of the posterior and by runs, (draws, numbers, 2).
+        checked: Computed over published of the draws, by the model and by runs, shape (n, numbers, 2).
     """
 
     shares: Array
+    weights: Array
     steps: int
     autocorrelation: float
     surrogates: list[Surrogate]
@@ -170,19 +183,29 @@ class Posterior:
     def interval(self, k: int) -> tuple[float, float, float]:
         """5 %, 50 % and 95 % of the number `SOUGHT[k]` [its unit]."""
         parameter = FREE[SOUGHT[k]]
-        low, middle, high = (parameter.value(share) / parameter.scale for share in np.quantile(
-            self.shares[:, k], (0.05, 0.5, 0.95)))  # fmt: skip
+        low, middle, high = (parameter.value(share) / parameter.scale for share in self._quantiles(k))
         return low, middle, high
 
     def width(self, k: int) -> float:
         """Width of its 90 % interval over that of its prior, on its logarithmic scale: 1: not determined."""
-        low, high = np.quantile(self.shares[:, k], (0.05, 0.95))
-        return float((high - low) / 0.9)
+        low, _, high = self._quantiles(k)
+        return (high - low) / 0.9
+
+    @property
+    def effective(self) -> float:
+        """Number of draws of equal weight that say as much."""
+        return float(1.0 / (self.weights**2).sum())
+
+    def _quantiles(self, k: int) -> tuple[float, ...]:
+        order = np.argsort(self.shares[:, k])
+        reached = np.cumsum(self.weights[order]) - 0.5 * self.weights[order]
+        return tuple(float(np.interp(q, reached, self.shares[order, k])) for q in (0.05, 0.5, 0.95))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
         return {
-            "draws": len(self.shares), "steps": self.steps, "autocorrelation": self.autocorrelation,
+            "draws": len(self.shares), "effective": self.effective,
+            "steps": self.steps, "autocorrelation": self.autocorrelation,
             "numbers": {
                 FREE[place].name: {"low": one[0], "median": one[1], "high": one[2], "unit": FREE[place].unit,
                                    "width": self.width(k)}
@@ -196,7 +219,10 @@ class Posterior:
 
 
 def sample(bench: Bench, evaluated: list[Evaluated], *, walkers: int, steps: int, seed: int) -> Posterior:
-    """Sample the posterior, run some of its draws and take them into its model, again and again; check the last one.
+    """Sample the posterior by its model, run draws and take them into the model, then run and weigh the last draws.
+
+    The weight of a draw is its likelihood by its runs over that of the model (importance sampling), so what the model
+    misses costs draws and does not shift the result.
 
     Args:
         bench: The bench of the search.
@@ -220,21 +246,23 @@ def sample(bench: Bench, evaluated: list[Evaluated], *, walkers: int, steps: int
         sampler.run_mcmc(start, count)
         return sampler
 
-    def drawn(sampler: Any, count: int) -> list[Trial]:
-        draws = sampler.get_chain(discard=count // 3, flat=True)
-        return [kept_trial(shares) for shares in full(draws[random.integers(0, len(draws), DRAWN)])]
+    def drawn(sampler: Any, count: int) -> list[Evaluated]:
+        draws = sampler.get_chain(discard=sampler.iteration // 3, flat=True)
+        picked = full(draws[random.integers(0, len(draws), count)])
+        return [Evaluated(one, _runs(bench, one)) for one in map(kept_trial, picked)]
 
     for _ in range(ROUNDS):
-        known += [
-            Evaluated(one, _runs(bench, one)) for one in drawn(walked(Likelihood(bench, known), steps // 4), steps // 4)
-        ]
+        known += drawn(walked(Likelihood(bench, known), steps // 4), DRAWN)
     likelihood = Likelihood(bench, known)
     sampler = walked(likelihood, steps)
-    trials = drawn(sampler, steps)
-    model = likelihood.ratios(np.array([one.shares for one in trials]))
+    weighed = drawn(sampler, WEIGHED)
+    shares = np.array([one.trial.shares for one in weighed])
+    model, run = likelihood.ratios(shares), np.array([_ratios(one.results) for one in weighed])
+    excess = _density(run, np.array([SPREAD[one.q] for one in (*TIMED, *WHIRLED)])) - likelihood.of(model)
+    weights = np.exp(excess - excess.max())
     return Posterior(
-        sampler.get_chain(discard=steps // 3, flat=True), steps, float(sampler.get_autocorr_time(tol=0).max()),
-        likelihood.surrogates, np.stack([model, [_ratios(_runs(bench, one)) for one in trials]], axis=2),
+        shares[:, SOUGHT], weights / weights.sum(), steps, float(sampler.get_autocorr_time(tol=0).max()),
+        likelihood.surrogates, np.stack([model, run], axis=2),
     )  # fmt: skip
 
 

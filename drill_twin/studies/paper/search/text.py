@@ -22,7 +22,7 @@ ALONE = ("number", "published", "least misfit, all kept", "none kept")
 OPENED = ("number", "and", "all kept", "opened alone by", "none kept")
 VALUES = ("number", "published", "set 1", "off by, in 20 %", "")
 SOUGHT = ("number", "median", "90 %", "of the prior's width")
-MODEL = ("number", "runs", "left out: median, 9th decile", "draws run: median error", "draws within 20 %")
+MODEL = ("number", "runs", "left out: median, 9th decile", "draws run: median error", "within 20 %, weighed")
 HABITS = ("habit", "critical times, s", "whirl at 20, 40, 150, 300 N, Hz", "mark-3, -2, -1 at 40 N, mm")
 SHORT = ("set", "reading", "20 N", "150 N", "300 N", "lines at high load")
 BEST = ("set", "met of 15", "in steady whirl", "assumptions", "readings", "choices that differ")
@@ -114,8 +114,8 @@ def habit_rows(found: list[Habit]) -> Iterator[Cells]:
 def posterior_lead(found: Posterior) -> str:
     """Size of the sampling."""
     return (
-        f"Posterior with all assumptions kept: {len(found.shares)} draws of {found.steps} steps a walker, the longest "
-        f"autocorrelation {found.autocorrelation:.0f} steps."
+        f"Posterior with all assumptions kept: {len(found.shares)} draws, run and weighed, worth {found.effective:.0f} "
+        f"of equal weight; from {found.steps} steps a walker, autocorrelated over {found.autocorrelation:.0f} at most."
     )
 
 
@@ -136,5 +136,5 @@ def model_rows(found: Posterior) -> Iterator[Cells]:
         yield (
             f"{number.q} {number.name}", str(own.count) if own else "growth",
             f"{own.error[0]:.1%}, {own.error[1]:.1%}" if own else "-",
-            f"{np.median(np.abs(model - run)):.1%}", f"{np.mean(np.abs(run - 1.0) <= NEAR):.0%}",
+            f"{np.nanmedian(np.abs(model - run)):.1%}", f"{found.weights @ (np.abs(run - 1.0) <= NEAR):.0%}",
         )  # fmt: skip
