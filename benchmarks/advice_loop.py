@@ -3,7 +3,8 @@
 
 Scene n has the numbers of the seed n on the paper's rod, coarsely resolved. Its map has at most 100 runs. The string
 starts at a set-point of its own; if it whirls after the time of a run of the map, the advice is followed until the
-whirl has ended. Each result is one line of a file; a broken campaign goes on behind the last whole line.
+whirl has ended. With `--lowest 0.7` many ranges have nothing calm, and the driver must be told so. Each result is one
+line of a file; a broken campaign goes on behind the last whole line.
 """
 
 from __future__ import annotations
@@ -37,26 +38,31 @@ def main() -> None:
     """Run the scenes that are missing, and print the counts."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=50, help="scenes that whirl at first")
+    parser.add_argument("--lowest", type=float, default=0.025, help="lower ends of the ranges, over the set-points")
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=Path("out/advice_loop.jsonl"))
+    parser.add_argument("--out", type=Path, default=Path("out/advice_loop"))
     given = parser.parse_args()
-    given.out.parent.mkdir(parents=True, exist_ok=True)
-    text = given.out.read_text("utf-8") if given.out.exists() else ""
-    results = [json.loads(line) for line in text[: text.rfind("\n") + 1].splitlines()]
-    with given.out.open("w", encoding="utf-8") as stream:
-        stream.writelines(json.dumps(result) + "\n" for result in results)
+    given.out.mkdir(parents=True, exist_ok=True)
+    file = given.out / "results.jsonl"
+    text = file.read_text("utf-8") if file.exists() else ""
+    known = {line["scene"]: line for line in map(json.loads, text[: text.rfind("\n") + 1].splitlines())}
+    results: list[dict[str, object]] = []
+    with file.open("w", encoding="utf-8") as stream:
+        stream.writelines(json.dumps(result) + "\n" for result in known.values())
         while sum(result["end"] != NO_WHIRL for result in results) < given.scenes:
-            results.append(result_of(len(results), given.workers))
-            stream.write(json.dumps(results[-1]) + "\n")
-            stream.flush()
+            number = len(results)
+            results.append(known.get(number) or result_of(number, given.lowest, given.out, given.workers))
+            if number not in known:
+                stream.write(json.dumps(results[-1]) + "\n")
+                stream.flush()
     counts = Counter(result["end"] for result in results)
     print("\n".join(f"{name}: {counts[name]}" for name in (LEFT, STAYED, TOLD, NOT_TOLD, NO_WHIRL)))
     if whole := counts[LEFT] + counts[STAYED]:
         print(f"with a calm set-point in the map: {counts[LEFT] / whole:.0%} leave the whirl")
 
 
-def result_of(number: int, workers: int) -> dict[str, object]:
-    """Numbers and end of a scene."""
+def result_of(number: int, lowest: float, out: Path, workers: int) -> dict[str, object]:
+    """Numbers and end of a scene; the runs of its map are kept."""
     numbers = drawn(number)
     scene = dt.load_scene("pa6_bench", COARSE | numbers)
     weight, speed = scene.rig.weight_on_bit.value, scene.rig.rotation.value
@@ -65,13 +71,13 @@ def result_of(number: int, workers: int) -> dict[str, object]:
     if simulation.state is None or not whirls_in(simulation.state.motion):
         return {"scene": number, "numbers": numbers, "end": NO_WHIRL}
     found = dt.operating_map(
-        scene, wob=f"{0.025 * weight!r}..{1.1 * weight!r} N", rps=f"{0.025 * speed!r}..{1.1 * speed!r} rad/s",
-        duration=DURATION, runs=100, steps=8, workers=workers,
+        scene, wob=f"{lowest * weight!r}..{1.1 * weight!r} N", rps=f"{lowest * speed!r}..{1.1 * speed!r} rad/s",
+        duration=DURATION, runs=100, steps=8, workers=workers, folder=out / f"map_{number}_from_{lowest:g}",
     )  # fmt: skip
     possible = bool(found.calm.any())
     end, advice = follow(simulation, Adviser(found))
     if not possible:
-        end = TOLD if "no calm set-point" in advice[-1] else NOT_TOLD
+        end = TOLD if "no calm set-point" in "".join(advice[-1:]) else NOT_TOLD
     return {"scene": number, "numbers": numbers, "runs": len(found.records), "end": end, "advice": advice}
 
 

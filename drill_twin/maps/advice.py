@@ -16,6 +16,7 @@ from drill_twin.maps.plane import Node
 from drill_twin.maps.regimes import REGIMES, Regime
 from drill_twin.maps.runs import RAMP, STAY
 from drill_twin.whirl import MotionState
+from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.motion.timeline import NO_WHIRL
 
 MARGIN = 0.05
@@ -88,7 +89,13 @@ class Adviser:
     def _safe(self) -> Mask:
         return np.asarray(self._calm & ~self.map.keeps_whirling)
 
-    def advise(self, weight: float, speed: float, *, whirls: bool, seconds: float = 0.0) -> Advice:
+    @cached_property
+    def _told(self) -> Mask:
+        """Nodes, by speed alone, at which runs had the revolutions that tell a whirl from a shift of the string."""
+        speeds = np.linspace(*self.map.plane.speed, self.map.plane.steps + 1)
+        return np.asarray(speeds * self.map.duration >= math.tau * Criteria().sweep_window)
+
+    def advise(self, weight: float, speed: float, *, whirls: bool, seconds: float = 0.0, stops: bool = False) -> Advice:
         """Advice at a set-point.
 
         Args:
@@ -96,6 +103,7 @@ class Adviser:
             speed: Speed [rad/s].
             whirls: The string whirls now.
             seconds: Time for which it has whirled at this set-point [s].
+            stops: The last advice was to stop the rotation, and the whirl has not ended.
         """
         found, boundary = self.map, DIES if whirls else FROM_REST
         allowed = self._safe if whirls else self._calm
@@ -109,23 +117,26 @@ class Adviser:
             target = self._target(allowed, weight, speed, above=float(_depth(allowed)[node]) if late else 0.0)
         if target is not None and inside and found.node(target.weight, target.speed) == node:
             target = None
-        again, slower = None, whirls and 0.0 <= speed < found.plane.speed.low
+        again, slower = None, whirls and (stops or 0.0 <= speed < found.plane.speed.low)
         if slower or (whirls and target is None and (late or not good)):  # a rotation that stops must not be resumed
             again = self._target(self._calm, *found.plane.command((0, 0)), above=math.inf)
             target = None if again is None else Target(again.weight, 0.0, math.inf)
         keeps = bool(found.keeps_whirling[node])
         level = Level.ERROR if late or not good else Level.WARN if whirls or target is not None else Level.OK
-        text = self._text(regime, margin, target, again, whirls=whirls, good=good, late=late)
+        text = self._text(regime, margin, target, again, whirls=whirls, good=good, late=late, stops=stops)
         return Advice(level, text, regime, keeps, boundary, margin, target)
 
     def _target(self, allowed: Mask, weight: float, speed: float, *, above: float = 0.0) -> Target | None:
         """Nearest allowed set-point that is farther from the boundary than `above` [steps] and has the wanted margin.
 
-        Where none has it, one of those with the largest; `above` infinite asks for these.
+        Where none has it, one of those with the largest; `above` infinite asks for these. Speeds so slow that no run
+        could tell a whirl are advised only where there are no others.
         """
         if not allowed.any():
             return None
         depth = _depth(allowed)
+        if (allowed & self._told).any():
+            depth = np.where(self._told, depth, 0.0)
         most = float(depth.max())
         if not math.isinf(above) and above >= most:
             return None
@@ -145,10 +156,13 @@ class Adviser:
         whirls: bool,
         good: bool,
         late: bool,
+        stops: bool,
     ) -> str:
         low, high = (_point(*ends) for ends in zip(self.map.plane.weight, self.map.plane.speed, strict=True))
         if regime is None:
             where = f"outside the map, which has {low} to {high}"
+        elif whirls and stops:
+            where = "the string still whirls"
         elif whirls and late:
             where = f"the string still whirls after {self.patience:.3g} s, in which a whirl dies here by the map"
         elif whirls:
@@ -169,7 +183,7 @@ class Adviser:
 
 
 class Tracker:
-    """Set-points smoothed over time, and how long a whirl has lasted at one of them."""
+    """Set-points smoothed over time, how long a whirl has lasted at one of them, and whether the rotation stops."""
 
     def __init__(self) -> None:
         """Begin without a set-point."""
@@ -179,6 +193,7 @@ class Tracker:
         """Weight on bit [N] and speed [rad/s]."""
         self._place = (math.nan, math.nan)
         self._since = 0.0
+        self._stops = False
 
     def take(self, time: float, weight: float, speed: float) -> None:
         """Take the weight on bit [N] and the speed [rad/s] at a time [s]; one before the last begins anew."""
@@ -198,7 +213,10 @@ class Tracker:
         place = plane.place(self.weight, self.speed)
         if not (whirls and math.dist(place, self._place) < MOVED * plane.steps and self._since <= self.time):
             self._place, self._since = place, self.time
-        return adviser.advise(self.weight, self.speed, whirls=whirls, seconds=self.time - self._since)
+        seconds, stops = self.time - self._since, self._stops and whirls
+        advice = adviser.advise(self.weight, self.speed, whirls=whirls, seconds=seconds, stops=stops)
+        self._stops = whirls and advice.target is not None and advice.target.speed == 0.0
+        return advice
 
 
 def whirls_in(motion: str) -> bool:

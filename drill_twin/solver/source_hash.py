@@ -11,7 +11,7 @@ import ast
 import hashlib
 import importlib.util
 from collections.abc import Iterable, Iterator
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 PACKAGE = "drill_twin"
@@ -24,7 +24,7 @@ def source_hash(text: str, packages: tuple[str, ...] = ()) -> str:
         text: Source of the module.
         packages: Top-level packages to follow besides this one: those that bring effects of their own.
     """
-    digest = hashlib.sha256(_code(ast.parse(text)).encode())
+    digest = hashlib.sha256(_of_text(text, _followed(packages))[0].encode())
     for name, content in sorted(_reached(text, packages).items()):
         digest.update(f"{name}\n{content}".encode())
     return digest.hexdigest()
@@ -35,10 +35,22 @@ def modules_reached(text: str, packages: tuple[str, ...] = ()) -> list[str]:
     return sorted(_reached(text, packages))
 
 
+def _followed(packages: tuple[str, ...]) -> frozenset[str]:
+    return frozenset((PACKAGE, *packages))
+
+
+@lru_cache(maxsize=256)  # each member of an ensemble asks for the same
+def _of_text(text: str, followed: frozenset[str]) -> tuple[str, tuple[str, ...]]:
+    """Code and imports of a module's own text."""
+    tree = ast.parse(text)
+    imports = tuple(_imported(tree, "", followed))
+    return _code(tree), imports
+
+
 def _reached(text: str, packages: tuple[str, ...]) -> dict[str, str]:
-    followed = frozenset((PACKAGE, *packages))
+    followed = _followed(packages)
     found: dict[str, str] = {}
-    waiting = list(_imported(ast.parse(text), "", followed))
+    waiting = list(_of_text(text, followed)[1])
     while waiting:
         name = waiting.pop()
         if name not in found:

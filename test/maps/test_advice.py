@@ -8,7 +8,7 @@ import pytest
 
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.maps import OperatingMap, Plane, Regime, Span
-from drill_twin.maps.advice import Adviser, status_of
+from drill_twin.maps.advice import Adviser, Tracker, status_of
 from drill_twin.maps.runs import Key, Record
 
 STEPS = 16
@@ -25,7 +25,7 @@ def adviser(*, begins=16, dies=8, margin=0.1):
             records[Key(i, j, 0, (STEPS, STEPS))] = Record(Regime.FORWARD)
         elif i + j < min(dies, begins):
             records[Key(i, j, 0, (STEPS, STEPS))] = Record(Regime.SMOOTH)
-    return Adviser(OperatingMap("string", "", "", PLANE, 10.0, (), records), margin)
+    return Adviser(OperatingMap("string", "", "", PLANE, 100.0, (), records), margin)
 
 
 def node_of(target):
@@ -69,13 +69,13 @@ def test_a_whirl_that_dies_is_waited_for_and_one_that_does_not_sent_farther():
     some = adviser()
     waiting = some.advise(20.0, 2.0, whirls=True, seconds=1.0)
     assert (waiting.level, waiting.target) == (Level.WARN, None)
-    assert "dies here within 15 s by the map: hold" in waiting.text
-    late = some.advise(20.0, 2.0, whirls=True, seconds=15.1)
+    assert "dies here within 150 s by the map: hold" in waiting.text
+    late = some.advise(20.0, 2.0, whirls=True, seconds=150.1)
     assert late.level is Level.ERROR
     assert sum(node_of(late.target)) < 4
-    corner = some.advise(0.0, 0.0, whirls=True, seconds=15.1)
+    corner = some.advise(0.0, 0.0, whirls=True, seconds=150.1)
     assert (corner.target.weight, corner.target.speed) == (0.0, 0.0)
-    assert "stop the rotation, and begin again at 0 N at 0 rev/s" in corner.text
+    assert "stop the rotation, and begin again at 0 N at 0.1592 rev/s" in corner.text
 
 
 def test_a_rotation_that_stops_is_not_resumed_in_a_whirl():
@@ -84,6 +84,27 @@ def test_a_rotation_that_stops_is_not_resumed_in_a_whirl():
     stopping = some.advise(0.0, 0.5, whirls=True)
     assert stopping.target.speed == 0.0
     assert some.advise(0.0, 0.5, whirls=False).target.speed >= 1.0
+
+
+def test_the_advice_to_stop_holds_until_the_whirl_has_ended():
+    tracker, some = Tracker(), adviser(dies=0)
+    some.map = replace(some.map, plane=PLANE._replace(speed=Span(1.0, 17.0)))
+    said = []
+    for second, speed in enumerate((4.0, 2.0, 1.5, 0.5, 0.0)):
+        tracker.take(10.0 * second, 40.0, speed)
+        said.append(tracker.advise(some, whirls=True))
+    assert [advice.target.speed for advice in said] == [0.0] * 5
+    assert "the string still whirls, and no better set-point is known: stop the rotation" in said[2].text
+    assert tracker.advise(some, whirls=False).target.speed >= 1.0
+
+
+def test_a_speed_at_which_no_run_could_tell_a_whirl_is_not_advised():
+    some = adviser()
+    assert some.advise(100.0, 0.5, whirls=True).target.speed <= 1.0
+    some.map = replace(some.map, duration=10.0)  # six revolutions at 3.8 rad/s
+    some = Adviser(some.map)
+    for whirls in (False, True):
+        assert some.advise(170.0, 0.5, whirls=whirls).target.speed == 4.0
 
 
 def test_it_says_so_where_there_is_nothing_calm():
