@@ -14,6 +14,7 @@ import json
 import math
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +47,7 @@ def main() -> None:
     file = given.out / "results.jsonl"
     text = file.read_text("utf-8") if file.exists() else ""
     known = {line["scene"]: line for line in map(json.loads, text[: text.rfind("\n") + 1].splitlines())}
-    results: list[dict[str, object]] = []
+    results: list[dict[str, Any]] = []
     with file.open("w", encoding="utf-8") as stream:
         stream.writelines(json.dumps(result) + "\n" for result in known.values())
         while sum(result["end"] != NO_WHIRL for result in results) < given.scenes:
@@ -58,10 +59,13 @@ def main() -> None:
     counts = Counter(result["end"] for result in results)
     print("\n".join(f"{name}: {counts[name]}" for name in (LEFT, STAYED, TOLD, NOT_TOLD, NO_WHIRL)))
     if whole := counts[LEFT] + counts[STAYED]:
-        print(f"with a calm set-point in the map: {counts[LEFT] / whole:.0%} leave the whirl")
+        print(f"with a calm set-point in the map: {counts[LEFT] / whole:.0%} leave the whirl, ", end="")
+        said = [result.get("advice", ()) for result in results if result["end"] == LEFT]
+        stops = sum("stop the rotation" in "".join(advice) for advice in said)
+        print(f"{sum(len(advice) == 1 for advice in said)} by one advice, {stops} after a stop of the rotation")
 
 
-def result_of(number: int, lowest: float, out: Path, workers: int) -> dict[str, object]:
+def result_of(number: int, lowest: float, out: Path, workers: int) -> dict[str, Any]:
     """Numbers and end of a scene; the runs of its map are kept."""
     numbers = drawn(number)
     scene = dt.load_scene("pa6_bench", COARSE | numbers)
