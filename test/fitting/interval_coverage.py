@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from scipy import stats
 
 import drill_twin as dt
 
@@ -44,8 +45,12 @@ def main(twins: int, journal: Path) -> None:
         with journal.open("a") as file:
             file.write(json.dumps(lines[-1]) + "\n")
     for key in RANGES:
-        share = np.mean([line["inside"][key] for line in lines])
-        print(f"{key}: {share:.1%} of {len(lines)} intervals of 90 % hold the hidden number")
+        held = stats.binomtest(sum(line["inside"][key] for line in lines), len(lines))
+        low, high = held.proportion_ci(0.95)
+        print(
+            f"{key}: {held.statistic:.1%} of {len(lines)} intervals of 90 % hold the hidden number; "
+            f"95 % interval of the share {low:.1%} to {high:.1%}"
+        )
     print(f"{np.mean([line['runs'] for line in lines]):.0f} runs a fit")
 
 
