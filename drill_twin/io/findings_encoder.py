@@ -82,7 +82,7 @@ class FindingsEncoder:
         if findings.onset is not None and not self.onset_announced:
             self.onset_announced = True
             onset = findings.onset
-            message = OnsetMessage(onset.time_s, onset.mark, onset.confidence)
+            message = OnsetMessage(onset.time_s, onset.mark, onset.confidence, onset.uncertainty_s, onset.dated)
             yield WHIRL_ONSET, encode_onset(stamp, message, self._frame_id)
 
 

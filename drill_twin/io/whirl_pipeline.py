@@ -26,7 +26,7 @@ from drill_twin.scene import Scene, parse_scene
 from drill_twin.whirl import AnalysisError, Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
 from drill_twin.whirl.downhole import SubAnalyzer
 from drill_twin.whirl.downhole.motion import Place
-from drill_twin.whirl.findings import FoundRows, Quality
+from drill_twin.whirl.findings import FoundRows, Quality, SubFindings
 
 INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
 """Topics that the analysis needs."""
@@ -126,6 +126,11 @@ class WhirlPipeline:
     def place(self) -> Place | None:
         """Newest place of the section of a sub; None where marks are analysed, or before its first."""
         return self._analyzer.place if isinstance(self._analyzer, SubAnalyzer) else None
+
+    @property
+    def sub_findings(self) -> SubFindings | None:
+        """Impacts and stick-slip by the sub that is analysed; None for marks."""
+        return self._analyzer.sub if isinstance(self._analyzer, SubAnalyzer) else None
 
     @property
     def onset_announced(self) -> bool:

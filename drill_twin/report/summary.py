@@ -36,7 +36,9 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         By key; times in simulated seconds:
 
         * `onset_s`, `onset_mark`, `onset_confidence`: the onset of whirl; None where there was none. `whirl_end_s`:
-          time since which the string whirls no more, where the whirl was a transient.
+          time since which the string whirls no more, where the whirl was a transient. `onset_uncertainty_s`,
+          `onset_dated`: from a downhole sub, how far off the time may be, and whether it is known within a revolution.
+          `onset_at_start`: whether the string whirled already at the start of what is analysed.
         * `lasting_motion`: state of the string for most of the second half of the time since the onset.
         * `whirl_frequency_hz`: most frequent precession after the onset [Hz], positive = the sense of rotation, at
           `frequency_mark`; `precession_ratio`: the same over the rotation, `rotation_rev_s`. None for irregular motion,
@@ -48,6 +50,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `whirl_observable`: whether the bag has positions of marks.
         * `bit`, `stick_slip`: motion of the bit at the end, and its stretches of stick-slip; `bit_spectral_peak_hz`:
           the highest line in the spectrum of its speed.
+        * `sub`: from a downhole sub, impacts and stick-slip (`drill_twin.whirl.findings.SubFindings`); None for marks.
         * `loads`: `mean`, `min` and `max` of weight on bit, hookload and drag [N] and of the torques of top drive and
           bit [N m] (`drill_twin.report.quantities.loads`).
         * `fatigue`: by section of the effect `fatigue`, stress, cycles, damage and time to a damage of 1
@@ -82,6 +85,9 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "onset_mark": onset.mark if onset else None,
         "onset_confidence": onset.confidence if onset else None,
         "onset_criterion": onset.criterion if onset else None,
+        "onset_uncertainty_s": onset.uncertainty_s if onset else None,
+        "onset_dated": onset.dated if onset else None,
+        "onset_at_start": onset.at_start if onset else None,
         "mark_onset_s": found.mark_onset_s,
         "whirl_frequency_hz": found.whirl_frequency_hz,
         "precession_ratio": found.precession_ratio,
@@ -97,6 +103,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "bit": found.bit,
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
+        "sub": None if found.sub is None else asdict(found.sub),
         "loads": loads(bag),
         "fatigue": fatigue(bag),
         "wall": wall,
@@ -176,7 +183,7 @@ def _notes(bag: Recording) -> list[str]:
     if bag.sub:
         notes.append(
             f"positions are those of the section of the sub {bag.sub}, about its mean, from its readings: "
-            "contact is not known"
+            "contact is not known, and a radius is over the clearance where that mean has moved"
         )
     elif bag.rotation_from_spin and bag.places:
         notes.append("the bag holds no rig states: the rotation is taken from the spin of the marks")

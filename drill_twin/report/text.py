@@ -55,6 +55,7 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield from _fatigue(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield from _bit(summary)
+    yield from _sub(summary)
 
 
 def _states(summary: Summary) -> Iterator[Row]:
@@ -137,6 +138,24 @@ def _bit(summary: Summary) -> Iterator[Row]:
         yield "spectral peak of the bit", f"{summary['bit_spectral_peak_hz']:.2f} Hz"
 
 
+def _sub(summary: Summary) -> Iterator[Row]:
+    """Rows on what a downhole sub tells beside whirl."""
+    found = summary.get("sub")
+    if not found:
+        return
+    if found["share_at_rest"] is not None:
+        yield "section at rest", f"{found['share_at_rest']:.0%} of the time of stick-slip"
+    largest = (
+        ""
+        if found["largest_impact"] is None
+        else (
+            f" ({found['impact_rate_hz']:.2f} a second), acceleration {found['mean_impact']:.3g} m/s^2 on average, "
+            f"{found['largest_impact']:.3g} m/s^2 at most"
+        )
+    )
+    yield "impacts on the wall", f"{found['impacts']}{largest}"
+
+
 def provenance(summary: Summary) -> Iterator[Row]:
     """Rows on the run: scene, resolution, speed, version."""
     yield "scene", _text(summary["scene"])
@@ -197,9 +216,18 @@ def _lasting(summary: Summary) -> str:
 def _onset(summary: Summary) -> str:
     if summary["onset_s"] is None:
         return "none found"
+    if summary.get("onset_at_start"):
+        return (
+            f"before {summary['onset_s']:.2f} s: there from the start of what is analysed, at {summary['onset_mark']} "
+            f"(confidence {summary['onset_confidence']:.2f})"
+        )
+    sure = summary.get("onset_uncertainty_s")
+    known = "" if sure is None else f" +- {sure:.2f} s"
+    if not summary.get("onset_dated", True):
+        known += ", not dated within a revolution"
     ended = f"; a transient: no whirl since {summary['whirl_end_s']:.2f} s" if transient(summary) else ""
     return (
-        f"{summary['onset_s']:.2f} s, first at {summary['onset_mark']} "
+        f"{summary['onset_s']:.2f} s{known}, first at {summary['onset_mark']} "
         f"(confidence {summary['onset_confidence']:.2f}){ended}"
     )
 

@@ -20,9 +20,9 @@ from drill_twin.base.exact_jit import Integers
 from drill_twin.whirl.analyzer_kernel import CHANGED, DECIDED, NEW, bind_analysis
 from drill_twin.whirl.analyzer_state import BLOCK, COUNT, HAS_FORCE, HAS_SPIN, NEXT, AnalyzerState
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.findings import Findings, FoundRows, Quality, Summary
+from drill_twin.whirl.findings import Findings, FoundRows, Onset, Quality, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkArrays, MarkInfo, check_marks
-from drill_twin.whirl.motion.stick_slip import StickSlip
+from drill_twin.whirl.motion.stick_slip import MEAN, SECOND_POLE, StickSlip
 from drill_twin.whirl.record.run_statistics import SAMPLE_RATE
 from drill_twin.whirl.whirl_estimator import WhirlEstimator
 
@@ -35,14 +35,16 @@ FloatArray = NDArray[np.floating[Any]]
 class Analyzer:
     """Finds whirl in the motion of marks, sample by sample."""
 
-    def __init__(self, marks: Sequence[MarkInfo], criteria: Criteria | None = None) -> None:
-        """Start an analysis of `marks`.
+    def __init__(
+        self, marks: Sequence[MarkInfo], criteria: Criteria | None = None, *, contact_known: bool = True
+    ) -> None:
+        """Start an analysis of `marks`; `contact_known`: their positions are those about the axis of the hole.
 
         Raises:
             AnalysisError: No mark, or two of one name.
         """
         self.marks = check_marks(marks)
-        self.criteria = criteria or Criteria()
+        self.criteria, self._contact_known = criteria or Criteria(), contact_known
         self.reset()
 
     def reset(self) -> None:
@@ -52,7 +54,7 @@ class Analyzer:
         offsets = np.array([mark.wall_offset for mark in self.marks])
         self._state = AnalyzerState.of(MarkArrays.of(self.marks), offsets, self.criteria, self._bit.speed)
         self._analyse = bind_analysis(self._state).run
-        self._decisions = WhirlEstimator(self._names, self._state)
+        self._decisions = WhirlEstimator(self._names, self._state, contact_known=self._contact_known)
         self._flow, self._radius = self._state.flow, self._state.samples.radius
         self._shapes = frozenset(((len(self.marks), 2), (len(self.marks), 3)))
         self._counted = self._state.clock.stamps, self._state.samples.quality, self._state.statistics.numbers
@@ -74,16 +76,22 @@ class Analyzer:
         accepted, incomplete, missing, gaps = samples.tolist()
         return stamp, Quality(accepted, duplicate, late, incomplete, missing, gaps, numbers.item(SAMPLE_RATE))
 
+    @property
+    def bit_speed(self) -> tuple[float, float]:
+        """Low-passed speed of the bit and its slow mean [rad/s]."""
+        numbers = self._bit.speed.numbers
+        return numbers.item(SECOND_POLE), numbers.item(MEAN)
+
     def summary(self) -> Summary:
         """The findings of the whole run so far."""
         return self._state.statistics.summary(
             self._names, self._decisions, self._state.samples.largest, self._bit, self.quality
         )
 
-    def move_onset(self, time_s: float) -> None:
-        """Give the onset, which has been found, a time [s] that is known better."""
-        self._decisions.move_onset(time_s)
-        self._findings = replace(self._findings, onset=self._decisions.onset)
+    def date_onset(self, onset: Onset) -> None:
+        """Replace the onset, which has been found, by the same with a time that is known better."""
+        self._decisions.date_onset(onset)
+        self._findings = replace(self._findings, onset=onset)
 
     def push(
         self,

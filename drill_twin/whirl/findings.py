@@ -29,6 +29,14 @@ class Onset:
     """Time of detection [s]: about a revolution later, more where a mark crossed before but swept its angle later."""
     criterion: str
     """The criterion that decided it, as text."""
+    uncertainty_s: float | None = None
+    """From a downhole sub: how far from it the onset may be, with a radius one standard deviation off [s]; None where
+    that is not estimated."""
+    dated: bool = True
+    """False where the time is not known within a revolution."""
+    at_start: bool = False
+    """True where the string whirled already in the first revolution of the record, while it turned: the onset was
+    before."""
 
 
 @dataclass(frozen=True)
@@ -147,6 +155,25 @@ class FoundRows(NamedTuple):
 
 
 @dataclass(frozen=True)
+class SubFindings:
+    """What a downhole sub tells beside whirl."""
+
+    impacts: int
+    """Impacts on the wall (`drill_twin.whirl.downhole.impacts`)."""
+    impact_rate_hz: float | None
+    """Impacts in a second."""
+    largest_impact: float | None
+    """Largest lateral acceleration of an impact, mean over a reading [m/s^2]."""
+    mean_impact: float | None
+    """Mean over the impacts of their largest [m/s^2]."""
+    share_at_rest: float | None
+    """Share of the time of stick-slip in which the section is at rest; None without stick-slip."""
+    radius_m: float | None
+    """Distance of the sensor from the axis by radial acceleration and gyroscope; None where the speed varies too
+    little."""
+
+
+@dataclass(frozen=True)
 class Summary:
     """The findings of a whole run."""
 
@@ -188,6 +215,8 @@ class Summary:
     """`precession_ratio`, for irregular motion too."""
     observable: bool = True
     """False if there were no positions of marks, so that whirl is not observable."""
+    sub: SubFindings | None = None
+    """Impacts and stick-slip by a downhole sub, where its readings were analysed."""
 
     @property
     def onset_s(self) -> float | None:

@@ -12,7 +12,15 @@ FEW_DIGITS = 0.1
 
 
 def criterion_text(
-    state: MotionState, orbit: Orbit, shape: StringShape, criteria: Criteria, mark: int, row: int, ratio: float
+    state: MotionState,
+    orbit: Orbit,
+    shape: StringShape,
+    criteria: Criteria,
+    mark: int,
+    row: int,
+    ratio: float,
+    *,
+    contact_known: bool = True,
 ) -> str:
     """Describe the criterion of a mark's `state`.
 
@@ -24,6 +32,7 @@ def criterion_text(
         mark: Index of the mark.
         row: Row of the orbit: 0 for the asynchronous part, 1 for the motion about the offset.
         ratio: Precession over rotation.
+        contact_known: Whether the distance from the axis of the hole is known; a downhole sub knows it about its mean.
     """
     whirl, synchronous = float(orbit.radius[0, mark]), float(orbit.synchronous[mark])
     sense = "forward" if ratio > 0.0 else "backward"
@@ -55,6 +64,8 @@ def criterion_text(
                 f"{orbit_text} ({sense}), planarity {shape.planarity:.2f}, marks on both sides, "
                 f"{shape.second_lobe:.2f} of the largest"
             )
+        case _ if not contact_known:
+            return f"{orbit_text} ({sense}), about its mean"
         case _:
             contact = float(orbit.contact[mark])
             slides = contact > criteria.contact_fraction and state is not MotionState.ROLLING

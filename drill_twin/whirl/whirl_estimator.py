@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+
+import numpy as np
 
 from drill_twin.whirl.analyzer_kernel import CHECK, CROSSED, DECIDE, DESCRIBE, NEW, UNDECIDED
 from drill_twin.whirl.analyzer_state import AnalyzerState
@@ -18,12 +19,17 @@ from drill_twin.whirl.record.run_statistics import WHIRLED
 from drill_twin.whirl.sample_bins import TIME
 from drill_twin.whirl.text import criterion_text
 
+AT_START = "; there from the start of the record, so its onset was before"
+"""Note beside the criterion of such an onset."""
+TURNING = 0.5
+"""The string turned already: least rotation until then over that since the start."""
+
 
 class WhirlEstimator:
     """Onset and motion states with their texts."""
 
-    def __init__(self, names: tuple[str, ...], state: AnalyzerState) -> None:
-        self._state, self._names = state, names
+    def __init__(self, names: tuple[str, ...], state: AnalyzerState, *, contact_known: bool = True) -> None:
+        self._state, self._names, self._contact_known = state, names, contact_known
         self._detector = OnsetDetector(state)
         self._candidates: list[tuple[Crossing, bool]] = []
         self.onset: Onset | None = None
@@ -87,25 +93,35 @@ class WhirlEstimator:
         first, synchronous = min(self._candidates, key=lambda candidate: candidate[0].time)
         if self._detector.earliest_candidate(exclude=self._state.synchronous.active) < first.time:
             return
+        at_start = self._at_start(first.time)
         self.onset = Onset(
             time_s=self.origin + first.time,
             mark=self._names[first.mark],
             confidence=first.confidence,
             kind="synchronous" if synchronous else "asynchronous",
             detected_s=self.origin + float(self._state.full.numbers[TIME]),
-            criterion=first.criterion,
+            criterion=f"{first.criterion}{AT_START if at_start else ''}",
+            at_start=at_start,
         )
         self._state.flow[[UNDECIDED, NEW]] = 0, 1
         self._state.statistics.flags[WHIRLED] = 1
         self.timelines[-1].move_first_whirl(self.onset.time_s)
 
-    def move_onset(self, time_s: float) -> None:
-        """Give the onset a time [s] that is known better."""
-        if self.onset is not None:
-            self.onset = replace(self.onset, time_s=time_s)
-            self.crossed[self._names.index(self.onset.mark)] = time_s
-            self.timelines[-1].move_first_whirl(time_s)
-            self._state.flow[NEW] = 1
+    def _at_start(self, time: float) -> bool:
+        """Whether a time [s] is in the first revolution, with a string that turned already."""
+        history = self._state.history
+        window = history.newest(history.length)
+        seconds, revolutions = history.time[window], history.revolutions[window]
+        turned = float(np.interp(time, seconds, revolutions))
+        usual = float(revolutions[-1] - revolutions[0]) / max(float(seconds[-1] - seconds[0]), 1e-9)
+        return turned < 1.0 and history.length == history.appended and turned > TURNING * usual * time
+
+    def date_onset(self, onset: Onset) -> None:
+        """Replace the onset by the same with a time that is known better."""
+        self.onset = onset
+        self.crossed[self._names.index(onset.mark)] = onset.time_s
+        self.timelines[-1].move_first_whirl(onset.time_s)
+        self._state.flow[NEW] = 1
 
     def _describe_states(self) -> None:
         """Put the states that have changed or settled into words."""
@@ -116,7 +132,9 @@ class WhirlEstimator:
             mark, held = int(motion.mark[subject]), int(hysteresis.held[subject])
             row, ratio = 0 if state.onsets.active[mark] else 1, float(state.orbit.ratio[mark])
             found = STATES[held]
-            text = criterion_text(found, state.orbit, state.shape, state.criteria, mark, row, ratio)
+            text = criterion_text(
+                found, state.orbit, state.shape, state.criteria, mark, row, ratio, contact_known=self._contact_known
+            )
             self.criterion[subject] = text
             if event[subject] == CHANGED:
                 start = self.origin + float(hysteresis.since[subject, held])

@@ -58,6 +58,8 @@ def test_time_can_be_chosen(known_bag):
     assert part["samples"] == 401
     assert part["motion"][0]["start_s"] == pytest.approx(5.0, abs=0.05)
     assert part["duration_s"] == 9.0
+    assert part["onset_at_start"]
+    assert not chosen(known_bag)["onset_at_start"]
     before = chosen(known_bag, end=2.9)
     assert before["onset_s"] is None
 

@@ -8,19 +8,20 @@ import pytest
 
 from drill_twin.sensors.motion import instantaneous
 from drill_twin.whirl import AnalysisError, MarkInfo
-from drill_twin.whirl.downhole import ToolNoise, analyse_sub
-from drill_twin.whirl.downhole.motion import SubMotion, corner_for
+from drill_twin.whirl.downhole import SubAnalyzer, ToolNoise, analyse_sub
+from drill_twin.whirl.downhole.high_pass import corner_for
+from drill_twin.whirl.downhole.motion import SubMotion
 
 RATE, CLEARANCE, RADIUS, TURN = 100.0, 0.08, 0.03, math.tau * 2.0
 NOISE = ToolNoise(0.005, 0.001)
 MARK = MarkInfo("sub", 10.0, "centre", 0.09, CLEARANCE)
 
 
-def read(seconds, ratio, begin, *, level=0.5, slope=0.0, lean=0.0, seed=1, noise=NOISE):
+def read(seconds, ratio, begin, *, level=0.5, slope=0.0, lean=0.0, seed=1, noise=NOISE, growth=2.0):
     """Stamps and readings of a sub whose section begins to whirl; `slope` [1/m] is its tilt over its radius."""
     time = (np.arange(round(seconds * RATE)) + 0.5) / RATE
     rate = ratio * TURN
-    growth = 2.0 * TURN / math.tau
+    growth *= TURN / math.tau
     shape = level * CLEARANCE / (1.0 + np.exp(np.minimum(-growth * (time - begin), 500.0)))
     path = np.exp(1j * rate * time)
     first = growth * shape * (1.0 - shape / (level * CLEARANCE))
@@ -121,3 +122,63 @@ def test_after_a_long_gap_the_analysis_begins_again():
     found = analyse_sub(stamp[kept], values[kept], MARK, RADIUS, NOISE)
     assert found.mode_ratio == pytest.approx(0.5, abs=0.02)
     assert found.onset_s == pytest.approx(25.0 - math.log(9.0) / 4.0, abs=0.5)
+
+
+def test_readings_at_once_are_those_one_by_one():
+    stamp, values = read(40.0, 0.5, 25.0)
+    one, rows = (SubAnalyzer(MARK, RADIUS, NOISE) for _ in range(2))
+    for at, reading in zip(stamp.tolist(), values, strict=True):
+        one.push(at, reading)
+    for at, reading in zip(stamp[:1000].tolist(), values[:1000], strict=True):
+        rows.push(at, reading)
+    found = rows.push_rows(stamp[1000:], values[1000:])
+    assert found.onset.detected_s == pytest.approx(one.findings.onset.detected_s, abs=1e-9)
+    assert found.orbit_radius == pytest.approx(one.findings.orbit_radius, rel=1e-9)
+    assert found.state == one.findings.state
+
+
+def test_a_whirl_that_is_there_at_the_start_is_found_and_said_to_be():
+    found = analyse_sub(*read(20.0, 0.6, -5.0), MARK, RADIUS, NOISE)
+    assert found.onset.at_start
+    assert "from the start" in found.onset.criterion
+    assert found.mode_ratio == pytest.approx(0.6, abs=0.03)
+    assert found.max_radius_m["sub"] < 0.75 * CLEARANCE
+    assert "contact" not in found.mark_motion["sub"][-1].criterion
+
+
+def test_the_onset_has_an_uncertainty_and_that_of_a_creeping_orbit_is_not_dated():
+    known = analyse_sub(*read(30.0, 0.5, 14.0), MARK, RADIUS, NOISE).onset
+    assert known.dated
+    assert 0.0 < known.uncertainty_s < 0.25
+    noise = ToolNoise(0.02, 0.004)
+    unknown = analyse_sub(*read(50.0, 0.3, 30.0, noise=noise, growth=0.07), MARK, RADIUS, noise).onset
+    assert not unknown.dated
+    assert "not dated" in unknown.criterion
+
+
+def test_impacts_are_counted_with_their_peaks():
+    stamp, values = read(30.0, 0.3, 14.0)
+    hits = [1700, 1900, 2300]
+    values[hits, 0] += 20.0
+    analyzer = SubAnalyzer(MARK, RADIUS, NOISE)
+    for at, reading in zip(stamp.tolist(), values, strict=True):
+        analyzer.push(at, reading)
+    assert analyzer.motion.impacts.times == pytest.approx([(k + 0.5) / RATE for k in hits], abs=1.6 / RATE)
+    found = analyzer.summary().sub
+    assert found.impacts == 3
+    assert found.impact_rate_hz == pytest.approx(0.1, rel=0.01)
+    assert found.largest_impact == pytest.approx(20.0, abs=1.0)
+
+
+def test_stick_slip_has_its_share_of_time_at_rest_and_the_radius_of_the_sensor():
+    time = (np.arange(6000) + 0.5) / RATE
+    speed = np.maximum(0.0, 8.0 + 14.0 * np.sin(math.tau * 0.5 * time))
+    values = np.stack([-RADIUS * speed**2, 0.0 * time, 0.0 * time + 9.81, 0.0 * time, 0.0 * time, speed], -1)
+    values += np.repeat(NOISE, 3) * np.random.default_rng(2).normal(size=values.shape)
+    analyzer = SubAnalyzer(MARK, RADIUS, NOISE)
+    for at, reading in zip(np.round(time * 1e9).astype(np.int64).tolist(), values, strict=True):
+        analyzer.push(at, reading)
+    found = analyzer.summary()
+    assert found.stick_slip[-1].period_s == pytest.approx(2.0, rel=0.01)
+    assert found.sub.share_at_rest == pytest.approx(np.mean(speed < 0.15 * speed.mean()), abs=0.03)
+    assert found.sub.radius_m == pytest.approx(RADIUS, rel=0.02)

@@ -40,12 +40,12 @@ def analyzer_score(
         from drill_twin.studies.detection import downhole as one_sub
         from drill_twin.studies.detection.cases import BENCH
 
-        runs = 4 if quick else len(BENCH)
-        found = one_sub.measure_sub(runs, hours).to_dict()
+        sizes = (4, 4, 1) if quick else (len(BENCH), Plan().drawn, 5)
+        found = one_sub.measure_sub(*sizes, hours)
         if json:
             print_json(found)
         else:
-            print(one_sub.markdown(found, runs, hours), end="")
+            print(one_sub.markdown(found), end="")
         return
     names = ("analyzer_score.md", "analyzer_score.json", "confusion.png")
     if out is not None:

@@ -69,6 +69,10 @@ class OnsetMessage:
     """First mark that whirled."""
     confidence: float
     """Confidence, 0 to 1."""
+    uncertainty: float | None = None
+    """From a downhole sub: how far from it the onset may be [s]."""
+    dated: bool = True
+    """False where the time is not known within a revolution."""
 
 
 class WhirlStateEncoder:
@@ -165,6 +169,10 @@ def encode_onset(stamp: int, onset: OnsetMessage | None, frame_id: str = FRAME_I
         return encode_diagnostics(stamp, [Status(_ONSET, Level.OK, _NONE_YET)], frame_id)
     text = f"whirl began at {onset.time:.2f} s at {onset.mark}, confidence {onset.confidence:.2f}"
     values = {"time": exact(onset.time), "mark": onset.mark, "confidence": exact(onset.confidence)}
+    if onset.uncertainty is not None:
+        values["uncertainty"] = exact(onset.uncertainty)
+    if not onset.dated:
+        text, values["dated"] = f"{text}; its time is not known within a revolution", "false"
     return encode_diagnostics(stamp, [Status(_ONSET, Level.WARN, text, values, onset.mark)], frame_id)
 
 
@@ -182,6 +190,10 @@ def decode_onset(raw: bytes) -> tuple[int, OnsetMessage | None]:
     if not values:
         return stamp, None
     try:
-        return stamp, OnsetMessage(float(values["time"]), values["mark"], float(values["confidence"]))
+        uncertainty = float(values["uncertainty"]) if "uncertainty" in values else None
+        dated = values.get("dated") != "false"
+        return stamp, OnsetMessage(
+            float(values["time"]), values["mark"], float(values["confidence"]), uncertainty, dated
+        )
     except (KeyError, ValueError) as error:
         raise MessageError(f"expected time, mark and confidence of the onset, found {dict(values)}") from error

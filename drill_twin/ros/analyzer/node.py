@@ -144,6 +144,9 @@ class Analyzer(TwinNode):
             "runs": str(pipeline.runs),
             "scenes_put_off": str(self._scenes.put_off),
         }
+        if (sub := pipeline.sub_findings) is not None:
+            values |= {"impacts": str(sub.impacts), "impact_rate": _known(sub.impact_rate_hz)}
+            values |= {"largest_impact": _known(sub.largest_impact), "share_at_rest": _known(sub.share_at_rest)}
         if pipeline.trouble:
             return Status(self.NAME, Level.ERROR, pipeline.trouble, values)
         if pipeline.scene is None:
@@ -154,3 +157,7 @@ class Analyzer(TwinNode):
         if silence > _STALE:
             return Status(self.NAME, Level.STALE, f"no sample for {silence:.1f} s", values)
         return Status(self.NAME, Level.OK, f"motion: {pipeline.motion}", values)
+
+
+def _known(value: float | None) -> str:
+    return "" if value is None else f"{value:.4g}"

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 
@@ -80,15 +82,16 @@ def _bench(number: int, *, subs: bool) -> Run:
     return simulate(f"bench: {label}", {"string.marks": _marks(), **changes}, subs=subs)
 
 
-def bouncing(seed: int) -> Run:
-    """A run of the `BOUNCING` string with a random end, load and damping."""
+def bouncing(seed: int, changes: Mapping[str, str] = MappingProxyType({}), *, subs: bool = False) -> Run:
+    """A run of the `BOUNCING` string with a random end, load and damping, and other changes."""
     draw = np.random.default_rng([seed, 10])
     chosen = {
         key: str(CHOICES[key][int(draw.integers(len(CHOICES[key])))])
         for key in ("string.bit_end", "rig.weight_on_bit.value", "effects.internal_damping.bending_time")
     }
     label = ", ".join(chosen.values())
-    return simulate(f"bouncing {seed}: {label}", {"string.marks": _marks(), **RAMPS, **BOUNCING, **chosen})
+    overrides = {"string.marks": _marks(), **RAMPS, **BOUNCING, **chosen, **changes}
+    return simulate(f"bouncing {seed}: {label}", overrides, subs=subs)
 
 
 def _marks() -> str:
@@ -103,11 +106,11 @@ def random_overrides(seed: int) -> dict[str, str]:
     return {"string.marks": _marks(), **RAMPS, **chosen}
 
 
-def simulated(seed: int) -> Run:
+def simulated(seed: int, *, subs: bool = False) -> Run:
     """The random run of a seed."""
     overrides = random_overrides(seed)
     label = ", ".join(value for key, value in overrides.items() if key in CHOICES)
-    return simulate(f"drawn {seed}: {label}", overrides)
+    return simulate(f"drawn {seed}: {label}", overrides, subs=subs)
 
 
 def recorded(run: Run, truth: Truth, *, forces: bool) -> Record:

@@ -1,30 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Score of whirl found from one sub: bench runs with a sub in the middle of the string, and hours of noise."""
+"""Score of whirl found from one sub in the middle of the string: bench runs, random runs, events, hours of noise."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from drill_twin.studies.detection.cases import bench_with_subs
+from drill_twin.studies.detection.cases import bench_with_subs, simulated
 from drill_twin.studies.detection.ground_truth import asynchronous, revolutions_of, truth_of
 from drill_twin.studies.detection.runs import SENSOR_RADIUS, Run
 from drill_twin.studies.detection.scoring import EARLY
+from drill_twin.studies.detection.sub_events import EventScore, measure_events
+from drill_twin.studies.detection.sub_readings import BIAS, MARK, NOISE, analyser_of
 from drill_twin.whirl import MarkInfo, Summary
-from drill_twin.whirl.downhole import ToolNoise, analyse_sub
+from drill_twin.whirl.downhole import SubAnalyzer
+from drill_twin.whirl.downhole.motion import SLOWEST
 
-NOISE = ToolNoise(0.005, 0.001)
-"""Noise of the sub: accelerometers [m/s^2], gyroscopes [rad/s]."""
-BIAS = ToolNoise(0.05, 0.005)
-"""Standard deviation of the bias on each axis."""
-MARK = 2
-"""Mark at whose section the sub is: the middle of the string."""
 WITHIN = 1.0
 """Tolerance of an onset [rev]."""
-RATE, SPEED, HOUR = 100.0, 2.0, 3600.0
+RATE, SPEED, PART = 100.0, 2.0, 600.0
 """Samples in a second, rotation [rev/s] and length of a part [s] of the hours of noise."""
 
 
@@ -34,80 +31,129 @@ class SubScore:
 
     onset_error: list[float] = field(default_factory=list)
     """Found minus true onset [rev]."""
+    dated: list[bool] = field(default_factory=list)
+    """Whether the sub says that it knows the time within a revolution, by onset found."""
     missed: int = 0
     """Onsets that were not found."""
+    slow: int = 0
+    """Of these, whirls slower than the corner of the high pass."""
     false: int = 0
     """Runs without an onset in which one was found."""
     early: int = 0
     """Runs whose onset is in the first 12 revolutions, which are not scored."""
     senses: list[bool] = field(default_factory=list)
     """Whether the sense of the whirl is right, by run in which it was found."""
-    noise_onsets: int = 0
-    """Onsets in the hours of noise."""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
-        onsets = len(self.onset_error) + self.missed
-        met = sum(abs(error) <= WITHIN for error in self.onset_error)
+        onsets, met = len(self.onset_error) + self.missed, [abs(error) <= WITHIN for error in self.onset_error]
+        dated = [one for one, sure in zip(met, self.dated, strict=True) if sure]
         return {
-            "onsets": onsets, "met": met / onsets if onsets else None, "missed": self.missed, "false": self.false,
+            "onsets": onsets, "met": sum(met) / onsets if onsets else None,
+            "missed": self.missed, "slow": self.slow, "false": self.false,
+            "dated": len(dated), "dated_met": sum(dated) / len(dated) if dated else None,
             "early": self.early, "sense": float(np.mean(self.senses)) if self.senses else None,
             "median_error_rev": float(np.median(np.abs(self.onset_error))) if self.onset_error else None,
-            "noise_onsets": self.noise_onsets,
         }  # fmt: skip
 
+    def add(self, run: Run, found: Summary) -> None:
+        """Add the findings in a run."""
+        true, revolutions = truth_of(run).mark_onset[MARK], revolutions_of(run.time, run.top_speed)
+        if true is None:
+            self.false += found.onset is not None
+            return
+        began = float(np.interp(true, run.time, revolutions))
+        if began < EARLY:
+            self.early += 1
+        elif found.onset is None:
+            self.missed += 1
+            self.slow += abs(_precession(run, true)) < SLOWEST
+        else:
+            self.onset_error.append(float(np.interp(found.onset.time_s, run.time, revolutions)) - began)
+            self.dated.append(found.onset.dated)
+            if found.mode_ratio is not None:
+                self.senses.append((found.mode_ratio > 0.0) == (_swept(run, true) > 0.0))
 
-def measure_sub(runs: int, hours: float) -> SubScore:
-    """Score a sub over bench runs and hours of steady rotation with noise."""
-    score = SubScore()
-    for number in range(runs):
+
+def measure_sub(bench: int, drawn: int, events: int, hours: float) -> dict[str, Any]:
+    """Score a sub over bench runs, random runs, runs with impacts and stick-slip, and hours of noise; plain types."""
+    sets = {"bench": SubScore(), "drawn": SubScore()}
+    for number in range(bench):
         run = bench_with_subs(number)
-        _add(score, run, _found(run, number))
-    for part in range(math.ceil(hours * 3600.0 / HOUR)):
-        score.noise_onsets += _in_noise(part) is not None
-    return score
+        sets["bench"].add(run, analyser_of(run, number).summary())
+    for number in range(drawn):
+        run = simulated(number, subs=True)
+        sets["drawn"].add(run, analyser_of(run, number).summary())
+    scored: EventScore = measure_events(events)
+    return {
+        "runs": {"bench": bench, "drawn": drawn},
+        "sets": {name: score.to_dict() for name, score in sets.items()},
+        "events": scored.to_dict(),
+        "hours": hours,
+        "noise_onsets": noise_onsets(hours),
+    }
 
 
-def markdown(plain: dict[str, Any], runs: int, hours: float) -> str:
-    """Table of a score in plain types."""
-    met, sense = ("-" if plain[key] is None else f"{100.0 * plain[key]:.1f} %" for key in ("met", "sense"))
-    error = "-" if plain["median_error_rev"] is None else f"{plain['median_error_rev']:.2f}"
-    return (
-        f"| {runs} bench runs, one sub | found |\n| --- | --- |\n"
-        f"| onsets after 12 revolutions | {plain['onsets']} |\n"
-        f"| found within a revolution | {met} (90 % asked for) |\n"
-        f"| missed, false | {plain['missed']}, {plain['false']} |\n"
-        f"| median error [rev] | {error} |\n"
-        f"| sense right | {sense} (95 % asked for) |\n"
-        f"| onsets in {hours:g} h of noise | {plain['noise_onsets']} (0 asked for) |\n"
-    )
+def markdown(plain: dict[str, Any]) -> str:
+    """Tables of `measure_sub`."""
+    sets, events = plain["sets"].values(), plain["events"]
+    rows = [
+        ("onsets after 12 revolutions", [str(one["onsets"]) for one in sets]),
+        ("found within a revolution (90 % asked for)", [_share(one["met"]) for one in sets]),
+        ("dated: the sub says that it knows the time within a revolution", [str(one["dated"]) for one in sets]),
+        ("of these found within a revolution", [_share(one["dated_met"]) for one in sets]),
+        ("missed, of these slower than the corner", [f"{one['missed']}, {one['slow']}" for one in sets]),
+        ("false", [str(one["false"]) for one in sets]),
+        ("median error [rev]", [_number(one["median_error_rev"]) for one in sets]),
+        ("sense right (95 % asked for)", [_share(one["sense"]) for one in sets]),
+    ]
+    names = " | ".join(f"{count} {name} runs" for name, count in plain["runs"].items())
+    lines = [f"| one sub | {names} |", "| --- | --- | --- |"]
+    lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]
+    error = events["largest_error"]
+    lines += [
+        "", "| events of the section | |", "| --- | --- |",
+        f"| hard impacts in bouncing runs, found | {events['hard_impacts']}, {_share(events['hard_impacts_found'])} |",
+        (f"| impacts found, in contact with the wall | {events['impacts_found']}, "
+        f"{_share(events['impacts_in_contact'])} |"),
+        f"| runs in stick-slip, found | {events['stick_slip_runs']}, {events['stick_slip_found']} |",
+        (f"| largest error of period, severity, share of time at rest | {_share(error['period'])}, "
+        f"{_share(error['severity'])}, {_number(error['rest'])} |"),
+        "", f"{plain['hours']:g} h of noise: {plain['noise_onsets']} onsets (0 asked for).", "",
+    ]  # fmt: skip
+    return "\n".join(lines)
 
 
-def _found(run: Run, seed: int) -> Summary:
-    if run.readings is None:
-        raise ValueError("expected a run with the readings of subs")
-    draw = np.random.default_rng([seed, 12])
-    readings = run.readings[:, MARK] + np.repeat(NOISE, 3) * draw.normal(size=(run.time.size, 6))
-    readings += np.repeat(BIAS, 3) * draw.normal(size=6)
-    middle = run.time - 0.5 * (run.time[1] - run.time[0])
-    mark = replace(run.marks[MARK], on="centre")
-    return analyse_sub(np.round(middle * 1e9).astype(np.int64), readings, mark, SENSOR_RADIUS, NOISE)
+def noise_onsets(hours: float) -> int:
+    """Number of hours of steady rotation with noise and bias in which an onset is found."""
+    return sum(_in_noise(part, min(1.0, hours - part)) for part in range(math.ceil(hours)))
 
 
-def _add(score: SubScore, run: Run, found: Summary) -> None:
-    true, revolutions = truth_of(run).mark_onset[MARK], revolutions_of(run.time, run.top_speed)
-    if true is None:
-        score.false += found.onset is not None
-        return
-    began = float(np.interp(true, run.time, revolutions))
-    if began < EARLY:
-        score.early += 1
-    elif found.onset_s is None:
-        score.missed += 1
-    else:
-        score.onset_error.append(float(np.interp(found.onset_s, run.time, revolutions)) - began)
-        if found.mode_ratio is not None:
-            score.senses.append((found.mode_ratio > 0.0) == (_swept(run, true) > 0.0))
+def _in_noise(part: int, hours: float) -> bool:
+    """Whether an onset is found in at most an hour of noise; the first minute of it reading by reading."""
+    draw = np.random.default_rng([part, 13])
+    turn = math.tau * SPEED
+    steady = np.array([-SENSOR_RADIUS * turn**2, 0.0, 9.81, 0.0, 0.0, turn]) + np.repeat(BIAS, 3) * draw.normal(size=6)
+    analyzer = SubAnalyzer(MarkInfo("sub", 2.5, "centre", 0.00825, 0.08175), SENSOR_RADIUS, NOISE)
+    count, size = round(hours * 3600.0 * RATE), round(PART * RATE)
+    for first in range(0, count, size):
+        rows = np.arange(first, min(first + size, count))
+        readings = steady + np.repeat(NOISE, 3) * draw.normal(size=(rows.size, 6))
+        stamps = np.round((rows + 0.5) / RATE * 1e9).astype(np.int64)
+        begin = round(60.0 * RATE) if first == 0 else 0
+        for stamp, values in zip(stamps[:begin].tolist(), readings[:begin], strict=True):
+            analyzer.push(stamp, values)
+        if rows.size > begin:
+            analyzer.push_rows(stamps[begin:], readings[begin:])
+    return analyzer.findings.onset is not None
+
+
+def _precession(run: Run, since: float) -> float:
+    """Mean precession over rotation from a time to the end of a run."""
+    late = run.time >= since
+    angle = np.unwrap(np.angle(run.mark_centre[late, MARK]))
+    revolutions = revolutions_of(run.time, run.top_speed)[late]
+    return float((angle[-1] - angle[0]) / math.tau / (revolutions[-1] - revolutions[0]))
 
 
 def _swept(run: Run, since: float) -> float:
@@ -117,13 +163,9 @@ def _swept(run: Run, since: float) -> float:
     return float((part[:-1].conj() * np.diff(part)).imag.sum() * np.sign(run.top_speed[-1]))
 
 
-def _in_noise(part: int) -> float | None:
-    """Onset found in an hour of steady rotation with noise and bias [s]."""
-    draw = np.random.default_rng([part, 13])
-    count = round(HOUR * RATE)
-    turn = math.tau * SPEED
-    readings = np.repeat(NOISE, 3) * draw.normal(size=(count, 6)) + np.repeat(BIAS, 3) * draw.normal(size=6)
-    readings += np.array([-SENSOR_RADIUS * turn**2, 0.0, 9.81, 0.0, 0.0, turn])
-    mark = MarkInfo("sub", 2.5, "centre", 0.00825, 0.08175)
-    stamp = np.round((np.arange(count) + 0.5) / RATE * 1e9).astype(np.int64)
-    return analyse_sub(stamp, readings, mark, SENSOR_RADIUS, NOISE).onset_s
+def _share(value: float | None) -> str:
+    return "-" if value is None else f"{100.0 * value:.1f} %"
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"

@@ -12,6 +12,7 @@ import numpy as np
 
 from drill_twin.studies.detection.cases import BENCH, bench, bouncing, recorded, simulated
 from drill_twin.studies.detection.ground_truth import truth_of
+from drill_twin.studies.detection.runs import Run
 from drill_twin.studies.detection.scoring import STATES, Score, analyse, f1_scores, macro_f1
 from drill_twin.studies.detection.signals import Record, labelled, steady
 from drill_twin.studies.detection.steady import false_onsets
@@ -94,7 +95,8 @@ def _one(plan: Plan, kind: str, number: int) -> tuple[str, list[tuple[str, Score
     if kind in {"kinematic", "still"}:
         record = labelled(number) if kind == "kinematic" else steady(number)
         return record.name, [("kinematic", _scored(record, states=kind == "kinematic"))]
-    run = {"bouncing": bouncing, "bench": bench, "drawn": simulated}[kind](number)
+    simulations: dict[str, Callable[[int], Run]] = {"bouncing": bouncing, "bench": bench, "drawn": simulated}
+    run = simulations[kind](number)
     seen = partial(recorded, run, truth_of(run))
     return run.name, [
         ("simulated", _scored(seen(forces=False), early=True)),

@@ -63,14 +63,20 @@ SENSOR_RADIUS = 0.006
 """Distance of the sensors of a sub from the axis [m]."""
 
 
-def simulate(name: str, overrides: Mapping[str, str], *, subs: bool = False) -> Run:
-    """Run the bench with overrides from start to end and return all signals, those of `subs` where asked for.
+def simulate(name: str, overrides: Mapping[str, str], *, subs: bool = False, scene_text: str = BENCH_SCENE) -> Run:
+    """Run the bench, or another scene, with overrides from start to end and return all signals.
+
+    Args:
+        name: Name of the run.
+        overrides: Values by key of the scene.
+        subs: Whether to read perfect sensors at the sections of the marks too.
+        scene_text: The scene.
 
     Raises:
         SceneError: An override does not fit the scene.
         RunError: A time step did not converge.
     """
-    scene = parse_scene(BENCH_SCENE, name=name, overrides=dict(overrides))
+    scene = parse_scene(scene_text, name=name, overrides=dict(overrides))
     member = run_scene(scene, [partial(_Signals, subs=subs)], *frames_of(scene))
     if member.failure:
         raise RunError(member.failure)

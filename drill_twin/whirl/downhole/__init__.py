@@ -2,6 +2,6 @@
 """Whirl from the readings of one downhole sub."""
 
 from drill_twin.whirl.downhole.analyzer import WAITING, SubAnalyzer, analyse_sub
-from drill_twin.whirl.downhole.motion import ToolNoise
+from drill_twin.whirl.downhole.high_pass import ToolNoise
 
 __all__ = ["WAITING", "SubAnalyzer", "ToolNoise", "analyse_sub"]

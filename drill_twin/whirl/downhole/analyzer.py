@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,10 +12,13 @@ from numpy.typing import NDArray
 from drill_twin.base.arrays import Array
 from drill_twin.whirl.analyzer import Analyzer
 from drill_twin.whirl.criteria import MotionState
-from drill_twin.whirl.downhole.dating import crossing
-from drill_twin.whirl.downhole.motion import CALIBRATION, Place, SubMotion, ToolNoise
-from drill_twin.whirl.findings import Findings, Quality, Summary
+from drill_twin.whirl.downhole.dating import date_onset
+from drill_twin.whirl.downhole.high_pass import ToolNoise
+from drill_twin.whirl.downhole.motion import CALIBRATION, Place, SubMotion
+from drill_twin.whirl.findings import Findings, Onset, Quality, SubFindings, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo
+from drill_twin.whirl.motion.stick_slip import BitMotion
+from drill_twin.whirl.whirl_estimator import AT_START
 
 LARGEST = 1e6
 """Readings are below this [m/s^2, rad/s]; others are skipped as incomplete."""
@@ -35,12 +39,12 @@ class SubAnalyzer:
             radius: Distance of the sensor from the axis of the collar [m].
             noise: Noise of the instruments.
         """
-        self.mark = mark
+        self.mark, self._noise = mark, noise
         self.motion = SubMotion(radius, mark.clearance, noise)
         """Lateral motion of the section."""
         self.place: Place | None = None
         """Newest place of the section; None before the first."""
-        self._analyzer = Analyzer([mark])
+        self._analyzer = Analyzer([mark], contact_known=False)
         self._duplicate = self._late = self._incomplete = 0
         self._last = -1
         self._dated = False
@@ -80,11 +84,45 @@ class SubAnalyzer:
             if not places:
                 found = self._analyzer.push_bit_speed(stamp, reading[5])
                 self._findings = found if self.place else self._without_place(found)
+            if self._findings.bit is BitMotion.STICK_SLIP:
+                self.motion.torsion.push_sticking(*self._analyzer.bit_speed, self.motion.interval)
+        return self._findings
+
+    def push_rows(self, stamps: NDArray[np.int64], values: Array) -> Findings:
+        """Add readings without a gap, as `push` one by one, and return the findings after the last.
+
+        An onset is found, but keeps the time of the detection; impacts and the share at rest are not counted.
+
+        Args:
+            stamps: Middles of the readings [ns], shape (n,).
+            values: Specific force [m/s^2] and rates [rad/s] in the axes of the sub, shape (n, 6).
+
+        Raises:
+            ValueError: There is no place yet.
+        """
+        places = self.motion.push_rows(stamps, values)
+        position = np.stack([places.position.real, places.position.imag], -1)[:, None]
+        self._analyzer.push_block(places.stamp, position, places.spin[:, None], places.speed, None, places.speed)
+        self._last, self._findings = int(stamps[-1]), self._analyzer.findings
         return self._findings
 
     def summary(self) -> Summary:
         """The findings of the whole run so far."""
-        return replace(self._analyzer.summary(), quality=self.quality)
+        return replace(self._analyzer.summary(), quality=self.quality, sub=self.sub)
+
+    @property
+    def sub(self) -> SubFindings:
+        """Impacts and stick-slip so far."""
+        impacts, torsion = self.motion.impacts, self.motion.torsion
+        peaks = impacts.peaks
+        return SubFindings(
+            impacts.count,
+            impacts.count / impacts.seconds if impacts.seconds else None,
+            max(peaks, default=None),
+            math.fsum(peaks) / len(peaks) if peaks else None,
+            torsion.share_at_rest,
+            torsion.radius,
+        )
 
     def checked_summary(self) -> Summary:
         """The findings of the whole run.
@@ -109,12 +147,26 @@ class SubAnalyzer:
         found = self._analyzer.push(place.stamp, self._position, self._spin, place.speed, None, place.speed)
         if found.onset is not None and not self._dated:
             self._dated = True
-            begin, end = found.onset.time_s, found.onset.detected_s
-            time = crossing(self.motion.record(), self.mark.clearance, begin, end)
-            if time is not None:
-                self._analyzer.move_onset(min(time, end))
-                found = self._analyzer.findings
+            self._date(found.onset)
+            found = self._analyzer.findings
         return found
+
+    def _date(self, onset: Onset) -> None:
+        """Give the onset the time that the readings before and after it give together."""
+        record = self.motion.record()
+        date = date_onset(record, self.mark.clearance, self._noise, onset.time_s, onset.detected_s)
+        uncertainty = max(date.time_s - date.earliest_s, date.latest_s - date.time_s)
+        between = f"between {date.earliest_s:.2f} and {date.latest_s:.2f} s"
+        note = f"; {between}" if date.dated else f"; not dated within a revolution: {between}"
+        dated = replace(
+            onset,
+            time_s=min(date.time_s, onset.detected_s),
+            uncertainty_s=None if date.at_start else uncertainty,
+            dated=date.dated,
+            criterion=f"{onset.criterion.removesuffix(AT_START)}{AT_START if date.at_start else note}",
+            at_start=date.at_start,
+        )
+        self._analyzer.date_onset(dated)
 
 
 def analyse_sub(stamp: NDArray[np.int64], readings: Array, mark: MarkInfo, radius: float, noise: ToolNoise) -> Summary:

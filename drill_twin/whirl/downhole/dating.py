@@ -1,79 +1,169 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time of the onset of a whirl from the readings of a sub, found backwards once the whirl is detected.
 
-The high pass shortens and delays an orbit that begins, since what grows slowly is nearly constant. So the readings are
-integrated again without it, from a record before the onset over which the position is known to be small: there
-position, velocity, and what is constant in the frames of the hole and of the string are fitted, and kept afterwards.
-The time at which the radius crosses the threshold moves that record, until it stays.
+A causal high pass turns and shortens slow orbits. Looking back, the position is instead the acceleration integrated
+twice less the most probable drift, from the revolutions before the onset and those after it together: Gaussian
+regression (Rasmussen and Williams 2006, chapter 2) with
+
+* a drift: position, velocity and mean acceleration at the start (in an inclined hole its rate too), what is constant in
+  the frame of the string, and the integrals of the white noise of accelerometers and gyroscopes;
+* a motion whose radius varies with time and is found by iteration, and which is a line in its spectrum, as a mode that
+  grows or decays, and for a small part without a frequency, as a string that moves aside. The line is that of a few
+  frequencies under which the readings are most probable.
+
+It also gives the standard deviation of the position, and so how well the time is known.
 """
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.downhole.high_pass import GRAVITY, ToolNoise
 from drill_twin.whirl.downhole.motion import Record
 
-BEFORE = 8.0
-"""Length of the record over which the position is small [rev]."""
-MARGIN = 1.0
-"""It ends this long before the onset [rev]."""
-SHORTEST = 3.0
-"""Least length of it [rev]."""
+BEFORE = 24.0
+"""Length of the record before the onset [rev]."""
+QUIET_UNTIL = 6.0
+"""The motion is first taken to be small until so long before the onset [rev]."""
+QUIET, LARGEST = 0.12, 20.0
+"""Least and largest standard deviation of the motion, over the threshold of an onset."""
+RATIOS = (0.12, 0.2, 0.3, 0.4, 0.55, 0.75, 1.05, 1.4)
+"""Frequencies of the motion over the rotation [-]."""
+LINE_MEMORY, ASIDE_MEMORY = 3.0, 1.0
+"""Memory of the line, and of the motion without a frequency [rev]."""
+ASIDE = 0.5
+"""Share of the motion without a frequency in its variance."""
+SAMPLES = 8
+"""Samples of a revolution."""
+ITERATIONS = 5
 LEANING = 0.1
 """Mean acceleration from which a bias of the gyroscope turns gravity enough to be fitted [m/s^2]."""
-MOST = 8
-"""Most times that it is moved."""
-CLOSE = 0.02
-"""It is moved no more where the onset moves by less [rev]."""
+WITHIN = 1.0
+"""An onset is dated where its time is known within this [rev]."""
 
 
-def crossing(record: Record, clearance: float, guess: float, until: float) -> float | None:
-    """Time at which the radius crossed the threshold of an onset [s]; None where the record does not tell.
+class Date(NamedTuple):
+    """Time of an onset from the readings of a sub."""
+
+    time_s: float
+    """Most probable time [s]."""
+    earliest_s: float
+    latest_s: float
+    """Times of the radius one standard deviation larger and smaller [s]."""
+    dated: bool
+    """Whether both are within a revolution of it."""
+    at_start: bool
+    """Whether it is in the first revolution of the record: the onset was before."""
+
+
+class _Motion(NamedTuple):
+    """Motion over a record of n samples, in units of the threshold of an onset."""
+
+    likelihood: float
+    position: ComplexArray
+    deviation: Array  # standard deviation of the position on an axis
+
+
+def date_onset(record: Record, clearance: float, noise: ToolNoise, begin: float, detected: float) -> Date:
+    """Time at which the radius crossed the threshold of an onset.
 
     Args:
         record: The readings.
         clearance: Lateral clearance of the section [m].
-        guess: Time at which it may have crossed [s].
-        until: Time of the detection [s].
+        noise: Noise of the instruments.
+        begin: Time at which it may have crossed [s].
+        detected: Time of the detection [s].
     """
-    revolutions = record.revolutions
-    limit = Criteria().onset_radius * clearance
-    begun, detected = np.interp([guess, until], record.stamp, revolutions).tolist()
-    found = None
-    for _ in range(MOST):
-        radius, first = _anchored(record, begun - MARGIN, detected)
-        if first < 0:
-            break
-        after = _first_crossing(np.abs(radius), revolutions[first : first + radius.size], limit)
-        if after is None:
-            break
-        found, moved = after, after - begun
-        begun = after
-        if abs(moved) < CLOSE:
-            break
-    return None if found is None else float(np.interp(found, revolutions, record.stamp))
+    begun, end = np.interp([begin, detected], record.stamp, record.revolutions).tolist()
+    rows = slice(*np.searchsorted(record.revolutions, [begun - BEFORE, end]).tolist())
+    revolutions = record.revolutions[rows]
+    spacing = max(1, int(revolutions.size / (SAMPLES * (revolutions[-1] - revolutions[0]))))
+    at = np.arange(revolutions.size - 1, -1, -spacing)[::-1]
+    revolutions = revolutions[at]
+    motion = _most_probable(record, rows, at, revolutions, Criteria().onset_radius * clearance, noise, begun)
+    radius, last = np.abs(motion.position), float(revolutions[-1])
+    found = _first_crossing(radius, revolutions)
+    crossed = last if found is None else found
+    early, late = (_first_crossing(radius + sign * motion.deviation, revolutions) for sign in (1.0, -1.0))
+    bounds = (min(crossed, crossed if early is None else early), max(crossed, last if late is None else late))
+    at_start = found is not None and bool(found - revolutions[0] < WITHIN)
+    dated = found is not None and not at_start and max(crossed - bounds[0], bounds[1] - crossed) <= WITHIN
+    time, earliest, latest = np.interp([crossed, *bounds], record.revolutions, record.stamp).tolist()
+    return Date(time, earliest, latest, dated, at_start)
 
 
-def _anchored(record: Record, anchor: float, until: float) -> tuple[ComplexArray, int]:
-    """Position [m] from `BEFORE` the end of the anchor to a time [rev], and its first sample; -1 if it is short."""
-    revolutions = record.revolutions
-    first, end, last = np.searchsorted(revolutions, [anchor - BEFORE, anchor, until]).tolist()
-    none: ComplexArray = np.zeros(0, complex)
-    if end <= first or revolutions[end - 1] - revolutions[first] < SHORTEST or last - end < 2:
-        return none, -1
-    rows = slice(first, last + 1)
-    position, along = _twice(record.acceleration[rows]), _twice(record.turn[rows])
-    time = np.arange(1.0, position.size + 1.0) / (end - first)
-    before = slice(0, end - first)
-    leans = abs(record.acceleration[rows][before].mean()) > LEANING
-    powers = [time**power + 0j for power in range(4 if leans else 3)]
-    columns = np.stack([*powers, along / np.abs(along[before]).max()], -1)
-    fitted = np.linalg.lstsq(columns[before], position[before], rcond=None)[0]
+def _most_probable(
+    record: Record,
+    rows: slice,
+    at: NDArray[np.int64],
+    revolutions: Array,
+    limit: float,
+    noise: ToolNoise,
+    begun: float,
+) -> _Motion:
+    """Motion with the line under which the readings of some rows are most probable, at samples of them."""
+    acceleration = record.acceleration[rows]
     interval = float(np.mean(np.diff(record.stamp[rows])))
-    found: ComplexArray = (position - columns @ fitted) * interval**2
-    return found, first
+    integral, along = (_twice(part)[at] * interval**2 / limit for part in (acceleration, record.turn[rows]))
+    time = np.asarray((at + 1.0) * interval, float)
+    quiet = acceleration[: max(SAMPLES, int(np.searchsorted(record.revolutions[rows], begun - QUIET_UNTIL)))]
+    powers = 4 if abs(quiet.mean()) > LEANING else 3
+    known = np.polynomial.legendre.legvander(2.0 * time / time[-1] - 1.0, powers - 1)
+    columns = np.column_stack([known + 0j, along / np.abs(along).max()])
+    drift = _drift(time, interval, noise) / limit**2
+    lag = np.abs(np.subtract.outer(revolutions, revolutions))
+    first = np.where(revolutions < begun - QUIET_UNTIL, QUIET, LARGEST)
+    width = max(1, round(revolutions.size / float(revolutions[-1] - revolutions[0])))
+    found = []
+    for ratio in RATIOS:
+        line = np.exp(-lag / LINE_MEMORY) * np.cos(math.tau * ratio * lag)
+        correlation = (1.0 - ASIDE) * line + ASIDE * np.exp(-lag / ASIDE_MEMORY)
+        size = first
+        for _ in range(ITERATIONS):
+            motion = _regress(integral, columns, drift, correlation * np.outer(size, size))
+            power = _running_mean(np.abs(motion.position) ** 2, width)
+            size = np.minimum(np.sqrt(QUIET**2 + 0.5 * power), LARGEST)
+        found.append(motion)
+    return max(found, key=lambda motion: motion.likelihood)
+
+
+def _regress(integral: ComplexArray, columns: ComplexArray, drift: Array, motion: Array) -> _Motion:
+    """Motion in an integral that has known columns of any size, a drift and a motion of given covariances."""
+    total = drift + motion
+    total[np.diag_indices_from(total)] += 1e-10 + 1e-12 * np.diag(total)
+    factor = cholesky(total, lower=True, check_finite=False)
+    right = np.column_stack([columns, integral[:, None], drift])
+    white = solve_triangular(factor, right, lower=True, check_finite=False)
+    n = columns.shape[1]
+    regressors, value, spread = white[:, :n], white[:, n], white[:, n + 1 :].real
+    basis, triangle = np.linalg.qr(regressors)
+    parts = np.linalg.solve(triangle, basis.conj().T @ value)
+    rest = value - regressors @ parts
+    position: ComplexArray = integral - columns @ parts - spread.T @ rest
+    unknown = solve_triangular(triangle.T, (columns - spread.T @ regressors).T, lower=True, check_finite=False)
+    variance = np.diag(drift) - (spread**2).sum(0) + (np.abs(unknown) ** 2).sum(0)
+    likelihood = -2.0 * (np.log(np.diag(factor)).sum() + np.log(np.abs(np.diag(triangle))).sum())
+    likelihood -= 0.5 * float((np.abs(rest) ** 2).sum())
+    return _Motion(float(likelihood), position, np.sqrt(np.maximum(variance, 0.0)))
+
+
+def _drift(time: Array, interval: float, noise: ToolNoise) -> Array:
+    """Covariance of the position on an axis by the noise since the start [m^2].
+
+    The second integral of the noise of the accelerometers, the third of that of the gyroscopes times gravity.
+    """
+    low, high = np.minimum.outer(time, time), np.maximum.outer(time, time)
+    force = low**2 * (3.0 * high - low) / 6.0
+    tilt = low**3 * (10.0 * high**2 - 5.0 * high * low + low**2) / 120.0
+    found: Array = interval * (noise.force**2 * force + (GRAVITY * noise.rate) ** 2 * tilt)
+    return found
 
 
 def _twice(acceleration: ComplexArray) -> ComplexArray:
@@ -83,14 +173,21 @@ def _twice(acceleration: ComplexArray) -> ComplexArray:
     return found
 
 
-def _first_crossing(radius: Array, revolutions: Array, limit: float) -> float | None:
-    """First time [rev] from which a radius is above a limit for `sustain`, or to the end; None if never."""
-    above = np.concatenate([[False], radius > limit, [False]])
+def _running_mean(values: Array, width: int) -> Array:
+    """Mean over a window about each value, shorter at the ends."""
+    window = np.ones(width)
+    found: Array = np.convolve(values, window, "same") / np.convolve(np.ones(values.size), window, "same")
+    return found
+
+
+def _first_crossing(radius: Array, revolutions: Array) -> float | None:
+    """First time [rev] from which a radius is above 1 for `sustain`, or to the end; None if never."""
+    above = np.concatenate([[False], radius > 1.0, [False]])
     edges = np.flatnonzero(np.diff(above.astype(np.int8)))
     for begin, end in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):
         if end == radius.size - 1 or revolutions[end] - revolutions[begin] >= Criteria().sustain:
-            low, high = float(radius[max(begin - 1, 0)]), float(radius[begin])
-            share = (limit - low) / (high - low) if high > limit > low else 1.0
-            step = revolutions[begin] - revolutions[max(begin - 1, 0)]
-            return float(revolutions[begin] - (1.0 - share) * step)
+            before = max(begin - 1, 0)
+            low, high = float(radius[before]), float(radius[begin])
+            share = (1.0 - low) / (high - low) if high > 1.0 > low else 1.0
+            return float(revolutions[begin] - (1.0 - share) * (revolutions[begin] - revolutions[before]))
     return None

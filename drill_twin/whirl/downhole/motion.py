@@ -3,11 +3,9 @@
 
 Gyroscopes give attitude and spin. The lateral specific force, turned back by the spin, is the acceleration of the
 centre line, plus the lever arm of the sensor (r Omega^2, r dOmega/dt) and gravity by the tilt of the section; both are
-removed. A Butterworth high pass of fourth order, integrated twice, gives the position about its mean, for whirls well
-above its corner. Its state at the start, which is that of a string that moves already, and what is constant in the
-frame of the string (bias, bow) are fitted over the first revolutions at a steady speed, so that the position is small
-there; constants and drifts in the frame of the hole (gravity in an inclined hole, turned by a bias of the gyroscope)
-decay with the state.
+removed; what is constant in the frame of the string (bias, bow) is the mean over the first revolutions at a steady
+speed. What remains is integrated twice, less its drift (`high_pass`): the position about its mean, for whirls above the
+corner of the high pass.
 """
 
 from __future__ import annotations
@@ -18,16 +16,18 @@ from collections import deque
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.downhole.high_pass import GRAVITY, HighPass, ToolNoise, corner_for
+from drill_twin.whirl.downhole.impacts import ImpactCounter
+from drill_twin.whirl.downhole.torsion import Torsion
 
-GRAVITY = 9.81
-"""Gravity that tilt turns into lateral force, in the estimate of the noise [m/s^2]."""
 SLOWEST = 0.06
 """Least corner of the high pass over the rotation [-]."""
 CALIBRATION = 4.0
-"""Length of the record over which state and constants are fitted [rev]."""
+"""Length of the record over which constants are found [rev]."""
 STEADY = 0.02
 """Largest change of the mean speed from one half of that length to the other [-]."""
 PATIENCE = 30.0
@@ -40,17 +40,6 @@ LONGEST_GAP = 0.125
 """Missing readings are interpolated over at most this part of a revolution [rev]."""
 UNEVEN = 0.5
 """A reading is missing where the interval is longer than usual by this share [-]."""
-_NOISE_GAIN = 1.0 / (8.0 * math.sin(3.0 * math.pi / 8.0))  # of x^4 / (1 + x^8) over all x, by 2 pi
-_DAMPING = math.cos(math.pi / 8.0), math.cos(3.0 * math.pi / 8.0)
-
-
-class ToolNoise(NamedTuple):
-    """Noise of the instruments of a sub: standard deviation of a sample."""
-
-    force: float
-    """Of the accelerometers [m/s^2]."""
-    rate: float
-    """Of the gyroscopes [rad/s]."""
 
 
 class Place(NamedTuple):
@@ -64,6 +53,15 @@ class Place(NamedTuple):
     """Spin since the first reading [rad]."""
     speed: float
     """Speed of rotation [rad/s]."""
+
+
+class Places(NamedTuple):
+    """As `Place`, of n readings, each of shape (n,)."""
+
+    stamp: NDArray[np.int64]
+    position: ComplexArray
+    spin: Array
+    speed: Array
 
 
 class Kept(NamedTuple):
@@ -92,62 +90,6 @@ class Record(NamedTuple):
     """[rev]"""
 
 
-def corner_for(clearance: float, noise: ToolNoise, interval: float) -> float:
-    """Lowest corner at which the noise of the position stays below the threshold of an onset [rad/s].
-
-    The variance of the position is k S_f / a^3 + k g^2 S_w / a^5 on each axis, with S = sigma^2 T of accelerometers and
-    gyroscopes, the corner a and k = 1 / (8 sin(3 pi / 8)): the integrals of the spectra behind the high pass.
-
-    Args:
-        clearance: Lateral clearance of the section [m].
-        noise: Noise of the instruments.
-        interval: Time between samples T [s].
-    """
-    criteria = Criteria()
-    allowed = (criteria.onset_radius * clearance / criteria.false_alarm_factor) ** 2
-    force, tilt = (_NOISE_GAIN * interval * part**2 / allowed for part in (noise.force, GRAVITY * noise.rate))
-    roots = np.roots([1.0, 0.0, 0.0, -force, 0.0, -tilt])  # one is positive (Descartes)
-    return float(max(roots.real[np.abs(roots.imag) <= 1e-9 * np.abs(roots)]))
-
-
-class _HighPass:
-    """Integral of the integral of means over intervals, at their ends, behind the high pass."""
-
-    def __init__(self, corner: float, interval: float) -> None:
-        from scipy.signal import cont2discrete
-
-        low, high = ([1.0, 2.0 * damping * corner, corner**2] for damping in _DAMPING)
-        numerator, denominator, _ = cont2discrete(([1.0, 0.0, 0.0], np.polymul(low, high)), interval, "zoh")
-        self._b, self._a = numerator.ravel(), denominator
-        self._coefficients = [*zip(self._b[1:].tolist(), self._a[1:].tolist(), strict=True)]
-        self._state = [0j] * 4
-
-    def start(self, acceleration: ComplexArray, turn: ComplexArray) -> complex:
-        """Fit state and part along `turn` over a record whose position is small; return that part [m/s^2]."""
-        from scipy.signal import lfilter
-
-        silence = np.zeros(len(turn))
-        free = [lfilter(self._b, self._a, silence, zi=unit)[0] for unit in np.eye(4)]
-        forced, along = (lfilter(self._b, self._a, part) for part in (acceleration, turn))
-        fitted = np.linalg.lstsq(np.stack([*free, along], -1), -forced, rcond=None)[0]
-        _, state = lfilter(self._b, self._a, acceleration + fitted[4] * turn, zi=fitted[:4])
-        self._state = state.tolist()
-        return complex(fitted[4])
-
-    def __call__(self, acceleration: complex) -> complex:
-        """Position [m] after one more mean [m/s^2]; transposed direct form II, as scipy's `lfilter`."""
-        one, two, three, four = self._state
-        position = one
-        (b1, a1), (b2, a2), (b3, a3), (b4, a4) = self._coefficients
-        self._state = [
-            b1 * acceleration - a1 * position + two,
-            b2 * acceleration - a2 * position + three,
-            b3 * acceleration - a3 * position + four,
-            b4 * acceleration - a4 * position,
-        ]
-        return position
-
-
 class SubMotion:
     """Lateral motion of the section of a sub, from the readings that come in."""
 
@@ -162,6 +104,10 @@ class SubMotion:
         self._radius, self._clearance, self._noise = radius, clearance, noise
         self.gaps = 0
         """Gaps after which the fit began anew."""
+        self.impacts = ImpactCounter(clearance, noise)
+        """Impacts on the wall."""
+        self.torsion = Torsion()
+        """Stick-slip of the section."""
         self._spin = self._revolutions = 0.0
         self._restart()
 
@@ -171,7 +117,8 @@ class SubMotion:
         self._interval = 0
         self._tilt, self._axial, self._synchronous, self._due = 0j, GRAVITY, 0j, 0.0
         self._begin = self._revolutions
-        self._filter: _HighPass | None = None
+        self.impacts.restart()
+        self._filter: HighPass | None = None
         self.corner = 0.0
         """Corner of the high pass [rad/s]: slower whirls are not seen; 0 before there is one."""
 
@@ -179,6 +126,11 @@ class SubMotion:
     def revolutions(self) -> float:
         """Revolutions so far [rev]."""
         return self._revolutions
+
+    @property
+    def interval(self) -> float:
+        """Time between readings [s]."""
+        return self._interval * 1e-9
 
     @property
     def started(self) -> bool:
@@ -226,6 +178,35 @@ class SubMotion:
         acceleration = kept.acceleration + self._axial * kept.tilt + self._synchronous * kept.turn
         return [Place(kept.stamp, self._filter(acceleration), kept.spin, kept.speed)]
 
+    def push_rows(self, stamps: NDArray[np.int64], values: Array) -> Places:
+        """Add readings without a gap, once started, as `push` one by one; they are not kept for a time of an onset.
+
+        Args:
+            stamps: Middles of the readings [ns], shape (n,).
+            values: Specific force [m/s^2] and rates [rad/s] in the axes of the sub, shape (n, 6).
+
+        Raises:
+            ValueError: There is no place yet.
+        """
+        if self._filter is None:
+            raise ValueError("expected readings after the first place, found none before")
+        before = [stamp for stamp, _ in self._waiting], [row for _, row in self._waiting]
+        stamps, values = np.concatenate([before[0], stamps]), np.concatenate([before[1], values])
+        self._waiting = [(int(stamps[k]), values[k].tolist()) for k in (-2, -1)]
+        interval, speed, rows = self.interval, values[:, 5], values[1:-1]
+        angle = np.cumsum(np.concatenate([[self._spin], rows[:, 5] * interval]))
+        turn = np.exp(1j * (angle[:-1] + 0.5 * rows[:, 5] * interval))
+        swing = -1j * interval * turn * (rows[:, 3] + 1j * rows[:, 4])
+        tilt = np.cumsum(np.concatenate([[self._tilt], swing]))
+        change = 0.5 * (speed[2:] - speed[:-2]) / interval
+        arm = self._radius * (-(rows[:, 5] ** 2) + 1j * change)
+        acceleration = (rows[:, 0] + 1j * rows[:, 1] - arm) * turn + self._axial * (tilt[:-1] + 0.5 * swing)
+        acceleration += self._synchronous * turn
+        self._spin, self._tilt = float(angle[-1]), complex(tilt[-1])
+        self._revolutions += float(np.abs(rows[:, 5]).sum()) * interval / math.tau
+        position = np.array([self._filter(one) for one in acceleration.tolist()])
+        return Places(stamps[1:-1] + self._interval // 2, position, angle[1:], rows[:, 5])
+
     def _keep(self, stamp: int, values: list[float], change: float) -> Kept:
         """Turn a reading into the frame of the hole, and keep it; `change` of the speed in an interval [rad/s]."""
         interval = self._interval * 1e-9
@@ -240,6 +221,8 @@ class SubMotion:
         end = stamp + self._interval // 2
         kept = Kept(end, (force - arm) * turn, tilt, turn, values[2], self._spin, speed, self._revolutions)
         self._kept.append(kept)
+        self.impacts.push(end * 1e-9, kept.acceleration, speed, interval)
+        self.torsion.push(speed, values[0], interval)
         length = CALIBRATION if self._filter is None else MEMORY
         while self._revolutions - self._kept[0].revolutions > length:
             self._kept.popleft()
@@ -262,10 +245,13 @@ class SubMotion:
             return
         interval = self._interval * 1e-9
         self.corner = max(corner_for(self._clearance, self._noise, interval), SLOWEST * usual)
-        self._filter = _HighPass(self.corner, interval)
+        self._filter = HighPass(self.corner, interval)
         self._axial = sum(row.axial for row in rows) / len(rows)
         record = self.record()
-        self._synchronous = self._filter.start(record.acceleration, record.turn)
+        fluctuation = record.acceleration - record.acceleration.mean()
+        self._synchronous = -complex(np.mean(fluctuation * record.turn.conj()))
+        for acceleration in (record.acceleration + self._synchronous * record.turn).tolist():
+            self._filter(acceleration)
 
     def record(self) -> Record:
         """The last readings."""

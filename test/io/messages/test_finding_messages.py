@@ -50,7 +50,7 @@ def test_motion(motions, stamp):
 
 
 @settings(max_examples=100, deadline=None)
-@given(st.builds(OnsetMessage, finite, words, finite), st.integers(0, 2**60))
+@given(st.builds(OnsetMessage, finite, words, finite, st.none() | finite, st.booleans()), st.integers(0, 2**60))
 def test_onset(onset, stamp):
     found_stamp, found = decode_onset(encode_onset(stamp, onset))
     assert (found_stamp, found) == (stamp, onset)

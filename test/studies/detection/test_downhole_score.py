@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Score of whirl found from one sub."""
+"""Score of whirl, impacts and stick-slip found from one sub."""
 
 import pytest
 
@@ -8,8 +8,14 @@ from drill_twin.studies.detection.downhole import markdown, measure_sub
 
 @pytest.mark.long
 def test_a_sub_is_scored():
-    found = measure_sub(2, 0.05)
-    assert (len(found.onset_error) + found.missed, found.false, found.noise_onsets) == (1, 0, 0)
-    assert abs(found.onset_error[0]) < 2.0
-    assert found.senses == [True]
-    assert "| missed, false | 0, 0 |" in markdown(found.to_dict(), 2, 0.05)
+    found = measure_sub(2, 0, 1, 0.02)
+    bench, events = found["sets"]["bench"], found["events"]
+    assert (bench["onsets"], bench["missed"], bench["false"], found["noise_onsets"]) == (1, 0, 0, 0)
+    assert (bench["met"], bench["dated_met"], bench["sense"]) == (1.0, 1.0, 1.0)
+    assert events["hard_impacts_found"] > 0.9
+    assert events["impacts_in_contact"] > 0.6
+    assert events["stick_slip_found"] == events["stick_slip_runs"] == 1
+    assert events["largest_error"]["period"] < 0.05
+    assert events["largest_error"]["severity"] < 0.2
+    assert events["largest_error"]["rest"] < 0.02
+    assert "| missed, of these slower than the corner | 0, 0 | 0, 0 |" in markdown(found)
