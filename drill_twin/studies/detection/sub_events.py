@@ -14,7 +14,7 @@ from drill_twin.scene import load_scene
 from drill_twin.studies.detection.cases import bouncing
 from drill_twin.studies.detection.runs import Run, simulate
 from drill_twin.studies.detection.sub_readings import MARK, analyser_of
-from drill_twin.whirl.downhole.impacts import REBOUND, SHARE
+from drill_twin.whirl.downhole.impacts import SHARE
 from drill_twin.whirl.downhole.torsion import AT_REST
 
 FAST = {
@@ -26,6 +26,8 @@ FAST = {
 """Changes of a bouncing run, so that frames and readings resolve its contacts."""
 WEIGHTS = ("52 kN", "53 kN", "54 kN", "55 kN", "56 kN")
 """Weights on bit of the runs in stick-slip."""
+NEAR = 0.02
+"""An impact is that of a contact within this time [s]."""
 SETTLED = 60.0
 """Time until stick-slip is periodic [s]."""
 
@@ -107,12 +109,12 @@ def add_stick_slip(score: EventScore, run: Run, seed: int) -> None:
 
 
 def _near(times: Array, others: Array) -> Mask:
-    """Whether each time is within a rebound of one of the others, in order."""
+    """Whether each time is near one of the others, in order."""
     if not others.size:
         return np.zeros(times.size, bool)
     after = np.searchsorted(others, times)
     gaps = [np.abs(others[np.clip(after + k, 0, others.size - 1)] - times) for k in (-1, 0)]
-    found: Mask = np.minimum(*gaps) <= REBOUND
+    found: Mask = np.minimum(*gaps) <= NEAR
     return found
 
 

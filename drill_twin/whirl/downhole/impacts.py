@@ -3,7 +3,7 @@
 
 An impact changes the velocity within a small part of a revolution; an orbit turns it slowly. The change over 1/32
 revolution, at least a reading, is compared with the mean of those before and after: an impact begins where they differ
-by more than a share of the clearance times the rotation, or than by noise. What follows within a rebound belongs to it.
+by more than a share of the clearance times the rotation, or than by noise. It ends after 1/16 revolution without.
 """
 
 from __future__ import annotations
@@ -17,8 +17,6 @@ SHARE = 0.05
 """Least change of velocity over clearance times rotation [-]."""
 NOISE_FACTOR = 7.0
 """Least change over its standard deviation by noise; with 7, once in 10^10 readings."""
-REBOUND = 0.02
-"""An impact that follows within this time belongs to the one before [s]."""
 LARGEST_COUNT = 100_000
 """Most impacts whose time and peak are kept; later ones are counted only."""
 PART, LONGEST = 1.0 / 32.0, 50
@@ -72,7 +70,7 @@ class ImpactCounter:
         if change <= max(SHARE * self._clearance * abs(speed), noise):
             return
         at = time - 1.5 * n * interval
-        again, self._last = at - self._last <= max(REBOUND, 1.5 * n * interval) and self.count > 0, at
+        again, self._last = at - self._last <= 2.0 * n * interval and self.count > 0, at
         if not again:
             self.count += 1
             self._largest = 0.0
