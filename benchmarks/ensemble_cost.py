@@ -2,7 +2,8 @@
 """Processor time of a run by what is done with it, over that of the compiled loop (python -m benchmarks.ensemble_cost).
 
 `pa6_bench` with 8 elements and steps of 10 ms, 30 s simulated, on one thread. All cases are measured in turn, several
-times, and the least of each counts. Start-up and compiling are left out.
+times, and the least of each counts. Start-up and compiling are left out. So are the samples of the analyzer, and the
+time by the clock of 32 members on one thread over that on two, which says something on a quiet machine only.
 """
 
 from __future__ import annotations
@@ -11,15 +12,19 @@ import argparse
 import math
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 import drill_twin as dt
+from drill_twin.ensemble.run import frames_of
+from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.runner import Session
 from drill_twin.schedule import Schedule
+from drill_twin.twin.observer import rig_rows
 from drill_twin.twin.twin import Twin
+from drill_twin.whirl import Analyzer, MarkInfo
 
 DURATION, RATE = 30.0, 100  # [s], frames a second
 RESOLUTION: dict[str, float | str] = {"numerics.elements": 8, "numerics.step": "10 ms", "duration": DURATION}
@@ -59,6 +64,10 @@ def main() -> None:
     print("| processor time of 30 s of `pa6_bench` | ms | over the compiled loop |\n| --- | --- | --- |")
     for name, seconds in least.items():
         print(f"| {name} | {1e3 * seconds:.0f} | {seconds / least[LOOP]:.1f} |")
+    print("\n| analyzer, 4 marks | us a sample |\n| --- | --- |")
+    for name, seconds in zip(("one `push` for each", "many in a block"), pushed(scene, rounds), strict=True):
+        print(f"| {name} | {1e6 * seconds / (DURATION * RATE):.1f} |")
+    print(f"\n32 members on two threads: {two_threads(scene, rounds):.2f} times as fast as on one")
     print(
         f"\nshare of the compiled loop without findings {max(shares[::2]):.0%}, with findings {max(shares[1::2]):.0%}"
     )
@@ -103,6 +112,47 @@ def recorded(scene: dt.Scene) -> float:
         began = time.process_time()
         session.run(Path(folder) / "bag_0")
         return time.process_time() - began
+
+
+def pushed(scene: dt.Scene, rounds: int) -> tuple[float, float]:
+    """Least processor times of the analysis of a run: sample by sample, and in one block [s]."""
+    running, infos = Twin(scene), mark_infos(scene)
+    request, commands = frames_of(scene)
+    rows = running.rows(request.frames)
+    running.advance_frames(commands, request.period, rows)
+    rig = rig_rows(running.dynamics, rows, request.period)
+    stamps = np.rint(rows.time * 1e9).astype(np.int64)
+    columns = (rows.position, rows.spin, rig.top_drive_speed, rows.wall_force, rig.bit_speed)
+    samples = list(zip(stamps.tolist(), *columns, strict=True))
+
+    def one_by_one(analyzer: Analyzer) -> None:
+        for sample in samples:
+            analyzer.push(*sample)
+
+    return timed(infos, one_by_one, rounds), timed(infos, lambda one: one.push_block(stamps, *columns), rounds)
+
+
+def timed(infos: Sequence[MarkInfo], analyse: Callable[[Analyzer], object], rounds: int) -> float:
+    """Least processor time of an analysis [s]."""
+    least = math.inf
+    for _ in range(rounds):
+        analyzer = Analyzer(infos)
+        began = time.process_time()
+        analyse(analyzer)
+        least = min(least, time.process_time() - began)
+    return least
+
+
+def two_threads(scene: dt.Scene, rounds: int) -> float:
+    """Least time by the clock of an ensemble on one thread over that on two; two cores must be free."""
+    ensemble = dt.Ensemble(scene, {"seed": range(32)})
+    least = {1: math.inf, 2: math.inf}
+    for _ in range(rounds):
+        for workers in (1, 2):
+            began = time.perf_counter()
+            ensemble.run(workers=workers)
+            least[workers] = min(least[workers], time.perf_counter() - began)
+    return least[1] / least[2]
 
 
 if __name__ == "__main__":
