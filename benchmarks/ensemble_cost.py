@@ -18,11 +18,10 @@ from pathlib import Path
 import numpy as np
 
 import drill_twin as dt
-from drill_twin.ensemble.run import frames_of
+from drill_twin.ensemble.parts import parts_of, planned
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.runner import Session
 from drill_twin.schedule import Schedule
-from drill_twin.twin.observer import rig_rows
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer, MarkInfo
 
@@ -117,10 +116,7 @@ def recorded(scene: dt.Scene) -> float:
 def pushed(scene: dt.Scene, rounds: int) -> tuple[float, float]:
     """Least processor times of the analysis of a run: sample by sample, and in one block [s]."""
     running, infos = Twin(scene), mark_infos(scene)
-    request, commands = frames_of(scene)
-    rows = running.rows(request.frames)
-    running.advance_frames(commands, request.period, rows)
-    rig = rig_rows(running.dynamics, rows, request.period)
+    rows, rig, _, _ = next(parts_of(running, *planned(scene)))
     stamps = np.rint(rows.time * 1e9).astype(np.int64)
     columns = (rows.position, rows.spin, rig.top_drive_speed, rows.wall_force, rig.bit_speed)
     samples = list(zip(stamps.tolist(), *columns, strict=True))

@@ -6,9 +6,8 @@ from __future__ import annotations
 import hashlib
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -19,15 +18,12 @@ from drill_twin import __version__
 from drill_twin.accuracy.replicas import perturb
 from drill_twin.base.arrays import Array
 from drill_twin.base.missing import number_or_nan
-from drill_twin.ensemble.outputs import Collector, Request, Variable, first_rows
-from drill_twin.ensemble.run import frames_of, run_scene
-from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.ensemble.parts import parts_of, planned
+from drill_twin.errors import DrillTwinError
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.runner import compile_kernel
 from drill_twin.scene import Scene, load_scene
 from drill_twin.solver.state import ITERATIONS
-from drill_twin.twin.frame_kernel import Rows
-from drill_twin.twin.observer import RigRows
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer
 
@@ -97,47 +93,6 @@ class Motion:
         return Motion(**plain)
 
 
-class _Motion(Collector):
-    """Motion of the marks and findings of the analysis, up to a time [s] after the detection of the onset."""
-
-    def __init__(self, twin: Twin, request: Request, after_onset: float) -> None:
-        super().__init__(twin, request)
-        self._infos, self._after_onset = mark_infos(twin.scene), after_onset
-        self._analyzer, self._time, self._end = Analyzer(self._infos), 0.0, math.inf
-        self._columns: list[tuple[Array, ...]] = []
-
-    def add(self, rows: Rows, rig: RigRows) -> None:
-        """Add the frames that begin before the end."""
-        count = int(np.count_nonzero(np.concatenate(([self._time], rows.time[:-1])) < self._end))
-        rows, rig = first_rows(rows, count), RigRows(*(column[:count] for column in rig))
-        self._time = float(rows.time[-1])
-        columns = (rows.time, rows.centre[..., :2], rows.string[:, 2], rig.hookload, rig.top_drive_torque, rows.counted)
-        self._columns.append(tuple(column.copy() for column in columns))
-        found = self._analyzer.push_block(
-            np.rint(rows.time * 1e9).astype(np.int64), rows.position, rows.spin, rig.top_drive_speed, rows.wall_force,
-            rig.bit_speed,
-        )  # fmt: skip
-        if self._end == math.inf and self._analyzer.findings.onset is not None:
-            first = min((row for row, after in found.changes.items() if after.onset is not None), default=count - 1)
-            self._end = float(rows.time[first]) + self._after_onset
-        self.ended = self._time >= self._end
-
-    def close(self) -> Mapping[str, Variable]:
-        """Fields of `Motion` but for the cost."""
-        time, centre, contact, hookload, torque, counted = map(np.concatenate, zip(*self._columns, strict=True))
-        found, twin = self._analyzer.summary(), self.twin
-        longest = max(found.stick_slip, key=lambda one: one.cycles, default=None)
-        fields = {
-            "time": time, "centre": centre, "contact": contact, "hookload": hookload, "torque": torque,
-            "clearance": np.array([info.clearance for info in self._infos]),
-            "onset": number_or_nan(found.onset_s), "frequency": number_or_nan(found.mode_frequency_hz),
-            "stick_slip_period": math.nan if longest is None else longest.period_s,
-            "iterations": int(counted[:, ITERATIONS].sum()) / (time.size * self.request.period),
-            "elements": twin.elements, "step": twin.step_size, "tolerance": twin.scene.tolerance,
-        }  # fmt: skip
-        return {"motion": Variable(fields, (), "")}
-
-
 def run_motion(
     scene: Scene,
     seed: int | None = None,
@@ -146,7 +101,7 @@ def run_motion(
     after_onset: float = math.inf,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Motion:
-    """Run a scene to its end, as a member of an ensemble is run.
+    """Run a scene to its end, many frames at a time as a member of an ensemble.
 
     Args:
         scene: The scene.
@@ -161,18 +116,38 @@ def run_motion(
     began = time.perf_counter()
     compile_kernel(scene, 1.0 / scene.numerics.frame_rate)
     compiled = time.perf_counter() - began
-    run = run_scene(
-        scene, [partial(_Motion, after_onset=after_onset)],
-        *frames_of(scene, min(scene.rig.duration, until)),
-        begin=lambda twin: None if seed is None else perturb(twin, seed), progress=progress, size=TIMED,
-    )  # fmt: skip
-    if run.failure:
-        raise RunError(run.failure)
-    fields: dict[str, Any] = run.values["motion"].value
-    spent = np.concatenate([np.full(count, seconds / count) for count, seconds in run.spent])[: fields["time"].size]
+    twin, infos = Twin(scene), mark_infos(scene)
+    if seed is not None:
+        perturb(twin, seed)
+    analyzer, columns, now, end = Analyzer(infos), list[tuple[Array, ...]](), 0.0, math.inf
+    commands, period = planned(scene, min(scene.rig.duration, until))
+    for whole in parts_of(twin, commands, period, TIMED):
+        spent = np.full_like(whole.rows.time, whole.seconds / whole.rows.time.size)
+        count = int(np.count_nonzero(np.concatenate(([now], whole.rows.time[:-1])) < end))  # those that begin before it
+        rows, rig, _, _ = whole.first(count)
+        counted = rows.counted[:, ITERATIONS]
+        part = (rows.time, rows.centre[..., :2], rows.string[:, 2], rig.hookload, rig.top_drive_torque, counted)
+        columns.append((*(column.copy() for column in part), spent[:count]))
+        after = analyzer.push_block(
+            np.rint(rows.time * 1e9).astype(np.int64), rows.position, rows.spin, rig.top_drive_speed, rows.wall_force,
+            rig.bit_speed,
+        ).changes  # fmt: skip
+        if end == math.inf and analyzer.findings.onset is not None:
+            end = after_onset + float(rows.time[min(row for row, found in after.items() if found.onset is not None)])
+        now = float(rows.time[-1])
+        progress(now)
+        if now >= end:
+            break
+    times, centre, contact, hookload, torque, iterations, spent = map(np.concatenate, zip(*columns, strict=True))
+    found = analyzer.summary()
     return Motion(
-        **fields, spent=spent, cost=float(spent.mean()) * scene.numerics.frame_rate,
-        frame_p95=float(np.quantile(spent, 0.95)), compile_seconds=compiled,
+        time=times, centre=centre, contact=contact, hookload=hookload, torque=torque,
+        clearance=np.array([info.clearance for info in infos]),
+        onset=number_or_nan(found.onset_s), frequency=number_or_nan(found.mode_frequency_hz),
+        stick_slip_period=max(found.stick_slip, key=lambda one: one.cycles).period_s if found.stick_slip else math.nan,
+        cost=float(spent.mean()) / period, frame_p95=float(np.quantile(spent, 0.95)), spent=spent,
+        compile_seconds=compiled, iterations=int(iterations.sum()) / (times.size * period),
+        elements=twin.elements, step=twin.step_size, tolerance=scene.tolerance,
     )  # fmt: skip
 
 

@@ -3,16 +3,16 @@
 
 import re
 import threading
-from itertools import islice
 
 import numpy as np
 import pytest
 
 import drill_twin as dt
+from drill_twin.ensemble import parts
 from drill_twin.ensemble import run as member_run
-from drill_twin.ensemble.outputs import Collector, Request, Variable
-from drill_twin.ensemble.outputs.severity import Contact
+from drill_twin.ensemble.outputs import Request
 from drill_twin.ensemble.outputs.spectra import Spectra
+from drill_twin.ensemble.parts import frames_of, planned
 from drill_twin.schedule import Command
 from drill_twin.twin.step_guard import StepGuard
 from drill_twin.twin.twin import Twin
@@ -65,7 +65,7 @@ def test_extremes_and_contact_are_those_of_the_states(found, single):
 
 def test_chunks_and_checks_by_python_change_nothing(found, monkeypatch):
     """Calls of 37 frames, and each frame left to the guard in Python."""
-    monkeypatch.setattr(member_run, "CHUNK", 37)
+    monkeypatch.setattr(parts, "CHUNK", 37)
     limits = StepGuard.limits
     monkeypatch.setattr(StepGuard, "limits", lambda self, step: limits(self, step)._replace(speed=-1.0))
     again = dt.Ensemble("pa6_bench", {"wob": [40]}, overrides=COARSE).run(DURATION, outputs=ALL, mark_rate=100)
@@ -199,37 +199,20 @@ def test_stress_and_damage_of_members():
     assert "expected a scene with effects.fatigue" in failure
 
 
-def test_scenes_of_other_kernels_are_members_and_end_when_they_are_closed():
-    """The second fails; the third has an hour to go, and is closed after the others."""
-    scenes = {
-        "lateral": dt.load_scene(
-            "pa6_bench", COARSE | {"effects.stretch": "off", "effects.torsion": "off", "duration": 1}
-        ),
-        "fails": dt.load_scene("pa6_bench", COARSE | {"wob": 2e4, "duration": 1}),
-        "hour": dt.load_scene("pa6_bench", COARSE | {"duration": 3600}),
-    }
-    members = member_run.run_scenes(scenes, [Contact, Whole], 2)
-    found = dict(islice(members, 2))
+def test_members_that_run_end_when_no_more_are_wanted():
+    """The second would go on for an hour."""
+    scenes = {time: dt.load_scene("pa6_bench", COARSE | {"duration": time}) for time in (1, 3600)}
+    reached = []
+
+    def follow(scene, goes_on):
+        twin = Twin(scene)
+        for frames in frames_of(twin, *planned(scene), 10):
+            assert frames.u.shape == (10, twin.elements + 1, 7)
+            reached.append(twin.time)
+            goes_on(twin.time)
+        return twin.time
+
+    members = member_run.on_threads(follow, scenes, 2)
+    assert next(members) == (1, pytest.approx(1.0))
     members.close()
-    assert set(found) == {"lateral", "fails"}
-    assert found["lateral"].failure == ""
-    assert found["lateral"].simulated == pytest.approx(1.0)
-    assert found["lateral"].values["frames"].value == 100
-    assert "could not be followed" in found["fails"].failure
-    assert sum(count for count, _ in found["lateral"].spent) == 100
-    assert all(twin.time < 3600.0 for twin in Whole.made)
-
-
-class Whole(Collector):
-    """Counts the frames with the state of all nodes."""
-
-    whole, made = True, []
-    count = 0
-
-    def add_frames(self, frames):
-        self.made.append(self.twin)
-        assert frames.u.shape[1:] == (self.twin.elements + 1, 7)
-        self.count += len(frames.time)
-
-    def close(self):
-        return {"frames": Variable(self.count, (), "1")}
+    assert 1.0 <= max(reached) < 3600.0

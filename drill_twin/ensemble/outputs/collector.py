@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from drill_twin.twin.frame import Frames
 from drill_twin.twin.frame_kernel import Rows
 from drill_twin.twin.observer import RigRows
 from drill_twin.twin.twin import Twin
@@ -39,15 +38,7 @@ class Variable(NamedTuple):
 
 
 class Collector:
-    """Gathers one output of a member.
-
-    Attributes:
-        whole: Whether it takes the state of all nodes by `add_frames`.
-        ended: Whether it needs no more frames.
-    """
-
-    whole = False
-    ended = False
+    """Gathers one output of a member."""
 
     def __init__(self, twin: Twin, request: Request) -> None:
         """Begin with the first frame."""
@@ -55,9 +46,6 @@ class Collector:
 
     def add(self, rows: Rows, rig: RigRows) -> None:
         """Add the next frames."""
-
-    def add_frames(self, frames: Frames) -> None:
-        """Add the state of all nodes at the same frames; it is overwritten afterwards."""
 
     def close(self) -> Mapping[str, Variable]:
         """Values of the whole run, by name."""

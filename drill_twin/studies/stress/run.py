@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from drill_twin.ensemble.outputs import Collector, Request, Variable
-from drill_twin.ensemble.run import frames_of, run_scene
+from drill_twin.ensemble.parts import frames_of, planned
 from drill_twin.errors import DrillTwinError
 from drill_twin.runner import compile_kernel
 from drill_twin.studies.pool import run_jobs
@@ -33,29 +32,29 @@ class Result:
     name: str
     why: str
     form: str
-    elements: int = 0
-    step: float = 0.0
+    elements: int
+    step: float
     """Nominal time step [s]."""
-    reached: float = 0.0
+    reached: float
     """Simulated time reached [s]."""
-    steps: int = 0
-    cut_steps: int = 0
-    iterations: int = 0
-    interventions: int = 0
+    steps: int
+    cut_steps: int
+    iterations: int
+    interventions: int
     """Frames that the step guard rejected and repeated."""
-    depth: float = -np.inf
+    depth: float
     """Largest penetration of the wall [m]; negative: no contact."""
-    allowed: float = 0.0
+    allowed: float
     """Penetration that the contact law allows at the speeds of the run [m]."""
-    travel: float = 0.0
+    travel: float
     """Displacement in half a step at the largest speed [m]: contact is evaluated once a step."""
-    speed: float = 0.0
+    speed: float
     """Largest lateral speed of a node [m/s]."""
-    real_time_factor: float = 0.0
+    real_time_factor: float
     """Simulated time over wall-clock time, output of frames included."""
-    energy: float | None = None
+    energy: float | None
     """Largest energy error, over the largest energy in motion; None without the audit."""
-    verdict: str = ""
+    verdict: str
     """`ok`, or the reason why the run is not valid."""
 
     @property
@@ -69,55 +68,29 @@ class Result:
 
 
 class RunStatistics:
-    """Statistics over the frames of a run.
-
-    Attributes:
-        depth: Largest penetration of the wall [m].
-        speed: Largest lateral speed of a node [m/s].
-        finite: Whether all numbers were finite.
-        energy: Largest energy error, over the energy in motion; None without the audit.
-        gained: Name of a dissipative effect that added energy.
-    """
+    """Statistics over the frames of a run."""
 
     def __init__(self) -> None:
         self.steps = self.cut_steps = self.iterations = self.interventions = 0
         self.depth, self.speed, self.finite = -np.inf, 0.0, True
         self.energy: float | None = None
-        self.gained = ""
+        self.gained = ""  # name of a dissipative effect that added energy
 
     def add(self, frames: Frames) -> None:
-        """Add frames; with an energy audit one at a time, since it tells of the last alone."""
+        """Add frames; of their energy balances, that of the last."""
         self.steps += frames.stats.steps
         self.cut_steps += frames.stats.cut_steps
         self.iterations += frames.stats.iterations
         self.interventions += len(frames.interventions)
         self.depth = max(self.depth, float(frames.wall_depth.max()))
-        if frames.v is not None:
-            self.speed = max(self.speed, float(np.linalg.norm(frames.v[..., :2], axis=-1).max()))
         parts = (frames.u, frames.v, frames.tangents, frames.wall_force)
         self.finite = self.finite and all(bool(np.isfinite(part).all()) for part in parts if part is not None)
+        if frames.v is not None:
+            self.speed = max(self.speed, float(np.linalg.norm(frames.v[..., :2], axis=-1).max()))
         if frames.energy is not None:
             self.energy = max(self.energy or 0.0, abs(frames.energy.share))
             least = -ROUNDING * frames.energy.scale
             self.gained = self.gained or next((k for k, heat in frames.energy.dissipated.items() if heat < least), "")
-
-
-class Statistics(Collector):
-    """`RunStatistics` of a member, with its twin."""
-
-    whole = True
-
-    def __init__(self, twin: Twin, request: Request) -> None:
-        super().__init__(twin, request)
-        self.found = RunStatistics()
-
-    def add_frames(self, frames: Frames) -> None:
-        """Add frames; with an energy audit one at a time."""
-        self.found.add(frames)
-
-    def close(self) -> Mapping[str, Variable]:
-        """The statistics and the twin."""
-        return {"statistics": Variable(self.found, (), ""), "twin": Variable(self.twin, (), "")}
 
 
 def run_hard(
@@ -147,24 +120,26 @@ def run_hard(
 
 
 def run_case(case: HardCase, energy: bool = False) -> Result:
-    """Run a case as a member, with the energy audit if `energy`; one that fails is a result and raises no error."""
+    """Run a case, with the energy audit if `energy`; a run that stops or cannot begin is a result."""
     try:
         scene = case.scene(energy=energy)
         compile_kernel(scene, 1.0 / scene.numerics.frame_rate)  # before the timing starts
-        began = time.perf_counter()
-        run = run_scene(scene, [Statistics], *frames_of(scene), size=1 if energy else None)
-        seconds = time.perf_counter() - began
+        twin, found, stopped = Twin(scene), RunStatistics(), ""
     except DrillTwinError as error:
-        return Result(case.name, case.why, case.form, verdict=f"stopped: {error}")
-    if not run.values:
-        return Result(case.name, case.why, case.form, verdict=f"stopped: {run.failure}")
-    found: RunStatistics = run.values["statistics"].value
-    twin: Twin = run.values["twin"].value
+        nothing = (0, 0.0, 0.0, 0, 0, 0, 0, -np.inf, 0.0, 0.0, 0.0, 0.0, None)
+        return Result(case.name, case.why, case.form, *nothing, f"stopped: {error}")
+    began = time.perf_counter()
+    try:
+        for frames in frames_of(twin, *planned(scene), 1 if energy else None):
+            found.add(frames)
+    except DrillTwinError as error:
+        stopped = str(error)
+    seconds = time.perf_counter() - began
     allowed, travel = allowed_depth(twin, found.speed), 0.5 * twin.step_size * found.speed
     return Result(
         case.name, case.why, case.form, twin.elements, twin.step_size, twin.time, found.steps, found.cut_steps,
         found.iterations, found.interventions, found.depth, allowed, travel, found.speed, twin.time / seconds,
-        found.energy, verdict_on(case, found, run.failure, allowed + travel),
+        found.energy, verdict_on(case, found, stopped, allowed + travel),
     )  # fmt: skip
 
 

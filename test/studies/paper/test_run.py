@@ -7,12 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drill_twin.ensemble.run import run_scenes
 from drill_twin.scene import load_scene
 from drill_twin.studies.paper.runs.cases import Case, scene_of
 from drill_twin.studies.paper.runs.disorder import largest_lyapunov, spectral_entropy
 from drill_twin.studies.paper.runs.full_size import NEAR_BIT, REFERENCE, rows, steady_from
-from drill_twin.studies.paper.runs.run import Motion, measure, run, run_of, x_spectrum
+from drill_twin.studies.paper.runs.run import measure, run, runs_of, x_spectrum
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +21,7 @@ def hard_push(quick_bench):
 
 def test_the_same_run_has_the_same_bits_and_one_thread_those_of_two(quick_bench, hard_push):
     scenes = {case: scene_of(quick_bench, case) for case in (Case(300.0, 2.0), Case(20.0, 2.0))}
-    found = {case: run_of(member) for case, member in run_scenes(scenes, [Motion], 2)}
+    found = dict(runs_of(run, scenes, 2))
     again = found[Case(300.0, 2.0)]
     for name in ("time", "point", "velocity", "centre", "spin_rate"):
         assert (getattr(again, name) == getattr(hard_push, name)).all()

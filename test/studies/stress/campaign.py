@@ -32,7 +32,7 @@ from random_scenes import BYTES, Tape  # noqa: E402
 from random_scenes import scene as drawn  # noqa: E402
 
 import drill_twin  # noqa: E402
-from drill_twin.ensemble.run import set_points  # noqa: E402
+from drill_twin.ensemble.parts import frames_of, planned  # noqa: E402
 from drill_twin.errors import RunError  # noqa: E402
 from drill_twin.scene import Scene  # noqa: E402
 from drill_twin.studies.stress.bound import allowed_depth  # noqa: E402
@@ -100,16 +100,12 @@ def result_of(number: int) -> Result:
 
 def run_scene(number: int, scene: Scene, refined: int) -> Result:
     """Run a scene once."""
-    twin, found, stopped, period = Twin(scene), RunStatistics(), "", 1.0 / scene.numerics.frame_rate
-    record = twin.record(1)  # with an energy audit
-    for command in set_points(scene, [k * period for k in range(1, FRAMES + 1)]):
-        frames, error = twin.fill(record, command[None], period)
-        if isinstance(error, RunError):
-            stopped = str(error)
-            break
-        if error is not None:
-            raise error
-        found.add(frames)
+    twin, found, stopped = Twin(scene), RunStatistics(), ""
+    try:
+        for frames in frames_of(twin, *planned(scene, FRAMES / scene.numerics.frame_rate), 1):  # with an energy audit
+            found.add(frames)
+    except RunError as error:
+        stopped = str(error)
     bound = allowed_depth(twin, found.speed)
     # twice: as in the tests of single scenes; and the way of one step, since contact is evaluated at its ends
     depth = max(found.depth, 0.0) / (2.0 * bound + twin.step_size * found.speed) if math.isfinite(bound) else 0.0

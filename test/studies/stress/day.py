@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from drill_twin.ensemble.run import set_points
+from drill_twin.ensemble.parts import frames_of, set_points
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.studies.stress.bound import allowed_depth
@@ -27,7 +27,6 @@ from drill_twin.twin.twin import Twin
 
 PERIOD = 0.1  # of a frame [s]
 HOUR = 3600.0  # [s]
-BLOCK = 100  # frames in one call
 
 
 class Hour(NamedTuple):
@@ -54,11 +53,7 @@ def hour_of(number: int, twin: Twin, seconds: float) -> Hour:
     """Run an hour."""
     found, frames = RunStatistics(), round(seconds / PERIOD)
     commands = set_points(twin.scene, [PERIOD * (k + 1) for k in range((number - 1) * frames, number * frames)])
-    record = twin.record(min(frames, BLOCK))
-    for first in range(0, frames, BLOCK):
-        part, error = twin.fill(record, commands[first : first + BLOCK], PERIOD)
-        if error is not None:
-            raise error
+    for part in frames_of(twin, commands, PERIOD):
         found.add(part)
     case = HardCase("hard/steady_hour", "spatial", "", seconds)
     allowed = allowed_depth(twin, found.speed) + 0.5 * twin.step_size * found.speed

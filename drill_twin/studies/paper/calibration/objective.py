@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 
-from drill_twin.ensemble.run import run_scenes
+from drill_twin.errors import RunError
 from drill_twin.scene import Scene
 from drill_twin.studies.paper.runs.cases import Case, changed, scene_of
 from drill_twin.studies.paper.runs.published import CRITICAL_TIME, DISPLACEMENT, FREQUENCY, RATIO, Number, published
-from drill_twin.studies.paper.runs.run import Measured, Motion, measure, run_of
+from drill_twin.studies.paper.runs.run import Measured, measure, run, runs_of
 from drill_twin.studies.paper.runs.table import ours_for
 
 RUNS = (Case(40.0, 2.0), Case(20.0, 2.0), Case(150.0, 2.0), Case(300.0, 2.0), Case(40.0, 6.0))
@@ -60,13 +60,20 @@ def evaluate(scenes: Sequence[Scene], workers: int = 1, done: Callable[[Loss], N
     wanted = {(number, case): _of_fit(scene, case) for number, scene in enumerate(scenes) for case in RUNS}
     found: list[dict[Case, Measured | None]] = [{} for _ in scenes]
     losses = dict[int, Loss]()
-    with closing(run_scenes(wanted, [Motion], workers)) as members:
-        for (number, case), member in members:
-            found[number][case] = measure(run_of(member)) if member.values else None
+    with closing(runs_of(_measured, wanted, workers)) as ended:
+        for (number, case), measured in ended:
+            found[number][case] = measured
             if len(found[number]) == len(RUNS):
                 losses[number] = loss(found[number])
                 done(losses[number])
     return [losses[number] for number in range(len(scenes))]
+
+
+def _measured(scene: Scene, goes_on: Callable[[float], None]) -> Measured | None:
+    try:
+        return measure(run(scene, goes_on))
+    except RunError:
+        return None
 
 
 def _of_fit(scene: Scene, case: Case) -> Scene:

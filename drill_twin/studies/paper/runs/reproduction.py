@@ -9,14 +9,13 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from drill_twin import __version__
-from drill_twin.ensemble.run import run_scenes
 from drill_twin.errors import SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.studies.paper.runs import full_size
 from drill_twin.studies.paper.runs.cases import MATRIX, Case, scene_of
 from drill_twin.studies.paper.runs.full_size import Disorder, FullSizeRow
 from drill_twin.studies.paper.runs.published import published
-from drill_twin.studies.paper.runs.run import Measured, Motion, Run, measure, run_of
+from drill_twin.studies.paper.runs.run import Measured, Run, measure, run, runs_of
 from drill_twin.studies.paper.runs.similarity import Scale, similarity
 from drill_twin.studies.paper.runs.table import Row, Trend, rows, trends
 from drill_twin.studies.paper.runs.variants import CASES as VARIANT_CASES
@@ -109,9 +108,8 @@ def reproduce(
         sorted(wanted.items(), key=lambda item: -item[0][1].weight_on_bit)
     )
     processes, runs = processes or cores(), dict[Key, Run]()
-    with closing(run_scenes(wanted, [Motion], processes)) as members:
-        for key, member in members:
-            runs[key] = run_of(member)
+    with closing(runs_of(run, wanted, processes)) as ended:
+        for key, runs[key] in ended:
             progress(f"{key[0]}, {_label(key[1])}", len(runs), len(wanted))
     bench = {case: runs[MATRIX_RUN, case] for case in MATRIX}
     measured = {case: measure(found) for case, found in bench.items()}

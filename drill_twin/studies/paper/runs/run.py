@@ -4,22 +4,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from drill_twin.base.arrays import Array
-from drill_twin.ensemble.outputs import Collector, Request, Variable
-from drill_twin.ensemble.run import Run as Member
-from drill_twin.ensemble.run import frames_of, run_scene
+from drill_twin.ensemble.parts import frames_of, planned
+from drill_twin.ensemble.run import Key, Result, on_threads
 from drill_twin.errors import RunError
 from drill_twin.io.scene_geometry import mark_infos
+from drill_twin.runner import compile_kernel
 from drill_twin.scene import Scene
-from drill_twin.twin.frame import Frames, RigState
+from drill_twin.twin.dynamics import kernel_of
+from drill_twin.twin.frame import RigState
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer, Summary
 
+TOP_SPEED = RigState._fields.index("top_drive_speed")
 FINER = 8
 """Zero padding: lines of the spectrum per resolved line."""
 
@@ -57,64 +59,48 @@ class Run:
         return float(self.time[0])
 
 
-class Motion(Collector):
-    """The motion of a run, with the summary of the analyzer."""
-
-    whole = True
-
-    def __init__(self, twin: Twin, request: Request) -> None:
-        super().__init__(twin, request)
-        infos = mark_infos(twin.scene)
-        self._names, self._analyzer = tuple(info.name for info in infos), Analyzer(infos)
-        self._time: Array = np.asarray(request.period * np.arange(1, request.frames + 1), float)
-        self._marks: list[Array] = [np.empty((request.frames, len(infos), 3)[:axes]) for axes in (3, 3, 3, 2)]
-        self._count, self._spent = 0, 0.0
-
-    def add_frames(self, frames: Frames) -> None:
-        """Add frames."""
-        marks, count = frames.marks, frames.time.size
-        at = slice(self._count, self._count + count)
-        for array, part in zip(
-            self._marks, (marks.position, marks.velocity, marks.centre, marks.spin_rate), strict=True
-        ):
-            array[at] = part
-        stamps = np.rint(self._time[at] * 1e9).astype(np.int64)
-        speed = frames.rig[:, RigState._fields.index("top_drive_speed")]
-        self._analyzer.push_block(stamps, marks.position, marks.spin, speed, marks.wall_force)
-        self._count, self._spent = at.stop, self._spent + frames.stats.wall_seconds
-
-    def close(self) -> Mapping[str, Variable]:
-        """The run up to its last frame."""
-        time, point, velocity, centre, spin_rate = (array[: self._count] for array in (self._time, *self._marks))
-        run = Run(
-            time, point, velocity, centre, spin_rate, self._names, self._analyzer.summary(), self._spent
-        )  # fmt: skip
-        return {"run": Variable(run, (), "")}
-
-
-def run(scene: Scene, seconds: float | None = None) -> Run:
-    """Run a scene to its end, or for `seconds`; a run that fails later returns the frames before the failure.
+def run(scene: Scene, progress: Callable[[float], None] = lambda _: None) -> Run:
+    """Run a scene to its end; a run that fails later returns the frames before the failure.
 
     Args:
         scene: The scene.
-        seconds: Simulated time [s], if not that of the scene.
+        progress: Called with the simulated time [s] now and then.
 
     Raises:
         RunError: The first frame could not be computed.
     """
-    return run_of(run_scene(scene, [Motion], *frames_of(scene, seconds)))
+    twin, infos, (commands, period) = Twin(scene), mark_infos(scene), planned(scene)
+    analyzer, m, count = Analyzer(infos), len(infos), 0
+    point, velocity, centre = (np.empty((len(commands), m, 3)) for _ in range(3))
+    spin_rate = np.empty((len(commands), m))
+    times: Array = np.asarray(period * np.arange(1, len(commands) + 1), float)
+    spent, failure = 0.0, ""
+    try:
+        for frames in frames_of(twin, commands, period):
+            at, marks = slice(count, count + frames.time.size), frames.marks
+            point[at], velocity[at], centre[at] = marks.position, marks.velocity, marks.centre
+            spin_rate[at] = marks.spin_rate
+            stamps, speed = np.rint(times[at] * 1e9).astype(np.int64), frames.rig[:, TOP_SPEED]
+            analyzer.push_block(stamps, marks.position, marks.spin, speed, marks.wall_force)
+            count, spent = at.stop, spent + frames.stats.wall_seconds
+            progress(twin.time)
+    except RunError as error:
+        if not count:
+            raise
+        failure = str(error)
+    return Run(
+        times[:count], point[:count], velocity[:count], centre[:count], spin_rate[:count],
+        tuple(info.name for info in infos), analyzer.summary(), spent, failure,
+    )  # fmt: skip
 
 
-def run_of(member: Member) -> Run:
-    """The run of a member with the output `Motion`.
-
-    Raises:
-        RunError: Its first frame could not be computed.
-    """
-    if not member.values:
-        raise RunError(member.failure)
-    done: Run = member.values["run"].value
-    return replace(done, failure=member.failure)
+def runs_of(
+    function: Callable[[Scene, Callable[[float], None]], Result], scenes: Mapping[Key, Scene], workers: int
+) -> Generator[tuple[Key, Result]]:
+    """Runs of scenes on threads, as `on_threads`; their kernels are compiled or loaded first."""
+    for scene in {kernel_of(scene): scene for scene in scenes.values()}.values():
+        compile_kernel(scene, 1.0 / scene.numerics.frame_rate, analysis=True)
+    yield from on_threads(function, scenes, workers)
 
 
 @dataclass(frozen=True)
