@@ -133,7 +133,8 @@ def run_motion(
             rig.bit_speed,
         ).changes  # fmt: skip
         if end == math.inf and analyzer.findings.onset is not None:
-            end = after_onset + float(rows.time[min(row for row, found in after.items() if found.onset is not None)])
+            detected = min((row for row, found in after.items() if found.onset is not None), default=count - 1)
+            end = after_onset + float(rows.time[detected])
         now = float(rows.time[-1])
         progress(now)
         if now >= end:
