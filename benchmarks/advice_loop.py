@@ -3,7 +3,7 @@
 
 Scene n has the numbers of the seed n on the paper's rod, coarsely resolved. Its map has at most 100 runs. The string
 starts at a set-point of its own; if it whirls after the time of a run of the map, the advice is followed until the
-whirl has ended. With `--lowest 0.7` many ranges have nothing calm, and the driver must be told so. Each result is one
+whirl has ended. With `--lowest 0.7` most ranges have nothing calm, and the driver must be told so. Each result is one
 line of a file; a broken campaign goes on behind the last whole line.
 """
 
