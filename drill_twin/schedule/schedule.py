@@ -53,8 +53,7 @@ class Schedule:
 
     def at(self, time: float) -> Command:
         """Set-points at a time [s] from the start of the run."""
-        block = self.block(time) if self.block else 0.0
-        return Command(weight_on_bit=self.weight_on_bit(time), rotation=self.rotation(time), block=block)
+        return Command(self.weight_on_bit(time), self.rotation(time), self.block(time) if self.block else 0.0)
 
 
 def record_of(scene: Scene) -> Table:

@@ -19,13 +19,15 @@ from drill_twin.base.arrays import Array
 from drill_twin.base.jit import kernel
 from drill_twin.solver.kernel_cache import load_generated
 from drill_twin.solver.native_call import Call, call
-from drill_twin.solver.state import CONVERGED, TIME, TOO_MANY_HALVINGS
-from drill_twin.twin.observation import DEPTH, Observation
+from drill_twin.solver.state import CONVERGED, COUNTERS, TIME, TOO_MANY_HALVINGS
+from drill_twin.twin.observation import DEPTH, PLACE, Observation
 
 GOOD, DIVERGED, HALVED_TOO_OFTEN, SUSPECT = range(4)
 """Outcome of a frame: good, Newton's method failed, the step was halved too often, or a bound may be exceeded."""
 SHARE, GOOD_FRAMES = 0, 1
 """Indices into the guard's memory: share of the nominal step, good frames since it was halved."""
+PUSHED = COUNTERS + 10
+"""Index into `Shown.numbers` of the impulses."""
 CERTAIN = 1.0 - 1e-9
 """Share of the largest penetration below which the compiled check and the guard's cannot differ by round-off."""
 
@@ -112,6 +114,27 @@ class States(NamedTuple):
     stress: Array  # (F, s, scalars)
 
 
+class Past(NamedTuple):
+    """The last states, a ring of K."""
+
+    time: Array  # (K,) [s]
+    rows: Array  # (K, 2, n + 1, 7) node rows u and v
+    next: NDArray[np.int64]  # (1,) number of states added
+
+
+class Shown(NamedTuple):
+    """What a `Frame` needs beside an `Observation`."""
+
+    positions: Array  # (n + 1, 3)
+    velocities: Array  # (n + 1, 3)
+    spin: Array  # (n + 1,)
+    spin_rate: Array  # (n + 1,)
+    numbers: (
+        Array  # counted, time, `deepest` (2), spin and rate of bit and top (4), height and speed of it, load, pushed
+    )
+    past: Past
+
+
 @kernel
 def attempt(frames: Frames, seconds: float, save: bool) -> int:
     """Advance by a frame to `frames.target`; returns its outcome.
@@ -175,6 +198,47 @@ def count_good_frame(frames: Frames) -> None:
         guard[GOOD_FRAMES] += 1.0
         if guard[GOOD_FRAMES] >= frames.limits.good_frames_before_growth:
             guard[SHARE], guard[GOOD_FRAMES] = min(2.0 * guard[SHARE], 1.0), 0.0
+
+
+@kernel
+def show(frames: Frames, u: Array, v: Array, shown: Shown) -> None:
+    """Show the frame that was observed last, and add its state to the last ones."""
+    nodes, past, numbers = u.shape[0], shown.past, shown.numbers
+    k = past.next[0] % past.time.size
+    past.next[0] += 1
+    past.time[k] = frames.clock[TIME]
+    past.rows[k, 0], past.rows[k, 1] = u, v
+    for i in range(nodes):
+        for c in range(3):
+            shown.positions[i, c], shown.velocities[i, c] = u[i, c], v[i, c]
+        shown.spin[i], shown.spin_rate[i] = u[i, 6], v[i, 6]
+    for k in range(COUNTERS):
+        numbers[k] = frames.counters[k] - frames.counters_before[k]
+    now = numbers[COUNTERS:PUSHED]
+    now[0], now[1], now[2] = frames.clock[TIME], frames.seen.deepest[DEPTH], frames.seen.deepest[PLACE]
+    now[3], now[4], now[5], now[6] = u[0, 6], v[0, 6], u[nodes - 1, 6], v[nodes - 1, 6]
+    now[7], now[8], now[9] = u[nodes - 1, 2], v[nodes - 1, 2], frames.command[0]
+    for k in range(frames.impulse.size):
+        numbers[PUSHED + k] = frames.impulse[k] - frames.impulse_before[k]
+
+
+@kernel
+def advance_frame(frames: Frames, u: Array, v: Array, shown: Shown, seconds: float) -> int:
+    """Advance by a frame to `frames.target`, and show it if it is good; returns its outcome.
+
+    Args:
+        frames: Calls and arrays of the twin.
+        u: Node rows (r, r', psi), shape (n + 1, 7).
+        v: Their velocities.
+        shown: Takes the frame.
+        seconds: Length of the frame [s].
+    """
+    outcome = attempt(frames, seconds, True)
+    if outcome == GOOD:
+        count_good_frame(frames)
+        frames.command[:] = frames.target
+        show(frames, u, v, shown)
+    return outcome
 
 
 @kernel
@@ -261,6 +325,16 @@ def attempt(frames, seconds, save):
 
 
 @entry_kernel
+def advance_frame(frames, u, v, shown, seconds):
+    return frame_kernel.advance_frame(frames, u, v, shown, seconds)
+
+
+@entry_kernel
+def show(frames, u, v, shown):
+    frame_kernel.show(frames, u, v, shown)
+
+
+@entry_kernel
 def record(frames, u, v, rows, states, row):
     frame_kernel.record(frames, u, v, rows, states, row)
 
@@ -273,5 +347,5 @@ def advance_frames(frames, u, v, commands, seconds, row, rows, states, outcome):
 
 @cache
 def compiled() -> Any:
-    """The module with `attempt`, `record` and `advance_frames`."""
+    """The module with the functions of this one that Python calls."""
     return load_generated("frames", _MODULE)

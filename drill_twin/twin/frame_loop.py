@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from drill_twin.model.section_stress import SCALARS
 from drill_twin.solver.native_call import Bound, bind, unbox
 from drill_twin.twin import frame_kernel, observation
 from drill_twin.twin.dynamics import Dynamics
-from drill_twin.twin.frame_kernel import Frames, Places, Rows, States
+from drill_twin.twin.frame_kernel import Frames, Past, Places, Rows, States
 from drill_twin.twin.observer import Observer
 from drill_twin.twin.step_guard import StepGuard
 
@@ -25,8 +26,9 @@ class FrameLoop:
         outcome: Outcome of the last frame, see `drill_twin.twin.frame_kernel`.
     """
 
-    def __init__(self, dynamics: Dynamics, guard: StepGuard, observer: Observer) -> None:
+    def __init__(self, dynamics: Dynamics, guard: StepGuard, observer: Observer, past: Past) -> None:
         self._dynamics, self._guard, self._observer = dynamics, guard, observer
+        self._shown = observer.shown(past)
         self.target = np.zeros_like(dynamics.command)
         """Set-points at the end of the frame: weight on bit [N], rotation [rad/s], speed of a block [m/s]."""
         self.outcome = frame_kernel.GOOD
@@ -43,8 +45,20 @@ class FrameLoop:
         if self._parameters is not self._dynamics.parameters:
             self._bind()
         self._seconds[0], self._save[0] = seconds, save
-        self.outcome = self._attempt.run()
+        self.outcome = self._attempt()
         return self.outcome
+
+    def advance_frame(self, seconds: float) -> int:
+        """Advance by a frame of a length [s] to `target`, and show it if it is good; returns its outcome."""
+        if self._parameters is not self._dynamics.parameters:
+            self._bind()
+        self._seconds_shown[0] = seconds
+        self.outcome = self._advance_frame()
+        return self.outcome
+
+    def show(self) -> None:
+        """Show the frame that was observed last."""
+        frame_kernel.compiled().show(self._frames, *self._dynamics.unknowns, self._shown)
 
     def advance(self, commands: Array, seconds: float, row: int, rows: Rows, states: States) -> int:
         """Advance by frames while they are good; returns the first that was not, and sets `outcome`.
@@ -115,9 +129,13 @@ class FrameLoop:
             impulse=dynamics.parameters.drive.bit.impulse, impulse_before=observer.impulse_before, seen=seen,
             stress=self._stress,
         )  # fmt: skip
-        self._attempt = bind(frame_kernel.compiled().attempt, (self._frames, 0.0, True))
-        words = self._attempt.call.words
-        self._seconds, self._save = words[-2:-1].view(np.float64), words[-1:]
+        compiled = frame_kernel.compiled()
+        attempt = bind(compiled.attempt, (self._frames, 0.0, True))
+        shown = bind(compiled.advance_frame, (self._frames, u, v, self._shown, 0.0))
+        self._attempt = partial(attempt.entry, attempt.call.words, attempt.call.target)
+        self._advance_frame = partial(shown.entry, shown.call.words, shown.call.target)
+        self._seconds, self._save = attempt.call.words[-2:-1].view(np.float64), attempt.call.words[-1:]
+        self._seconds_shown = shown.call.words[-1:].view(np.float64)
 
 
 def _places(arguments: tuple[Any, ...]) -> Places:

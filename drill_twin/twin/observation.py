@@ -69,14 +69,6 @@ def locate_marks(rod: Rod, places: Array, offset: Array, axis: Axis | None = Non
     return MarkPlaces(element.astype(np.int64), shape, xi, np.asarray(offset, dtype=float).reshape(-1), axis)
 
 
-def make_observation(nodes: int, marks: int) -> Observation:
-    """Make empty arrays."""
-    return Observation(
-        np.empty((nodes, 3)), np.zeros(nodes), np.empty((marks, 3)), np.empty((marks, 3)), np.empty((marks, 3)),
-        np.empty(marks), np.empty(marks), np.empty(marks), np.array([-np.inf, 0.0]),
-    )  # fmt: skip
-
-
 @kernel
 def rotate_to_tangent(tx: float, ty: float, tz: float, x: float, y: float) -> Triple:
     """Rotate a direction (x, y, 0) by the smallest rotation that takes z to the unit vector t."""

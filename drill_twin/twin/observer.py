@@ -13,8 +13,9 @@ from drill_twin.model.bit import BIT_TORQUE, BIT_WEIGHT, HOOK, TOP_TORQUE
 from drill_twin.solver import state
 from drill_twin.twin.dynamics import Dynamics
 from drill_twin.twin.frame import EnergyBalance, Frame, Frames, Intervention, MarkStates, RigState, StepStats
-from drill_twin.twin.frame_kernel import Rows, States
-from drill_twin.twin.observation import DEPTH, PLACE, locate_marks, make_observation
+from drill_twin.twin.frame_kernel import PUSHED, Past, Rows, Shown, States
+from drill_twin.twin.observation import DEPTH, PLACE, Observation, locate_marks
+from drill_twin.twin.packed_arrays import Copied
 
 
 class Observer:
@@ -33,20 +34,37 @@ class Observer:
         marks = np.array([mark.distance_from_bit for mark in scene.string.marks])
         offset = np.array([mark.wall_offset for mark in scene.mark_table])
         self.marks = locate_marks(model.rod, marks, offset, axis_at(scene, scene.length - marks))
-        self.seen = make_observation(model.rod.arc.size, marks.size)
+        n, m = model.rod.arc.size, marks.size
+        self._nodes = Copied((n, 3), (n, 3), (n, 3), (n,), (n,), (n,))  # as in `Frame` and `MarkStates`
+        self._marks = Copied((m, 3), (m, 3), (m,), (m,), (m,), (m, 3))
+        (_, _, tangents, _, _, wall_force), at = self._nodes.arrays, MarkStates(*self._marks.arrays)
+        self.seen = Observation(
+            tangents, wall_force, at.centre, at.position, at.velocity, at.spin, at.spin_rate,
+            at.wall_force, np.array([-np.inf, 0.0]),
+        )  # fmt: skip
         self.counters_before = dynamics.counters.copy()
         self.impulse_before = dynamics.parameters.drive.bit.impulse.copy()
-        self._places = model.places
+        self._numbers = np.zeros(PUSHED + self.impulse_before.size)
+        self._places, self._ends = model.places, dynamics.boundary_conditions
+        ends = self._ends
+        self._torque = PUSHED + TOP_TORQUE if ends.torque_driven else state.TORQUE_IMPULSE
+        self._weight = PUSHED + BIT_WEIGHT if ends.bit_on_rock or ends.hoisted else state.BIT_IMPULSE
+        self._hook = PUSHED + HOOK if ends.hoisted else state.HOOK_IMPULSE
 
     @property
     def deepest(self) -> tuple[float, int]:
         """Largest penetration of the string's surface into the wall [m], and its Gauss point."""
         return float(self.seen.deepest[DEPTH]), int(self.seen.deepest[PLACE])
 
+    def shown(self, past: Past) -> Shown:
+        """Arrays that take what `frame` needs beside the observation."""
+        positions, velocities, _, spin, spin_rate, _ = self._nodes.arrays
+        return Shown(positions, velocities, spin, spin_rate, self._numbers, past)
+
     def frame(
         self, seconds: float, wall_seconds: float, intervention: Intervention | None, energy: EnergyBalance | None
     ) -> Frame:
-        """Make a frame of the last observation.
+        """Make a frame of what was shown last.
 
         Args:
             seconds: Length of the frame [s].
@@ -54,27 +72,22 @@ class Observer:
             intervention: Record of the step guard, if any.
             energy: Energy balance at its end, if any.
         """
-        dynamics, seen = self._dynamics, self.seen
-        u, v = dynamics.unknowns
-        counted = dynamics.counters - self.counters_before
-        pushed = dynamics.parameters.drive.bit.impulse - self.impulse_before
-        marks = MarkStates(
-            position=seen.position.copy(), velocity=seen.velocity.copy(), spin=seen.spin.copy(),
-            spin_rate=seen.spin_rate.copy(), wall_force=seen.mark_force.copy(), centre=seen.centre.copy(),
-        )  # fmt: skip
-        count = counted.tolist()
+        numbers, stress, ends = self._numbers.tolist(), self._dynamics.stress, self._ends
+        time, depth, place, bit, bit_rate, top, top_rate, height, speed, load = numbers[state.COUNTERS : PUSHED]
+        positions, velocities, tangents, spin, spin_rate, wall_force = self._nodes.copy()
         stats = StepStats(
-            steps=int(count[state.STEPS]), iterations=int(count[state.ITERATIONS]),
-            cut_steps=int(count[state.HALVINGS]), loose_steps=int(count[state.LOOSE_STEPS]),
-            wall_seconds=wall_seconds,
+            int(numbers[state.STEPS]), int(numbers[state.ITERATIONS]), int(numbers[state.HALVINGS]),
+            int(numbers[state.LOOSE_STEPS]), wall_seconds,
+        )  # fmt: skip
+        rig = RigState(  # reactions averaged over the frame, as unresolved waves oscillate from step to step
+            top, top_rate, numbers[self._torque] / seconds, bit, bit_rate, numbers[PUSHED + BIT_TORQUE] / seconds,
+            numbers[self._weight] / seconds if ends.weight_at_top or ends.hoisted else load, height, speed,
+            -load if ends.weight_at_top else numbers[self._hook] / seconds,
         )  # fmt: skip
         return Frame(
-            time=dynamics.time, positions=u[:, 0:3].copy(), velocities=v[:, 0:3].copy(), tangents=seen.tangents.copy(),
-            spin=u[:, 6].copy(), spin_rate=v[:, 6].copy(), wall_force=seen.wall_force.copy(),
-            wall_depth=float(seen.deepest[DEPTH]),
-            wall_depth_at=float(self._places[int(seen.deepest[PLACE])]),
-            marks=marks, rig=self._rig(counted / seconds, pushed / seconds), stats=stats, intervention=intervention,
-            energy=energy, stress=None if dynamics.stress is None else dynamics.stress.copy(),
+            time, positions, velocities, tangents, spin, spin_rate, wall_force, depth, self._places.item(int(place)),
+            MarkStates(*self._marks.copy()), rig, stats, intervention, energy,
+            None if stress is None else stress.copy(),
         )  # fmt: skip
 
     def frames(
@@ -111,23 +124,6 @@ class Observer:
             stats=StepStats(steps, iterations, cut, loose, wall_seconds),
             interventions=tuple(record.interventions.values()), energy=energy,
             stress=None if self._dynamics.stress is None else states.stress, u=states.u, v=states.v,
-        )  # fmt: skip
-
-    def _rig(self, mean: Array, pushed: Array) -> RigState:
-        """State of the rig, with reactions averaged over the frame, as unresolved waves oscillate from step to step."""
-        dynamics = self._dynamics
-        (u, v), ends, load = dynamics.unknowns, dynamics.boundary_conditions, float(dynamics.command[0])
-        bit, bit_rate, top, top_rate = u[0].tolist(), v[0].tolist(), u[-1].tolist(), v[-1].tolist()
-        reaction, force = mean.tolist(), pushed.tolist()
-        weight = force[BIT_WEIGHT] if ends.bit_on_rock or ends.hoisted else reaction[state.BIT_IMPULSE]
-        hookload = force[HOOK] if ends.hoisted else reaction[state.HOOK_IMPULSE]
-        return RigState(
-            top_drive_angle=top[6], top_drive_speed=top_rate[6],
-            top_drive_torque=force[TOP_TORQUE] if ends.torque_driven else reaction[state.TORQUE_IMPULSE],
-            bit_angle=bit[6], bit_speed=bit_rate[6], bit_torque=force[BIT_TORQUE],
-            bit_force=weight if ends.weight_at_top or ends.hoisted else load,
-            block_position=top[2], block_velocity=top_rate[2],
-            hookload=-load if ends.weight_at_top else hookload,
         )  # fmt: skip
 
 

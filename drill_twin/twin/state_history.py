@@ -4,6 +4,7 @@
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.twin.frame_kernel import Past
 
 SPAN = 1.0
 """Length of the history [s]."""
@@ -19,30 +20,28 @@ class StateHistory:
         count = int(np.clip(np.ceil(SPAN * frame_rate), 1, max(MOST_BYTES // (nodes * 14 * 8), 1)))
         self._time = np.full(count, np.nan)
         self._rows = np.zeros((count, 2, nodes, 7))
-        self._next = 0
+        self._next = np.zeros(1, np.int64)
 
-    def add(self, time: float, u: Array, v: Array) -> None:
-        """Add a state: node rows (r, r', psi) and their velocities, shape (n + 1, 7) each, at a time [s]."""
-        k = self._next % self._time.size
-        self._time[k] = time
-        self._rows[k, 0], self._rows[k, 1] = u, v
-        self._next += 1
+    @property
+    def memory(self) -> Past:
+        """The arrays, to which compiled code adds states."""
+        return Past(self._time, self._rows, self._next)
 
     def extend(self, time: Array, u: Array, v: Array) -> None:
         """Add states in order: node rows and their velocities, shape (k, n + 1, 7) each, at times [s], shape (k,)."""
         last = slice(max(time.size - self._time.size, 0), None)
-        places = (self._next + np.arange(time.size)[last]) % self._time.size
+        places = (self._next[0] + np.arange(time.size)[last]) % self._time.size
         self._time[places] = time[last]
         self._rows[places, 0], self._rows[places, 1] = u[last], v[last]
-        self._next += time.size
+        self._next[0] += time.size
 
     def clear(self) -> None:
         """Remove all states."""
-        self._next = 0
+        self._next[0] = 0
 
     def read(self) -> tuple[Array, Array, Array]:
         """Times [s], shape (k,), and node rows u and v, shape (k, n + 1, 7) each, oldest first; copies."""
-        count = self._time.size
-        order = np.arange(max(self._next - count, 0), self._next) % count
+        count, end = self._time.size, int(self._next[0])
+        order = np.arange(max(end - count, 0), end) % count
         order = order[self._time[order] > self._time[order[-1]] - SPAN - 1e-9] if order.size else order
         return self._time[order], self._rows[order, 0], self._rows[order, 1]

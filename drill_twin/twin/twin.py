@@ -15,7 +15,7 @@ from drill_twin.twin.dynamics import Dynamics, restore_arrays
 from drill_twin.twin.energy_balance import EnergyAudit
 from drill_twin.twin.failure_report import failure_report
 from drill_twin.twin.frame import EnergyBalance, Frame, Frames, Intervention
-from drill_twin.twin.frame_kernel import DIVERGED, HALVED_TOO_OFTEN, SUSPECT, Rows
+from drill_twin.twin.frame_kernel import DIVERGED, GOOD, HALVED_TOO_OFTEN, SUSPECT, Rows
 from drill_twin.twin.frame_loop import FrameLoop
 from drill_twin.twin.observer import Observer, Record
 from drill_twin.twin.state_bounds import bounds_of
@@ -52,9 +52,9 @@ class Twin:
         self._guard = StepGuard(bounds_of(scene, self.model, lateral=lateral), self.model, dynamics.wall)
         self._guard.attach(dynamics.memory_block)
         self._observer = Observer(dynamics)
-        self._loop = FrameLoop(dynamics, self._guard, self._observer)
-        self._energy: EnergyBalance | None = None
         self._history = StateHistory(self.rod.arc.size, scene.numerics.frame_rate)
+        self._loop = FrameLoop(dynamics, self._guard, self._observer, self._history.memory)
+        self._energy: EnergyBalance | None = None
 
     @property
     def time(self) -> float:
@@ -137,10 +137,10 @@ class Twin:
         target[0], target[1] = command.weight_on_bit, command.rotation
         if target.size > 2:
             target[2] = command.block
-        if self.energy_audit is not None:
-            self.energy_audit.begin(*self.unknowns)
-        intervention = self._complete(self._loop.attempt(seconds, save=True), target, seconds)
-        self._history.add(self.time, *self.unknowns)
+        intervention = None
+        if self.energy_audit is not None or self._loop.advance_frame(seconds) != GOOD:
+            intervention = self._complete(target, seconds)
+            self._loop.show()
         return self._observer.frame(seconds, time.perf_counter() - began, intervention, self._energy)
 
     def rows(self, frames: int) -> Rows:
@@ -206,10 +206,8 @@ class Twin:
                 if row == len(commands):
                     return
             else:
-                self.energy_audit.begin(*self.unknowns)
                 loop.target[:] = commands[row]
-                loop.attempt(seconds, save=True)
-            found = self._complete(loop.outcome, loop.target, seconds)
+            found = self._complete(loop.target, seconds)
             if found is not None:
                 interventions[row] = found
             loop.record(rows, states, row)
@@ -220,9 +218,12 @@ class Twin:
         """Energy balance at the end of the last frame, if the scene asks for an audit."""
         return self._energy
 
-    def _complete(self, outcome: int, target: Array, seconds: float) -> Intervention | None:
+    def _complete(self, target: Array, seconds: float) -> Intervention | None:
         """Check the frame after its first attempt, repeat it if need be, and set the set-points last reached."""
-        found, intervention = self._violation(outcome, target, seconds), None
+        if self.energy_audit is not None:  # no attempt yet
+            self.energy_audit.begin(*self.unknowns)
+            self._loop.attempt(seconds, save=True)
+        found, intervention = self._violation(self._loop.outcome, target, seconds), None
         if found is None:
             self._guard.count_good_frame()
         else:
