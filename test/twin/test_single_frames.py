@@ -14,7 +14,7 @@ FAST = Command(300.0, 40.0)  # touches the wall within the run
 
 @pytest.fixture(scope="module")
 def scene():
-    return load_scene("pa6_bench", {"numerics.elements": 8, "numerics.step": "10 ms"})
+    return load_scene("pa6_bench", overrides={"numerics.elements": "8", "numerics.step": "10 ms"})
 
 
 def test_frames_one_at_a_time_are_those_of_a_block(scene):
@@ -36,7 +36,7 @@ def test_frames_one_at_a_time_are_those_of_a_block(scene):
 
 
 def test_a_frame_made_in_python_is_that_of_the_compiled_loop(scene):
-    checked = Twin(load_scene(scene.name, {"numerics.elements": 8, "numerics.step": "10 ms"}))
+    checked = Twin(scene)
     plain = Twin(scene)
     checked._loop.advance_frame = lambda _: checked._loop.attempt(PERIOD, save=True) or -1
     for _ in range(COUNT):
