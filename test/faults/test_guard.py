@@ -202,11 +202,16 @@ def test_what_no_smaller_step_mends_is_tried_once(monkeypatch, kind, tries):
         asked.append(self.share)
         return Violation(kind, 3, "it was so")
 
+    def suspect(self, *_, **__):
+        self.outcome = frame_kernel.SUSPECT
+        return self.outcome
+
     with poisoned(*HARMLESS):
         twin = Twin(scene())
         twin.advance(TURNING, FRAME)
         monkeypatch.setattr(StepGuard, "check", check)
-        monkeypatch.setattr(FrameLoop, "attempt", lambda *_, **__: frame_kernel.SUSPECT)
+        monkeypatch.setattr(FrameLoop, "attempt", suspect)
+        monkeypatch.setattr(FrameLoop, "advance_frame", suspect)
         with pytest.raises(StoppedError, match="it was so"):
             twin.advance(TURNING, FRAME)
     assert asked == [0.5**k for k in range(tries + 1)]
