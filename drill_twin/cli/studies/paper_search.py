@@ -85,7 +85,7 @@ def paper_search(
     for name, one in zip(scenes, found.finalists, strict=True):
         own = scene_of_trial(described, one.trial).model_copy(update={"name": f"paper_{name.removesuffix('.yaml')}"})
         write_file(folder / name, own.to_yaml())
-    sampled = _posterior(on, kept, folder, posterior, seed) if posterior else None
+    sampled = _posterior(on, kept, folder, posterior, seed, threads) if posterior else None
     habitual = habits(on) if show_habits else []
     if json:
         more = {"posterior": sampled.to_dict()} if sampled else {}
@@ -111,7 +111,7 @@ def _search(bench: Bench, record: Record, sets: int, seed: int, threads: int) ->
         )  # fmt: skip
 
 
-def _posterior(bench: Bench, record: Record, folder: Path, steps: int, seed: int) -> Posterior:
+def _posterior(bench: Bench, record: Record, folder: Path, steps: int, seed: int, threads: int) -> Posterior:
     from drill_twin.cli.folder import write_file
     from drill_twin.cli.show import err
     from drill_twin.report.figures.style import save, styled
@@ -120,7 +120,7 @@ def _posterior(bench: Bench, record: Record, folder: Path, steps: int, seed: int
     from drill_twin.studies.paper.search.posterior import sample
 
     with err().status("posterior"):
-        found = sample(bench, list(record.evaluated), walkers=WALKERS, steps=steps, seed=seed)
+        found = sample(bench, list(record.evaluated), walkers=WALKERS, steps=steps, seed=seed, threads=threads)
         write_file(folder / POSTERIOR[0], json_text(found.to_dict()))
         with styled():
             save(draw_posterior(found), folder / POSTERIOR[1])

@@ -10,8 +10,9 @@ weighed by their likelihood, so that the surrogate's error does not shift the re
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -46,11 +47,11 @@ OFF = 1.0
 """Largest difference of a ratio that counts."""
 LATEST = 15.0
 """Time after which no critical time is sought [s]."""
-ROUNDS, DRAWN = 3, 24
+ROUNDS, DRAWN = 4, 32
 """Times that draws of the posterior are run and taken into its model before the last sampling, and how many each time.
 
 A search runs few sets where it has no goal, so a model through its runs alone misleads the walkers."""
-WEIGHED = 120
+WEIGHED = 200
 """Draws of the last sampling that are run and weighed."""
 
 
@@ -218,7 +219,9 @@ class Posterior:
         }  # fmt: skip
 
 
-def sample(bench: Bench, evaluated: list[Evaluated], *, walkers: int, steps: int, seed: int) -> Posterior:
+def sample(
+    bench: Bench, evaluated: list[Evaluated], *, walkers: int, steps: int, seed: int, threads: int = 1
+) -> Posterior:
     """Sample the posterior by its model, run draws and take them into the model, then run and weigh the last draws.
 
     The weight of a draw is its likelihood by its runs over that of the model (importance sampling), so what the model
@@ -230,6 +233,7 @@ def sample(bench: Bench, evaluated: list[Evaluated], *, walkers: int, steps: int
         walkers: Walkers, at least twice the numbers sought.
         steps: Steps of each.
         seed: Seed of the sampling.
+        threads: Sets run at a time.
 
     Raises:
         ArgumentError: emcee is not installed, or the record has too few runs.
@@ -249,7 +253,9 @@ def sample(bench: Bench, evaluated: list[Evaluated], *, walkers: int, steps: int
     def drawn(sampler: Any, count: int) -> list[Evaluated]:
         draws = sampler.get_chain(discard=sampler.iteration // 3, flat=True)
         picked = full(draws[random.integers(0, len(draws), count)])
-        return [Evaluated(one, _runs(bench, one)) for one in map(kept_trial, picked)]
+        trials = [kept_trial(shares) for shares in picked]
+        with ThreadPoolExecutor(threads, "set") as pool:
+            return [Evaluated(*pair) for pair in zip(trials, pool.map(partial(_runs, bench), trials), strict=True)]
 
     for _ in range(ROUNDS):
         known += drawn(walked(Likelihood(bench, known), steps // 4), DRAWN)
