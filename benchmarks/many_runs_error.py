@@ -71,7 +71,7 @@ def on_boundary(found: OperatingMap) -> tuple[float, float]:
 
 
 def draws_at(found: OperatingMap, weight: float, speed: float) -> tuple[Array, float]:
-    """Whether each draw whirls at a set-point, and processor time of a run [s]."""
+    """Verdict on the whirl of each draw at a set-point, and processor time of a run [s]."""
     scene = parse_scene(found.scene)
     draws = draws_of(scene, DRAWS, VARY)
     vary = {key: [draw[key] for draw in draws] for key in draws[0]}

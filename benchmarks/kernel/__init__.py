@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a step of the twin costs, by effect and against the machine's limit: `python -m benchmarks.kernel --help`."""
+"""Cost of a step of the twin, by effect and against the machine's limit: `python -m benchmarks.kernel --help`."""

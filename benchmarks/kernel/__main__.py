@@ -24,7 +24,7 @@ def effects(
     elements: Annotated[int, typer.Option("--elements", min=4)] = 200,
     only: Annotated[str, typer.Option("--only", help="Rows that hold this word.")] = "",
 ) -> None:
-    """What each effect costs on top of the bare rod, in both forms; each set of effects compiles once (20 s)."""
+    """Print the cost of each effect on top of the bare rod, in both forms; each set of effects compiles once (20 s)."""
     names = [BARE, *(name for name in EXAMPLES if only in name)]
     found: dict[tuple[str, str], Cost] = {}
     with err().status("") as status:
@@ -62,7 +62,7 @@ def growth() -> None:
 
 @app.command()
 def machine() -> None:
-    """What one core can do, and what the block solver and a whole iteration do with it."""
+    """Print the limit of one core, and the shares of the block solver and of a whole iteration."""
     peak, flops, spent = limits.peak_gigaflops(), limits.solve_flops(), limits.solve_nanoseconds()
     whole = least_cost(scene_with(BARE, SPATIAL, 200)).per_iteration
     out().print(pairs([

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What this machine can do at most: multiply-adds per second on one core, and the solver's share of that."""
+"""Limits of this machine: multiply-adds per second on one core, and the solver's share of that."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from drill_twin.twin.twin import Twin
 
 @dataclass(frozen=True)
 class Cost:
-    """What a piece of a run cost."""
+    """Cost of a piece of a run."""
 
     elements: int
     steps: int

@@ -28,7 +28,7 @@ LARGEST = 0.9
 
 
 class Collection(BaseSystemCollection, Constraints, Damping, Forcing):  # type: ignore[misc]
-    """What the rod is put into."""
+    """System that the rod is put into."""
 
 
 class TurnedClamp(ConstraintBase):  # type: ignore[misc]

@@ -17,7 +17,7 @@ from benchmarks.peers.task import Motion, Task
 
 
 def contact_time(task: Task, motion: Motion) -> float:
-    """When the rod first touches the wall [s]; infinite without a wall or contact."""
+    """Time at which the rod first touches the wall [s]; infinite without a wall or contact."""
     law = rod_of(task).law
     touching = np.flatnonzero(motion.reach > law[0]) if law is not None else np.empty(0)
     return float(motion.time[touching[0]]) if touching.size else np.inf
@@ -79,7 +79,7 @@ def result(
 
 
 def processor() -> str:
-    """What the system calls the processor."""
+    """Name of the processor, as the system has it."""
     info = Path("/proc/cpuinfo")
     lines = info.read_text().splitlines() if info.is_file() else []
     names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]

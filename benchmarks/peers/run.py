@@ -28,9 +28,9 @@ class Tool(NamedTuple):
     adapter: str
     """Its module beside this one."""
     module: str
-    """What it is imported as."""
+    """Name that it is imported as."""
     package: str
-    """What pip calls it."""
+    """Name that pip has for it."""
 
 
 TOOLS = {
@@ -64,7 +64,7 @@ class Outcome:
 
 
 def missing(tool: str) -> str | None:
-    """How to install a tool that is not there; None if it is."""
+    """Sentence on how to install a tool that is not there; None if it is."""
     if find_spec(TOOLS[tool].module):
         return None
     return f"{tool} is left out: it is not installed (pip install {TOOLS[tool].package}, or pip install -e '.[bench]')"

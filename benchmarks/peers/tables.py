@@ -48,7 +48,7 @@ def speed(factor: float) -> str:
 
 
 def remark(row: Mapping[str, Any]) -> str:
-    """Why a run ended early, its first clause."""
+    """Reason why a run ended early, its first clause."""
     return str(row["failure"]).split(",", maxsplit=1)[0]
 
 
@@ -60,7 +60,7 @@ def shown(result: Mapping[str, Any]) -> tuple[Sequence[str], list[tuple[str, ...
 
 
 def note(result: Mapping[str, Any]) -> str:
-    """What the errors are counted against."""
+    """Reference that the errors are counted against."""
     if result["reference"] is None:
         return "mean rise: of the bottom, over the second half of what was run"
     until = f" up to first contact at {result['contact_s']:.2f} s" if result["contact_s"] else ""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a tool is asked to run, and what it gives back."""
+"""Task for a tool, and the motion that it gives back."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Task:
     changes: Mapping[str, str] = field(default_factory=dict)
     """Overrides of the scene."""
     options: Mapping[str, Any] = field(default_factory=dict)
-    """What only this tool knows."""
+    """Options that only this tool knows."""
     limit: float = 120.0
     """Processor time after which the run is broken off [s]."""
 
@@ -64,7 +64,7 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What a run showed, at T frames."""
+    """Motion of a run, at T frames."""
 
     time: Array
     """Times of the frames that were reached [s], shape (T,)."""
@@ -79,7 +79,7 @@ class Motion:
     steps: int
     """Steps taken; 0 = not known."""
     failure: str = ""
-    """Why it ended early."""
+    """Reason why it ended early."""
 
     @property
     def cost(self) -> float:
@@ -107,14 +107,14 @@ class Recorder:
         return self.in_time(now)
 
     def in_time(self, now: float) -> bool:
-        """Whether the processor time lasts."""
+        """True while the processor time lasts."""
         if time.process_time() - self.began > self.limit:
             self.failure = f"broken off at {now:.3g} s after {self.limit:.0f} s of processor time"
             return False
         return True
 
     def motion(self) -> Motion:
-        """What was kept."""
+        """Motion kept so far."""
         cpu = time.process_time() - self.began
         rows = np.array(self._rows).reshape(-1, 5)
         return Motion(rows[:, 0], rows[:, 1:3], rows[:, 3], rows[:, 4], cpu, self.steps, self.failure)

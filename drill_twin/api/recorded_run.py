@@ -44,7 +44,7 @@ class Rerun:
     commands: RecordedCommands
     """Those commands."""
     stopped: str = ""
-    """Why the computed run ended before the recorded one; empty where it did not."""
+    """Reason why the computed run ended before the recorded one; empty where it did not."""
 
     @cached_property
     def same_frames(self) -> int:

@@ -105,7 +105,7 @@ class EntryCompiler(_COMPILER):  # type: ignore[misc]
 
 
 def inlined_parts(result: Any) -> tuple[Any, ...]:
-    """What has to be kept of the compilation of an inlined function to restore it, picklable."""
+    """Parts of the compilation of an inlined function from which it is restored, picklable."""
     description, library = result.fndesc, result.library
     description.typemap = description.calltypes = None
     bitcode = library._final_module.as_bitcode()  # noqa: SLF001 - as its `serialize_using_bitcode` does

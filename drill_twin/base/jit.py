@@ -52,7 +52,7 @@ def entry_kernel(function: Function) -> Function:
 
 
 def is_inlined(dispatcher: Any) -> bool:
-    """Whether a compiled function is one that only other kernels call."""
+    """True for a compiled function that only other kernels call."""
     return dispatcher._compiler.pipeline_class is InlinedCompiler  # noqa: SLF001
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a scene gives to its compiled functions: its formulation, the keys of its effects, their parameters."""
+"""Arguments of a scene's compiled functions: its formulation, the keys of its effects, their parameters."""
 
 from types import ModuleType
 from typing import Any

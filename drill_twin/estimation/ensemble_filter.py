@@ -32,7 +32,7 @@ _WHIRLS = 0.5
 
 @dataclass(frozen=True)
 class EstimatorOptions:
-    """How the ensemble runs and what it believes.
+    """Options of the ensemble: its runs and its assumptions.
 
     Attributes:
         members: Number of members.
@@ -75,7 +75,7 @@ class EstimatorOptions:
 
 @dataclass(frozen=True)
 class Window:
-    """What is known of a window of time.
+    """Estimate over a window of time.
 
     Attributes:
         commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
@@ -88,7 +88,7 @@ class Window:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What is known at the end of a window.
+    """Estimate at the end of a window.
 
     Attributes:
         time: Time [s].

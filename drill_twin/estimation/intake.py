@@ -155,7 +155,7 @@ class Intake:
         return np.asarray(sound)
 
     def _is_frozen(self, name: str, found: Array) -> bool:
-        """Whether a channel that used to change has had one value for some time."""
+        """True for a channel that used to change and has had one value for some time."""
         for time, value in found.tolist():
             if name not in self._last or self._last[name][0] != value:
                 if name in self._last:

@@ -190,7 +190,7 @@ class Members:
             change_numbers(twin.dynamics, self._scene(number))
 
     def ahead(self, commands: Array, chosen: Sequence[int]) -> Mask:
-        """Whether some members whirl at a time in the windows to come, shape (chosen,); all are back afterwards.
+        """Check which of some members whirl at a time in the windows to come, shape (chosen,); all are back afterwards.
 
         Args:
             commands: Set-points to come, of a number of windows, shape (W, F, 2).

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a fit found: draws, intervals, correlations, what the record does not determine, the fitted scene."""
+"""Result of a fit: draws, intervals, correlations, what the record does not determine, the fitted scene."""
 
 from __future__ import annotations
 

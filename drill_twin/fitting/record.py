@@ -29,7 +29,7 @@ CHANNELS: Mapping[str, Dimension] = {
 }
 """Channels that a run computes (`drill_twin.ensemble.outputs.series.Channels`), and their dimensions."""
 SET_POINTS: Mapping[str, Dimension] = {"weight_on_bit": FORCE, "rotation": ANGULAR_SPEED}
-"""What a rig is told to do, or indicates of it, and dimensions: inputs of the estimator."""
+"""Set-points of a rig, as commanded or indicated, and dimensions: inputs of the estimator."""
 _KNOWN = {**CHANNELS, **SET_POINTS}
 _OF_BAG = {name: name for name in CHANNELS if name != "motor_torque"} | {
     "torque": "top_drive_torque", "weight_on_bit": "bit_force", "rotation": "top_drive_speed"

@@ -52,7 +52,7 @@ class SampleRows(NamedTuple):
 
     @classmethod
     def of(cls, frames: Frames) -> SampleRows:
-        """What `/marks/state` and `/rig/state` tell of frames; the force is that of its two components."""
+        """Samples of frames from `/marks/state` and `/rig/state`; the force is that of its two components."""
         push = wall_push(frames.marks.centre, frames.marks.wall_force)
         speeds = (frames.rig[:, RigState._fields.index(name)] for name in ("top_drive_speed", "bit_speed"))
         return cls(frames.marks.position, frames.marks.spin, np.hypot(push[..., 0], push[..., 1]), *speeds)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who may open the page, and who may command: checks of a request's headers, its address and its token.
+"""Access to the page and to its commands: checks of a request's headers, its address and its token.
 
 A page of another origin cannot open the websocket, and a name that a stranger's DNS points here (DNS rebinding) is no
 name of this server. From beyond this machine, commands need the token of the printed address.

@@ -21,7 +21,7 @@ _UNKNOWN = Lamp(None, "unknown", None)
 
 
 class Supervision:
-    """What the page knows beyond the latest values."""
+    """Supervision of a run beyond its latest values."""
 
     def __init__(self, *, recorded: bool) -> None:
         """Start empty.
@@ -113,5 +113,5 @@ class Supervision:
         }
 
     def history(self) -> dict[str, Any]:
-        """What the page shows of the time before it was opened."""
+        """History that the page shows of the time before it was opened."""
         return {"trends": self.trends.all(), "events": self.alarms.events()}

@@ -24,7 +24,7 @@ MOST_RUNS = 1_000_000
 
 @dataclass(frozen=True)
 class Plan:
-    """How a map is made.
+    """Options of a map.
 
     Attributes:
         plane: Ranges and lattice.

@@ -29,7 +29,7 @@ def build_page(found: OperatingMap, scene: str) -> str:
 
 
 def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:
-    """What the page draws: the map, its fields over the lattice, and the command of each run."""
+    """Data that the page draws: the map, its fields over the lattice, and the command of each run."""
     rig = parse_scene(found.scene).rig
     return lattice_data(found) | {
         **{name: value for name, value in found.to_dict().items() if name != "scene"},

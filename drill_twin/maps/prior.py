@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a whirl is to be expected, from the growth rates of the linear string and the runs so far.
+"""Expectation of whirl over the plane, from the growth rates of the linear string and the runs so far.
 
 A whirl that grows slowly begins after the end of a run, and friction starts others that no growth rate knows. So the
 growth rate at which whirl begins is taken from the runs, not to be zero.

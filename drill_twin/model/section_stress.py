@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is read of a section whose stress is counted (`drill_twin.effects.fatigue`)."""
+"""Quantities read of a section whose stress is counted (`drill_twin.effects.fatigue`)."""
 
 SCALARS = ("moment_x", "moment_y", "axial_force", "stress", "largest_stress", "cycles", "damage")
 """Bending moments that curve the string towards x and y of the turning material [N m], axial force [N], largest normal

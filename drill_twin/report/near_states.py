@@ -135,7 +135,7 @@ def _leaves(growth: float, what: str, frequency: float = 0.0) -> str:
 
 
 def _conclusion(findings: list[dict[str, Any]], states: tuple[WhirlState, ...]) -> str:
-    """Why the whirl settled where it did."""
+    """Reason why the whirl settled where it did."""
     stable = [k for k, state in enumerate(states) if state.is_stable]
     near = {found["state"] for found in findings if found["state"] is not None}
     others = ", ".join(f"{states[k].frequency:+.3f} Hz" for k in stable if k not in near)

@@ -18,7 +18,7 @@ _SLACK = 1e-6  # of a sample: frames are due at whole multiples of the rate, but
 
 
 class Reading(NamedTuple):
-    """What an instrument measured."""
+    """Reading of an instrument."""
 
     time: float
     """Time of the measurement, the middle of the interval that it covers [s]."""

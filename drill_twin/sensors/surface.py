@@ -16,7 +16,7 @@ _INSTRUMENT = 1_000_000  # number of its noise, beyond those of the subs
 
 
 class SurfaceValues(NamedTuple):
-    """What a rig measures at the surface; numbers, or arrays of one shape."""
+    """Measurements of a rig at the surface; numbers, or arrays of one shape."""
 
     speed: float | Array
     """Speed of the top drive [rad/s]."""

@@ -69,7 +69,7 @@ class _KeptPart(_CACHING.NullCache):  # type: ignore[misc]
 
 
 def _is_shared(argument_types: Any) -> bool:
-    """Whether the types mean the same in every process: no class of a generated module, no function as an argument."""
+    """Check that types mean the same in every process: no class of a generated module, no function as an argument."""
     classes = [one.instance_class for one in argument_types if hasattr(one, "instance_class")]
     modules = [sys.modules.get(found.__module__) for found in classes]
     generated = any(module is None or module.__spec__ is None for module in modules)

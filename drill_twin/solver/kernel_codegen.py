@@ -183,7 +183,7 @@ def {"audited_" if audit else ""}{hook}({HOOKS[hook]}):
 
 
 def _comes_later(hook: str, effect: str) -> bool:
-    """Whether an effect is called after the one that finds the weight on bit, which laws of torque read."""
+    """True for an effect that is called after the one that finds the weight on bit, which laws of torque read."""
     return hook == "end_load" and "weight" not in effect_config(effect).provides
 
 

@@ -217,6 +217,6 @@ def restore_arrays(memory: Iterator[tuple[str, Array]], arrays: Mapping[str, Arr
 
 
 def kernel_of(scene: Scene) -> tuple[tuple[str, ...], str, str, bool]:
-    """What a scene's kernel is compiled for: variants of effects, formulation, "straight" or "curved" hole, audit."""
+    """Properties that select a scene's kernel: variants of effects, formulation, "straight" or "curved" hole, audit."""
     hole = "straight" if survey_of(scene) is None else "curved"
     return variants_of(scene), form_of(scene), hole, scene.numerics.audit == "energy"

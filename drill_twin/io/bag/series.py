@@ -71,7 +71,7 @@ class MarkSeries(Series):
         self.append(state.stamp, [np.append(part, np.nan)[self._columns] for part in parts], self._layout_marks)
 
     def rows(self, raws: Sequence[bytes]) -> tuple[Rows, JointStates] | None:
-        """What `add_message` would append for messages of one known layout; None for others."""
+        """Rows that `add_message` would append for messages of one known layout; None for others."""
         states = self._reader.read_rows(raws)
         if states is None or states.names != self._layout or not states.position.size:
             return None

@@ -104,7 +104,7 @@ def _cards(summary: Mapping[str, Any]) -> str:
 
 
 def _motion_cards(summary: Mapping[str, Any], card: Callable[..., str]) -> str:
-    """What lasts, the onset, and the frequency where there is a single one."""
+    """Lasting motion, the onset, and the frequency where there is a single one."""
     ended = transient(summary)
     onset = f"onset of a transient, ended at {summary['whirl_end_s']:.2f} s" if ended else "onset of whirl"
     cards = card(summary["lasting_motion"], "{}", "motion that lasts", "unknown") + card(

@@ -25,4 +25,4 @@ class Check:
     found: str
     verdict: Verdict = Verdict.OK
     remedy: str = ""
-    """What to do; empty where there is nothing."""
+    """Remedy; empty where there is nothing."""

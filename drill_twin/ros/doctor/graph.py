@@ -54,7 +54,7 @@ class Endpoint:
 
 @dataclass(frozen=True)
 class Observed:
-    """What was seen in the domain."""
+    """Nodes, endpoints and statuses seen in the domain."""
 
     nodes: Sequence[str]
     publishers: dict[str, list[Endpoint]]
@@ -159,7 +159,7 @@ def _topic(topic: str, publishers: list[Endpoint], readers: list[Endpoint]) -> I
 
 
 def _mismatch(publishers: list[Endpoint], readers: list[Endpoint]) -> tuple[str, Verdict, str] | None:
-    """What was found, verdict and remedy for the first pair that DDS does not connect; None without one."""
+    """Finding, verdict and remedy for the first pair that DDS does not connect; None without one."""
     for reader in readers:
         for publisher in publishers:
             for word, weaker in (("reliable", "best effort"), ("latched", "")):

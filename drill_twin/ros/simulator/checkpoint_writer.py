@@ -17,7 +17,7 @@ class CheckpointWriter:
         self.written: float | None = None
         """Simulated time of the last one that is on the disk [s]."""
         self.trouble = ""
-        """Why the last one could not be written; empty when it could."""
+        """Reason why the last one could not be written; empty when it could."""
 
     def start(self, checkpoint: Checkpoint, path: str) -> None:
         """Start to write one, unless one is being written."""

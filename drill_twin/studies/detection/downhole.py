@@ -42,7 +42,7 @@ class SubScore:
     early: int = 0
     """Runs whose onset is in the first 12 revolutions, which are not scored."""
     senses: list[bool] = field(default_factory=list)
-    """Whether the sense of the whirl is right, by run in which it was found."""
+    """Correctness of the sense of the whirl, by run in which it was found."""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""

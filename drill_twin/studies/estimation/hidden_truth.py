@@ -103,7 +103,7 @@ class Followed:
 
     @property
     def held(self) -> dict[str, bool]:
-        """Whether the band of each number at the end holds the hidden one, by key."""
+        """Verdict by key: True where the band of a number at the end holds the hidden one, by key."""
         return {key: band.low <= self.hidden[key] <= band.high for key, band in self.estimates[-1].numbers.items()}
 
     def coverage(self, sensor: str) -> float:

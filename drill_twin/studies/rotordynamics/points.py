@@ -76,7 +76,7 @@ class Point:
 
     @property
     def reason(self) -> str:
-        """What a verdict rests on, as far as it was tested."""
+        """Evidence for a verdict, as far as it was tested."""
         parts = [f"a run begun on {ratio:+.3f} {'stays' if stays else 'leaves'}" for ratio, stays in self.held]
         if self.two is not None:
             parts.insert(0, f"disturbances decay at {-self.two.growth:.2g} 1/s")
@@ -122,7 +122,7 @@ def append(record: Path | None, point: Point) -> None:
 
 
 def sentences(points: Sequence[Point]) -> list[str]:
-    """How many points are explained, and how."""
+    """Sentences on the number of explained points, by kind of explanation."""
 
     def count(*verdicts: str) -> int:
         return sum(point.verdict in verdicts for point in points)

@@ -49,7 +49,7 @@ INTERVAL = 4
 
 
 class Onsets(NamedTuple):
-    """What is known of the whirl of m marks; nan for no time."""
+    """State of knowledge of the whirl of m marks; nan for no time."""
 
     began: Array  # (m,) start of the present whirl, since the first sample [s]
     detected: Array  # (m,) its detection [rev]; inf without whirl

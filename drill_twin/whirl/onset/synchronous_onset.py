@@ -32,7 +32,7 @@ WIDTH = 4
 
 
 class SynchronousOnsets(NamedTuple):
-    """What is known of the synchronous whirl of m marks."""
+    """State of knowledge of the synchronous whirl of m marks."""
 
     active: Mask  # (m,) in synchronous whirl now
     began: Array  # (m,) its start, since the first sample [s]; nan without

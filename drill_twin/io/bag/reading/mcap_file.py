@@ -41,7 +41,7 @@ _RECORDS_OF_ANY = 100_000  # beyond one per byte of the file
 
 @dataclass
 class _Bounds:
-    """What a file of some size can have recorded; more is a bomb. Recorded motion compresses to a third."""
+    """Bound on what a file of some size can have recorded; more is a bomb. Recorded motion compresses to a third."""
 
     file: int
     """Size of the file [bytes]."""

@@ -24,7 +24,7 @@ from drill_twin.studies.paper.search.space import (
 
 
 class Assumptions(NamedTuple):
-    """What may differ from the bench as calibrated and from the readings of `drill-twin paper`."""
+    """Assumptions that may differ from the bench as calibrated and from the readings of `drill-twin paper`."""
 
     name: str
     free: frozenset[int]

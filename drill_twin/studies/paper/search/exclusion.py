@@ -76,7 +76,7 @@ class Finalist:
 
     @property
     def steady(self) -> int:
-        """How many of the numbers that it meets are no line of an irregular whirl."""
+        """Count of the numbers that it meets and that are no line of an irregular whirl."""
         return sum(value.misfit <= NEAR and not value.irregular for value in self.values)
 
     def to_dict(self) -> dict[str, Any]:

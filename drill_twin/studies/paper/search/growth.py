@@ -59,11 +59,11 @@ class LinearString(NamedTuple):
     marks: Array
     """Places of the marks, shape (m, r)."""
     hanging: float
-    """What the load at the bit is more than the set-point [N]."""
+    """Excess of the load at the bit over the set-point [N]."""
 
 
 class Start(NamedTuple):
-    """What a start depends on besides the matrices."""
+    """Inputs of a start besides the matrices."""
 
     load: float
     load_start: float

@@ -56,7 +56,7 @@ class Goal(NamedTuple):
 
     @property
     def timed(self) -> list[int]:
-        """Which of the critical times it has, by their place in `TIMED`."""
+        """Critical times that it has, by their place in `TIMED`."""
         return [k for k, place in enumerate(_TIME_PLACES) if self.pair is None or place in self.pair]
 
 
