@@ -141,7 +141,8 @@ def test_the_loop_leaves_python_free_while_it_runs():
 
 
 def test_the_energy_balance_is_an_output_of_audited_scenes():
-    audited = {**COARSE, "numerics.audit": "energy"}
+    off = dict.fromkeys(("effects.stretch", "effects.torsion", "effects.bit_friction"), "off")
+    audited = {**COARSE, **off, "numerics.audit": "energy"}  # a kernel that test/audit compiles too
     found = dt.Ensemble("pa6_bench", {"wob": [40]}, overrides=audited).run(0.5, outputs="energy")
     single = dt.Simulation("pa6_bench", {**audited, "wob": 40})
     twin = Twin(single.scene)
@@ -189,7 +190,7 @@ def test_bad_arguments_are_refused(more, text):
 def test_stress_and_damage_of_members():
     sections = {"sections": [{"name": "middle", "distance_from_bit": 2.5}, {"name": "low", "measured_depth": 4.0}],
                 "smallest_range": 1e4}  # fmt: skip
-    stressed = {**COARSE, "effects.fatigue": sections}
+    stressed = {**COARSE, "effects.fatigue": sections, "effects.bit_friction": "off"}  # the kernel of test_fatigue.py
     found = dt.Ensemble("pa6_bench", {"wob": [20, 40]}, overrides=stressed).run(2.0, outputs="fatigue")
     assert found["damage"].shape == (2, 2)
     assert (found["largest_stress"] > 1e4).all()

@@ -19,7 +19,7 @@ from drill_twin.runner import Session
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.solver.state import HALVINGS
-from drill_twin.studies.verify.scenes import rod_scene
+from drill_twin.studies.verify.scenes import WALLED, rod_scene
 from drill_twin.twin import frame_kernel
 from drill_twin.twin.checkpoint import Checkpoint
 from drill_twin.twin.frame_loop import FrameLoop
@@ -219,7 +219,7 @@ def test_what_no_smaller_step_mends_is_tried_once(monkeypatch, kind, tries):
 
 def test_what_the_string_cannot_be_is_told():
     """Each bound, from a state made up to break it and from one just within it."""
-    walled = rod_scene(effects={"wall": {"stiffness": 1e7}}, elements=8, radius=0.04, weight_on_bit=40.0)
+    walled = rod_scene(effects=WALLED, elements=8, radius=0.04, weight_on_bit=40.0)
     twin = Twin(walled)
     guard, (u, v) = twin._guard, Twin(walled).unknowns
     twin.advance(Command(40.0, 0.0), STEP)

@@ -7,7 +7,8 @@ from drill_twin.report.summary import summarise
 from drill_twin.runner import Session
 from drill_twin.scene import load_scene
 
-SLIDING = {"effects.wall": "off", "effects.wall_friction": "off", "numerics.elements": "8"}
+OFF = ("wall", "wall_friction", "bow", "eccentricity", "bit_friction")  # the kernel of test/effects/test_hole.py
+SLIDING = dict.fromkeys((f"effects.{key}" for key in OFF), "off") | {"numerics.elements": "8"}
 
 
 def notes(tmp_path, changes: dict[str, str]) -> list[str]:

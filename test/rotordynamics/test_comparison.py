@@ -16,7 +16,7 @@ from drill_twin.rotordynamics.steady.slow_whirls import damped, helix
 from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.rotordynamics.steady.whirl_states import state_of, whirl_states
 from drill_twin.schedule.command import Command
-from drill_twin.studies.rotordynamics import comparison
+from drill_twin.studies.rotordynamics import comparison, points
 from drill_twin.studies.rotordynamics.motion import Motion, motion_of
 
 TIMES = 0.02 * np.arange(1000)
@@ -84,6 +84,27 @@ def test_a_point_of_the_comparison_and_its_record(bench, tmp_path, monkeypatch):
     assert comparison.compare(bench, weights, speeds, duration=30.0, record=record) == [point]
     with pytest.raises(ArgumentError, match="expected points of this scene and duration"):
         comparison.compare(bench, weights, speeds, duration=20.0, record=record)
+
+
+def test_a_record_that_was_broken_off_goes_on(bench, tmp_path):
+    """The line that was cut off is computed again; what is no point, or of another study, is refused."""
+    record, setup = tmp_path / "points.jsonl", points.setup_of(bench, 30.0)
+    one = points.Point(40.0, 6.0, "steady whirl", 0.8, None, 0.01, ((0.8, -1.0, 2.0),), (0.8,), "a stable state",
+                       two=points.TwoFrequencies(0.8, 0.4, -1.0, 1e-9), held=((0.5, True),))  # fmt: skip
+    assert points.recorded(record, setup) == {}
+    points.append(record, one)
+    whole = record.read_bytes()
+    record.write_bytes(whole + whole.splitlines()[1][:40])
+    assert points.recorded(record, setup) == {(40.0, 6.0): one}
+    assert record.read_bytes() == whole
+    with pytest.raises(ArgumentError, match=r"expected points of this scene and duration, found those of another dur"):
+        points.recorded(record, points.setup_of(bench, 20.0))
+    record.write_bytes(whole + b'{"motion": 1}\n')
+    with pytest.raises(ArgumentError, match=r"points\.jsonl, line 3: expected a point, found .*remove the line"):
+        points.recorded(record, setup)
+    record.write_bytes(b"[]\n")
+    with pytest.raises(ArgumentError, match="expected the points of a comparison, found another file"):
+        points.recorded(record, setup)
 
 
 def test_a_motion_that_is_no_state_found_is_missed(bench):

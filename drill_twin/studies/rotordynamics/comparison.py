@@ -41,8 +41,8 @@ from drill_twin.studies.rotordynamics.points import (
     Point,
     TwoFrequencies,
     append,
-    head_of,
     recorded,
+    setup_of,
 )
 from drill_twin.studies.rotordynamics.simulated import with_command
 from drill_twin.studies.rotordynamics.verdicts import is_on, judge, near, places
@@ -85,7 +85,7 @@ def compare(
     """
     equations = EquationsOfMotion(steady_scene(scene, None, ()))
     own = with_marks(equations)
-    done = dict(recorded(record, head_of(own, duration)))
+    done = recorded(record, setup_of(own, duration))
     for weight in weights:
         missing = [speed for speed in speeds if (weight, speed) not in done]
         for point in _row(own, equations, weight, missing, duration, workers):

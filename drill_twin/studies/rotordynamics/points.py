@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
+from drill_twin.base.resumable import resume
 from drill_twin.errors import ArgumentError
 from drill_twin.scene import Scene
 from drill_twin.studies.rotordynamics.motion import STEADY
@@ -19,8 +21,11 @@ ON_STATE, MODULATED, PAST_HOPF, TWO_COMPUTED, NO_STATE, COEXISTS, MISSED = (
 ON_A_STATE = (ON_STATE, MODULATED, PAST_HOPF)
 AGREES = (*ON_A_STATE, TWO_COMPUTED, NO_STATE)
 """Verdicts of points where tool and simulation agree."""
-FORMAT = 3
+FORMAT = 4
 """Of the records."""
+FOREIGN = "expected the points of a comparison, found another file; take another with --record"
+OTHER = "expected points of this scene and duration, found those of another {}; take another file with --record"
+"""Messages about the file of something else."""
 
 
 @dataclass(frozen=True)
@@ -85,33 +90,40 @@ class Point:
         return "; ".join(parts)
 
 
-def head_of(scene: Scene, duration: float) -> str:
-    """First line of a record: what the points are of."""
-    data = scene.model_dump(mode="json", exclude_none=True)
-    return json.dumps({"scene": data, "duration": duration, "format": FORMAT}, sort_keys=True)
+def setup_of(scene: Scene, duration: float) -> dict[str, Any]:
+    """All that the points depend on, in plain types."""
+    return {"scene": scene.model_dump(mode="json", exclude_none=True), "duration": duration, "format": FORMAT}
 
 
-def recorded(record: Path | None, head: str) -> Iterator[tuple[tuple[float, float], Point]]:
+def recorded(record: Path | None, setup: Mapping[str, Any]) -> dict[tuple[float, float], Point]:
     """Points of a record by load and speed; begins the record if it does not exist.
 
     Raises:
-        ArgumentError: The file holds points of another study.
+        ArgumentError: The file holds points of another study, or something else.
     """
-    if record is None:
-        return
-    if not record.exists():
-        record.write_text(head + "\n", encoding="utf-8")
-        return
-    first, *lines = record.read_text(encoding="utf-8").splitlines()
-    if first != head:
-        raise ArgumentError(f"{record}: expected points of this scene and duration, found others; take another file")
-    for line in lines:
-        data = json.loads(line)
-        for key in ("states", "held"):
-            data[key] = tuple(tuple(one) for one in data[key])
-        data["stable"] = tuple(data["stable"])
-        data["two"] = TwoFrequencies(**data["two"]) if data["two"] else None
-        yield (data["weight_on_bit"], data["rotation"]), Point(**data)
+    found: dict[tuple[float, float], Point] = {}
+
+    def read(lines: list[str]) -> None:
+        for number, line in enumerate(lines, 2):
+            try:
+                point = _point(json.loads(line))
+            except (ValueError, TypeError, KeyError) as error:
+                raise ArgumentError(
+                    f"{record}, line {number}: expected a point, found {line[:60]!r}; remove the line"
+                ) from error
+            found[point.weight_on_bit, point.rotation] = point
+
+    if record is not None:
+        resume(record, "whirl comparison", setup, read, foreign=FOREIGN, other=OTHER)
+    return found
+
+
+def _point(data: dict[str, Any]) -> Point:
+    for key in ("states", "held"):
+        data[key] = tuple(tuple(one) for one in data[key])
+    data["stable"] = tuple(data["stable"])
+    data["two"] = TwoFrequencies(**data["two"]) if data["two"] else None
+    return Point(**data)
 
 
 def append(record: Path | None, point: Point) -> None:

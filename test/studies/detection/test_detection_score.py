@@ -39,10 +39,16 @@ def test_minutes_of_steady_rotation():
     assert false_onsets(0.05, rate=20.0) == 0
 
 
+@pytest.fixture(scope="module")
+def runs():
+    """Three runs of the bench and a random one."""
+    return bench(2), bench(8), bench(16), simulated(10)
+
+
 @pytest.mark.parametrize("forces", [True, False])
-def test_simulated_sample(forces):
+def test_simulated_sample(runs, forces):
     score = Score()
-    for run in (bench(2), bench(8), bench(16), simulated(10)):
+    for run in runs:
         record = recorded(run, truth_of(run), forces=forces)
         score.add(record.truth, analyse(record), record.rotation)
     assert score.met == 1.0
