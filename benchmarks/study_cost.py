@@ -144,7 +144,7 @@ def _processor_time() -> float:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Whether figures are the same, but for what is measured, and for rounding."""
+    """Return True if figures are the same, but for what is measured, and for rounding."""
     if isinstance(one, dict) and isinstance(other, dict):
         keys = (one.keys() | other.keys()) - MEASURED
         return all(key in one and key in other and same(one[key], other[key]) for key in keys)

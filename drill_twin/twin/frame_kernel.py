@@ -123,7 +123,7 @@ class Past(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """What a `Frame` needs beside an `Observation`."""
+    """Arrays that a `Frame` needs beside an `Observation`."""
 
     positions: Array  # (n + 1, 3)
     velocities: Array  # (n + 1, 3)

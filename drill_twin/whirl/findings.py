@@ -156,7 +156,7 @@ class FoundRows(NamedTuple):
 
 @dataclass(frozen=True)
 class SubFindings:
-    """What a downhole sub tells beside whirl."""
+    """Findings of a downhole sub beside whirl."""
 
     impacts: int
     """Impacts on the wall (`drill_twin.whirl.downhole.impacts`)."""

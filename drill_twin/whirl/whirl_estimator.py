@@ -108,7 +108,7 @@ class WhirlEstimator:
         self.timelines[-1].move_first_whirl(self.onset.time_s)
 
     def _at_start(self, time: float) -> bool:
-        """Whether a time [s] is in the first revolution, with a string that turned already."""
+        """Return True if a time [s] is in the first revolution, with a string that turned already."""
         history = self._state.history
         window = history.newest(history.length)
         seconds, revolutions = history.time[window], history.revolutions[window]

@@ -32,7 +32,7 @@ class SubScore:
     onset_error: list[float] = field(default_factory=list)
     """Found minus true onset [rev]."""
     dated: list[bool] = field(default_factory=list)
-    """Whether the sub says that it knows the time within a revolution, by onset found."""
+    """True if the sub says that it knows the time within a revolution, by onset found."""
     missed: int = 0
     """Onsets that were not found."""
     slow: int = 0
@@ -130,7 +130,7 @@ def noise_onsets(hours: float) -> int:
 
 
 def _in_noise(part: int, hours: float) -> bool:
-    """Whether an onset is found in at most an hour of noise; the first minute of it reading by reading."""
+    """Return True if an onset is found in at most an hour of noise; the first minute of it reading by reading."""
     draw = np.random.default_rng([part, 13])
     turn = math.tau * SPEED
     steady = np.array([-SENSOR_RADIUS * turn**2, 0.0, 9.81, 0.0, 0.0, turn]) + np.repeat(BIAS, 3) * draw.normal(size=6)

@@ -109,7 +109,7 @@ def add_stick_slip(score: EventScore, run: Run, seed: int) -> None:
 
 
 def _near(times: Array, others: Array) -> Mask:
-    """Whether each time is near one of the others, in order."""
+    """Return True for each time that is near one of the others, in order."""
     if not others.size:
         return np.zeros(times.size, bool)
     after = np.searchsorted(others, times)

@@ -58,9 +58,9 @@ class Date(NamedTuple):
     latest_s: float
     """Times of the radius one standard deviation larger and smaller [s]."""
     dated: bool
-    """Whether both are within a revolution of it."""
+    """True if both are within a revolution of it."""
     at_start: bool
-    """Whether it is in the first revolution of the record: the onset was before."""
+    """True if it is in the first revolution of the record: the onset was before."""
 
 
 class _Motion(NamedTuple):

@@ -39,7 +39,7 @@ HABITS: dict[str, dict[str, Any]] = {
 
 
 class Habit(NamedTuple):
-    """What the bench does with a habit."""
+    """Findings of the bench with a habit."""
 
     name: str
     times: Array
