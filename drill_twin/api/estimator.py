@@ -3,21 +3,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from numbers import Real
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from drill_twin.api.parameter_fit import range_of
 from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.base.arrays import Array
 from drill_twin.errors import ArgumentError, SceneError
 from drill_twin.estimation import CHANNELS, LOAD, SET_POINTS, EnsembleFilter, Estimate, EstimatorOptions, Intake
+from drill_twin.estimation.subs import VALUES
 from drill_twin.fitting import Record
 from drill_twin.scene import Scene
 from drill_twin.scene.problems import nearest
 
 _NOTHING: Mapping[str, float] = {}
+_AHEAD = 0.5  # s, by which readings are taken before the samples of the surface that close their window
 
 
 class Estimator:
@@ -40,6 +47,7 @@ class Estimator:
         free: Mapping[str, str | tuple[float, float]],
         *,
         channels: Sequence[str] = ("torque", "hookload"),
+        subs: Sequence[str] = (),
         overrides: Overrides | None = None,
         options: EstimatorOptions | None = None,
     ) -> None:
@@ -51,18 +59,21 @@ class Estimator:
                 `load_factor`, weight on bit over the one that is commanded or indicated.
             channels: Channels that correct: torque, motor_torque (with inertia and bearings of the drive), hookload,
                 top_drive_speed, bit_speed.
+            subs: Downhole subs whose readings correct, by their names in the scene's `sensors`; those of a real rig may
+                be `measured/NAME`.
             overrides: Values that replace those of the scene.
             options: Members, windows, errors, horizon.
 
         Raises:
-            ArgumentError: A channel or a number that cannot be taken.
+            ArgumentError: A channel, a number or a sub that cannot be taken.
             SceneError: A range does not fit the scene.
         """
         self.scene = as_scene(scene, overrides)
         _check(channels, free)
         ranges = {key: _ends(given) if key == LOAD else _range(self.scene, key, given) for key, given in free.items()}
-        self.filter = EnsembleFilter(self.scene, ranges, channels, options or EstimatorOptions())
-        self.intake = Intake(self.filter.pace, self.scene, channels)
+        self.filter = EnsembleFilter(self.scene, ranges, channels, options or EstimatorOptions(), subs)
+        self.intake = Intake(self.filter.pace, self.scene, channels, self.filter.members.subs)
+        self._subs = {name: number for number, name in enumerate(subs)}
 
     def take(self, stamp: float, values: Mapping[str, float] = _NOTHING) -> None:
         """Take a sample.
@@ -84,6 +95,25 @@ class Estimator:
             raise ArgumentError(f"expected values of {', '.join((*CHANNELS, *SET_POINTS))}, found {', '.join(odd)}")
         self.intake.take(stamp, values)
 
+    def take_readings(self, stamp: float, sub: str, values: Sequence[float] | Array) -> None:
+        """Take a reading of a downhole sub.
+
+        Args:
+            stamp: Its time [s], of the same clock as that of the other samples; a reading before the first of those is
+                left out.
+            sub: Name of the sub, as it was given.
+            values: Specific force [m/s^2] and rates of rotation [rad/s] in the axes of the sub (docs/sensors.md), six.
+
+        Raises:
+            ArgumentError: Another sub, or no six numbers.
+        """
+        if sub not in self._subs or np.shape(values) != (VALUES,) or not isinstance(stamp, Real):
+            raise ArgumentError(
+                f"expected a time [s], a sub of {', '.join(self._subs) or 'none'} and {VALUES} numbers, "
+                f"found {stamp!r}, {sub!r} and {values!r}"
+            )
+        self.intake.take_readings(float(stamp), self._subs[sub], values)
+
     def step(self) -> Estimate | None:
         """Estimate at the end of the next whole window; None while there is none.
 
@@ -94,16 +124,31 @@ class Estimator:
         return None if window is None else self.filter.advance(window)
 
     def follow(self, record: Record) -> Iterator[Estimate]:
-        """Estimates over a record."""
+        """Estimates over a record, with the readings of the subs that it has."""
         samples: dict[float, dict[str, float]] = {}
         for name, (time, values) in record.series.items():
             for stamp, value in zip(time.tolist(), values.tolist(), strict=True):
                 samples.setdefault(stamp, {})[name] = value
         self.take(0.0)
+        readings = deque(sorted(_readings(record, self._subs), key=itemgetter(0)))
         for stamp in sorted(samples):
+            while readings and readings[0][0] <= stamp + _AHEAD:
+                self.take_readings(*readings.popleft())
             self.take(stamp, samples[stamp])
             while (found := self.step()) is not None:
                 yield found
+
+
+def _readings(record: Record, subs: Iterable[str]) -> Iterator[tuple[float, str, Array]]:
+    for name in subs:
+        if name not in record.subs:
+            raise ArgumentError(
+                f"{record.source}: expected readings of {name}, found {', '.join(record.subs) or 'none'}"
+            )
+        yield from (
+            (time, name, values)
+            for time, values in zip(record.subs[name][0].tolist(), record.subs[name][1], strict=True)
+        )
 
 
 def _check(channels: Sequence[str], free: Mapping[str, Any]) -> None:

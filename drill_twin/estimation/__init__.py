@@ -4,7 +4,7 @@
 from drill_twin.estimation.bands import Band
 from drill_twin.estimation.ensemble_filter import CHANNELS, EnsembleFilter, Estimate, EstimatorOptions, Window
 from drill_twin.estimation.intake import SET_POINTS, Intake
-from drill_twin.estimation.members import LOAD, SENSORS
+from drill_twin.estimation.members import LOAD, SENSORS, unit_of
 from drill_twin.estimation.square_root_filter import Correction, correction
 
 __all__ = [
@@ -20,4 +20,5 @@ __all__ = [
     "Intake",
     "Window",
     "correction",
+    "unit_of",
 ]

@@ -23,22 +23,24 @@ class ChannelErrors:
         absurd: Samples that were left out so far.
     """
 
-    def __init__(self, channels: Sequence[str], share: float) -> None:
+    def __init__(self, channels: Sequence[str], share: float, floor: Array | float = 0.0) -> None:
         """Begin.
 
         Args:
             channels: Names.
             share: Error of sensor and model together, as a share of the channel's scale.
+            floor: Least error of a sample, of a noise that is known, shape (C,).
         """
         self.channels, self._share = list(channels), share
         self.scale: Array = np.zeros(len(channels))
         self._raised: Array = np.zeros(len(channels))
+        self._least: Array = np.maximum(floor, np.full(len(channels), np.finfo(float).tiny ** 0.25))
         self.absurd = 0
 
     @property
     def deviation(self) -> Array:
         """Standard deviation of a sample of each channel, shape (C,)."""
-        return np.maximum(np.sqrt(self._raised), np.maximum(self._share * self.scale, np.finfo(float).tiny ** 0.25))
+        return np.maximum(np.sqrt(self._raised), np.maximum(self._share * self.scale, self._least))
 
     def screen(self, predicted: Array, measured: Array) -> Array:
         """Measured samples, NaN for those that are absurd beside the others of their channel.

@@ -16,8 +16,10 @@ from drill_twin.estimation.bands import Band
 from drill_twin.estimation.branches import Branches
 from drill_twin.estimation.channel_errors import ChannelErrors
 from drill_twin.estimation.divergence import Divergence
-from drill_twin.estimation.members import SENSORS, Members, Pace
-from drill_twin.estimation.square_root_filter import applied, corrections
+from drill_twin.estimation.members import SENSORS, Members, Pace, Prediction
+from drill_twin.estimation.phase import PhaseCorrection
+from drill_twin.estimation.square_root_filter import Correction, applied, corrections
+from drill_twin.estimation.subs import VALUES, speed
 from drill_twin.fitting.ranges import Ranges
 from drill_twin.scene import Scene
 from drill_twin.twin.frame import Frame
@@ -80,10 +82,12 @@ class Window:
     Attributes:
         commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
         measured: Means over the samples by channel, shape (S,) each; NaN where there is none.
+        readings: Of s subs, at the frames, shape (s, F, 6); NaN for a sub that has none.
     """
 
     commands: Array
     measured: Mapping[str, Array]
+    readings: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -93,7 +97,8 @@ class Estimate:
     Attributes:
         time: Time [s].
         numbers: Free numbers [SI] by key.
-        sensors: Virtual sensors by name, see `drill_twin.estimation.members.SENSORS`.
+        sensors: Virtual sensors by name, see `drill_twin.estimation.members.SENSORS`; with a sub also the places of the
+            centre line at the marks at the end of the window [m], MARK/x and MARK/y.
         whirls: Share of the members that whirl.
         chance: Share of those that whirl within the horizon; NaN if it is not computed.
         unexplained: Time since which the model no longer explains a channel [s], by name.
@@ -131,7 +136,14 @@ class EnsembleFilter:
         time: End of the last window [s].
     """
 
-    def __init__(self, scene: Scene, ranges: Ranges, channels: Sequence[str], options: EstimatorOptions) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        ranges: Ranges,
+        channels: Sequence[str],
+        options: EstimatorOptions,
+        subs: Sequence[str] = (),
+    ) -> None:
         """Make the ensemble.
 
         Args:
@@ -139,21 +151,24 @@ class EnsembleFilter:
             ranges: Lowest and highest value of each free number [SI], by key; see `drill_twin.estimation.members`.
             channels: Channels that correct, of `CHANNELS`.
             options: How it runs.
+            subs: Subs of the scene whose readings correct.
 
         Raises:
-            ArgumentError: A number that cannot be changed in the middle of a run.
+            ArgumentError: A number that cannot be changed in the middle of a run, or a sub that the scene has not.
             SceneError: A range does not fit the scene.
         """
-        self.options, self.channels = options, list(channels)
+        self.options, self._surface = options, list(channels)
         frame_rate = scene.numerics.frame_rate
         every = max(1, round(frame_rate / options.rate))
         samples = max(1, round(options.window * frame_rate / every))
         self.pace = Pace(1.0 / frame_rate, every * samples, samples)
-        self.members = Members(scene, ranges, options.members, self.pace, options.seed)
+        self.members = Members(scene, ranges, options.members, self.pace, options.seed, subs)
+        self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
         self.time = 0.0
-        self._errors = ChannelErrors(channels, options.error)
+        self._errors = ChannelErrors(self.channels, options.error)
         self._branches = Branches(options.members, options.seed)
-        self._divergence = Divergence(channels)
+        self._divergence = Divergence(self.channels)
+        self._phase = PhaseCorrection(self.members, options.error)
         self._replaced = 0
         self._distance: Array = np.zeros(options.members)
 
@@ -165,32 +180,31 @@ class EnsembleFilter:
         """
         frames, prediction = self.members.advance(window.commands, self._nearest)
         start, self.time = self.time, self.time + self.pace.window
-        predicted = np.stack([prediction.channels[name] for name in self.channels], axis=1)
-        missing = np.full(self.pace.samples, np.nan)
-        measured = np.stack([window.measured.get(name, missing) for name in self.channels])
+        predicted, measured, readings = self._compared(prediction, window)
         measured = self._errors.screen(predicted, measured)
         found = corrections(predicted, measured, self._errors.deviation)
+        lateral = self._phase(self.members, prediction.readings, readings, found) if self.members.subs else []
         corrected = applied(found, predicted)
         misfit = self._misfit(measured, predicted.mean(axis=0))
         self._errors.learn(measured, predicted.mean(axis=0), corrected.mean(axis=0))
-        self.members.correct(found)
+        self.members.correct([*found, *lateral])
         self._forget()
-        sensors = {
-            name: applied(found, values) if name in _CORRECTED else values
-            for name, values in prediction.sensors.items()
-        }
+        sensors = self._sensors(prediction, found, lateral)
         self._divergence.take(start, misfit)
-        self._change_branch(predicted, measured)
-        self._weigh_distance(corrected, measured)
+        predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
+        measured = np.concatenate((measured, self._phase.measured))
+        deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
+        self._change_branch(predicted, measured, deviation)
+        self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
         return Estimate(
             time=self.time,
             numbers=self.members.bands,
-            sensors={name: Band.of(sensors[name]) for name in SENSORS},
+            sensors={name: Band.of(values) for name, values in sensors.items()},
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),
             unexplained=self._divergence.since,
             misfit=dict(zip(self.channels, misfit.tolist(), strict=True)),
-            absurd=self._errors.absurd,
+            absurd=self._errors.absurd + self._phase.errors.absurd,
             replaced=self._replaced,
             frames=frames,
         )
@@ -199,6 +213,30 @@ class EnsembleFilter:
     def _nearest(self) -> int:
         """Number of the member that is nearest to the rig; -1 if its frames are not asked for."""
         return int(np.argmin(self._distance)) if self.options.frames else -1
+
+    def _compared(self, prediction: Prediction, window: Window) -> tuple[Array, Array, Array]:
+        """Channels of the members, (N, C, S), and of the rig, (C, S), and readings of its subs, (s, F, 6)."""
+        pace, subs = self.pace, self.members.subs
+        missing = np.full(pace.samples, np.nan)
+        readings = np.full((len(subs), pace.frames, VALUES), np.nan) if window.readings is None else window.readings
+        predicted = np.stack([prediction.channels[name] for name in self._surface], axis=1)
+        measured = np.stack([window.measured.get(name, missing) for name in self._surface])
+        speeds = speed(prediction.readings.swapaxes(1, 2), pace.samples)
+        return (
+            np.concatenate((predicted, speeds), axis=1),
+            np.concatenate((measured, speed(readings, pace.samples))),
+            readings,
+        )
+
+    def _sensors(
+        self, prediction: Prediction, found: Sequence[Correction], lateral: Sequence[Correction]
+    ) -> dict[str, Array]:
+        """Virtual sensors, shape (N,) each; those that the corrections change, corrected."""
+        changed = SENSORS if lateral else _CORRECTED
+        return {
+            name: applied([*found, *lateral], values) if name in changed else values
+            for name, values in prediction.sensors.items()
+        } | self.members.places
 
     def _misfit(self, measured: Array, mean: Array) -> Array:
         """Rms of measured less predicted over the scale of each channel, shape (C,); NaN where nothing was measured."""
@@ -214,16 +252,16 @@ class EnsembleFilter:
         mean, deviation = members.normal.mean(axis=0), members.normal.std(axis=0)
         members.normal = mean + (members.normal - mean) * np.where(deviation * growth < 1.0, growth, 1.0)
 
-    def _change_branch(self, predicted: Array, measured: Array) -> None:
-        self._branches.weigh(predicted, measured, self._errors.deviation)
+    def _change_branch(self, predicted: Array, measured: Array, deviation: Array) -> None:
+        self._branches.weigh(predicted, measured, deviation)
         pairs = self._branches.replacements()
         for source, target in pairs:
             self.members.copy(source, target)
         self._replaced += len(pairs)
 
-    def _weigh_distance(self, corrected: Array, measured: Array) -> None:
+    def _weigh_distance(self, corrected: Array, measured: Array, deviation: Array) -> None:
         """Distance of each member from what is measured, fading over some windows."""
-        scaled = (corrected - measured) / self._errors.deviation[:, None]
+        scaled = (corrected - measured) / deviation[:, None]
         self._distance = 0.7 * self._distance + np.nansum(scaled**2, axis=(1, 2))
 
     def _chance(self, commands: Array, whirls: float) -> float:

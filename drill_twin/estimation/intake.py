@@ -12,7 +12,9 @@ import numpy as np
 from drill_twin.base.arrays import Array
 from drill_twin.estimation.ensemble_filter import Window
 from drill_twin.estimation.members import Pace
+from drill_twin.estimation.sub_intake import SubIntake
 from drill_twin.scene import Scene
+from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.schedule import Schedule
 
 SET_POINTS = ("weight_on_bit", "rotation")
@@ -42,7 +44,7 @@ class Intake:
         frozen: Channels that are frozen.
     """
 
-    def __init__(self, pace: Pace, scene: Scene, channels: Sequence[str]) -> None:
+    def __init__(self, pace: Pace, scene: Scene, channels: Sequence[str], subs: Sequence[Sub] = ()) -> None:
         self.troubles: Counter[str] = Counter()
         self.frozen: set[str] = set()
         self._pace, self._channels = pace, list(channels)
@@ -56,6 +58,7 @@ class Intake:
         self._varied: set[str] = set()
         self._largest: dict[str, float] = {}
         self._ready: deque[Window] = deque()
+        self._subs = [SubIntake(pace, sub, self.troubles) for sub in subs]
 
     @property
     def origin(self) -> float:
@@ -90,6 +93,22 @@ class Intake:
         self._newest = max(self._newest, time)
         self._open.append((time, values))
 
+    def take_readings(self, stamp: float, sub: int, values: Sequence[float]) -> None:
+        """Take a reading of a downhole sub; the surface channels alone move the time of the windows.
+
+        Args:
+            stamp: Its time [s], of the same clock as that of `take`.
+            sub: Number of the sub.
+            values: Specific force [m/s^2] and rates of rotation [rad/s], six values.
+        """
+        if self._origin is None:
+            return
+        time = stamp - self._origin
+        if not time > self._start or time > self._newest + _LONGEST_GAP:
+            self.troubles["reading out of time"] += 1
+            return
+        self._subs[sub].take(time, values)
+
     def window(self) -> Window | None:
         """The next whole window, if there is one."""
         return self._ready.popleft() if self._ready else None
@@ -112,8 +131,9 @@ class Intake:
             self.troubles["missing window"] += 1
         commands = np.stack([self._set_points(name, samples, ends) for name in SET_POINTS], axis=1)
         measured = {name: self._means(name, samples, ends) for name in self._channels}
+        readings = np.array([sub.close(self._start) for sub in self._subs])
         self._start += self._pace.window
-        self._ready.append(Window(commands, measured))
+        self._ready.append(Window(commands, measured, readings if self._subs else None))
 
     def _set_points(self, name: str, samples: Sequence[tuple[float, Mapping[str, float]]], ends: Array) -> Array:
         """Set-point at the end of each frame: between those given linear, after the last one held."""

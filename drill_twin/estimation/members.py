@@ -17,7 +17,9 @@ from drill_twin.ensemble.outputs.series import Channels
 from drill_twin.errors import ArgumentError, DrillTwinError, RunError
 from drill_twin.estimation.asynchronous import asynchronous_radius
 from drill_twin.estimation.bands import SHARE, Band
+from drill_twin.estimation.lateral import LateralMotion
 from drill_twin.estimation.square_root_filter import Correction, applied
+from drill_twin.estimation.subs import VALUES, SubReader, listed
 from drill_twin.fitting.posterior import full_key
 from drill_twin.fitting.ranges import Ranges, in_ranges
 from drill_twin.scene import Scene
@@ -45,6 +47,11 @@ SENSORS: Mapping[str, str] = {
 }
 """Virtual sensors and their units: bit and weight on it at the end of the window, largest radius of a mark and largest
 wall force of a node in it, largest bending stress at its end."""
+
+
+def unit_of(sensor: str) -> str:
+    """Unit of a virtual sensor; places of marks are in m."""
+    return SENSORS.get(sensor, "m")
 
 
 @dataclass(frozen=True)
@@ -75,11 +82,13 @@ class Prediction:
         channels: By name, shape (N, S): means over the samples (`drill_twin.ensemble.outputs.series.Channels`).
         sensors: Virtual sensors by name, each of shape (N,).
         whirls: Whether each member whirls, shape (N,).
+        readings: Of the subs, shape (N, F, s, 6) (`drill_twin.estimation.subs`).
     """
 
     channels: Mapping[str, Array]
     sensors: Mapping[str, Array]
     whirls: Mask
+    readings: Array
 
 
 class Members:
@@ -89,26 +98,31 @@ class Members:
         scene: The scene of which they are variants.
         keys: Keys of the free numbers.
         pace: Frames, samples and windows.
+        subs: Downhole subs.
+        lateral: Their lateral motion.
         normal: Free numbers in the space where their prior is standard normal, shape (N, d).
         twins: The twins.
     """
 
-    def __init__(self, scene: Scene, ranges: Ranges, count: int, pace: Pace, seed: int) -> None:
+    def __init__(
+        self, scene: Scene, ranges: Ranges, count: int, pace: Pace, seed: int, subs: Sequence[str] = ()
+    ) -> None:
         """Draw the numbers and make the twins, each with a seed of its own.
 
         Raises:
-            ArgumentError: A number that cannot be changed in the middle of a run.
+            ArgumentError: A number that cannot be changed in the middle of a run, or a sub that the scene has not.
             SceneError: A range does not fit the scene.
         """
         self.scene, self._ranges, self.pace = scene, ranges, pace
-        self.keys = list(ranges)
+        self.keys, self.subs = list(ranges), listed(scene, subs)
         self._full = {key: full_key(key, scene) for key in self.keys if key != LOAD}
         self._seeds = [seed + number + 1 for number in range(count)]
         self._check()
         drawn = stats.qmc.Sobol(len(ranges), rng=np.random.default_rng(seed)).random(count)
         self.normal: Array = special.ndtri(np.clip(drawn, 1e-4, 1.0 - 1e-4))
         self.twins = [Twin(self._scene(number)) for number in range(count)]
-        self._rows = self.twins[0].rows(pace.frames)
+        self.lateral, self._reader = LateralMotion(scene, self.twins[0]), SubReader(scene, self.twins[0], self.subs)
+        self._rows, self._states, _ = self.twins[0].record(pace.frames)
         self._tubes = tubes_of(scene)
         clearances = np.array([scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks])
         self._onset = Criteria().onset_radius * clearances
@@ -161,7 +175,8 @@ class Members:
         columns = [found[number] for number in range(len(self))]
         channels = {name: np.array([each[0][name] for each in columns]) for name in columns[0][0]}
         sensors = {name: np.array([each[1][name] for each in columns]) for name in SENSORS}
-        return frames, Prediction(channels, sensors, np.array([each[2] for each in columns]))
+        whirls, readings = (np.array([each[k] for each in columns]) for k in (2, 3))
+        return frames, Prediction(channels, sensors, whirls, readings)
 
     def copy(self, source: int, target: int) -> None:
         """Give a member the state and the seed of another; it keeps its numbers."""
@@ -175,8 +190,9 @@ class Members:
         """Correct numbers and torsional motion.
 
         Surface channels of a straight hole do not change when the lateral motion is turned about its axis, so they are
-        uncorrelated with it. Axial motion follows loads and lateral motion (a bent string is shorter) within the time
-        of a wave: moved by itself it would stretch the string and throw it against the wall.
+        uncorrelated with it; a sub corrects it (`drill_twin.estimation.phase`). Axial motion follows loads and lateral
+        motion (a bent string is shorter) within the time of a wave: moved by itself it would stretch the string and
+        throw it against the wall.
         """
         for correction in found:
             self.normal = np.clip(correction.apply_to_numbers(self.normal), -WIDEST, WIDEST)
@@ -188,6 +204,17 @@ class Members:
                 row[:, columns] = values
         for number, twin in enumerate(self.twins):
             change_numbers(twin.dynamics, self._scene(number))
+
+    @property
+    def places(self) -> dict[str, Array]:
+        """Places of the centre line at the marks [m], MARK/x and MARK/y, shape (N,) each; none without a sub."""
+        if not self.subs:
+            return {}
+        found = self.lateral.marks(self.lateral.read(self.twins)).T
+        named = [(mark.name, places) for mark, places in zip(self.scene.string.marks, found, strict=True)]
+        return {
+            f"{name}/{axis}": part for name, places in named for axis, part in (("x", places.real), ("y", places.imag))
+        }
 
     def ahead(self, commands: Array, chosen: Sequence[int]) -> Mask:
         """Check which of some members whirl at a time in the windows to come, shape (chosen,); all are back afterwards.
@@ -228,12 +255,13 @@ class Members:
         finally:
             twin.restore(before)
 
-    def _advance(self, number: int, commands: Array) -> tuple[Mapping[str, Array], Mapping[str, float], bool]:
-        """Channels, virtual sensors, and whether it whirls, of one member."""
+    def _advance(self, number: int, commands: Array) -> tuple[Mapping[str, Array], Mapping[str, float], bool, Array]:
+        """Channels, virtual sensors, whether it whirls, and readings of the subs, of one member."""
         twin, rows, pace = self.twins[number], self._rows, self.pace
         commands = commands * np.array([self._load(number), 1.0])
         channels = Channels(twin, Request((), pace.period, pace.frames, pace.frames // pace.samples))
-        twin.advance_frames(commands, pace.period, rows)
+        before = self._reader.start(twin)
+        twin.advance_frames(commands, pace.period, rows, self._states if self.subs else None)
         rig = rig_rows(twin.dynamics, rows, pace.period)
         channels.add(rows, rig)
         sensors = {
@@ -245,7 +273,10 @@ class Members:
             "bending_stress": float(bending_stress(twin.rod, self._tubes, twin.unknowns[0]).max()),
         }
         values = {name: variable.value for name, variable in channels.close().items() if name != "time"}
-        return values, sensors, bool(np.any(asynchronous_radius(rows) > self._onset))
+        readings = np.empty((pace.frames, 0, VALUES))
+        if self.subs:
+            readings = self._reader.read(before, self._states, pace.period)
+        return values, sensors, bool(np.any(asynchronous_radius(rows) > self._onset)), readings
 
     def _scene(self, number: int) -> Scene:
         """Scene of a member."""

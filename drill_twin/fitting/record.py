@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from drill_twin.scene.problems import nearest
 from drill_twin.schedule.reading import Columns, read_columns
 from drill_twin.units import Dimension
 from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME, TORQUE
+
+if TYPE_CHECKING:
+    from drill_twin.io.bag.reader import Bag
 
 CHANNELS: Mapping[str, Dimension] = {
     "torque": TORQUE,
@@ -55,10 +58,13 @@ class Record:
     Attributes:
         source: Where it is from.
         series: Time [s] and values [SI] by channel, each of shape (rows,).
+        subs: Time [s] and readings (force, rates) by downhole sub, `measured/NAME` for those of a real rig, shapes
+            (rows,) and (rows, 6); of a bag only, if asked for.
     """
 
     source: str
     series: Mapping[str, tuple[Array, Array]]
+    subs: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
 
     def at(self, channel: str, time: Array) -> Array:
         """Means over the spacing before each of equally spaced times [s], as of a run; linear in a coarser record.
@@ -97,7 +103,9 @@ def channel_column(text: str) -> ChannelColumn:
     return ChannelColumn(channel, column, unit) if colon else ChannelColumn(channel, rest, "")
 
 
-def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, start: float = 0.0) -> Record:
+def read_record(
+    path: str | Path, columns: Sequence[str | ChannelColumn], *, start: float = 0.0, subs: Sequence[str] = ()
+) -> Record:
     """Read channels of a CSV, MAT, LAS or WITSML file, or of `/rig/state` of a bag.
 
     Args:
@@ -107,10 +115,11 @@ def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, sta
             of `/rig/command`; where it has none, load and speed of `/rig/state`. Without `time`, it is the column whose
             name begins with ``time`` or ``t_``, in s where the file gives no unit.
         start: Time in the record that is time zero of the scene [s].
+        subs: Downhole subs of a bag whose readings are read too, `measured/NAME` for those of a real rig.
 
     Raises:
         TableError: No such file or column, or no unit or one of another dimension.
-        ArgumentError: No channel, one twice, or one that a bag does not hold; or a LAS file without the package lasio.
+        ArgumentError: No channel, one twice, a channel or sub that a bag does not hold, or subs of a file; or a LAS file without the package lasio.
         BagError: The bag cannot be read.
     """
     file = Path(path)
@@ -123,7 +132,9 @@ def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, sta
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ArgumentError(f"channel: expected each one once, found {', '.join(twice)} again; give it one column")
     if file.is_dir() or file.suffix in {".mcap", ".db3"}:
-        return _of_bag(file, items, start)
+        return _of_bag(file, items, start, subs)
+    if subs:
+        raise ArgumentError(f"{file}: expected a bag, as it is to have readings of {', '.join(subs)}, found a file")
     found = read_columns(file)
     wanted = {item.channel: item for item in items}
     wanted.setdefault("time", ChannelColumn("time", "", ""))
@@ -132,7 +143,7 @@ def read_record(path: str | Path, columns: Sequence[str | ChannelColumn], *, sta
     return Record(str(file), {channel: _present(file, channel, time, column) for channel, column in values.items()})
 
 
-def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float) -> Record:
+def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float, subs: Sequence[str]) -> Record:
     from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.report.recording import Recording
     from drill_twin.report.selection import Selection, open_bag
@@ -145,7 +156,8 @@ def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float) -> Record:
                 f'channel: expected of a bag the name alone, as "{channel}", found "{channel}={column}'
                 f'{unit and ":"}{unit}"; a bag has topics in SI, no columns'
             )
-    recording = Recording(open_bag(bag_path(path), Selection()))
+    bag = open_bag(bag_path(path), Selection())
+    recording = Recording(bag)
     rig, commands = recording.rig, recording.commands
     time = np.asarray(rig.time) - start
     middle = time - 0.5 * float(np.median(np.diff(time)))  # forces and torques are means of a frame
@@ -156,7 +168,18 @@ def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float) -> Record:
             continue
         stamps = time if _KNOWN[channel] is ANGULAR_SPEED else middle
         series[channel] = _present(path, channel, stamps, np.asarray(getattr(rig, _OF_BAG[channel])))
-    return Record(str(path), series)
+    return Record(str(path), series, _readings(path, bag, start, subs) if subs else {})
+
+
+def _readings(path: Path, bag: Bag, start: float, subs: Sequence[str]) -> dict[str, tuple[Array, Array]]:
+    from drill_twin.io.bag.sensor_series import Measured
+
+    found = Measured(bag).subs
+    if odd := [name for name in subs if name not in found or not len(found[name].imu)]:
+        raise ArgumentError(
+            f"{path}: expected readings of {', '.join(odd)}, found those of {', '.join(found) or 'none'}"
+        )
+    return {name: (np.asarray(found[name].imu.time) - start, np.asarray(found[name].imu.values)) for name in subs}
 
 
 def _present(source: Path, channel: str, time: Array, values: Array) -> tuple[Array, Array]:

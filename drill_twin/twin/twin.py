@@ -15,7 +15,7 @@ from drill_twin.twin.dynamics import Dynamics, restore_arrays
 from drill_twin.twin.energy_balance import EnergyAudit
 from drill_twin.twin.failure_report import failure_report
 from drill_twin.twin.frame import EnergyBalance, Frame, Frames, Intervention
-from drill_twin.twin.frame_kernel import DIVERGED, GOOD, HALVED_TOO_OFTEN, SUSPECT, Rows
+from drill_twin.twin.frame_kernel import DIVERGED, GOOD, HALVED_TOO_OFTEN, SUSPECT, Rows, States
 from drill_twin.twin.frame_loop import FrameLoop
 from drill_twin.twin.observer import Observer, Record
 from drill_twin.twin.state_bounds import bounds_of
@@ -151,7 +151,7 @@ class Twin:
         """Make an empty record of a number of frames with all that messages need, for `fill`."""
         return Record(self._loop.rows(frames), self._loop.states(frames), {})
 
-    def advance_frames(self, commands: Array, seconds: float, rows: Rows) -> int:
+    def advance_frames(self, commands: Array, seconds: float, rows: Rows, states: States | None = None) -> int:
         """Advance by frames in compiled code, without Python in between, and record them: the same bits as `advance`.
 
         Python takes over for a frame that the step guard rejects, and for each frame of a scene with an audit.
@@ -160,6 +160,7 @@ class Twin:
             commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
             seconds: Length of a frame [s].
             rows: Takes the F frames.
+            states: Takes the rest of them, if wanted.
 
         Returns:
             Number of frames that were repeated with a smaller step.
@@ -168,7 +169,7 @@ class Twin:
             StoppedError: As `advance`; the frames before are recorded.
         """
         interventions: dict[int, Intervention] = {}
-        for _ in self._good_rows(commands, seconds, Record(rows, self._loop.states(0), interventions)):
+        for _ in self._good_rows(commands, seconds, Record(rows, states or self._loop.states(0), interventions)):
             pass
         return len(interventions)
 

@@ -33,6 +33,14 @@ def estimate(
             help='Column, as "torque=Torque:N m"; of a bag NAME. weight_on_bit and rotation are the set-points.',
         ),
     ],
+    sub: Annotated[
+        list[str],
+        typer.Option(
+            "--sub",
+            metavar="NAME",
+            help="Downhole sub of a bag and of the scene that corrects; of a rig measured/NAME.",
+        ),
+    ] = [],  # noqa: B006
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     members: Annotated[int, typer.Option("--members", min=4, help="Members of the ensemble.")] = 64,
     window: Annotated[float, typer.Option("--window", min=0.05, help="Seconds from estimate to estimate.")] = 1.0,
@@ -54,15 +62,17 @@ def estimate(
         raise ArgumentError("--free: expected each number once, found one twice; give it one range")
     names = [channel_column(text).channel for text in channel]
     measured = [name for name in names if name not in {"time", *SET_POINTS}]
-    if not measured:
+    if not measured and not sub:
         raise ArgumentError(
             f"--channel: expected a measured channel, {', '.join(CHANNELS)}, found {', '.join(names)} alone; "
             "set-points are only played"
         )
-    estimator = dt.Estimator(scene, ranges, channels=measured, overrides=overrides(change), options=options)
+    estimator = dt.Estimator(
+        scene, ranges, channels=measured, subs=sub, overrides=overrides(change), options=options
+    )
     found: Estimate | None = None
     alarm, due = "", 0.0
-    for found in estimator.follow(dt.read_record(record, channel)):
+    for found in estimator.follow(dt.read_record(record, channel, subs=sub)):
         if found.time >= due or found.alarm != alarm:
             alarm, due = found.alarm, found.time + _TOLD
             err().print(_line(found), markup=False, soft_wrap=True)

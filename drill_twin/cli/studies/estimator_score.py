@@ -18,6 +18,7 @@ def estimator_score(
     members: Annotated[
         list[int], typer.Option("--members", min=4, help="Members; repeatable: error against members and time.")
     ] = [],  # noqa: B006
+    imu: Annotated[bool, typer.Option("--imu", help="Measure with a downhole sub near the bit too.")] = False,
     json: JsonOption = False,
 ) -> None:
     """Measure the estimator on hidden truths: numbers, bands, unmeasured places, warnings of whirl, processor time.
@@ -38,7 +39,7 @@ def estimator_score(
         for count in members or [CASES[name].members]:
             runs = []
             for number in range(first, first + truths):
-                runs.append(follow(CASES[name], number, seconds, count))
+                runs.append(follow(CASES[name], number, seconds, count, imu=imu))
                 told = ", ".join(f"{key} {error:+.1%}" for key, error in runs[-1].errors.items())
                 err().print(f"{name} {number}, {count} members: {told}", markup=False, soft_wrap=True)
             by_members[count] = score(runs)

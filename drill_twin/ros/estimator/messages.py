@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from drill_twin.api.estimator import Estimator
-from drill_twin.estimation import SENSORS, Band, Estimate
+from drill_twin.estimation import Band, Estimate, unit_of
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, exact
 from drill_twin.io.messages.encode import TwinEncoder
@@ -54,7 +54,7 @@ def statuses(found: Estimate, troubles: Mapping[str, int]) -> list[Status]:
     return [
         Status(_NAME, level, text, values),
         *(_status(f"{_NAME}: {key}", band, "") for key, band in found.numbers.items()),
-        *(_status(f"{_NAME}: {name}", band, SENSORS[name]) for name, band in found.sensors.items()),
+        *(_status(f"{_NAME}: {name}", band, unit_of(name)) for name, band in found.sensors.items()),
     ]
 
 

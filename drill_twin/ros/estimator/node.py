@@ -5,15 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from typing import Any, ClassVar
 
 from drill_twin.api.estimator import Estimator as Following
 from drill_twin.errors import DrillTwinError
 from drill_twin.estimation import Estimate
+from drill_twin.io.downhole import readings_topic
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.rig_messages import read_command
+from drill_twin.io.messages.sensor_messages import read_imu
 from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.topics import (
     ESTIMATE,
@@ -61,6 +64,8 @@ class Estimator(TwinNode):
                 self.topics.advertise(topic)
             self.topics.prefix = ""
         self.topics.subscribe(MEASURED_RIG_STATE, self._on_measured, depth=_DEPTH)
+        for sub in self.settings.subs.split():
+            self.topics.subscribe(readings_topic(sub), partial(self._on_readings, sub), depth=_DEPTH)
         if self.settings.set_points == "command":
             self.topics.subscribe(RIG_COMMAND, self._on_command, depth=_DEPTH)
 
@@ -115,6 +120,17 @@ class Estimator(TwinNode):
             self._refused += 1
             return
         self._following.take(seconds(state.stamp), values | self._set_points)
+
+    def _on_readings(self, sub: str, raw: bytes, info: Mapping[str, Any]) -> None:
+        del info
+        if self._following is None:
+            return
+        try:
+            reading = read_imu(bytes(raw))
+        except DrillTwinError:
+            self._refused += 1
+            return
+        self._following.take_readings(seconds(reading.stamp), sub, reading.values)
 
     def _publish(self, following: Following, found: Estimate | None) -> None:
         if found is None:

@@ -23,6 +23,11 @@ PARAMETERS = (
         "top_drive_speed, bit_speed",
     ),
     Parameter(
+        "subs", "",
+        "downhole subs of the scene whose readings correct, by name; of a real rig as measured/NAME",
+        such_as="measured/near_bit",
+    ),
+    Parameter(
         "set_points", "command", "where set-points come from: /rig/command, the measured message, or the scene", "",
         choices=("command", "measured", "scene"),
     ),
@@ -47,4 +52,6 @@ def make_estimator(settings: SimpleNamespace) -> Estimator:
         raise ParameterError('parameter free: expected at least one KEY=LO..HI, found ""')
     names = ("members", "window", "rate", "error", "horizon", "seed")
     options = EstimatorOptions(frames=settings.show, **{name: getattr(settings, name) for name in names})
-    return Estimator(scene_of(settings), free, channels=settings.channels.split(), options=options)
+    return Estimator(
+        scene_of(settings), free, channels=settings.channels.split(), subs=settings.subs.split(), options=options
+    )

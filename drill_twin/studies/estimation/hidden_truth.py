@@ -11,10 +11,12 @@ import numpy as np
 
 from drill_twin.api.scenes import load_scene
 from drill_twin.base.arrays import Array
-from drill_twin.estimation import LOAD, SENSORS, EnsembleFilter, Estimate, EstimatorOptions, Window
+from drill_twin.estimation import LOAD, EnsembleFilter, Estimate, EstimatorOptions, Window
 from drill_twin.estimation.members import Members, Prediction
 from drill_twin.fitting.ranges import Ranges
+from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.schedule import Schedule
+from drill_twin.sensors.errors import errors_of, with_errors
 
 _NOISE = 0.01
 """Standard deviation of a measured sample over the largest value of its channel."""
@@ -37,6 +39,7 @@ class Case:
         horizon: Horizon of the chance of whirl [s]; 0 s: none is computed.
         overrides: Changes to the scene.
         channels: What is measured.
+        imu: A downhole sub, measured too if asked for, as in a scene's `sensors`.
     """
 
     scene: str
@@ -45,8 +48,11 @@ class Case:
     horizon: float = 0.0
     overrides: Mapping[str, float | str] = field(default_factory=dict)
     channels: Sequence[str] = ("torque", "hookload")
+    imu: str = ""
 
 
+_ERRORS = "accelerometer: {noise: 5 mm/s^2, bias: 0.05 m/s^2}, gyroscope: {noise: 0.06 deg/s, bias: 0.3 deg/s}"
+_NEAR_BIT = f"name: near_bit, distance_from_bit: 1 m, radius: 6 mm, rate: 100 Hz, {_ERRORS}"
 _ROD: Ranges = {
     "wall_friction.coefficient": (0.1, 0.4),
     "internal_damping.bending_time": (0.015, 0.07),
@@ -54,8 +60,8 @@ _ROD: Ranges = {
     LOAD: (0.75, 1.25),
 }
 CASES: Mapping[str, Case] = {
-    "pa6_bench": Case("pa6_bench", _ROD, horizon=4.0),
-    "pa6_calm": Case("pa6_bench", _ROD, horizon=4.0, overrides={"wob": 10.0, "rps": 0.6}),
+    "pa6_bench": Case("pa6_bench", _ROD, horizon=4.0, imu=_NEAR_BIT),
+    "pa6_calm": Case("pa6_bench", _ROD, horizon=4.0, overrides={"wob": 10.0, "rps": 0.6}, imu=_NEAR_BIT),
     "stick_slip": Case(
         "two_mass",
         {
@@ -65,12 +71,14 @@ CASES: Mapping[str, Case] = {
             LOAD: (0.9, 1.1),
         },
         overrides={"wob": 55e3},
+        imu=f"name: near_bit, distance_from_bit: 0.05 m, rate: 50 Hz, {_ERRORS}",
     ),
     "bha": Case(
         "bha_full_size",
         {"wall_friction.coefficient": (0.1, 0.4), "internal_damping.bending_time": (0.5e-3, 2e-3), LOAD: (0.8, 1.2)},
         members=16,
         overrides={"numerics.elements": 40},
+        imu=f"name: near_bit, distance_from_bit: 15 m, radius: 80 mm, rate: 100 Hz, {_ERRORS}",
     ),
 }
 """Cases by name."""
@@ -144,7 +152,7 @@ class Followed:
         return np.array([each.time > _SETTLED for each in self.estimates])
 
 
-def follow(case: Case, number: int, seconds: float, members: int) -> Followed:
+def follow(case: Case, number: int, seconds: float, members: int, *, imu: bool = False) -> Followed:
     """Follow one truth.
 
     Args:
@@ -152,36 +160,69 @@ def follow(case: Case, number: int, seconds: float, members: int) -> Followed:
         number: Number of the truth, from 0; its numbers, its seed and the noise follow from it.
         seconds: Time to follow [s].
         members: Members of the ensemble.
+        imu: Measure the downhole sub of the case too.
     """
-    scene = load_scene(case.scene, dict(case.overrides))
-    found = EnsembleFilter(
-        scene, case.ranges, case.channels, EstimatorOptions(members=members, horizon=case.horizon, seed=number + 1)
-    )
+    scene = load_scene(case.scene, dict(case.overrides) | ({"sensors": f"{{subs: [{{{case.imu}}}]}}"} if imu else {}))
+    subs = [sub.name for sub in scene.sensors.subs] if scene.sensors is not None else []
+    options = EstimatorOptions(members=members, horizon=case.horizon, seed=number + 1)
+    found = EnsembleFilter(scene, case.ranges, case.channels, options, subs)
     middle = {key: (0.5 * (low + high) * (1.0 - 1e-9), 0.5 * (low + high)) for key, (low, high) in case.ranges.items()}
-    truth = Members(scene, case.ranges, 1, found.pace, _TRUTHS + number)
-    open_loop = Members(scene, middle, 1, found.pace, _OPEN)
+    truth, open_loop = (
+        Members(scene, ranges, 1, found.pace, seed, subs)
+        for ranges, seed in ((case.ranges, _TRUTHS + number), (middle, _OPEN))
+    )
+    tools = [Tool(sub, number) for sub in truth.subs]
+    sensors: dict[Members, list[dict[str, float]]] = {truth: [], open_loop: []}
     schedule, draw = Schedule.from_scene(scene), np.random.default_rng([number, 1])
     scale: dict[str, float] = {}
-    estimates, true, uncorrected = [], list[Prediction](), list[Prediction]()
+    estimates, whirls = [], []
     spent = 0.0
     for window in range(round(seconds / found.pace.window)):
         ends = (window * found.pace.frames + np.arange(1, found.pace.frames + 1)) * found.pace.period
         commands = np.array([(schedule.weight_on_bit(end), schedule.rotation(end)) for end in ends.tolist()])
-        true.append(truth.advance(commands)[1])
-        uncorrected.append(open_loop.advance(commands)[1])
+        true = _advance(truth, commands, sensors[truth])
+        _advance(open_loop, commands, sensors[open_loop])
+        whirls.append(bool(true.whirls[0]))
         measured = {}
         for name in case.channels:
-            values = true[-1].channels[name][0]
+            values = true.channels[name][0]
             scale[name] = max(scale.get(name, 0.0), float(np.abs(values).max()))
             measured[name] = values + _NOISE * scale[name] * draw.standard_normal(values.size)
+        readings = np.array([tool(true.readings[0, :, k]) for k, tool in enumerate(tools)])
         began = time.process_time()
-        estimates.append(found.advance(Window(commands, measured)))
+        estimates.append(found.advance(Window(commands, measured, readings if tools else None)))
         spent += time.process_time() - began
     return Followed(
         hidden=dict(zip(truth.keys, truth.values[0].tolist(), strict=True)),
         estimates=estimates,
-        truth={name: np.array([each.sensors[name][0] for each in true]) for name in SENSORS},
-        open_loop={name: np.array([each.sensors[name][0] for each in uncorrected]) for name in SENSORS},
-        whirls=np.array([each.whirls[0] for each in true]),
+        truth=_columns(sensors[truth]),
+        open_loop=_columns(sensors[open_loop]),
+        whirls=np.array(whirls),
         processor=spent / seconds,
     )
+
+
+class Tool:
+    """Readings of a sub, with its errors."""
+
+    def __init__(self, sub: Sub, seed: int) -> None:
+        self._errors = errors_of((*[sub.accelerometer] * 3, *[sub.gyroscope] * 3), seed, 0)
+        self._draw = np.random.default_rng([seed, 2])
+
+    def __call__(self, true: Array) -> Array:
+        """Readings of true means, both of shape (F, 6)."""
+        return with_errors(true, self._draw.standard_normal(true.shape), self._errors)
+
+
+def _advance(one: Members, commands: Array, sensors: list[dict[str, float]]) -> Prediction:
+    """Advance a twin by a window, and add its virtual sensors, those of `Estimate.sensors`."""
+    prediction = one.advance(commands)[1]
+    sensors.append(
+        {name: float(values[0]) for name, values in prediction.sensors.items()}
+        | {name: float(values[0]) for name, values in one.places.items()}
+    )
+    return prediction
+
+
+def _columns(rows: Sequence[Mapping[str, float]]) -> dict[str, Array]:
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.estimation import SENSORS
 from drill_twin.studies.estimation.hidden_truth import Followed
 
 NEAR = 0.1
@@ -32,7 +31,7 @@ def score(runs: Sequence[Followed]) -> dict[str, Any]:
             for place, key in enumerate(keys)
         },
         "numbers_held": float(held.mean()),
-        "sensors": {name: found for name in SENSORS if (found := _sensor(runs, name))},
+        "sensors": {name: found for name in runs[0].truth if (found := _sensor(runs, name))},
         "warnings": _warnings(runs),
         "processor": float(np.mean([run.processor for run in runs])),
     }
