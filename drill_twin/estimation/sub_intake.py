@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from operator import itemgetter
 
 import numpy as np
 
@@ -29,7 +30,7 @@ class SubIntake:
         ranges = [sub.accelerometer.range or _LARGEST] * 3 + [sub.gyroscope.range or _LARGEST] * 3
         self._largest = np.array(ranges)
         self._open: dict[float, Array] = {}
-        self._last: tuple[float, Array] | None = None  # of the window before
+        self._last: list[tuple[float, Array]] = []  # of the window before, or none
 
     def take(self, time: float, values: Sequence[float]) -> None:
         """Take a reading of six values, by its time in the ensemble [s]."""
@@ -43,24 +44,19 @@ class SubIntake:
 
     def close(self, start: float) -> Array:
         """Readings at the middles of the frames of the window that starts at a time [s], shape (F, 6); NaN without."""
-        pace = self._pace
+        pace, end = self._pace, start + self._pace.window
         middles = start + pace.period * (0.5 + np.arange(pace.frames))
-        end = start + pace.window
-        own = sorted(time for time in self._open if time <= end)
-        later = min((time for time in self._open if time > end), default=None)
-        points = [(time, self._open[time]) for time in own]
-        last, self._last = self._last, points[-1] if points else self._last
-        if last is not None:
-            points.insert(0, last)
-        if later is not None:
-            points.append((later, self._open[later]))
-        self._open = {time: values for time, values in self._open.items() if time > end}
-        times = np.clip([time for time, _ in points], start, end)
-        if not own or np.max(np.diff(times, prepend=start, append=end)) > _GAP / self._rate:
+        given = sorted(self._open.items(), key=itemgetter(0))
+        own, after = [each for each in given if each[0] <= end], [each for each in given if each[0] > end]
+        points = [*self._last, *own, *after[:1]]
+        self._open, self._last = dict(after), own[-1:] or self._last
+        times = np.array([time for time, _ in points])
+        gaps = np.diff(np.clip(times, start, end), prepend=start, append=end)
+        if not own or gaps.max() > _GAP / self._rate:
             self._troubles["window without readings"] += 1
-            return np.full((pace.frames, VALUES), np.nan)
-        values = np.array([values for _, values in points])
-        if len(own) >= _FEWEST and not np.ptp(values, axis=0).any():
+        elif len(own) >= _FEWEST and not np.ptp([values for _, values in own], axis=0).any():
             self._troubles["frozen readings"] += 1
-            return np.full((pace.frames, VALUES), np.nan)
-        return np.stack([np.interp(middles, [time for time, _ in points], column) for column in values.T], axis=-1)
+        else:
+            columns = np.array([values for _, values in points]).T
+            return np.stack([np.interp(middles, times, column) for column in columns], axis=-1)
+        return np.full((pace.frames, VALUES), np.nan)

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array, ComplexArray, Mask
 from drill_twin.errors import ArgumentError
@@ -105,14 +107,18 @@ def lateral_velocity(readings: Array, period: float, samples: int) -> ComplexArr
     spin = period * (np.cumsum(readings[..., 5], axis=-1) - 0.5 * readings[..., 5])
     steady = force - force.mean(axis=-1, keepdims=True)
     velocity = period * np.cumsum(steady * np.exp(1j * spin), axis=-1)
-    means = velocity.reshape(*velocity.shape[:-1], samples, -1).mean(axis=-1)
+    means = _means(velocity, samples)
     return np.asarray(means - means.mean(axis=-1, keepdims=True))
+
+
+def _means(values: NDArray[Any], samples: int) -> NDArray[Any]:
+    return np.asarray(values.reshape(*values.shape[:-1], samples, values.shape[-1] // samples).mean(axis=-1))
 
 
 def speed(readings: Array, samples: int) -> Array:
     """Speed of rotation, of means over the samples, shape (..., S) [rad/s]."""
     rate = readings[..., 5]
-    return np.asarray(rate.reshape(*rate.shape[:-1], samples, -1).mean(axis=-1))
+    return _means(rate, samples)
 
 
 def velocity_noise(sub: Sub, window: float) -> float:
