@@ -28,6 +28,8 @@ CHANNELS = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed"
 """Channels that can correct: those of the surface, and the speed of a downhole tool."""
 _CORRECTED = ("weight_on_bit", "bit_speed", "bit_torque")
 """Virtual sensors that the correction of torsion and axial motion changes."""
+_LATERAL = ("radius", "bending_stress")
+"""Those that the correction of the lateral motion changes too; the largest wall force, of an impact, follows none."""
 _WHIRLS = 0.5
 """Share of members that whirl, above which none is followed ahead."""
 
@@ -232,7 +234,7 @@ class EnsembleFilter:
         self, prediction: Prediction, found: Sequence[Correction], lateral: Sequence[Correction]
     ) -> dict[str, Array]:
         """Virtual sensors, shape (N,) each; those that the corrections change, corrected."""
-        changed = SENSORS if lateral else _CORRECTED
+        changed = (*_CORRECTED, *_LATERAL) if lateral else _CORRECTED
         return {
             name: applied([*found, *lateral], values) if name in changed else values
             for name, values in prediction.sensors.items()
