@@ -16,7 +16,7 @@ from drill_twin.estimation.bands import Band
 from drill_twin.estimation.branches import Branches
 from drill_twin.estimation.channel_errors import ChannelErrors
 from drill_twin.estimation.divergence import Divergence
-from drill_twin.estimation.members import SENSORS, Members, Pace, Prediction
+from drill_twin.estimation.members import Members, Pace, Prediction
 from drill_twin.estimation.phase import PhaseCorrection
 from drill_twin.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin.estimation.subs import VALUES, speed

@@ -67,9 +67,7 @@ def estimate(
             f"--channel: expected a measured channel, {', '.join(CHANNELS)}, found {', '.join(names)} alone; "
             "set-points are only played"
         )
-    estimator = dt.Estimator(
-        scene, ranges, channels=measured, subs=sub, overrides=overrides(change), options=options
-    )
+    estimator = dt.Estimator(scene, ranges, channels=measured, subs=sub, overrides=overrides(change), options=options)
     found: Estimate | None = None
     alarm, due = "", 0.0
     for found in estimator.follow(dt.read_record(record, channel, subs=sub)):
