@@ -102,7 +102,8 @@ RIGHTS: dict[str, Rights] = {
     "analyzer": Rights((WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET), (TWIN_SCENE, MARKS_STATE, RIG_STATE, *READINGS)),
     "advisor": Rights((ADVICE_STATE, ADVICE_MAP), (TWIN_SCENE, RIG_STATE, WHIRL_MOTION)),
     "estimator": Rights(
-        (ESTIMATE_STATE, *(ESTIMATE + topic for topic in OF_NEAREST_TWIN)), (MEASURED_RIG_STATE, RIG_COMMAND)
+        (ESTIMATE_STATE, *(ESTIMATE + topic for topic in OF_NEAREST_TWIN)),
+        (MEASURED_RIG_STATE, RIG_COMMAND, *READINGS),
     ),
     "recorder": Rights((), (*TOPICS, *SUBS, *MEASURED_SUBS)),
     "replayer": Rights((*(topic for topic in TOPICS if topic != DIAGNOSTICS), *SUBS, *MEASURED_SUBS), (), (), _READY),
