@@ -47,7 +47,7 @@ class Estimator:
         free: Mapping[str, str | tuple[float, float]],
         *,
         channels: Sequence[str] = ("torque", "hookload"),
-        subs: Sequence[str] = (),
+        subs: str | Sequence[str] = (),
         overrides: Overrides | None = None,
         options: EstimatorOptions | None = None,
     ) -> None:
@@ -71,6 +71,7 @@ class Estimator:
         self.scene = as_scene(scene, overrides)
         _check(channels, free)
         ranges = {key: _ends(given) if key == LOAD else _range(self.scene, key, given) for key, given in free.items()}
+        subs = (subs,) if isinstance(subs, str) else tuple(subs)
         self.filter = EnsembleFilter(self.scene, ranges, channels, options or EstimatorOptions(), subs)
         self.intake = Intake(self.filter.pace, self.scene, channels, self.filter.members.subs)
         self._subs = {name: number for number, name in enumerate(subs)}

@@ -43,8 +43,8 @@ def listed(scene: Scene, names: Sequence[str]) -> list[Sub]:
     wanted = [name.removeprefix(REAL) for name in names]
     if odd := [name for name, sub in zip(names, wanted, strict=True) if sub not in known or wanted.count(sub) > 1]:
         raise ArgumentError(
-            f"subs: expected each once and listed in the scene's `sensors`, of {', '.join(known) or 'none'}, "
-            f"found {', '.join(odd)}"
+            f"subs: expected each once, of those that scene {scene.name} lists ({', '.join(known) or 'none'}), "
+            f"found {', '.join(odd)}; list it under `sensors.subs` of the scene, or with --set"
         )
     return [known[name] for name in wanted]
 

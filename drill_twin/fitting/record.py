@@ -133,8 +133,10 @@ def read_record(
         raise ArgumentError(f"channel: expected each one once, found {', '.join(twice)} again; give it one column")
     if file.is_dir() or file.suffix in {".mcap", ".db3"}:
         return _of_bag(file, items, start, subs)
-    if subs:
-        raise ArgumentError(f"{file}: expected a bag, as it is to have readings of {', '.join(subs)}, found a file")
+    if subs and file.exists():
+        raise ArgumentError(
+            f"{file}: expected a bag, which alone has readings of subs, found a file; leave out {', '.join(subs)}"
+        )
     found = read_columns(file)
     wanted = {item.channel: item for item in items}
     wanted.setdefault("time", ChannelColumn("time", "", ""))

@@ -268,14 +268,14 @@ class Recording:
 
     def _no_samples(self) -> str:
         topics = self.bag.topics
-        counts = ", ".join(
-            f"{topics[topic].count if topic in topics else 0} on {topic}" for topic in (MARKS_STATE, RIG_STATE)
-        )
+        needed = (readings_topic(self.sub),) if self.sub else (MARKS_STATE, RIG_STATE)
+        counts = ", ".join(f"{topics[topic].count if topic in topics else 0} on {topic}" for topic in needed)
         why = f" ({self._pipeline.trouble})" if self._pipeline.trouble else ""
         begin, end = self.selection.begin, self.selection.end
         if (begin, end) != (-math.inf, math.inf):
             why += f", none of them from {begin:g} s to {end:g} s; choose another --from and --to"
-        return f"{self.path}: expected marks and rig states with the same stamps to analyse, found {counts}{why}"
+        wanted = f"readings of {self.sub}" if self.sub else "marks and rig states with the same stamps"
+        return f"{self.path}: expected {wanted} to analyse, found {counts}{why}"
 
     @property
     def path(self) -> Path:

@@ -217,9 +217,10 @@ def _onset(summary: Summary) -> str:
     if summary["onset_s"] is None:
         return "none found"
     if summary.get("onset_at_start"):
+        first = "; a sub is analysed from its first revolutions at a steady speed" if summary.get("sub") else ""
         return (
             f"before {summary['onset_s']:.2f} s: there from the start of what is analysed, at {summary['onset_mark']} "
-            f"(confidence {summary['onset_confidence']:.2f})"
+            f"(confidence {summary['onset_confidence']:.2f}){first}"
         )
     sure = summary.get("onset_uncertainty_s")
     known = "" if sure is None else f" +- {sure:.2f} s"

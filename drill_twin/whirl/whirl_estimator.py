@@ -19,7 +19,7 @@ from drill_twin.whirl.record.run_statistics import WHIRLED
 from drill_twin.whirl.sample_bins import TIME
 from drill_twin.whirl.text import criterion_text
 
-AT_START = "; there from the start of the record, so its onset was before"
+AT_START = "; there from the start of what is analysed, so its onset was before"
 """Note beside the criterion of such an onset."""
 TURNING = 0.5
 """The string turned already: least rotation until then over that since the start."""

@@ -83,6 +83,7 @@ def field(inside, bench_run):
         (["analyze", "good", "--from", "nan"], "expected a start before the end, found nan s and inf s"),
         (["validate", "--only", "nope"], "--only: expected ufrj_rig or well_b, found nope"),
         (["analyze", "no_bag", "--sub", "near_bit", "--marks", "mark_2"], "--marks: expected none beside --sub, which"),
+        (["analyze", "no_bag", "--sub", ""], "--sub: expected the name of a downhole sub, found"),
         (["modes", "pa6_bench", "--out", "text.mcap"], "text.mcap: expected a place to write the result"),
         (["schema", "--out", "full/precious.txt"], "expected a new file, found one that exists"),
         (["schema", "--out", "text.mcap/x"], "cannot be written"),

@@ -68,13 +68,13 @@ def analyze(
     namespace: NamespaceOption = "",
     states: StatesOption = False,
     sub: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--sub",
             metavar="NAME",
             help="Analyse the readings of this downhole sub instead of the marks; measured/NAME for that of a rig.",
         ),
-    ] = "",
+    ] = None,
 ) -> None:
     """Find onset, frequencies and motion states of whirl in a bag, and stick-slip of the bit.
 
@@ -175,7 +175,7 @@ def _selection(
     clearance: str,
     rim: str,
     namespace: str,
-    sub: str = "",
+    sub: str | None = None,
 ) -> Selection:
     """The part of a bag that the options name.
 
@@ -187,6 +187,10 @@ def _selection(
     from drill_twin.units import UnitError, parse
     from drill_twin.units.dimension import LENGTH
 
+    if sub == "":
+        raise BagError(
+            '--sub: expected the name of a downhole sub, found ""; leave the option out to analyse the marks'
+        )
     if sub and marks:
         raise BagError(f"--marks: expected none beside --sub, which is analysed instead of marks, found {marks[0]}")
     names = parse_remappings(topics, "--map")
@@ -197,7 +201,7 @@ def _selection(
         except UnitError as error:
             raise BagError(f"{option}: {error}") from error
     chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
-    return Selection(chosen, begin, end, names, namespace or None, lengths[0], lengths[1] or 0.0, sub)
+    return Selection(chosen, begin, end, names, namespace or None, lengths[0], lengths[1] or 0.0, sub or "")
 
 
 def print_marks(summary: Mapping[str, Any]) -> None:
