@@ -19,15 +19,13 @@ from drill_twin.base.arrays import Array, ComplexArray, Mask
 from drill_twin.errors import ArgumentError
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
-from drill_twin.sensors.motion import SubMotion, SubPlaces, locate, sub_motion, true_readings
-from drill_twin.sensors.subs import gravity_of
+from drill_twin.sensors.motion import SubMotion, sub_motion, true_readings
+from drill_twin.sensors.subs import REAL, gravity_of, places_of, subs_by_name
 from drill_twin.twin.frame_kernel import States
 from drill_twin.twin.twin import Twin
 
 VALUES = 6
 """Values of a reading: specific force [m/s^2] and rates of rotation [rad/s] about the axes of the sub."""
-REAL = "measured/"
-"""Prefix of the name of a sub of a real rig."""
 _ABSURD = 10.0
 """Largest force of a member in a window, times this: a larger one that is rare is absurd."""
 _RARE = 0.1
@@ -39,7 +37,7 @@ def listed(scene: Scene, names: Sequence[str]) -> list[Sub]:
     Raises:
         ArgumentError: The scene does not list one, or it is named twice.
     """
-    known = {sub.name: sub for sub in (() if scene.sensors is None else scene.sensors.subs)}
+    known = subs_by_name(scene)
     wanted = [name.removeprefix(REAL) for name in names]
     if odd := [name for name, sub in zip(names, wanted, strict=True) if sub not in known or wanted.count(sub) > 1]:
         raise ArgumentError(
@@ -53,8 +51,7 @@ class SubReader:
     """Perfect readings of subs in a twin."""
 
     def __init__(self, scene: Scene, twin: Twin, subs: Sequence[Sub]) -> None:
-        columns = [(sub.distance_from_bit, sub.radius, sub.angle) for sub in subs]
-        places: SubPlaces = locate(twin.rod, *np.array(columns).reshape(-1, 3).T)
+        places = places_of(subs, twin.rod)
         self._nodes = np.unique(np.concatenate((places.element, places.element + 1)))
         self._places = places._replace(element=np.searchsorted(self._nodes, places.element))
         self._gravity = gravity_of(scene)

@@ -6,11 +6,9 @@ from __future__ import annotations
 from drill_twin.io.messages.topics import imu_topic, sub_of
 from drill_twin.io.scene_geometry import sub_info
 from drill_twin.scene import Scene
+from drill_twin.sensors.subs import REAL, subs_by_name
 from drill_twin.whirl import AnalysisError
 from drill_twin.whirl.downhole import SubAnalyzer, ToolNoise
-
-REAL = "measured/"
-"""Prefix of the name of a sub of a real rig."""
 
 
 def readings_topic(sub: str) -> str:
@@ -36,7 +34,7 @@ def sub_analyzer(scene: Scene, sub: str) -> SubAnalyzer:
     Raises:
         AnalysisError: The scene does not list it.
     """
-    listed = {one.name: one for one in (() if scene.sensors is None else scene.sensors.subs)}
+    listed = subs_by_name(scene)
     found = listed.get(sub.removeprefix(REAL))
     if found is None:
         raise AnalysisError(f"expected a sub that the scene lists, one of {', '.join(listed) or 'none'}, found {sub!r}")

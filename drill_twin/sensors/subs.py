@@ -16,10 +16,22 @@ from drill_twin.sensors.motion import SubPlaces, locate, sub_motion, true_readin
 from drill_twin.sensors.sampling import Instrument, Reading
 from drill_twin.sensors.summaries import summary
 
+REAL = "measured/"
+"""Prefix of the name of a sub of a real rig."""
 
-def places_of(scene: Scene, rod: Rod) -> SubPlaces:
-    """Places of a scene's subs in its mesh."""
-    subs = () if scene.sensors is None else scene.sensors.subs
+
+def subs_of(scene: Scene) -> Sequence[Sub]:
+    """Subs that a scene lists."""
+    return () if scene.sensors is None else scene.sensors.subs
+
+
+def subs_by_name(scene: Scene) -> dict[str, Sub]:
+    """Subs that a scene lists, by name."""
+    return {sub.name: sub for sub in subs_of(scene)}
+
+
+def places_of(subs: Sequence[Sub], rod: Rod) -> SubPlaces:
+    """Places of subs in a mesh."""
     columns = [(sub.distance_from_bit, sub.radius, sub.angle) for sub in subs]
     return locate(rod, *np.array(columns).reshape(-1, 3).T)
 
@@ -44,8 +56,8 @@ class SubSampler:
             u: Node rows (r, r', psi), shape (n + 1, 7).
             v: Their velocities.
         """
-        self._subs: Sequence[Sub] = () if scene.sensors is None else scene.sensors.subs
-        self._places, self._gravity = places_of(scene, rod), gravity_of(scene)
+        self._subs = subs_of(scene)
+        self._places, self._gravity = places_of(self._subs, rod), gravity_of(scene)
         self._time, self._before = time, sub_motion(self._places, u, v)
         self._instruments = [
             Instrument((*[sub.accelerometer] * 3, *[sub.gyroscope] * 3), sub.rate, sub.delay, scene.numerics.seed, k)
