@@ -83,12 +83,12 @@ def frames_of(twin: Twin, commands: Array, period: float, size: int | None = Non
 def planned(scene: Scene, duration: float | None = None) -> tuple[Array, float]:
     """Set-points of a scene at the end of each frame, to its end or for a time [s], and the length of a frame [s]."""
     period = 1.0 / scene.numerics.frame_rate
-    frames = max(1, round((Schedule.from_scene(scene).duration if duration is None else duration) / period))
-    return set_points(scene, [frame * period for frame in range(1, frames + 1)]), period
-
-
-def set_points(scene: Scene, times: Sequence[float]) -> Array:
-    """Set-points at some times [s]: weight on bit [N], rotation [rad/s], speed of a block [m/s] if any; (F, 2 or 3)."""
     schedule = Schedule.from_scene(scene)
+    frames = max(1, round((schedule.duration if duration is None else duration) / period))
+    return set_points(schedule, [frame * period for frame in range(1, frames + 1)]), period
+
+
+def set_points(schedule: Schedule, times: Sequence[float]) -> Array:
+    """Weight on bit [N], rotation [rad/s] and speed of a block [m/s], if any, at some times [s], shape (F, 2 or 3)."""
     functions = [schedule.weight_on_bit, schedule.rotation, *([schedule.block] if schedule.block else [])]
     return np.array([[set_point(at) for at in times] for set_point in functions]).T.copy()

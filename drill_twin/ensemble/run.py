@@ -16,6 +16,7 @@ from drill_twin.ensemble.parts import parts_of, set_points
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.scene import Scene
+from drill_twin.schedule import Schedule
 from drill_twin.twin.twin import Twin
 
 Key = TypeVar("Key", bound=Hashable)
@@ -114,7 +115,9 @@ def run_member(base: Scene, request: Request, member: Member) -> Run:
     try:
         scene = scene_of(base, member)
         twin, period = Twin(scene), round(request.period * NANOSECONDS)
-        commands = set_points(scene, [seconds(frame * period) for frame in range(1, request.frames + 1)])
+        commands = set_points(
+            Schedule.from_scene(scene), [seconds(frame * period) for frame in range(1, request.frames + 1)]
+        )
         collectors = [OUTPUTS[name](twin, request) for name in request.names]
         try:
             for part in parts_of(twin, commands, request.period):

@@ -52,7 +52,8 @@ def scene_of(hours: int, seconds: float) -> Scene:
 def hour_of(number: int, twin: Twin, seconds: float) -> Hour:
     """Run an hour."""
     found, frames = RunStatistics(), round(seconds / PERIOD)
-    commands = set_points(twin.scene, [PERIOD * (k + 1) for k in range((number - 1) * frames, number * frames)])
+    schedule = Schedule.from_scene(twin.scene)
+    commands = set_points(schedule, [PERIOD * (k + 1) for k in range((number - 1) * frames, number * frames)])
     for part in frames_of(twin, commands, PERIOD):
         found.add(part)
     case = HardCase("hard/steady_hour", "spatial", "", seconds)
