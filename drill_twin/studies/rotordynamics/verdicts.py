@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drill_twin.base.arrays import Array
+from drill_twin.base.missing import number_or_none
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.steady.imperfections import modulation
 from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
@@ -50,7 +51,7 @@ def judge(
         verdict = MISSED
     else:
         verdict = COEXISTS if stable or axis < 0.0 else NO_STATE
-    second, simulated = (None if math.isnan(x) else x for x in (motion.second / rotation, motion.change))
+    second, simulated = map(number_or_none, (motion.second / rotation, motion.change))
     found = ((0.0, axis, 0.0), *((one.ratio, one.growth, one.growth_frequency) for one in states))
     ratio = motion.speed / rotation
     return Point(command.weight_on_bit, rotation, motion.kind, ratio, second, simulated, found, stable, verdict, change)
