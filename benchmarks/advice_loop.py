@@ -10,7 +10,6 @@ line of a file; a broken campaign goes on behind the last whole line.
 from __future__ import annotations
 
 import argparse
-import json
 import math
 from collections import Counter
 from pathlib import Path
@@ -19,8 +18,10 @@ from typing import Any
 import numpy as np
 
 import drill_twin as dt
+from drill_twin.base.json_lines import JsonLines
 from drill_twin.io.messages.diagnostics import Level
-from drill_twin.maps.advice import Adviser, Tracker, whirls_in
+from drill_twin.maps.advice import Adviser, whirls_in
+from drill_twin.maps.advice_tracker import Tracker
 from drill_twin.schedule import Command
 
 COARSE: dict[str, float | str] = {
@@ -32,6 +33,7 @@ DURATION = 10.0
 LONGEST, CHANGE, CALM = 120.0, 2.5, 2.0
 """Simulated time after which a driver gives up, time of a change of set-points, time without whirl at its end [s]."""
 LEFT, STAYED, NO_WHIRL = "left whirl", "whirls on", "no whirl at first"
+FOREIGN, OTHER = "expected results of this benchmark, found another file", "expected the same {}; take another --out"
 TOLD, NOT_TOLD = "told that it cannot", "not told"
 
 
@@ -43,19 +45,17 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path("out/advice_loop"))
     given = parser.parse_args()
-    given.out.mkdir(parents=True, exist_ok=True)
-    file = given.out / "results.jsonl"
-    text = file.read_text("utf-8") if file.exists() else ""
-    known = {line["scene"]: line for line in map(json.loads, text[: text.rfind("\n") + 1].splitlines())}
+    known: dict[int, dict[str, Any]] = {}
+    file = JsonLines(
+        given.out / "results.jsonl", "advice loop", {"lowest": given.lowest, "duration": DURATION},
+        lambda result: known.update({int(result["scene"]): result}), foreign=FOREIGN, other=OTHER,
+    )  # fmt: skip
     results: list[dict[str, Any]] = []
-    with file.open("w", encoding="utf-8") as stream:
-        stream.writelines(json.dumps(result) + "\n" for result in known.values())
-        while sum(result["end"] != NO_WHIRL for result in results) < given.scenes:
-            number = len(results)
-            results.append(known.get(number) or result_of(number, given.lowest, given.out, given.workers))
-            if number not in known:
-                stream.write(json.dumps(results[-1]) + "\n")
-                stream.flush()
+    while sum(result["end"] != NO_WHIRL for result in results) < given.scenes:
+        number = len(results)
+        results.append(known.get(number) or result_of(number, given.lowest, given.out, given.workers))
+        if number not in known:
+            file.add(results[-1])
     counts = Counter(result["end"] for result in results)
     print("\n".join(f"{name}: {counts[name]}" for name in (LEFT, STAYED, TOLD, NOT_TOLD, NO_WHIRL)))
     if whole := counts[LEFT] + counts[STAYED]:
@@ -113,6 +113,8 @@ def follow(simulation: dt.Simulation, adviser: Adviser) -> tuple[str, list[str]]
         tracker.take(state.time, state.weight_on_bit, state.rpm * math.tau / 60.0)
         whirls = whirls_in(state.motion)
         advice = tracker.advise(adviser, whirls=whirls)
+        if advice is None:
+            continue
         if advice.level is Level.OK and not whirls:
             calm_since = min(calm_since, state.time)
             if state.time - calm_since >= CALM:

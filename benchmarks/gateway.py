@@ -24,6 +24,7 @@ from typing import Any
 SIGNALS = 20
 _PERIOD, _WRITE_PERIOD = 100, 0.2  # ms, s
 _USER = "bench"
+_PASSWORD = "bench and bench"  # noqa: S105 - of this benchmark only
 
 
 def main(seconds: float = 20.0) -> None:
@@ -40,7 +41,7 @@ def main(seconds: float = 20.0) -> None:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
         free.close()
-        make_keys(folder, "urn:drill_twin:gateway", "localhost", {_USER: _USER})
+        make_keys(folder, "urn:drill_twin:gateway", "localhost", {_USER: _PASSWORD})
         (folder / TRUSTED / "own.der").write_bytes((folder / CERTIFICATE).read_bytes())
         given = ["-p", f"port:={port}", "-p", f"keys:={folder}", "-p", "grant:=always"]
         children = [node("simulator"), node("analyzer"), node("gateway", *given)]
@@ -143,7 +144,7 @@ async def _client(url: str, folder: Path, seconds: float) -> None:
     client, counter = Client(url), _Counter()
     client.application_uri = "urn:drill_twin:gateway"
     client.set_user(_USER)
-    client.set_password(_USER)
+    client.set_password(_PASSWORD)
     keys = (str(folder / "certificate.der"), str(folder / "private_key.pem"))
     await client.set_security(SecurityPolicyBasic256Sha256, *keys, None, str(folder / "certificate.der"))
     async with client:

@@ -44,9 +44,11 @@ def main() -> None:
         found = read_map(file)
         growth = growth_of(parse_scene(found.scene), found.plane)
         whirls = np.array([regime.whirls for regime in REGIMES])[found.regimes]
-        runner = Replayed(parse_scene(found.scene), found.plane, found.duration, (), Threads(), found.regimes)
+        runner = Replayed(
+            parse_scene(found.scene), found.plane, found.duration, found.asked, (), Threads(), found.regimes
+        )
         cells = []
-        for given in (None, growth):
+        for given in (None, None if growth is None else growth.lateral):
             search = Search(runner, None, 10**6, lambda *_: None, given)
             search.onset()
             labels = found.plane.labels()

@@ -54,7 +54,7 @@ def boundary_error(found: OperatingMap, budget: int) -> tuple[int, Array]:
     """Runs of a search with a budget, and distances of its boundary from that of a map, both ways, in the ranges."""
     scene = parse_scene(found.scene)
     growth = np.array(found.growth) if len(found.growth) else None
-    runner = Replayed(scene, found.plane, found.duration, (), Threads(), found.regimes)
+    runner = Replayed(scene, found.plane, found.duration, found.asked, (), Threads(), found.regimes)
     search = Search(runner, None, budget, lambda *_: None, growth)
     search.onset()
     fewer = replace(found, draws=(), records=search.records)

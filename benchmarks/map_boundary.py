@@ -96,7 +96,7 @@ def patch(
     plane = Plane(Span(low[0], high[0]), Span(low[1], high[1]), 2 * cells)
     setup = {"scene": scene.to_yaml(), "duration": found.duration, "ranges": [list(plane.weight), list(plane.speed)]}
     journal = Journal(folder / "runs.jsonl", setup)
-    runner = Runner(scene, plane, found.duration, (), Threads(workers))
+    runner = Runner(scene, plane, found.duration, found.asked, (), Threads(workers))
     nodes = [Key(i, j) for i in range(plane.steps + 1) for j in range(plane.steps + 1)]
     for _ in journal.kept(runner.run([key for key in nodes if key not in journal.records])):
         pass

@@ -46,7 +46,9 @@ class Browser:
         text = until(lambda: re.search(r"ws://([\d.:]+)/", log.read_text("utf-8", "replace")), "the browser")
 
         def pages():
-            return [page for page in json.loads(get(text[1], "/json")[1]) if page["url"].startswith(url)]
+            return [
+                page for page in json.loads(get(text[1], "/json")[1]) if page["url"].startswith(url.partition("#")[0])
+            ]
 
         target = until(pages, "the page")[0]["webSocketDebuggerUrl"]
         self._socket = self._open.enter_context(connect(target, max_size=None))

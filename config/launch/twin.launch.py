@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`ros2 launch drill_twin twin.launch.py`: simulator, rig driver, analyzer; if asked recorder, advisor, estimator."""
 
+import os
 from collections.abc import Sequence
 
 from launch import LaunchContext, LaunchDescription
@@ -17,6 +18,8 @@ from launch_ros.substitutions import FindPackageShare
 PACKAGE = "drill_twin"
 IN_NAMESPACE = [("/clock", "clock"), ("/tf", "tf"), ("/tf_static", "tf_static")]
 """Global names of ROS that each twin has in its own namespace."""
+END_WITH_LAUNCH = {"DRILL_TWIN_END_WITH_PARENT": str(os.getpid())}
+"""Environment of the nodes: none stays behind where launch itself is killed or dies of a signal."""
 
 ARGUMENTS = (
     DeclareLaunchArgument(
@@ -172,5 +175,6 @@ def _node(executable: str, parameters: dict[str, object], also: Sequence[object]
         remappings=[*IN_NAMESPACE, *also],
         output="screen",
         sigterm_timeout="10",
+        additional_env=END_WITH_LAUNCH,
         **more,
     )

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -12,8 +13,9 @@ import numpy as np
 from scipy.stats import t as student
 
 from drill_twin.accuracy.errors import largest_distance
+from drill_twin.accuracy.measure import AFTER_ONSET, at
 from drill_twin.accuracy.motion_run import run_motion
-from drill_twin.accuracy.plan import AFTER_ONSET, Plan, at
+from drill_twin.accuracy.plan import Plan
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.report.recording import Recording
 
@@ -49,9 +51,13 @@ class AccuracyResult:
     how: str
     """Method by which `actual` was measured."""
     expected_seconds: float
-    """Processor time of the physics [s]."""
+    """Expected processor time of computing the motion, without loading, recording and this check [s]."""
     actual_seconds: float
-    """Wall-clock time of the physics, from the bag [s]; longer on a busy machine."""
+    """Actual one [s]."""
+    measuring_seconds: float
+    """Processor time of the measurement of the error model; 0 where there was one [s]."""
+    check_seconds: float
+    """Processor time of this check [s]."""
     orbit_radius: Interval | None
     """Orbit radius over the clearance, mean of the marks [-]; None without whirl."""
     precession_hz: Interval | None
@@ -63,34 +69,41 @@ class AccuracyResult:
 
 
 def check(
-    plan: Plan, recording: Recording, *, rerun: bool = True, progress: Callable[[float], None] = lambda _: None
+    plan: Plan,
+    recording: Recording,
+    motion_seconds: float,
+    *,
+    rerun: bool = True,
+    progress: Callable[[float], None] = lambda _: None,
 ) -> AccuracyResult:
     """Compare a finished run with its plan.
 
     Args:
         plan: The plan of the run.
         recording: The run.
+        motion_seconds: Processor time of computing its motion [s].
         rerun: Run the part before the onset again with twice the elements and half the step; else `actual` is None.
         progress: Called with the simulated time of the rerun [s].
 
     Raises:
         RunError: The finer run fails.
     """
+    began = time.thread_time()
     onset = recording.summary.onset_s
-    duration = recording.duration
-    speed = recording.log.physics_speed
     line = recording.centre_lines()
-    time = recording.marks.time
+    times = recording.marks.time
     clearance = np.array([place.clearance for place in recording.scene.mark_table])
     return AccuracyResult(
         asked=plan.asked,
         expected=plan.expected,
-        actual=_actual(plan, time, line, onset, progress) if rerun else None,
+        actual=_actual(plan, times, line, onset, progress) if rerun else None,
         how=METHOD if rerun else "not checked",
         expected_seconds=plan.seconds,
-        actual_seconds=duration / speed if speed else math.nan,
-        orbit_radius=interval(time, (np.abs(line) / clearance).mean(axis=1), onset),
-        precession_hz=interval(time, _precession(time, line), onset),
+        actual_seconds=motion_seconds,
+        measuring_seconds=plan.measuring,
+        check_seconds=time.thread_time() - began,
+        orbit_radius=interval(times, (np.abs(line) / clearance).mean(axis=1), onset),
+        precession_hz=interval(times, _precession(times, line), onset),
     )
 
 

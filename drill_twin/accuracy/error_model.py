@@ -1,24 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Error model of a scene: error and time over resolution, and its files."""
+"""Error model of a scene: errors and Newton iterations over resolution, and its files.
+
+It holds no times. An iteration of a resolution takes the same time all along a run, so the iterations of the curve and
+the time of one on this machine, measured before the run, give the time of the run.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import logging
-import platform
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import llvmlite.binding
 import numpy as np
 
 from drill_twin import __version__
-from drill_twin.accuracy.errors import compare
+from drill_twin.accuracy.errors import errors_before
 from drill_twin.accuracy.motion_run import Motion
 from drill_twin.base.json_reader import read_json
+from drill_twin.base.missing import number_or_none
 from drill_twin.scene import Scene
 from drill_twin.scene.paths import config_dir
 from drill_twin.solver.kernel_cache import cache_folder
@@ -30,12 +33,16 @@ MARGIN = 2.0
 """Safety factor on the measured error."""
 REFERENCE_SHARE = 1.0 / 3.0
 """Error of the converged run over the smallest error measured against it: second order, half the step."""
+OVERHEAD = 3.0
+"""Time of an iteration that does not depend on the elements, over that of an element."""
+COARSER = 1.5
+"""Least elements and steps of the converged run over those of a resolution that is compared with it."""
 FOLDER = "accuracy"
 
 
 @dataclass(frozen=True)
 class Point:
-    """Errors and cost of a resolution."""
+    """Errors and effort of a resolution."""
 
     elements: int
     step: float
@@ -47,9 +54,9 @@ class Point:
     onset: float
     """Error of the onset time [-]; 0 where there is no onset."""
     before: float
-    """Processor time per simulated second before the onset [s/s]."""
+    """Newton iterations per simulated second before the onset [1/s]."""
     after: float
-    """Processor time per simulated second after it; as `before` where there is no onset [s/s]."""
+    """Newton iterations per simulated second after it; as `before` where there is no onset [1/s]."""
 
     @property
     def error(self) -> float:
@@ -59,23 +66,33 @@ class Point:
 
 @dataclass(frozen=True)
 class ErrorModel:
-    """Errors and costs of one scene at several resolutions."""
+    """Errors and effort of one scene at several resolutions."""
 
     key: str
     """Hash of the parts of the scene that its motion depends on (`content_key`)."""
-    machine: str
-    """Class of the machine on which the times were measured."""
     onset_s: float | None
     """Onset of the converged run [s]."""
+    covered_s: float
+    """Simulated time that the runs cover [s]."""
+    elements: int
+    """Elements of the converged run."""
+    step: float
+    """Time step of the converged run [s]."""
+    ended: str
+    """End of the measurement: `reached`, `budget`, or `finest`."""
     points: tuple[Point, ...]
+
+    def covers(self, duration: float) -> bool:
+        """True if it tells the errors of a run of a simulated duration [s]: all that is before the onset."""
+        return self.onset_s is not None or duration <= self.covered_s * (1.0 + 1e-9)
 
     def cheapest(self, accuracy: float) -> Point | None:
         """The cheapest resolution whose error is below the accuracy with a margin; None if there is none.
 
         A resolution counts only if every finer one is accurate enough too: otherwise its small error is a coincidence.
         """
-        fit = [point for point in self.points if MARGIN * max(map(self.expected, self._finer(point))) <= accuracy]
-        return min(fit, key=lambda point: self.seconds(point, 2.0 * (self.onset_s or 1.0)), default=None)
+        fit = [point for point in self.judged if MARGIN * max(map(self.expected, self._finer(point))) <= accuracy]
+        return min(fit, key=lambda point: self.effort(point, 2.0 * (self.onset_s or 1.0)), default=None)
 
     def expected(self, point: Point) -> float:
         """Expected error [-]: that against the converged run, plus the error of the converged run itself."""
@@ -92,12 +109,25 @@ class ErrorModel:
     @property
     def best(self) -> float:
         """Smallest error that was measured [-]."""
-        return min(point.error for point in self.points)
+        return min((point.error for point in self.judged), default=1.0)
 
-    def seconds(self, point: Point, duration: float) -> float:
-        """Processor time of a run [s] of a simulated duration [s]."""
+    @property
+    def judged(self) -> list[Point]:
+        """Resolutions well below that of the converged run, which alone shows the error of mesh and step."""
+        return [
+            point
+            for point in self.points
+            if COARSER * point.elements <= self.elements and COARSER * self.step <= point.step
+        ]
+
+    def iterations(self, point: Point, duration: float) -> float:
+        """Newton iterations of a run of a simulated duration [s]."""
         early = duration if self.onset_s is None else min(self.onset_s, duration)
         return point.before * early + point.after * (duration - early)
+
+    def effort(self, point: Point, duration: float) -> float:
+        """Time of a run of a simulated duration [s], in times of one element in one iteration."""
+        return self.iterations(point, duration) * (point.elements + OVERHEAD)
 
     def save(self, path: Path) -> None:
         """Write the model as JSON, then rename the file, so that no reader finds half of it."""
@@ -121,45 +151,53 @@ class ErrorModel:
 
 
 def content_key(scene: Scene) -> str:
-    """Hash of all that the motion of a scene depends on, except its resolution and its texts."""
+    """Hash of all that the motion of a scene depends on, except resolution, duration and texts."""
     data = scene.model_dump(mode="json", exclude_defaults=True)  # a new field leaves the key of older scenes
-    for key in ("name", "description", "provenance"):
+    for key in ("name", "description", "provenance", "sensors"):
         data.pop(key, None)
+    data.get("rig", {}).pop("duration", None)
     for key in ("elements", "step", "tolerance", "accuracy", "audit"):
         data.get("numerics", {}).pop(key, None)
+    if not data.get("numerics"):
+        data.pop("numerics", None)  # as in a scene that names none
+    if scene.rig.table is not None and (record := Path(scene.rig.table.file)).is_file():
+        data["record"] = hashlib.sha256(record.read_bytes()).hexdigest()
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def machine_class() -> str:
-    """Processor and architecture, which decide the speed of a run."""
-    return f"{llvmlite.binding.get_host_cpu_name()} {platform.machine()}"
-
-
-def from_motions(scene: Scene, reference: Motion, motions: Sequence[Motion], later: float = 1.0) -> ErrorModel:
+def from_motions(
+    scene: Scene, reference: Motion, motions: Sequence[Motion], *, later: float = 1.0, ended: str = "reached"
+) -> ErrorModel:
     """Error model from runs of a scene and its converged run.
 
     Args:
         scene: The scene.
         reference: The converged run.
-        motions: Runs of the same duration.
-        later: Cost after the onset over that part of it which these runs cover.
+        motions: Runs at other resolutions.
+        later: Newton iterations per second after the onset over those in the part of it which these runs cover.
+        ended: End of the measurement.
     """
-    onset = None if np.isnan(reference.onset) else float(reference.onset)
+    onset = number_or_none(reference.onset)
+    points = tuple(_point(motion, reference, onset, later) for motion in motions)
+    covered = float(reference.time[-1])
     return ErrorModel(
-        content_key(scene), machine_class(), onset, tuple(_point(motion, reference, onset, later) for motion in motions)
-    )
+        content_key(scene), onset, covered, reference.elements, reference.step, ended, points
+    )  # fmt: skip
 
 
 def _point(motion: Motion, reference: Motion, onset: float | None, later: float) -> Point:
-    errors = compare(motion, reference)
+    path, late = errors_before(motion, reference)
+    before, after = rates(motion, onset)
+    return Point(motion.elements, motion.step, motion.tolerance, path, late, before, later * after)
+
+
+def rates(motion: Motion, onset: float | None, end: float = np.inf) -> tuple[float, float]:
+    """Newton iterations per simulated second before an onset [s] and after it, up to an end [s]."""
     early = motion.time <= (np.inf if onset is None else onset)
+    late = ~early & (motion.time <= end)
     period = float(motion.time[0])
-    before = float(motion.spent[early].mean()) / period
-    after = before if early.all() else later * float(motion.spent[~early].mean()) / period
-    return Point(
-        elements=motion.elements, step=motion.step, tolerance=motion.tolerance, path=errors.path or 0.0,
-        onset=errors.onset or 0.0, before=before, after=after,
-    )  # fmt: skip
+    before = float(motion.iterations[early].mean()) / period
+    return before, float(motion.iterations[late].mean()) / period if late.any() else before
 
 
 def load_model(scene: Scene) -> tuple[ErrorModel, str] | None:
@@ -180,10 +218,9 @@ def load_model(scene: Scene) -> tuple[ErrorModel, str] | None:
 
 
 def save_model(model: ErrorModel) -> None:
-    """Save a model in the user's cache folder; version and machine are part of its file name."""
+    """Save a model in the user's cache folder; the version is part of its file name."""
     model.save(_cache_path(model.key))
 
 
 def _cache_path(key: str) -> Path:
-    machine = hashlib.sha256(machine_class().encode()).hexdigest()[:8]
-    return cache_folder() / FOLDER / f"{key}-{machine}-{__version__}.json"
+    return cache_folder() / FOLDER / f"{key}-{__version__}.json"

@@ -70,6 +70,13 @@ def compare(motion: Motion, reference: Motion) -> Errors:
     )
 
 
+def errors_before(motion: Motion, reference: Motion) -> tuple[float, float]:
+    """Errors of path and onset time [-], of a run that may have ended before the converged one or after it."""
+    end = min(float(motion.time[-1]), float(reference.time[-1]))
+    path = path_error(motion.until(end), reference.until(end)) or 0.0
+    return path, _relative(motion.onset, reference.onset) or 0.0
+
+
 def _late_mean(motion: Motion, values: Array) -> float:
     """Mean of the settled part; nan where it is zero, as the torque without friction."""
     return float(values[motion.time > SETTLED * motion.time[-1]].mean()) or np.nan

@@ -27,7 +27,7 @@ from drill_twin.solver.state import ITERATIONS
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer
 
-FORMAT = 5
+FORMAT = 6
 """Version of the cache files."""
 TIMED = 10
 """Frames whose processor time is measured together: of one alone the clock and the call would be a part."""
@@ -59,12 +59,10 @@ class Motion:
     """Processor time of the physics per simulated second [s/s]."""
     frame_p95: float
     """95th percentile of the processor time of a frame, as a mean of `TIMED` frames [s]."""
-    spent: Array
-    """Processor time of the physics in each frame, as a mean of `TIMED` frames [s], shape (T,)."""
+    iterations: Array
+    """Newton iterations of each frame, shape (T,)."""
     compile_seconds: float
     """Wall-clock time to the first frame, with compiling where the kernel was not cached [s]."""
-    iterations: float
-    """Newton iterations per simulated second [1/s]."""
     elements: int
     step: float
     tolerance: float
@@ -73,10 +71,13 @@ class Motion:
     def until(self, end: float) -> Motion:
         """The motion up to a time [s]; onset and frequency are those of the whole run."""
         taken = self.time <= end
-        cut = {
-            name: getattr(self, name)[taken] for name in ("time", "centre", "contact", "hookload", "torque", "spent")
-        }
-        return replace(self, **cut)
+        names = ("time", "centre", "contact", "hookload", "torque", "iterations")
+        return replace(self, **{name: getattr(self, name)[taken] for name in names})
+
+    @property
+    def iteration_rate(self) -> float:
+        """Newton iterations per simulated second [1/s]."""
+        return float(self.iterations.sum() / self.time[-1])
 
     def save(self, path: Path) -> None:
         """Write the motion as .npz, then rename the file, so that no reader finds half of it."""
@@ -114,7 +115,7 @@ def run_motion(
         RunError: A time step did not converge.
     """
     began = time.perf_counter()
-    compile_kernel(scene, 1.0 / scene.numerics.frame_rate)
+    compile_kernel(scene, scene.numerics.frame_period, analysis=True)
     compiled = time.perf_counter() - began
     twin, infos = Twin(scene), mark_infos(scene)
     if seed is not None:
@@ -146,8 +147,8 @@ def run_motion(
         clearance=np.array([info.clearance for info in infos]),
         onset=number_or_nan(found.onset_s), frequency=number_or_nan(found.mode_frequency_hz),
         stick_slip_period=max(found.stick_slip, key=lambda one: one.cycles).period_s if found.stick_slip else math.nan,
-        cost=float(spent.mean()) / period, frame_p95=float(np.quantile(spent, 0.95)), spent=spent,
-        compile_seconds=compiled, iterations=int(iterations.sum()) / (times.size * period),
+        cost=float(spent.mean()) / period, frame_p95=float(np.quantile(spent, 0.95)), iterations=iterations,
+        compile_seconds=compiled,
         elements=twin.elements, step=twin.step_size, tolerance=scene.tolerance,
     )  # fmt: skip
 

@@ -3,31 +3,23 @@
 
 from __future__ import annotations
 
-import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from drill_twin.accuracy.error_model import MARGIN, ErrorModel, Point, from_motions, load_model, save_model
-from drill_twin.accuracy.motion_run import Motion, run_motion
-from drill_twin.errors import RunError, SceneError
+from drill_twin.accuracy.error_model import MARGIN, ErrorModel, Point, load_model, save_model
+from drill_twin.accuracy.measure import Measurement, Report, at
+from drill_twin.ensemble.parts import planned
+from drill_twin.errors import SceneError
+from drill_twin.runner import compile_kernel
 from drill_twin.scene import Scene
+from drill_twin.solver.state import ITERATIONS
 from drill_twin.twin.twin import Twin
 
-ELEMENTS = (0.5, 1.0, 2.0)
-"""Elements of a small cost curve over those that `auto` chooses."""
-STEPS = (4.0, 2.0, 1.0, 0.5)
-"""Time steps of a small cost curve over the one that `auto` chooses; none is longer than a frame."""
-FINER = 2.0
-"""Elements of the converged run over the most, and the shortest step over its step."""
-MIN_ELEMENTS = 4
-LOOSE, TIGHT = 1e-4, 0.01
-"""Newton's tolerance of a small cost curve, and of the converged run over it."""
-REFINEMENTS = 2
-"""Number of refinements by two where no resolution is accurate enough."""
-AFTER_ONSET = 2.0
-"""Simulated time after the onset at which runs of a small cost curve end [s]."""
-PROBE = 1.0
-"""Simulated time of the run that measures the speed of this machine [s]."""
+PROBE = 0.2
+"""Processor time that the test of this machine's speed takes [s]; less where the run does."""
+PROBED = 50
+"""Frames that the test computes at a time."""
 
 
 @dataclass(frozen=True)
@@ -41,26 +33,36 @@ class Plan:
     expected: float
     """Expected error of the path before the onset and of the onset time [-]."""
     seconds: float
-    """Expected processor time of the run [s]."""
+    """Expected processor time of computing the motion [s]."""
     onset_s: float | None
     """Expected onset [s]; None: no onset."""
     source: str
     """Origin of the error model: `shipped`, `cached`, or `measured` now."""
+    measuring: float = 0.0
+    """Processor time of the measurement of the error model, if it was measured now [s]."""
+    basis: str = ""
+    """The run that the error rests on, where the budget of the measurement ended it."""
 
     @property
     def sentence(self) -> str:
         """Message before the run."""
         numerics = self.scene.numerics
+        took = f", {self.measuring:.2g} s of processor time" if self.measuring else ""
         onset = "no onset is expected" if self.onset_s is None else f"onset expected at {self.onset_s:.2f} s"
         return (
             f"accuracy {self.asked * 100:g} %: {numerics.elements} elements, {float(numerics.step) * 1e3:.3g} ms, "
-            f"tolerance {self.scene.tolerance:.0e} ({self.source} curve); error {self.expected * 100:.2g} % and "
-            f"{self.seconds:.2g} s of a core expected, {onset}"
+            f"tolerance {self.scene.tolerance:.0e} ({self.source} curve{took}); expected: error "
+            f"{self.expected * 100:.2g} %, {self.seconds:.2g} s of processor time for the motion, besides loading, "
+            f"recording and check; {onset}{self.basis}"
         )
 
 
 def resolve(
-    scene: Scene, *, duration: float | None = None, progress: Callable[[str, float], None] = lambda *_: None
+    scene: Scene,
+    *,
+    duration: float | None = None,
+    progress: Report = lambda *_: None,
+    compiling: Callable[[str], None] | None = None,
 ) -> Plan:
     """Choose the cheapest resolution that is accurate enough.
 
@@ -70,10 +72,11 @@ def resolve(
         scene: A scene with `numerics.accuracy`.
         duration: Simulated time of the run, if not the scene's [s].
         progress: Called with a line and the share done while a cost curve is measured.
+        compiling: Called with the progress of a compilation, as by `compile_kernel`.
 
     Raises:
         SceneError: The scene has no marks, or no resolution that was tried is accurate enough.
-        RunError: The converged run fails.
+        RunError: The finest runs fail.
     """
     asked = scene.numerics.accuracy
     if asked is None:
@@ -83,96 +86,90 @@ def resolve(
             f"{scene.name}: numerics.accuracy: expected marks in string.marks, whose paths it controls, found none; "
             "give numerics.elements and numerics.step instead"
         )
-    found = load_model(scene)
-    model, source = found or (None, "measured")
-    finer = 1.0
-    for _ in range(REFINEMENTS + 1):
-        if model is not None and (point := model.cheapest(asked)) is not None:
-            return _plan(scene, asked, model, point, source, duration or scene.rig.duration)
-        model, source = measure_error_model(scene, finer, progress), "measured"
+    length = duration or scene.rig.duration
+    automatic = scene.model_copy(
+        update={
+            "numerics": scene.numerics.model_copy(update={"accuracy": None}),
+            "rig": scene.rig.model_copy(update={"duration": length}),
+        }
+    )
+    compile_kernel(automatic, scene.numerics.frame_period, compiling, analysis=True)
+    began, measuring = time.thread_time(), 0.0
+    model, source = load_model(scene) or (None, "")
+    if model is None or not model.covers(length) or (model.cheapest(asked) is None and model.ended != "finest"):
+        model, source = Measurement(automatic, asked, progress).model(), "measured"
         save_model(model)
-        finer *= 2.0
-    best = 0.0 if model is None else MARGIN * model.expected(min(model.points, key=model.expected))
-    raise SceneError(
-        f"{scene.name}: numerics.accuracy: expected an error that can be reached, found {asked * 100:.2g} %, and at "
-        f"best {best * 100:.2g} % with what was tried; ask for less, or see drill-twin cost {scene.name} and give "
-        "numerics.elements and numerics.step"
+        measuring = time.thread_time() - began
+    point = model.cheapest(asked)
+    if point is None:
+        raise SceneError(_refusal(scene, asked, model))
+    chosen = at(scene, point.elements, point.step, point.tolerance)
+    seconds = expected_seconds(chosen, model.iterations(point, length), length)
+    return Plan(chosen, asked, model.expected(point), seconds, model.onset_s, source, measuring, _basis(model))
+
+
+def _basis(model: ErrorModel) -> str:
+    if model.ended != "budget":
+        return ""
+    return (
+        f". The measurement ended with its budget of time: the error rests on a run of {model.elements} elements and "
+        f"{model.step * 1e3:.3g} ms, and coarser resolutions may do"
     )
 
 
-def _plan(scene: Scene, asked: float, model: ErrorModel, point: Point, source: str, duration: float) -> Plan:
-    chosen = at(scene, point.elements, point.step, point.tolerance)
-    faster = run_motion(chosen, until=PROBE).cost / _probe_cost(model, point)
-    return Plan(chosen, asked, model.expected(point), faster * model.seconds(point, duration), model.onset_s, source)
+def _refusal(scene: Scene, asked: float, model: ErrorModel) -> str:
+    best: Point = min(model.judged or model.points, key=model.expected)
+    why = "when its budget of time ended" if model.ended == "budget" else "with what was tried"
+    return (
+        f"{scene.name}: numerics.accuracy: expected an error that can be reached, found {asked * 100:.2g} %, and at "
+        f"best {MARGIN * model.expected(best) * 100:.2g} % {why}, by {best.elements} elements and "
+        f"{best.step * 1e3:.3g} ms against {model.elements} and {model.step * 1e3:.3g} ms; ask for less, or see "
+        f"drill-twin cost {scene.name} and give numerics.elements and numerics.step"
+    )
 
 
-def _probe_cost(model: ErrorModel, point: Point) -> float:
-    return model.seconds(point, PROBE) / PROBE
+def expected_seconds(scene: Scene, iterations: float, duration: float) -> float:
+    """Processor time of computing the motion of a run on this machine now [s].
 
-
-def at(scene: Scene, elements: int, step: float, tolerance: float) -> Scene:
-    """The scene at a resolution: elements, time step [s], tolerance of Newton's method."""
-    chosen = {"accuracy": None, "elements": elements, "step": step, "tolerance": tolerance}
-    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update=chosen)})
-
-
-def measure_error_model(
-    scene: Scene, finer: float = 1.0, progress: Callable[[str, float], None] = lambda *_: None
-) -> ErrorModel:
-    """Error model from a small cost curve: a dozen resolutions up to shortly after the onset, and a converged run.
+    The beginning of the run is computed, in turn without and with what a recorded run keeps of each frame. The first
+    gives the time of a Newton iteration, the second that of a frame besides.
 
     Args:
-        scene: The scene.
-        finer: Factor of refinement.
-        progress: Called with a line and the share done.
-
-    Raises:
-        RunError: The converged run fails.
+        scene: The scene at the resolution of the run.
+        iterations: Newton iterations of the run.
+        duration: Its simulated time [s].
     """
-    automatic = Twin(scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"accuracy": None})}))
-    frame = 1.0 / scene.numerics.frame_rate
-    counts = sorted({max(MIN_ELEMENTS, round(share * finer * automatic.elements)) for share in ELEMENTS})
-    steps = sorted({min(share / finer * automatic.step_size, frame) for share in STEPS}, reverse=True)
-    exact = (round(FINER * counts[-1]), steps[-1] / FINER)
-    resolutions = [(count, step) for count in counts for step in steps]
-    loose = LOOSE / finer**2
-    work = [count / step for count, step in (exact, *resolutions)]
-    total, done, end = sum(work), 0.0, scene.rig.duration
-
-    def run(
-        count: int, step: float, tolerance: float, *, until: float = math.inf, after_onset: float = math.inf
-    ) -> Motion:
-        nonlocal done
-        share, began = count / step / total, done
-
-        def report(time: float) -> None:
-            progress(f"{count} elements, {step * 1e3:.3g} ms", min(began + share * min(time / end, 1.0), 1.0))
-
-        motion = run_motion(at(scene, count, step, tolerance), progress=report, until=until, after_onset=after_onset)
-        done += share
-        return motion
-
-    reference = run(*exact, TIGHT * loose, after_onset=AFTER_ONSET)
-    end = float(reference.time[-1])
-    motions, later = [], 1.0
-    for number, resolution in enumerate(resolutions):
-        try:
-            # the coarsest runs to the end of the scene, which shows how the cost changes after the onset
-            motion = run(*resolution, loose, until=math.inf if number == 0 else end)
-        except RunError:
-            continue  # too coarse to converge: no resolution to choose
-        motions.append(motion.until(end))
-        if number == 0 and motion.time.size > motions[0].time.size:
-            later = _late_cost(motion, reference)
-    if not motions:
-        raise RunError(
-            f"{scene.name}: none of {len(resolutions)} resolutions could be run; see drill-twin cost {scene.name}"
-        )
-    return from_motions(scene, reference, motions, later)
+    twin, (commands, period) = Twin(scene), planned(scene, duration)
+    twin.load()
+    rows, record = twin.rows(PROBED), twin.record(PROBED)
+    plain, recorded = _Effort(), _Effort()
+    began = time.thread_time()
+    for first in range(0, len(commands) - 2 * PROBED, 2 * PROBED):
+        busy = time.thread_time()
+        twin.advance_frames(commands[first : first + PROBED], period, rows)
+        plain.add(time.thread_time() - busy, float(rows.counted[:, ITERATIONS].sum()))
+        busy = time.thread_time()
+        frames, error = twin.fill(record, commands[first + PROBED : first + 2 * PROBED], period)
+        recorded.add(time.thread_time() - busy, frames.stats.iterations)
+        if error is not None:
+            raise error
+        if time.thread_time() - began > PROBE:
+            break
+    of_iteration = plain.seconds / max(plain.iterations, 1.0)
+    of_frame = max(0.0, recorded.seconds - of_iteration * recorded.iterations) / max(recorded.blocks * PROBED, 1)
+    return of_iteration * iterations + of_frame * len(commands)
 
 
-def _late_cost(motion: Motion, reference: Motion) -> float:
-    """Cost after the onset over the cost of that part of it which the other runs cover."""
-    after = motion.time > reference.onset
-    shown = after & (motion.time <= reference.time[-1])
-    return float(motion.spent[after].mean() / motion.spent[shown].mean()) if shown.any() else 1.0
+@dataclass
+class _Effort:
+    """Effort of blocks of frames."""
+
+    seconds: float = 0.0
+    iterations: float = 0.0
+    blocks: int = 0
+
+    def add(self, seconds: float, iterations: float) -> None:
+        """Add a block."""
+        self.seconds += seconds
+        self.iterations += iterations
+        self.blocks += 1

@@ -53,5 +53,5 @@ def run_trial(scene: Scene, seed: int | None = None) -> Trial:
         float(radius.mean(axis=1).mean()),
         float(motion.contact[late].mean()),
         motion.cost,
-        motion.cost / (max(motion.iterations, 1.0) * motion.elements),
+        motion.cost / (max(motion.iteration_rate, 1.0) * motion.elements),
     )

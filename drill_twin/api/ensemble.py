@@ -119,6 +119,6 @@ class Ensemble:
                 f"mark_rate: expected up to the frame rate of {numerics.frame_rate:g} Hz, found {rate:g} Hz; "
                 "raise numerics.frame_rate for more"
             )
-        period = round(NANOSECONDS / numerics.frame_rate)
+        period = numerics.frame_period_ns
         frames = max(1, math.ceil(length * NANOSECONDS / period - 0.5))
         return Request(names, seconds(period), frames, round(numerics.frame_rate / rate))

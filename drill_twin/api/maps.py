@@ -19,6 +19,8 @@ from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME, Dimension
 STEPS = 128
 """Steps of the lattice along each range: a boundary is located within 1 / 128 of it."""
 TURNS = "rev/s"
+ASKED = 10.0
+"""Time for which a set-point of a safe window must stay calm, over that of a run."""
 
 
 def operating_map(
@@ -30,6 +32,7 @@ def operating_map(
     seeds: int = 1,
     vary: Mapping[str, str] | None = None,
     duration: Quantity | None = None,
+    calm_for: Quantity | None = None,
     runs: int = 1500,
     hysteresis: bool = True,
     growth: bool = True,
@@ -42,7 +45,7 @@ def operating_map(
     """Regimes of motion over weight on bit and speed, from runs that crowd where the regime changes.
 
     >>> found = operating_map("pa6_bench", wob="1..300 N", rps="1..6.5")
-    >>> found.regime(40.0, 12.6), found.margin(40.0, 12.6), found.window
+    >>> found.regime(40.0, 12.6), found.margin(40.0, 12.6), found.windows, found.basis
 
     Args:
         scene: The scene, or its name or file; each run begins as it does.
@@ -52,7 +55,8 @@ def operating_map(
         seeds: Draws along the onset of whirl, the first of them the scene as it is.
         vary: Ranges of uncertain numbers by key, `{"wall_friction.coefficient": "0.1..0.3"}`.
         duration: Simulated time of a run from rest [s]; left out: that of the scene.
-        runs: Largest number of runs.
+        calm_for: Time for which a set-point of a safe window must stay calm [s]; left out: ten times the duration.
+        runs: Largest number of runs of the search; checks of the windows, of that time each, come to it.
         hysteresis: Search the second boundary, where an existing whirl dies.
         growth: Place first runs by the growth rates of the linear string, where they apply.
         steps: Steps of the lattice along each range, a power of 2.
@@ -82,11 +86,12 @@ def operating_map(
     if plane.speed.low < 0.0:
         raise ArgumentError(f'rps: expected speeds from 0 upwards, found "{str(rps)[:60]}"; a map is of one sense')
     length = own.rig.duration if duration is None else in_si("duration", duration, TIME)
+    asked = ASKED * length if calm_for is None else in_si("calm_for", calm_for, TIME)
     ranges = {key: split_range(f"vary {key}", text) for key, text in (vary or {}).items()}
     place = None if folder is None else Path(folder)
     with executor_of(workers, dask) as executor:
-        plan = Plan(plane, length, seeds, ranges, runs, hysteresis, growth, executor)
-        compile_kernel(own, 1.0 / own.numerics.frame_rate, analysis=True)
+        plan = Plan(plane, length, asked, seeds, ranges, runs, hysteresis, growth, executor)
+        compile_kernel(own, own.numerics.frame_period, analysis=True)
         return build_map(own, plan, place, *([progress] if progress is not None else []))
 
 

@@ -118,7 +118,7 @@ def rerun(
             )
     recorded = read_bag(bag, scene=None if scene is None else as_scene(scene), namespace=namespace)
     described = recorded.scene
-    commands = recorded_commands(recorded.recording.bag, _plan(described))
+    commands = recorded_commands(recorded.recording.bag, _plan(described), block=described.rig.moves_block)
     described = override(described, {"numerics.frame_rate": NANOSECONDS / commands.period, **(overrides or {})})
     simulation = Simulation(described)
     end, stopped = len(commands.commands) * commands.period / NANOSECONDS, ""

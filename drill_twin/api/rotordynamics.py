@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -10,23 +11,31 @@ import numpy as np
 
 from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.base.arrays import Array
-from drill_twin.errors import ArgumentError, SceneError
+from drill_twin.discretisation.grading import LONG
+from drill_twin.discretisation.kernel_arguments import SPATIAL
+from drill_twin.errors import ArgumentError, RunError, SceneError
 from drill_twin.rotordynamics import campbell as _campbell
 from drill_twin.rotordynamics import growth_map as _growth_map
 from drill_twin.rotordynamics import modes as _modes
 from drill_twin.rotordynamics.campbell import Campbell
-from drill_twin.rotordynamics.equations import EquationsOfMotion, without
+from drill_twin.rotordynamics.equations import EquationsOfMotion, meshed, without
 from drill_twin.rotordynamics.growth_map import GrowthMap
 from drill_twin.rotordynamics.modes import ModeTable, Resting
 from drill_twin.rotordynamics.steady import branches as _branches
 from drill_twin.rotordynamics.steady import whirl_states as _whirl_states
 from drill_twin.rotordynamics.steady.branches import Branch
 from drill_twin.rotordynamics.steady.imperfections import Modulation, locked_states, modulation
+from drill_twin.rotordynamics.steady.refinement import refined_states
 from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.rotordynamics.steady.whirl_states import WhirlState
 from drill_twin.scene import Scene
 from drill_twin.scene.keys import number_at
 from drill_twin.schedule import Command
+from drill_twin.torque_drag.operations import Operation
+from drill_twin.torque_drag.sliding_balance import SlidingBalance
+
+MOST_COMPARED, MOST_AT_REST = 3500, 500
+"""Unknowns of the finer mesh up to which modes are compared with it; less where a balance on the wall is sought."""
 
 
 def steady_scene(scene: Scene | str | Path, overrides: Overrides | None, left_out: Sequence[str]) -> Scene:
@@ -55,17 +64,25 @@ def final_command(scene: Scene) -> Command:
     return Command(scene.rig.weight_on_bit.value, scene.rig.rotation.value)
 
 
-def resting_in(scene: Scene) -> Resting:
-    """Function from a command to the static balance under it, by the search of `rig.start: equilibrium`."""
+def resting_in(equations: EquationsOfMotion) -> Resting:
+    """Function from a command to a balance under it, to start from.
+
+    In a long hole that is the balance of torque and drag, found in a second; else that of `rig.start: equilibrium`.
+    """
+    scene = equations.scene
 
     def resting(command: Command) -> Array:
         from drill_twin.twin.dynamics import Dynamics
 
         rig = scene.rig
+        if scene.length >= LONG and equations.form == SPATIAL and rig.weight_on_bit.at == "bit":
+            turning = Operation("turning", command.weight_on_bit, 0.0, command.rotation)
+            with contextlib.suppress(RunError):  # the search below may find one
+                return SlidingBalance(equations).solve(turning).u
         load = rig.weight_on_bit.model_copy(update={"initial": command.weight_on_bit, "value": command.weight_on_bit})
         turn = rig.rotation.model_copy(update={"initial": command.rotation, "value": command.rotation})
         held = rig.model_copy(update={"weight_on_bit": load, "rotation": turn, "start": "equilibrium"})
-        u, _ = Dynamics(scene.model_copy(update={"rig": held})).unknowns
+        u, _ = Dynamics(scene.model_copy(update={"rig": held}), equations.model.rod).unknowns
         return u.copy()
 
     return resting
@@ -79,6 +96,8 @@ def modes(
     count: int = _modes.COUNT,
 ) -> ModeTable:
     """Damped modes of the string, turning in balance under the final set-points of a scene.
+
+    Each is computed on a mesh twice as fine too, if that has not too many unknowns: its `change`.
 
     >>> table = modes("pa6_bench", {"wob": 5, "rps": 2})
     >>> [(mode.kind, mode.frequency, mode.growth) for mode in table.modes]
@@ -94,7 +113,15 @@ def modes(
         RunError: There is no balance.
     """
     own = steady_scene(scene, overrides, without)
-    return _modes.modes(EquationsOfMotion(own), final_command(own), resting_in(own), count)
+    equations, command = EquationsOfMotion(own), final_command(own)
+    table = _modes.modes(equations, command, resting_in(equations), count)
+    finer = EquationsOfMotion(meshed(own, 2 * equations.model.rod.length.size))
+    if finer.unknowns > (MOST_COMPARED if table.on_axis else MOST_AT_REST):
+        return table
+    try:
+        return _modes.compared(table, _modes.modes(finer, command, resting_in(finer), finer.unknowns))
+    except RunError:  # no balance is found on the finer mesh: the changes stay unknown
+        return table
 
 
 def campbell(
@@ -104,13 +131,16 @@ def campbell(
     speeds: Array,
     without: Sequence[str] = (),
     count: int = 6,
+    numbered_at: float | None = None,
 ) -> Campbell:
     """Lateral modes over the speed of rotation [rad/s], shape (p,), and critical speeds.
 
-    Arguments and errors as of `modes`.
+    Arguments and errors as of `modes`; `numbered_at` is the speed at which the modes have the numbers of that table,
+    the first if it is left out.
     """
     own = steady_scene(scene, overrides, without)
-    return _campbell.campbell(EquationsOfMotion(own), own.rig.weight_on_bit.value, np.asarray(speeds, float), count)
+    equations, weight = EquationsOfMotion(own), own.rig.weight_on_bit.value
+    return _campbell.campbell(equations, weight, np.asarray(speeds, float), count, numbered_at)
 
 
 def growth_map(
@@ -147,9 +177,10 @@ def whirl_states(
 ) -> tuple[WhirlState, ...]:
     """Steady whirl states under the final set-points of a scene, with their stability, by falling whirl speed.
 
-    >>> lateral = {"effects.torsion": "off", "effects.stretch": "off"}
-    >>> for state in whirl_states("pa6_calibrated", {"wob": 40, "rps": 6.5, **lateral}):
-    ...     print(state.kind, state.frequency, state.ratio, state.is_stable)
+    They are sought on the mesh of the scene and then computed on finer ones, which gives `growth_change` and `verdict`.
+
+    >>> for state in whirl_states("pa6_calibrated", {"wob": 40, "rps": 6.5}):
+    ...     print(state.kind, state.frequency, state.growth, state.growth_change, state.verdict)
 
     Args:
         scene: The scene, or its name or file.
@@ -163,7 +194,8 @@ def whirl_states(
     """
     own = steady_scene(scene, overrides, without)
     equations = EquationsOfMotion(own)
-    return _whirl_states.whirl_states(equations, final_command(own), random_starts=random_starts, seed=seed)
+    found = _whirl_states.whirl_states(equations, final_command(own), random_starts=random_starts, seed=seed)
+    return refined_states(own, found)
 
 
 def imperfect_states(
@@ -173,11 +205,12 @@ def imperfect_states(
 
     Args:
         scene: A scene of `steady_scene`.
-        states: Its steady whirls.
+        states: Its steady whirls, on any mesh.
     """
-    turning = TurningEquations(EquationsOfMotion(scene))
-    locked = locked_states(turning, final_command(scene))
-    return tuple(modulation(turning, state.whirl) for state in states), locked
+    locked = locked_states(TurningEquations(EquationsOfMotion(scene)), final_command(scene))
+    turning = {n: TurningEquations(EquationsOfMotion(meshed(scene, n))) for n in {one.elements for one in states}}
+    modulations = tuple(modulation(turning[state.elements], state.whirl) for state in states)
+    return modulations, refined_states(scene, locked)
 
 
 def branches(

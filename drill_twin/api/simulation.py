@@ -88,7 +88,7 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene | str | Path, overrides: Overrides | None = None) -> None:
-        """Prepare a run; compiles the effects of the scene, which takes up to half a minute the first time.
+        """Prepare a run; compiles the effects of the scene, which takes a minute or two the first time.
 
         The compilation is done in a child process, with a line of progress on standard error; Ctrl-C ends it.
 
@@ -105,7 +105,7 @@ class Simulation:
             from drill_twin.accuracy import resolve
 
             self.scene = resolve(self.scene).scene
-        self._period = round(NANOSECONDS / self.scene.numerics.frame_rate)
+        self._period = self.scene.numerics.frame_period_ns
         progress = CompileProgress()
         try:
             compile_kernel(self.scene, self.frame_time, progress, analysis=True)
@@ -118,7 +118,7 @@ class Simulation:
 
     @property
     def frame_time(self) -> float:
-        """Simulated time of a frame [s], 1 / `numerics.frame_rate`."""
+        """Simulated time of a frame [s], 1 / `numerics.frame_rate` in whole nanoseconds."""
         return seconds(self._period)
 
     @property

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from drill_twin.api.rotordynamics import final_command, steady_scene
 from drill_twin.api.scenes import Overrides
+from drill_twin.report.quantities.loads import string_weight
 from drill_twin.scene import Scene
 from drill_twin.torque_drag import analysis
 from drill_twin.torque_drag.analysis import Statics
@@ -29,7 +30,8 @@ def statics(
     >>> loads.hookload, loads.along.side_force.max(), loads.margins
 
     Args:
-        scene: The scene, or its name or file; its final weight on bit and rotation are those of sliding and drilling.
+        scene: The scene, or its name or file; its final weight on bit and rotation are those of sliding and drilling. A
+            weight given at the top is that at the bit less the weight of the string.
         overrides: Values that replace those of the scene.
         without: Effects to leave out.
         trip_speed: Speed along the hole when tripping [m/s].
@@ -42,5 +44,7 @@ def statics(
     """
     own = steady_scene(scene, overrides, without)
     command = final_command(own)
-    wanted = tuple(only) or operations(command.weight_on_bit, command.rotation, trip_speed, feed)
+    # A load at the top is carried on to the bit together with the weight of the string.
+    hanging = string_weight(own) if own.rig.weight_on_bit.at == "top" else 0.0
+    wanted = tuple(only) or operations(command.weight_on_bit + hanging, command.rotation, trip_speed, feed)
     return analysis.analyse(own, wanted)

@@ -113,7 +113,7 @@ class EffectTimer:
             effect: One of `effects`.
             u: Node rows, shape (n + 1, 7).
             v: Their velocities, shape (n + 1, 7).
-            command: Set-points, shape (2,).
+            command: Set-points, shape (3,).
             h2: Half a step [s].
         """
         points = _at_gauss_points(self._rod, u, v)

@@ -8,6 +8,8 @@ from drill_twin.errors import DrillTwinError
 
 LARGEST_TEXT = 1_000_000
 """Bytes or characters of a text."""
+ODD_DATA = (LookupError, TypeError, ValueError, AttributeError, OverflowError)
+"""Errors of a reader whose data are JSON, but not what it expects."""
 _LONGEST_INTEGER = 300  # digits; a longer one is infinite as a float
 
 

@@ -66,7 +66,7 @@ def print_findings(summary: Mapping[str, Any]) -> None:
     console = out()
     console.print(pairs([*_without_radii(findings(summary)), *provenance(summary)]))
     if marks := list(_marks(summary)):
-        heads = ("mark", "largest radius (of the clearance)", "over the threshold", "motion at the end")
+        heads = ("mark", "largest radius", "over the threshold", "motion at the end")
         console.print(grid(heads, marks, right=(2,)))
     if periods := [
         (f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"])
@@ -82,13 +82,13 @@ def _without_radii(rows: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
 
 
 def _marks(summary: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
-    from drill_twin.report.text import millimetres
+    from drill_twin.report.text import radius_text
 
     for mark, value in summary["max_radius_m"].items():
         onset, motion = summary["mark_onset_s"].get(mark), summary["mark_motion"].get(mark)
         yield (
             mark,
-            "not seen" if value is None else f"{millimetres(value)} ({value / summary['clearance_m'][mark]:.0%})",
+            radius_text(value, summary["clearance_m"].get(mark)),
             "never" if onset is None else f"from {onset:.2f} s",
             motion[-1]["state"] if motion else "unknown",
         )

@@ -38,7 +38,7 @@ def resolution_of(scene: Scene) -> tuple[int, float]:
     compression = max(most.weight_on_bit, 1.0)
     elements = auto_elements(scene, compression) if numerics.elements == "auto" else int(numerics.elements)
     if numerics.step == "auto":
-        return elements, auto_step(tubes, compression, most.rotation, 1.0 / numerics.frame_rate)
+        return elements, auto_step(tubes, compression, most.rotation, numerics.frame_period)
     return elements, float(numerics.step)
 
 

@@ -7,12 +7,14 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
 from drill_twin.errors import ArgumentError, SceneError
 from drill_twin.scene import Scene, load
+from drill_twin.scene.overrides import SHORTHANDS
 from drill_twin.twin.dynamics import kernel_of
 
 LARGEST = 1_000_000
@@ -80,6 +82,7 @@ def scene_of(base: Scene, member: Member) -> Scene:
     """Scene of a member of a base scene.
 
     Raises:
+        ArgumentError: A key is none of the scene.
         SceneError: Its values do not fit; the message begins with the member.
     """
     overrides = {_key(base, key): value for key, value in member.values.items()}
@@ -94,7 +97,14 @@ def _key(base: Scene, key: str) -> str:
     """Full key of a scene; an effect needs no `effects.` before it."""
     if key == SEED:
         return "numerics.seed"
-    return f"effects.{key}" if key.partition(".")[0] in base.effect_names else key
+    head = key.partition(".")[0]
+    if head in base.effect_names:
+        return f"effects.{key}"
+    if head in Scene.model_fields or key in SHORTHANDS:
+        return key
+    near = get_close_matches(head, (*base.effect_names, *Scene.model_fields, *SHORTHANDS, SEED), n=1)
+    hint = f"did you mean {near[0]}?" if near else f"its effects are {', '.join(base.effect_names)}"
+    raise ArgumentError(f"{key}: expected a key of the scene, or an effect that it has, found {head!r}; {hint}")
 
 
 def expand(base: Scene, vary: Mapping[str, Any], *, zipped: bool = False) -> Members:

@@ -4,10 +4,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
-
-import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import DrillTwinError
@@ -45,7 +43,7 @@ def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None
 
     Args:
         twin: The twin.
-        commands: Set-points at the end of each frame, as `set_points` makes them.
+        commands: Set-points at the end of each frame, as `Schedule.over` makes them.
         period: Length of a frame [s].
         size: Most frames of a part; `CHUNK` unless given.
 
@@ -53,6 +51,7 @@ def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None
         DrillTwinError: A frame could not be followed; those before it have been yielded.
     """
     rows = twin.rows(min(size or CHUNK, len(commands)))
+    twin.load()  # outside the timed part
     for first in range(0, len(commands), rows.time.size):
         began, repeated = time.thread_time(), 0
         error: DrillTwinError | None = None
@@ -82,13 +81,7 @@ def frames_of(twin: Twin, commands: Array, period: float, size: int | None = Non
 
 def planned(scene: Scene, duration: float | None = None) -> tuple[Array, float]:
     """Set-points of a scene at the end of each frame, to its end or for a time [s], and the length of a frame [s]."""
-    period = 1.0 / scene.numerics.frame_rate
+    period = scene.numerics.frame_period
     schedule = Schedule.from_scene(scene)
     frames = max(1, round((schedule.duration if duration is None else duration) / period))
-    return set_points(schedule, [frame * period for frame in range(1, frames + 1)]), period
-
-
-def set_points(schedule: Schedule, times: Sequence[float]) -> Array:
-    """Weight on bit [N], rotation [rad/s] and speed of a block [m/s], if any, at some times [s], shape (F, 2 or 3)."""
-    functions = [schedule.weight_on_bit, schedule.rotation, *([schedule.block] if schedule.block else [])]
-    return np.array([[set_point(at) for at in times] for set_point in functions]).T.copy()
+    return schedule.over(frame * period for frame in range(1, frames + 1)), period

@@ -12,7 +12,7 @@ from typing import Protocol, TypeVar
 
 from drill_twin.ensemble.members import Member, Members, scene_of
 from drill_twin.ensemble.outputs import OUTPUTS, Request, Variable
-from drill_twin.ensemble.parts import parts_of, set_points
+from drill_twin.ensemble.parts import parts_of
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.scene import Scene
@@ -115,9 +115,7 @@ def run_member(base: Scene, request: Request, member: Member) -> Run:
     try:
         scene = scene_of(base, member)
         twin, period = Twin(scene), round(request.period * NANOSECONDS)
-        commands = set_points(
-            Schedule.from_scene(scene), [seconds(frame * period) for frame in range(1, request.frames + 1)]
-        )
+        commands = Schedule.from_scene(scene).over(seconds(frame * period) for frame in range(1, request.frames + 1))
         collectors = [OUTPUTS[name](twin, request) for name in request.names]
         try:
             for part in parts_of(twin, commands, request.period):

@@ -20,7 +20,7 @@ from drill_twin.discretisation.resolution import growth_time
 from drill_twin.equilibrium.static_equilibrium import StringAtRest, find_equilibrium, inertia_torques, twist_under
 from drill_twin.errors import RunError
 from drill_twin.model.discrete_model import DiscreteModel
-from drill_twin.model.mesh import SPIN
+from drill_twin.model.mesh import SPIN, Rod
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 
@@ -67,12 +67,12 @@ def rotating_scene(scene: Scene) -> Scene:
     return scene.model_copy(update={"rig": rig.model_copy(update={**begun, "start": "axis"})})
 
 
-def start_in_equilibrium(dynamics: StartingDynamics, make: Callable[[Scene], StartingDynamics]) -> None:
+def start_in_equilibrium(dynamics: StartingDynamics, make: Callable[[Scene, Rod], StartingDynamics]) -> None:
     """Set the dynamics to static equilibrium under the first command, in rigid rotation.
 
     Args:
         dynamics: Dynamics at the first instant.
-        make: Constructor of the dynamics of a scene.
+        make: Constructor of the dynamics of a scene with a mesh: that of `dynamics`, whatever the set-points.
 
     Raises:
         RunError: No equilibrium was found.
@@ -81,13 +81,13 @@ def start_in_equilibrium(dynamics: StartingDynamics, make: Callable[[Scene], Sta
     weight, rotation = scene.rig.first
     hanging = float(np.abs(axial_weight(scene, dynamics.model)).sum())
     growth = growth_time(sections_of(scene), max(abs(weight), 1.0))
-    still = make(static_scene(scene))
+    still = make(static_scene(scene), dynamics.rod)
     find_equilibrium(still, growth, max(abs(weight), hanging, SMALLEST_LOAD), scene.numerics.seed)
     u, v = still.unknowns
     v[:, SPIN] = rotation
     command = Command(weight, rotation)
     if scene.effects.torsion is not None:
-        u[:, SPIN] += _static_twist(make(rotating_scene(scene)), u, v, command)
+        u[:, SPIN] += _static_twist(make(rotating_scene(scene), dynamics.rod), u, v, command)
     dynamics.begin(u, v, command)
 
 
@@ -97,7 +97,7 @@ def _static_twist(dynamics: StartingDynamics, u: Array, v: Array, command: Comma
     waves = np.sqrt(rod.torsion * rod.length / rod.spin_mass)
     instant = INSTANT * float((rod.length / waves).min())
     dynamics.begin(u, v, command)
-    if not dynamics.advance(np.array([command.weight_on_bit, command.rotation]), instant):
+    if not dynamics.advance(command.array(), instant):
         raise RunError(
             "rig.start: expected a step of the rotating string to converge, found no solution of its equations. "
             "Start from the axis instead (rig.start: axis)"

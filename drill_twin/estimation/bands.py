@@ -10,12 +10,18 @@ import numpy as np
 from drill_twin.base.arrays import Array
 
 SHARE = 0.9
-"""Probability that a band holds the true value."""
+"""Share of the members in a band: the probability of the true value if the members were draws of what is known."""
+
+
+def held_text(with_sub: bool) -> str:
+    """Shares that bands have held on twins with hidden numbers, as measured by `drill-twin estimator-score`."""
+    held = "54 to 100 % (by kind of quantity) with a sub" if with_sub else "67 to 100 % (by kind of quantity)"
+    return f"low and high hold {SHARE:.0%} of the members; on twins with hidden numbers they held the truth in {held}"
 
 
 @dataclass(frozen=True)
 class Band:
-    """Mean, standard deviation, and 90 % band of the members."""
+    """Mean, standard deviation, and band of 90 % of the members; how often it holds the truth: `held_text`."""
 
     mean: float
     deviation: float

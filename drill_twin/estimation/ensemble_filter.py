@@ -82,7 +82,7 @@ class Window:
     """Estimate over a window of time.
 
     Attributes:
-        commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
+        commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
         measured: Means over the samples by channel, shape (S,) each; NaN where there is none.
         readings: Of s subs, at the frames, shape (s, F, 6); NaN for a sub that has none.
     """
@@ -103,7 +103,7 @@ class Estimate:
             centre line at the marks at the end of the window [m], MARK/x and MARK/y.
         whirls: Share of the members that whirl.
         chance: Share of those that whirl within the horizon; NaN if it is not computed.
-        unexplained: Time since which the model no longer explains a channel [s], by name.
+        unexplained: Time since which the misfit of a channel is far above its usual one [s], by name (`Divergence`).
         misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
         absurd: Samples left out so far.
         replaced: Members that took the state of others so far, as they were on another branch of motion.
@@ -125,7 +125,8 @@ class Estimate:
     def alarm(self) -> str:
         """Sentence while measurement and twin part; empty while they do not."""
         parts = [f"{name} since {time:.1f} s" for name, time in self.unexplained.items()]
-        return f"the model no longer explains the {' and the '.join(parts)}" if parts else ""
+        causes = "the motion has changed, the numbers are not found yet, or the rig differs from the model"
+        return f"misfit far above the usual: {', '.join(parts)}; {causes}" if parts else ""
 
 
 class EnsembleFilter:
@@ -163,7 +164,7 @@ class EnsembleFilter:
         frame_rate = scene.numerics.frame_rate
         every = max(1, round(frame_rate / options.rate))
         samples = max(1, round(options.window * frame_rate / every))
-        self.pace = Pace(1.0 / frame_rate, every * samples, samples)
+        self.pace = Pace(scene.numerics.frame_period, every * samples, samples)
         self.members = Members(scene, ranges, options.members, self.pace, options.seed, subs)
         self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
         self.time = 0.0
@@ -279,4 +280,4 @@ class EnsembleFilter:
         coming = np.where(np.sign(coming) == np.sign(commands[-1]), coming, 0.0)
         count = min(self.options.scouts, len(self.members))
         chosen = np.linspace(0, len(self.members) - 1, count).round().astype(int).tolist()
-        return float(self.members.ahead(coming.reshape(windows, self.pace.frames, 2), chosen).mean())
+        return float(self.members.ahead(coming.reshape(windows, self.pace.frames, -1), chosen).mean())

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections import Counter, deque
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 
 import numpy as np
 
@@ -15,10 +16,10 @@ from drill_twin.estimation.members import Pace
 from drill_twin.estimation.sub_intake import SubIntake
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
-from drill_twin.schedule import Schedule
+from drill_twin.schedule import Command, Schedule
 
-SET_POINTS = ("weight_on_bit", "rotation")
-"""Names of the set-points among the values of a sample [N], [rad/s]."""
+SET_POINTS = tuple(field.name for field in fields(Command))
+"""Names of the set-points among the values of a sample [N], [rad/s], [m/s]; those of `Command`."""
 _LONGEST_GAP = 5.0
 """Time without a sample [s] that is followed without measurement; a longer one is a jump of the clock."""
 _BACK = 1.0
@@ -139,8 +140,7 @@ class Intake:
         """Set-point at the end of each frame: between those given linear, after the last one held."""
         given = [(time, values[name]) for time, values in samples if math.isfinite(values.get(name, math.nan))]
         if name not in self._held and not given:
-            of_scene = self._schedule.weight_on_bit if name == "weight_on_bit" else self._schedule.rotation
-            return np.array([of_scene(float(end)) for end in ends])
+            return self._schedule.over(ends.tolist())[:, SET_POINTS.index(name)]
         points = [self._held[name], *given] if name in self._held else given
         self._held[name] = points[-1]
         time, value = np.array(points).T

@@ -28,7 +28,6 @@ from drill_twin.schedule import Command
 from drill_twin.twin.bending_stress import bending_stress
 from drill_twin.twin.dynamics import kernel_of
 from drill_twin.twin.frame import Frame
-from drill_twin.twin.number_change import change_numbers
 from drill_twin.twin.observer import rig_rows
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl.criteria import Criteria
@@ -152,7 +151,7 @@ class Members:
         """Advance by a window; a member that fails becomes a copy of one that does not.
 
         Args:
-            commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
+            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
             shown: Number of the member whose frames are returned; -1: none.
 
         Raises:
@@ -183,8 +182,8 @@ class Members:
         twin = self.twins[target]
         twin.restore(self.twins[source].checkpoint())
         self._seeds[target] = self._seeds[source]
-        change_numbers(twin.dynamics, self.twins[source].dynamics.scene)  # whose numbers its arrays have now
-        change_numbers(twin.dynamics, self._scene(target))
+        twin.change_numbers(self.twins[source].scene)  # whose numbers its arrays have now
+        twin.change_numbers(self._scene(target))
 
     def correct(self, found: Sequence[Correction]) -> None:
         """Correct numbers and torsional motion.
@@ -203,7 +202,7 @@ class Members:
             for row, values in zip(rows, corrected, strict=True):
                 row[:, columns] = values
         for number, twin in enumerate(self.twins):
-            change_numbers(twin.dynamics, self._scene(number))
+            twin.change_numbers(self._scene(number))
 
     @property
     def places(self) -> dict[str, Array]:
@@ -220,7 +219,7 @@ class Members:
         """Check which of some members whirl at a time in the windows to come, shape (chosen,); all are back afterwards.
 
         Args:
-            commands: Set-points to come, of a number of windows, shape (W, F, 2).
+            commands: Set-points to come, of a number of windows, shape (W, F, 3).
             chosen: Numbers of the members.
         """
         return np.array([self._whirls_ahead(number, commands) for number in chosen], dtype=bool)
@@ -230,8 +229,8 @@ class Members:
         twin, load = self.twins[number], self._load(number)
         before, frames = twin.checkpoint(), []
         try:
-            for weight, rotation in commands.tolist():
-                frames.append(twin.advance(Command(load * weight, rotation), self.pace.period))
+            for weight, *others in commands.tolist():
+                frames.append(twin.advance(Command(load * weight, *others), self.pace.period))
         except DrillTwinError:
             frames.clear()
         twin.restore(before)
@@ -258,7 +257,7 @@ class Members:
     def _advance(self, number: int, commands: Array) -> tuple[Mapping[str, Array], Mapping[str, float], bool, Array]:
         """Channels, virtual sensors, whether it whirls, and readings of the subs, of one member."""
         twin, rows, pace = self.twins[number], self._rows, self.pace
-        commands = commands * np.array([self._load(number), 1.0])
+        commands = commands * np.array([self._load(number), 1.0, 1.0])
         channels = Channels(twin, Request((), pace.period, pace.frames, pace.frames // pace.samples))
         before = self._reader.start(twin)
         twin.advance_frames(commands, pace.period, rows, self._states if self.subs else None)

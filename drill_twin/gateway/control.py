@@ -6,10 +6,11 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
+from drill_twin.errors import shortened
 from drill_twin.gateway.signals import Target
 
 REQUEST, HEARTBEAT = "Request", "Heartbeat"
@@ -75,6 +76,12 @@ class Control:
         """Reason for which the last holder lost control; empty after an orderly end."""
         self.values: dict[str, float] = {}
         """Targets set by the holder, by quantity [SI]."""
+        self._limits: Mapping[str, tuple[float, float]] = {}
+
+    def set_limits(self, limits: Mapping[str, tuple[float, float]]) -> None:
+        """Take no targets beyond these limits of a scene from now on, by quantity [SI]."""
+        with self._lock:
+            self._limits = limits
 
     # --- called by the server -----------------------------------------------------------------------------------
 
@@ -97,9 +104,13 @@ class Control:
         if target is None:
             return None
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            return Refusal(f"{name}: expected a finite number, found {value!r}", of_value=True)
-        if not target.low <= value <= target.high:
-            expected = f"{target.low:g} to {target.high:g} {target.unit}"
+            return Refusal(f"{name}: expected a finite number, found {shortened(repr(value), 60)}", of_value=True)
+        low, high = (one / target.factor for one in self._limits.get(target.quantity, (-math.inf, math.inf)))
+        low, high = max(low, target.low), min(high, target.high)
+        if not (math.isfinite(low) and math.isfinite(high)):
+            return Refusal(f"{name}: expected a scene of the twin, which limits it, found none so far", of_value=True)
+        if not low <= value <= high:
+            expected = f"{low:g} to {high:g} {target.unit}"
             return Refusal(f"{name}: expected {expected}, found {value:g}", of_value=True)
         return None
 

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -39,6 +38,7 @@ from drill_twin.units.dimension import (
     TIME,
     TORQUE,
 )
+from drill_twin.whirl import StickSlip
 
 ANGULAR_ACCELERATION = Dimension("angular acceleration", "rad/s^2", ("3 rad/s^2",))
 _HOUR = 3600.0  # s
@@ -71,7 +71,7 @@ QUANTITIES = {
     "stick_slip_severity": Quantity(
         RIG_STATE,
         DIMENSIONLESS,
-        "(fastest - slowest) / (2 mean) of the bit's speed in the last 10 s (Pavone and Desplans 1994)",
+        "(fastest - slowest) / (2 mean) of the bit's speed in the last 20 s (Pavone and Desplans 1994)",
     ),
     "simulated_time": Quantity(RIG_STATE, TIME, "simulated time"),
     "bit_depth": Quantity(STRING_POSES, LENGTH, "depth of the bit below the top clamp along the axis at the top"),
@@ -130,28 +130,6 @@ def measured_dimension(quantity: str) -> Dimension:
     return QUANTITIES[quantity].dimension
 
 
-class Severity:
-    """Stick-slip index of a speed over the last ten seconds, kept as extremes of each second."""
-
-    SECONDS = 10
-
-    def __init__(self) -> None:
-        self._bins: deque[list[float]] = deque(maxlen=self.SECONDS)  # second, lowest, highest, sum, count
-
-    def push(self, time: float, speed: float) -> float:
-        """Add a speed [rad/s] at a time [s]; returns the index."""
-        second = math.floor(time)
-        if self._bins and (second < self._bins[-1][0] or second > self._bins[-1][0] + 1):
-            self._bins.clear()  # time went back, or there was a pause
-        if not self._bins or self._bins[-1][0] != second:
-            self._bins.append([second, math.inf, -math.inf, 0.0, 0.0])
-        last = self._bins[-1]
-        last[1:] = min(last[1], speed), max(last[2], speed), last[3] + speed, last[4] + 1.0
-        mean = sum(one[3] for one in self._bins) / sum(one[4] for one in self._bins)
-        spread = max(one[2] for one in self._bins) - min(one[1] for one in self._bins)
-        return spread / (2.0 * abs(mean)) if mean else 0.0
-
-
 class TwinQuantities:
     """Latest value of each quantity [SI], and the time at which its topic was last heard."""
 
@@ -165,7 +143,7 @@ class TwinQuantities:
         self._readers = {topic: JointStateReader() for topic in (RIG_STATE, MARKS_STATE, WHIRL_STATE)}
         self._marks: JointState | None = None
         self._bit: tuple[float, float] | None = None
-        self._severity = Severity()
+        self._bit_motion = StickSlip()
         self.values: dict[str, float] = {}
         """Values by name [SI]; a quantity that does not exist in this run is missing."""
         self.heard: dict[str, float] = {}
@@ -202,7 +180,10 @@ class TwinQuantities:
         if self._bit is not None and 0.0 < time - self._bit[0] < 1.0:
             self.values["bit_angular_acceleration"] = (state.bit_speed - self._bit[1]) / (time - self._bit[0])
         self._bit, self.stamp = (time, state.bit_speed), message.stamp
-        self.values["stick_slip_severity"] = self._severity.push(time, state.bit_speed)
+        self._bit_motion.push(time, state.bit_speed, state.top_drive_speed)
+        self.values["stick_slip_severity"] = self._bit_motion.index
+        if math.isnan(self._bit_motion.index):
+            del self.values["stick_slip_severity"]
         self.values["simulated_time"] = time
 
     def _on_marks(self, raw: bytes) -> None:

@@ -2,7 +2,9 @@
 """Access to the page and to its commands: checks of a request's headers, its address and its token.
 
 A page of another origin cannot open the websocket, and a name that a stranger's DNS points here (DNS rebinding) is no
-name of this server. From beyond this machine, commands need the token of the printed address.
+name of this server. Commands need the token of the printed address, from this machine too: a proxy here looks like a
+user here. It stands behind the # of the address, which a browser sends to nobody; the page takes it out of there, and
+sends it as its first message.
 """
 
 from __future__ import annotations
@@ -13,19 +15,19 @@ import socket
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from http import HTTPStatus
-from ipaddress import IPv6Address, ip_address
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import urlsplit
 
 from websockets.datastructures import Headers
 
+from drill_twin.base.loopback import in_url, literal_address
+
 WILDCARDS = ("0.0.0.0", "::", "")  # noqa: S104 - compared with, not bound
 _TOKEN_BYTES = 24
-_LONGEST_PATH = 500
 
 
 @dataclass
 class Access:
-    """Names of this server, and the token for commands from beyond this machine."""
+    """Names of this server, and the token for commands."""
 
     allowed: Collection[str] = ()
     """Names that a Host header may have besides those of this machine and addresses."""
@@ -49,16 +51,17 @@ class Access:
         host = headers["Host"]
         return origin is not None and origin.lower() not in {f"http://{host}".lower(), f"https://{host}".lower()}
 
-    def may_command(self, peer: str, path: str) -> bool:
-        """True on this machine, or with the token in the path's query."""
-        if is_loopback(peer):
-            return True
-        given = parse_qs(urlsplit(path[:_LONGEST_PATH]).query).get("token", [""])[0]
-        return hmac.compare_digest(given.encode(), self.token.encode())
+    def is_token(self, given: str) -> bool:
+        """True for the token; takes the same time for any other."""
+        return hmac.compare_digest(given.encode("utf-8", "surrogatepass"), self.token.encode())
+
+    def url(self, host: str, port: int) -> str:
+        """Address of the page, with the token that lets it command."""
+        return f"{url(host, port)}#token={self.token}"
 
     def _is_own(self, name: str) -> bool:
         """True for an address, which no DNS can point elsewhere, and for the names of this machine."""
-        if _address(name) is not None:
+        if literal_address(name) is not None:
             return True
         own = {"localhost", socket.gethostname().lower(), *(allowed.lower().rstrip(".") for allowed in self.allowed)}
         return name.lower().rstrip(".") in own
@@ -71,7 +74,7 @@ def url(host: str, port: int) -> str:
     elif host in WILDCARDS:
         shown = "127.0.0.1"
     else:
-        shown = f"[{host}]" if ":" in host else host
+        shown = in_url(host)
     return f"http://{shown}:{port}/"
 
 
@@ -83,18 +86,3 @@ def _host_name(host: str) -> str | None:
         return parts.hostname if valid and (parts.port is None or parts.port) else None
     except ValueError:
         return None
-
-
-def _address(text: str) -> object:
-    try:
-        return ip_address(text.partition("%")[0])
-    except ValueError:
-        return None
-
-
-def is_loopback(peer: str) -> bool:
-    """True for an address that only this machine can use."""
-    address = _address(peer)
-    if isinstance(address, IPv6Address) and address.ipv4_mapped:
-        address = address.ipv4_mapped
-    return bool(getattr(address, "is_loopback", False))

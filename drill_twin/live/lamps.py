@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Severity of whirl and of stick-slip, from the findings of the analyzer: 0 none, 1 moderate, 2 severe."""
+"""Severity of whirl, by the analyzer, and of stick-slip, by the bit's speed: 0 none, 1 moderate, 2 severe."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from drill_twin.whirl import BitMotion, MotionState
+from drill_twin.whirl import BitMotion, MotionState, StickSlip
 from drill_twin.whirl.motion.timeline import NO_WHIRL
 
 SEVERE_RADIUS = 0.9
 """Radius of an orbit over its clearance from which a whirl is severe: the string is on the wall."""
 _CALM = {state.value for state in NO_WHIRL}
-_BIT = {BitMotion.STEADY.value: 0, BitMotion.VIBRATION.value: 1, BitMotion.STICK_SLIP.value: 2}
+_BIT = {BitMotion.AT_REST: 0, BitMotion.STEADY: 0, BitMotion.VIBRATION: 1, BitMotion.STICK_SLIP: 2, BitMotion.STANDS: 2}
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Lamp:
     text: str
     """The motion."""
     share: float | None
-    """Largest radius of an orbit over its clearance; or the stick-slip index of the last ten seconds."""
+    """Largest radius of an orbit over its clearance; or the stick-slip index."""
 
     def to_json(self) -> dict[str, Any]:
         """Plain values."""
@@ -48,11 +48,7 @@ def whirl_lamp(state: str, radius_share: float) -> Lamp:
     return Lamp(2 if state == MotionState.ROLLING.value or (share or 0.0) >= SEVERE_RADIUS else 1, state, share)
 
 
-def stick_slip_lamp(motion: str, index: float) -> Lamp:
-    """Lamp of stick-slip.
-
-    Args:
-        motion: Motion of the bit, a value of `BitMotion`; empty if it is not known.
-        index: (fastest - slowest) / (2 mean) of the bit's speed, the stick-slip index of Pavone and Desplans (1994).
-    """
-    return Lamp(_BIT.get(motion), motion or "unknown", index if math.isfinite(index) else None)
+def stick_slip_lamp(bit: StickSlip) -> Lamp:
+    """Lamp of stick-slip; not known during the start-up."""
+    index = bit.index
+    return Lamp(_BIT.get(bit.motion), bit.motion.value, index if math.isfinite(index) else None)

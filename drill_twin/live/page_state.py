@@ -162,19 +162,16 @@ class PageState:
             self._on_scene(raw)
 
     def _on_motion(self, raw: bytes) -> None:
-        bit = ""
         for motion in decode_motion(raw)[1]:
             if motion.subject == STRING_LEVEL:
                 self._motion = {"state": _short(motion.state), "criterion": _short(motion.criterion)}
-            elif motion.subject == BIT:
-                bit = _short(motion.state)
-            else:
+            elif motion.subject != BIT:
                 self._mark(motion.subject)["motion"] = _short(motion.state)
         upright = self._scene is not None and not self._scene["well"]["deviated"]
         clearances = self._scene["clearance"] if self._scene and upright else {}
         radii = ((mark.get("orbit"), clearances.get(name)) for name, mark in self._marks.items())
         shares = [radius / clearance for radius, clearance in radii if radius is not None and clearance]
-        self._supervision.motion(self._motion["state"], bit, max(shares, default=math.nan))
+        self._supervision.motion(self._motion["state"], max(shares, default=math.nan))
 
     def _mark(self, name: str) -> dict[str, Any]:
         if name not in self._marks and len(self._marks) >= _MOST_MARKS:

@@ -2,7 +2,7 @@
 """Web server of the live page: sends snapshots over a websocket, and receives requests of the sliders.
 
 One thread serves all browsers, a second one makes the snapshots and carries out requests. Clients and their queues are
-bounded; one that does not read is dropped. Requests can command a rig: `Access` decides whose are taken.
+bounded; one that does not read is dropped. Requests can command a rig: those of a page with the token are taken.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 from drill_twin.base.json_reader import JsonError, read_json
+from drill_twin.base.loopback import is_loopback
 from drill_twin.errors import DrillTwinError, RunError
-from drill_twin.live.access import WILDCARDS, Access, is_loopback, url
+from drill_twin.live.access import WILDCARDS, Access
 from drill_twin.live.page_files import file_response, page_files, response
 
 MOST_CLIENTS = 32
@@ -80,10 +81,11 @@ class PageServer:
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="snapshots")
         listener = _listener(host, port)
         self.port: int = listener.getsockname()[1]
-        self.url = url(host, self.port)
-        """Address of the page on this machine."""
-        self.remote_url = "" if is_loopback(listener.getsockname()[0]) else self._remote_url(host)
-        """Address for other machines, with the token that lets them command; empty if they cannot connect."""
+        self.url = self._access.url(host, self.port)
+        """Address of the page on this machine, with the token that lets it command."""
+        remote = socket.gethostname() if host in WILDCARDS else host
+        self.remote_url = "" if is_loopback(listener.getsockname()[0]) else self._access.url(remote, self.port)
+        """The same for other machines; empty if they cannot connect."""
         self._loop = asyncio.new_event_loop()
         self._over = asyncio.Event()
         self._thread = threading.Thread(target=self._run, args=(listener,), name="page", daemon=True)
@@ -100,10 +102,6 @@ class PageServer:
             self._loop.call_soon_threadsafe(self._over.set)
         self._thread.join(3.0 * _PATIENCE)
         self._worker.shutdown(wait=False, cancel_futures=True)
-
-    def _remote_url(self, host: str) -> str:
-        name = socket.gethostname() if host in WILDCARDS else host
-        return f"{url(name, self.port)}?token={self._access.token}"
 
     def _run(self, listener: socket.socket) -> None:
         with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
@@ -181,14 +179,18 @@ class PageServer:
             await _send(connection, self._text)
 
     async def _handle_requests(self, connection: ServerConnection) -> None:
-        peer = connection.remote_address
-        may = self._access.may_command(peer[0] if peer else "", connection.request.path if connection.request else "")
+        may = False
         async for request in connection:
             try:
                 content = _parsed(request)
+                if "token" in content:
+                    may = self._access.is_token(str(content["token"]))
                 if not may:
-                    raise DrillTwinError("expected the token of this page, found none; open the address with it")
-                await self._loop.run_in_executor(self._worker, self._on_request, content)
+                    raise DrillTwinError(
+                        "expected the token of this page; open the address that drill-twin watch printed"
+                    )
+                if "token" not in content:
+                    await self._loop.run_in_executor(self._worker, self._on_request, content)
                 answer = ""
             except DrillTwinError as error:
                 answer = str(error)
@@ -249,7 +251,7 @@ def _listener(host: str, port: int) -> socket.socket:
 
 
 def _parsed(request: str | bytes) -> Mapping[str, Any]:
-    """A request of the page: named finite numbers or booleans.
+    """A request of the page: named finite numbers or booleans, or the token alone.
 
     Raises:
         DrillTwinError: Anything else.
@@ -258,6 +260,8 @@ def _parsed(request: str | bytes) -> Mapping[str, Any]:
         content = read_json(request)
     except JsonError as error:
         raise DrillTwinError(f"expected JSON from the page, found {request[:40]!r}") from error
+    if isinstance(content, dict) and set(content) == {"token"} and isinstance(content["token"], str):
+        return content
     if not isinstance(content, dict) or not all(
         isinstance(value, bool) or (isinstance(value, int | float) and math.isfinite(value))
         for value in content.values()

@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from drill_twin.errors import DrillTwinError
-from drill_twin.gateway.quantities import Severity
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.live.alarms import Alarms
 from drill_twin.live.lamps import Lamp, stick_slip_lamp, whirl_lamp
 from drill_twin.live.limits import SIDES, Limits
 from drill_twin.live.trends import CHANNELS, Trends
+from drill_twin.whirl import StickSlip
 
 _LIMITS = {f"{channel}_{side}" for channel in CHANNELS for side in SIDES}
 _LEVELS = (Level.OK, Level.WARN, Level.ERROR)
@@ -33,15 +33,14 @@ class Supervision:
         self._recorded = recorded
         self.time: float | None = None
         """Simulated time of the last rig state [s]."""
-        self._severity = Severity()
-        self._index = math.nan
+        self._bit = StickSlip()
         self._motions: dict[str, str] = {}
         self.lamps = {"whirl": _UNKNOWN, "stick_slip": _UNKNOWN}
         """Lamps by name."""
 
     def begin(self, name: str) -> None:
         """Begin a run of a scene."""
-        self._severity, self._index, self.time = Severity(), math.nan, None
+        self._bit, self.time = StickSlip(), None
         self.limits.again()
         self.lamps = dict.fromkeys(self.lamps, _UNKNOWN)
         if not self._recorded:
@@ -53,23 +52,28 @@ class Supervision:
         """Use the state of the rig at a time [s]."""
         if self.time is not None and time < self.time:
             self.limits.again()
+            self._bit = StickSlip()
         self.time = time
         if not self._recorded:
             self.trends.push(time, values)
-        self._index = self._severity.push(time, values["bit_rps"])
+        self._bit.push(time, math.tau * values["bit_rps"], math.tau * values["rps"])
+        self._light("stick_slip", stick_slip_lamp(self._bit))
         for cause, text, beyond in self.limits.check(time, values):
             self.alarms.update(cause, Level.ERROR if beyond else Level.OK, text, time)
 
-    def motion(self, whirl: str, bit: str, radius_share: float) -> None:
-        """Use the motion states of string and bit, and the largest radius of an orbit over its clearance."""
-        self.lamps = {"whirl": whirl_lamp(whirl, radius_share), "stick_slip": stick_slip_lamp(bit, self._index)}
-        for name, lamp in self.lamps.items():
-            said = f"{name.replace('_', '-')}: {lamp.text}"
-            known = lamp.level is not None
-            told = known and self.alarms.update(name, _LEVELS[lamp.level or 0], said, self.time)
-            if not told and self._motions.get(name) != lamp.text:
-                self.alarms.note(said, self.time)
-            self._motions[name] = lamp.text
+    def motion(self, whirl: str, radius_share: float) -> None:
+        """Use the motion state of the string, and the largest radius of an orbit over its clearance."""
+        self._light("whirl", whirl_lamp(whirl, radius_share))
+
+    def _light(self, name: str, lamp: Lamp) -> None:
+        """Light a lamp, raise or end its alarm, and note a change of its motion."""
+        self.lamps[name] = lamp
+        said = f"{name.replace('_', '-')}: {lamp.text}"
+        known = lamp.level is not None
+        told = known and self.alarms.update(name, _LEVELS[lamp.level or 0], said, self.time)
+        if not told and self._motions.get(name) != lamp.text:
+            self.alarms.note(said, self.time)
+        self._motions[name] = lamp.text
 
     def estimate(self, level: int, text: str) -> None:
         """Use the level and the sentence of the estimator: an error is that model and measurements part."""
@@ -77,8 +81,8 @@ class Supervision:
         self.alarms.update("estimate", known, f"estimator: {text}", self.time)
 
     def no_findings(self) -> None:
-        """Put the lamps out: the analyzer is gone."""
-        self.lamps = dict.fromkeys(self.lamps, _UNKNOWN)
+        """Put the lamp of whirl out: the analyzer is gone."""
+        self.lamps["whirl"] = _UNKNOWN
 
     def nodes(self, rows: list[dict[str, Any]]) -> None:
         """Use the diagnostics of the nodes (`Sources.nodes`)."""

@@ -21,10 +21,6 @@ from drill_twin.whirl.motion.timeline import NO_WHIRL
 
 MARGIN = 0.05
 """Distance to the boundary that a set-point should have, as a share of the ranges."""
-SMOOTHING = 0.5
-"""Time over which set-points are smoothed [s]: the weight on bit swings with the whirl."""
-MOVED = 0.02
-"""Distance beyond which a whirl has a new place, as a share of the ranges."""
 _WHIRLS = frozenset(state.value for state in MotionState if state not in NO_WHIRL)
 FROM_REST, DIES = "whirl begins from rest", "an existing whirl dies"
 """Names of the two boundaries."""
@@ -180,43 +176,6 @@ class Adviser:
         if good and not late:
             return f"{where}: hold"
         return f"{where}: no calm set-point in its ranges, {low} to {high}"
-
-
-class Tracker:
-    """Set-points smoothed over time, how long a whirl has lasted at one of them, and whether the rotation stops."""
-
-    def __init__(self) -> None:
-        """Begin without a set-point."""
-        self.time = -math.inf
-        """Time of the last set-point [s]."""
-        self.weight = self.speed = math.nan
-        """Weight on bit [N] and speed [rad/s]."""
-        self._place = (math.nan, math.nan)
-        self._since = 0.0
-        self._stops = False
-
-    def take(self, time: float, weight: float, speed: float) -> None:
-        """Take the weight on bit [N] and the speed [rad/s] at a time [s]; one before the last begins anew."""
-        if time < self.time:
-            self.time = -math.inf
-        share = -math.expm1((self.time - time) / SMOOTHING)
-        if share == 1.0:
-            self.weight, self.speed = weight, speed
-        else:
-            self.weight += share * (weight - self.weight)
-            self.speed += share * (speed - self.speed)
-        self.time = time
-
-    def advise(self, adviser: Adviser, *, whirls: bool) -> Advice:
-        """Advice at the present set-point."""
-        plane = adviser.map.plane
-        place = plane.place(self.weight, self.speed)
-        if not (whirls and math.dist(place, self._place) < MOVED * plane.steps and self._since <= self.time):
-            self._place, self._since = place, self.time
-        seconds, stops = self.time - self._since, self._stops and whirls
-        advice = adviser.advise(self.weight, self.speed, whirls=whirls, seconds=seconds, stops=stops)
-        self._stops = whirls and advice.target is not None and advice.target.speed == 0.0
-        return advice
 
 
 def whirls_in(motion: str) -> bool:

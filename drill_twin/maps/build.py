@@ -10,6 +10,7 @@ from pathlib import Path
 from drill_twin import __version__
 from drill_twin.ensemble import Executor, Threads
 from drill_twin.errors import ArgumentError, SceneError
+from drill_twin.maps.check import check
 from drill_twin.maps.draws import draws_of
 from drill_twin.maps.journal import Journal
 from drill_twin.maps.operating_map import OperatingMap, digest_of
@@ -29,6 +30,7 @@ class Plan:
     Attributes:
         plane: Ranges and lattice.
         duration: Simulated time of a run from rest [s].
+        asked: Time for which a calm set-point must stay calm [s].
         seeds: Draws at boundaries, the first of them the scene as it is.
         vary: Least and largest value of uncertain numbers by key, and their unit: `(0.1, 0.3, "")` in SI.
         runs: Largest number of runs.
@@ -39,6 +41,7 @@ class Plan:
 
     plane: Plane
     duration: float
+    asked: float
     seeds: int = 1
     vary: Mapping[str, tuple[float, float, str]] = field(default_factory=dict)
     runs: int = 1500
@@ -67,24 +70,31 @@ def build_map(
     draws = draws_of(scene, plan.seeds, plan.vary)
     plane = plan.plane
     setup = {
-        "version": __version__, "scene": scene.to_yaml(), "duration": plan.duration,
+        "version": __version__, "scene": scene.to_yaml(), "duration": plan.duration, "time asked": plan.asked,
         "range of the weight on bit": list(plane.weight), "range of the speed": list(plane.speed),
         "lattice": plane.steps, "draws": [dict(draw) for draw in draws],
     }  # fmt: skip
     journal = Journal(folder / "runs.jsonl", setup) if folder is not None else None
-    runner = Runner(scene, plane, plan.duration, draws, plan.executor)
+    runner = Runner(scene, plane, plan.duration, plan.asked, draws, plan.executor)
     growth = growth_of(scene, plane) if plan.growth else None
-    search = Search(runner, journal, plan.runs, progress, growth)
+    search = Search(runner, journal, plan.runs, progress, None if growth is None else growth.lateral)
+    search.calm()
     search.onset()
     search.regimes()
     if draws:
         search.draws()
     if plan.hysteresis:
         search.end_of_whirl()
-    return OperatingMap(
-        scene.name, digest_of(scene), scene.to_yaml(), plane, plan.duration, draws, search.records, search.notes,
-        [] if growth is None else growth.tolist(),
-    )  # fmt: skip
+
+    def made() -> OperatingMap:
+        lateral, torsional = (None, None) if growth is None else growth
+        return OperatingMap(
+            scene.name, digest_of(scene), scene.to_yaml(), plane, plan.duration, draws, search.records, search.notes,
+            [] if lateral is None else lateral.tolist(), [] if torsional is None else torsional.tolist(), plan.asked,
+        )  # fmt: skip
+
+    check(search, made, plan.runs, len(draws))
+    return made()
 
 
 def _check(scene: Scene, plan: Plan) -> None:
@@ -97,6 +107,10 @@ def _check(scene: Scene, plan: Plan) -> None:
         raise SceneError(f"{scene.name}: expected marks on the string, from which its motion is judged, found none")
     if scene.rig.start == "whirl-state":
         raise SceneError(f'{scene.name}: expected a run from rest, found rig.start "whirl-state"; --set rig.start=axis')
+    if not plan.duration <= plan.asked <= 1e6:
+        raise ArgumentError(
+            f"calm for: expected a time from that of a run, {plan.duration:g} s, up to 1e6 s, found {plan.asked:g} s"
+        )
     for key in ("weight_on_bit", "rotation"):
         if getattr(scene.rig, key).shape == "table":
             raise SceneError(

@@ -15,28 +15,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Mask
-from drill_twin.base.json_reader import read_json
+from drill_twin.base.json_reader import ODD_DATA, read_json
+from drill_twin.base.proportions import proportion_interval
 from drill_twin.errors import ArgumentError, DrillTwinError
-from drill_twin.maps.plane import Labels, Node, Plane, Span, boundary, filled, largest_rectangle
+from drill_twin.maps.plane import UNKNOWN, Labels, Node, Plane, Span, boundary, filled, on_lattice
 from drill_twin.maps.regimes import REGIMES, Regime
-from drill_twin.maps.runs import Key, Record, length_of, values_of
+from drill_twin.maps.runs import FINER, Key, Record, values_of
+from drill_twin.maps.window import CONFIDENCE, Window, basis, cells_of, known_and_calm, rectangles, safe_cells
 from drill_twin.scene import Scene
 
-FORMAT = 1
+FORMAT = 2
 LARGEST_FILE = 256_000_000
 """Bytes of a file of a map."""
 LIKELY = 0.05
-"""Share of the draws that may whirl at a calm set-point."""
+"""Largest upper limit (95 %) of the chance of whirl at a calm set-point, once there are draws enough to show it."""
 _SET_BY_MAP = ("weight_on_bit", "rotation", "duration", "start", "table")
-
-
-class Window(NamedTuple):
-    """Rectangle of set-points."""
-
-    weight: Span
-    """Weight on bit [N]."""
-    speed: Span
-    """Speed [rad/s]."""
 
 
 class Margin(NamedTuple):
@@ -72,6 +65,8 @@ class OperatingMap:
         records: The runs.
         notes: What limits the map, as sentences.
         growth: Largest growth of a lateral mode at the nodes of an even grid [1/s]; empty where it does not apply.
+        torsional: The same of a motion about or along the axis; empty in the lateral form.
+        asked: Time for which a calm set-point must stay calm [s].
     """
 
     name: str
@@ -83,6 +78,8 @@ class OperatingMap:
     records: Mapping[Key, Record]
     notes: Sequence[str] = ()
     growth: Sequence[Sequence[float]] = field(default=())
+    torsional: Sequence[Sequence[float]] = field(default=())
+    asked: float = 0.0
 
     # --- fields over the lattice ----------------------------------------------------------------------------------
 
@@ -90,30 +87,41 @@ class OperatingMap:
     def regimes(self) -> Labels:
         """Code of the regime at each node, from the nearest run at the first draw."""
         labels = self.plane.labels()
-        for key, record in self.records.items():
-            if key.origin is None and key.draw == 0:
-                labels[key.node] = record.regime.code
+        for node, runs in self.runs_at_nodes.items():
+            labels[node] = runs[0].regime.code
         return filled(labels)
 
     @cached_property
-    def likelihood(self) -> Mapping[Node, float]:
-        """Share of the draws that whirl, at each node that has them."""
-        whirling: dict[Node, list[bool]] = {}
-        for key, record in self.records.items():
-            if key.origin is None:
-                whirling.setdefault(key.node, []).append(record.whirls)
-        return {node: sum(found) / len(found) for node, found in whirling.items() if len(found) > 1}
+    def runs_at_nodes(self) -> Mapping[Node, Sequence[Record]]:
+        """Runs from rest at each node that has them, the first draw first."""
+        runs: dict[Node, list[Record]] = {}
+        for key in sorted((key for key in self.records if key.searches), key=lambda key: key.draw):
+            runs.setdefault(key.node, []).append(self.records[key])
+        return runs
 
     @cached_property
     def whirls(self) -> Mask:
-        """Nodes at which the string whirls from rest, or would in more than `LIKELY` of the draws."""
+        """Nodes at which the string whirls from rest, or may in some draws.
+
+        With draws, the upper limit of the chance must be as low as `LIKELY`, or as low as so many draws can show. Runs
+        that failed say nothing of whirl.
+        """
         labels = self.plane.labels()
-        for key, record in self.records.items():
-            if key.origin is None and key.draw == 0:
-                labels[key.node] = record.whirls
-        for node, share in self.likelihood.items():
-            labels[node] = share > LIKELY
-        return np.asarray(filled(labels) == 1)
+        for node, runs in self.runs_at_nodes.items():
+            followed = [record for record in runs if record.regime is not Regime.FAILED]
+            count = sum(record.whirls for record in followed)
+            if followed:
+                most, least = (proportion_interval(k, len(followed), CONFIDENCE)[1] for k in (count, 0))
+                labels[node] = most > max(LIKELY, least)
+        return np.asarray(filled(labels) == 1) if (labels != UNKNOWN).any() else labels == 1
+
+    @cached_property
+    def known(self) -> Mask:
+        """Unit cells between runs of the search, shape (n, n); elsewhere the map shows the nearest run, no more."""
+        made = np.zeros((self.plane.steps + 1,) * 2, bool)
+        for node in self.runs_at_nodes:
+            made[node] = True
+        return known_and_calm(made, made)[0]
 
     @cached_property
     def keeps_whirling(self) -> Mask:
@@ -129,22 +137,65 @@ class OperatingMap:
 
     @property
     def calm(self) -> Mask:
-        """Nodes without whirl, with a bit that turns steadily."""
-        return np.asarray((self.regimes == Regime.SMOOTH.code) & ~self.whirls)
+        """Nodes that are smooth from rest in all draws, at which the straight string does not grow."""
+        calm = (self.regimes == Regime.SMOOTH.code) & ~self.whirls
+        if len(self.growth):
+            calm &= on_lattice(np.array(self.largest_growth), self.plane.steps) <= 0.0
+        return np.asarray(calm)
 
     @property
     def has_second_boundary(self) -> bool:
         """The map has runs in which a whirl may die."""
         return any(key.origin is not None for key in self.records)
 
+    @property
+    def largest_growth(self) -> Sequence[Sequence[float]]:
+        """Largest growth of any motion of the straight string at the nodes of an even grid [1/s]."""
+        return np.maximum(self.growth, self.torsional).tolist() if len(self.torsional) else self.growth
+
+    @property
+    def checks(self) -> Sequence[tuple[Key, Record]]:
+        """Runs of the whole time asked at set-points drawn in the windows."""
+        return [(key, record) for key, record in self.records.items() if key.finer > 1]
+
+    @property
+    def said_runs(self) -> str:
+        """Runs of the map, and checks, in words."""
+        checks = len(self.checks)
+        said = f"{len(self.records) - checks} runs, those from rest of {self.duration:g} s"
+        return f"{said}, and {checks} checks of {self.asked:g} s" if checks else said
+
+    @property
+    def clean_checks(self) -> int:
+        """Checks in the windows since the last one that was not smooth."""
+        count, inside = 0, cells_of(self)
+        for key, record in self.checks:
+            here = inside[tuple(np.minimum(key.node, self.plane.steps - 1))]
+            count = 0 if record.regime is not Regime.SMOOTH else count + int(here)
+        return count
+
     @cached_property
+    def window_nodes(self) -> Sequence[tuple[int, int, int, int]]:
+        """First and last node of each safe window along weight on bit and speed."""
+        return rectangles(safe_cells(self))
+
+    @property
+    def windows(self) -> Sequence[Window]:
+        """Safe windows (`drill_twin.maps.window`), the largest first; they may overlap."""
+        command = self.plane.command
+        return [
+            Window(*map(Span, command((i, j)), command((k, m)))) for i, k, j, m in self.window_nodes
+        ]  # fmt: skip
+
+    @property
     def window(self) -> Window | None:
-        """Largest rectangle of set-points at which the string is smooth from rest, and no whirl survives."""
-        found = largest_rectangle(self.calm & ~self.keeps_whirling)
-        if found is None:
-            return None
-        (low, slow), (high, fast) = (self.plane.command(node) for node in found)
-        return Window(Span(low, high), Span(slow, fast))
+        """Largest safe window."""
+        return next(iter(self.windows), None)
+
+    @property
+    def basis(self) -> Sequence[str]:
+        """Grounds of the windows, as sentences."""
+        return basis(self)
 
     def lines(self, flags: Mask) -> list[list[list[float]]]:
         """Boundary of flagged nodes: segments of two points, weight on bit [N] and speed [rad/s]."""
@@ -208,7 +259,6 @@ class OperatingMap:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON: what `from_dict` reads, and boundaries and window for other readers."""
-        window = self.window
         return {
             "format": FORMAT,
             "scene_name": self.name,
@@ -220,15 +270,19 @@ class OperatingMap:
             "regimes": [regime.value for regime in REGIMES],
             "draws": [dict(draw) for draw in self.draws],
             "notes": list(self.notes),
-            "safe_window": None if window is None else {
-                "weight_on_bit_N": list(window.weight), "rotation_rad_s": list(window.speed),
-            },
+            "calm_for_s": self.asked,
+            "safe_windows": [
+                {"weight_on_bit_N": list(window.weight), "rotation_rad_s": list(window.speed)}
+                for window in self.windows
+            ],
+            "windows_rest_on": list(self.basis),
             "onset_boundary": self.lines(self.whirls),
             "end_of_whirl_boundary": self.lines(self.keeps_whirling) if self.has_second_boundary else [],
             "growth": [list(row) for row in self.growth],
+            "torsional_growth": [list(row) for row in self.torsional],
             "runs": [
-                {"node": list(key.node), "draw": key.draw, "origin": None if key.origin is None else list(key.origin),
-                 **record.to_dict()}
+                {"node": [key.i, key.j], "draw": key.draw, "finer": key.finer,
+                 "origin": None if key.origin is None else list(key.origin), **record.to_dict()}
                 for key, record in self.records.items()
             ],
             "scene": self.scene,
@@ -239,7 +293,7 @@ class OperatingMap:
         """Inverse of `to_dict`.
 
         Raises:
-            KeyError, TypeError, ValueError, DrillTwinError: It is no map.
+            LookupError, TypeError, ValueError, AttributeError, OverflowError, DrillTwinError: It is no map.
         """
         if data["format"] != FORMAT:
             raise ValueError(f"format {data['format']}")
@@ -247,17 +301,18 @@ class OperatingMap:
                       int(data["steps"])).checked()  # fmt: skip
         records = {}
         for run in data["runs"]:
-            (i, j), draw, origin = run["node"], int(run["draw"]), run["origin"]
-            if not (0 <= i <= plane.steps and 0 <= j <= plane.steps):
+            (i, j), draw, origin, finer = run["node"], int(run["draw"]), run["origin"], int(run["finer"])
+            if finer not in {1, FINER} or not (0 <= i <= plane.steps * finer and 0 <= j <= plane.steps * finer):
                 raise ValueError(f"node {i}, {j}")
-            key = Key(int(i), int(j), draw, None if origin is None else (int(origin[0]), int(origin[1])))
+            key = Key(int(i), int(j), draw, None if origin is None else (int(origin[0]), int(origin[1])), finer)
             records[key] = Record.from_dict(
-                {name: value for name, value in run.items() if name not in {"node", "draw", "origin"}}
+                {name: value for name, value in run.items() if name not in {"node", "draw", "origin", "finer"}}
             )
-        if not any(key.origin is None and key.draw == 0 for key in records):
+        if not any(key.searches and key.draw == 0 for key in records):
             raise ValueError("no runs")
         return cls(str(data["scene_name"]), str(data["digest"]), str(data["scene"]), plane, float(data["duration_s"]),
-                   data["draws"], records, data["notes"], data["growth"])  # fmt: skip
+                   data["draws"], records, data["notes"], data["growth"], data["torsional_growth"],
+                   float(data["calm_for_s"]))  # fmt: skip
 
     def check_scene(self, scene: Scene) -> None:
         """Check that it is a map of a scene.
@@ -278,17 +333,20 @@ class OperatingMap:
 
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        columns = ("onset_s", "whirl_hz", "ratio", "bit", "radius", "wall_force", "torque_swing", "bending_stress")
+        columns = ("onset_s", "whirl_hz", "ratio", "bit", "radius", "wall_force", "torque_swing", "bending_stress",
+                   "growth", "bit_index", "top_index")  # fmt: skip
         varied = sorted({name for draw in self.draws for name in draw})
         writer.writerow((
-            "weight_on_bit_N", "rotation_rad_s", "draw", "from_weight_on_bit_N", "from_rotation_rad_s", *varied,
-            "regime", *columns, "failure",
+            "weight_on_bit_N", "rotation_rad_s", "duration_s", "draw", "from_weight_on_bit_N", "from_rotation_rad_s",
+            *varied, "regime", *columns, "failure",
         ))  # fmt: skip
         for key, record in self.records.items():
             origin = ("", "") if key.origin is None else self.plane.command(key.origin)
             plain = record.to_dict()
+            if record.regime is Regime.SMOOTH:  # the whirl that a run came from has died
+                plain.pop("onset_s", None)
             writer.writerow((
-                *self.plane.command(key.node), key.draw, *origin,
+                *self.plane.command(key.place), key.length(self.duration, self.asked), key.draw, *origin,
                 *(self.draws[key.draw].get(name, "") for name in varied),
                 record.regime.value, *(plain.get(name, "") for name in columns), record.failure,
             ))  # fmt: skip
@@ -298,8 +356,7 @@ class OperatingMap:
         """Command line that repeats a run of a scene."""
         values = values_of(self.plane, self.duration, key, self.draws if key.draw else ())
         changes = "".join(f" --set {_setting(name, value)}" for name, value in values.items())
-        length = self.duration * length_of(falling=key.origin is not None)
-        return f"drill-twin run {scene}{changes} --duration {length!r}"
+        return f"drill-twin run {scene}{changes} --duration {key.length(self.duration, self.asked)!r}"
 
 
 def _setting(name: str, value: float | str) -> str:
@@ -322,7 +379,7 @@ def read_map(file: str | Path) -> OperatingMap:
         return OperatingMap.from_dict(read_json(Path(file).read_bytes(), largest=LARGEST_FILE))
     except OSError as error:
         raise ArgumentError(f"{file}: cannot be read: {error.strerror or error}") from error
-    except (KeyError, TypeError, ValueError, DrillTwinError) as error:
+    except (*ODD_DATA, DrillTwinError) as error:
         raise ArgumentError(
             f"{file}: expected the map.json of `drill-twin map`, found another file ({type(error).__name__}: {error})"
         ) from error

@@ -36,6 +36,8 @@ def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:
         "version": __version__,
         "own": [rig.weight_on_bit.value, rig.rotation.value],
         "whirling": [regime.value for regime in REGIMES if regime.whirls],
+        "known": _digits(found.known),
+        "calm": _digits(found.calm),
         "growth_line": found.lines(grows(found)) if len(found.growth) else [],
         "commands": [found.command_of(key, scene) for key in found.records],
     }

@@ -162,21 +162,3 @@ def boundary(flags: Mask) -> Iterator[tuple[Array, Array]]:
         if len(crossings) == 4:
             crossings = [crossings[3], crossings[0], crossings[1], crossings[2]]
         yield from zip(crossings[::2], crossings[1::2], strict=True)
-
-
-def largest_rectangle(flags: Mask) -> tuple[Node, Node] | None:
-    """Largest rectangle of flagged nodes, by its area in steps; its corners, or None where it has no area."""
-    best: tuple[int, tuple[Node, Node] | None] = (0, None)
-    heights = np.zeros(flags.shape[1], int)
-    for i, row in enumerate(flags):
-        heights = np.where(row, heights + 1, 0)
-        for j in range(heights.size):
-            least = int(heights[j])
-            for k in range(j, -1, -1):
-                least = min(least, int(heights[k]))
-                if least < 2:
-                    break
-                area = (least - 1) * (j - k)
-                if area > best[0]:
-                    best = (area, ((i - least + 1, k), (i, j)))
-    return best[1]

@@ -7,6 +7,8 @@ growth rate at which whirl begins is taken from the runs, not to be zero.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from drill_twin.base.arrays import Array
@@ -18,16 +20,31 @@ GROWTH_POINTS = 33
 """Points of the map of growth rates along each range."""
 
 
-def growth_of(scene: Scene, plane: Plane) -> Array | None:
-    """Largest growth of a lateral mode [1/s] on an even grid over the plane; None where the string has no such map."""
+class Growth(NamedTuple):
+    """Largest growth rates on even grids over the plane."""
+
+    lateral: Array
+    """Of a lateral mode [1/s]: onset of whirl."""
+    torsional: Array | None
+    """Of a motion about or along the axis [1/s]: onset of stick-slip; None in the lateral form."""
+
+    @property
+    def largest(self) -> Array:
+        """The larger of the two [1/s]."""
+        return self.lateral if self.torsional is None else np.maximum(self.lateral, self.torsional)
+
+
+def growth_of(scene: Scene, plane: Plane) -> Growth | None:
+    """Largest growth rates over the plane; None where the string has no such map."""
     from drill_twin.rotordynamics.equations import EquationsOfMotion
     from drill_twin.rotordynamics.growth_map import growth_map
 
     weights, speeds = (np.linspace(span.low, span.high, GROWTH_POINTS) for span in (plane.weight, plane.speed))
     try:
-        return growth_map(EquationsOfMotion(scene), weights, speeds).lateral
+        found = growth_map(EquationsOfMotion(scene), weights, speeds)
     except DrillTwinError:  # a hole that is not vertical, an effect that depends on time, no balance
         return None
+    return Growth(found.lateral, found.torsional)
 
 
 def expected(growth: Array, labels: Labels) -> Labels | None:

@@ -5,25 +5,54 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from enum import Enum
+from typing import NamedTuple
 
 from drill_twin.whirl import MotionState, Summary
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.motion.stick_slip import BitMotion
+from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE, STUCK
 from drill_twin.whirl.motion.timeline import NO_WHIRL
 
 BUCKLED_RADIUS = 0.25
 """Least radius of a mark, over its clearance, of a string that is buckled and does not whirl."""
+
+BEHIND = 0.05
+"""Least difference of the mean speeds of bit and top drive, over the latter, of a string that still winds up."""
+
+
+class Torsion(NamedTuple):
+    """Speeds of bit and top drive over the last time base of the stick-slip index."""
+
+    severity: float
+    """Larger stick-slip index of the two."""
+    bit: float
+    top: float
+    """Mean speeds [rad/s]."""
+
+    @property
+    def sticks(self) -> bool:
+        """The bit comes to rest between its peaks, or stands while the top drive turns."""
+        return self.top != 0.0 and (self.severity >= FULL or abs(self.bit) < STUCK * abs(self.top))
+
+    @property
+    def winds(self) -> bool:
+        """Bit and top drive turn at different mean speeds."""
+        return abs(self.bit - self.top) > BEHIND * abs(self.top)
 
 
 class Regime(Enum):
     """Motion of the string at the end of a run; the order is that of the codes in a map."""
 
     SMOOTH = "smooth"
-    """No whirl, and the bit turns steadily or in small torsional vibration."""
+    """No whirl, nothing that grows, and bit and top drive turn steadily."""
+    VIBRATION = "torsional vibration"
+    """No whirl; the speed of bit or top drive swings by a stick-slip index of `MODERATE` or more."""
     STICK_SLIP = "stick-slip"
-    """No whirl, and the bit sticks and slips."""
+    """No whirl; the bit comes to rest between its peaks, or stands."""
     BUCKLED = "buckled without whirl"
     """No whirl, vertical hole: the string is bent by more than `BUCKLED_RADIUS`, and spins about its bent shape."""
+    UNSETTLED = "not settled"
+    """No whirl at the end, but a motion that grows, or a whirl that began and ended: a longer run decides."""
     FORWARD = "forward whirl"
     """Regular whirl with the rotation, in any shape."""
     BACKWARD = "backward whirl or rolling"
@@ -40,13 +69,14 @@ class Regime(Enum):
 
     @property
     def whirls(self) -> bool:
-        """The string whirls; a run that could not be followed counts as one, for it is nothing to choose."""
-        return self in {Regime.FORWARD, Regime.BACKWARD, Regime.IRREGULAR, Regime.FAILED}
+        """The string whirls."""
+        return self in {Regime.FORWARD, Regime.BACKWARD, Regime.IRREGULAR}
 
 
 REGIMES = tuple(Regime)
 _CODES = {regime: code for code, regime in enumerate(REGIMES)}
 _BY_STATE = {
+    MotionState.SYNCHRONOUS_WHIRL: Regime.FORWARD,
     MotionState.FORWARD_WHIRL: Regime.FORWARD,
     MotionState.REVERSE_WHIRL: Regime.BACKWARD,
     MotionState.ROLLING: Regime.BACKWARD,
@@ -54,19 +84,27 @@ _BY_STATE = {
 }
 
 
-def regime_of(summary: Summary, radius_shares: Iterable[float], *, vertical: bool) -> Regime:
+def regime_of(
+    summary: Summary, radius_shares: Iterable[float], torsion: Torsion, *, vertical: bool, grows: bool
+) -> Regime:
     """Regime at the end of a run.
 
     Args:
         summary: Its findings.
         radius_shares: Largest radius of each mark over its clearance, late in the run.
+        torsion: Speeds of bit and top drive late in the run.
         vertical: Whether the hole is vertical, so that a string off the axis is a buckled one.
+        grows: Whether a motion grows that would not be calm in the time asked.
     """
     state = summary.motion[-1].state if summary.motion else MotionState.AT_REST
     ratio = summary.mode_ratio or 0.0
     stands = abs(ratio) < Criteria().standing_ratio and state is not MotionState.IRREGULAR
-    if state in NO_WHIRL or state is MotionState.NOT_OBSERVABLE or stands:
-        if summary.bit is BitMotion.STICK_SLIP:
-            return Regime.STICK_SLIP
-        return Regime.BUCKLED if vertical and max(radius_shares, default=0.0) > BUCKLED_RADIUS else Regime.SMOOTH
-    return _BY_STATE.get(state, Regime.FORWARD if ratio > 0.0 else Regime.BACKWARD)
+    if not (state in NO_WHIRL or state is MotionState.NOT_OBSERVABLE or stands):
+        return _BY_STATE.get(state, Regime.FORWARD if ratio > 0.0 else Regime.BACKWARD)
+    if summary.bit in {BitMotion.STICK_SLIP, BitMotion.STANDS} or torsion.sticks:
+        return Regime.STICK_SLIP
+    if vertical and max(radius_shares, default=0.0) > BUCKLED_RADIUS:
+        return Regime.BUCKLED
+    if torsion.severity >= MODERATE:
+        return Regime.VIBRATION
+    return Regime.UNSETTLED if grows else Regime.SMOOTH

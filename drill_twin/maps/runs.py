@@ -17,8 +17,11 @@ from drill_twin.ensemble.outputs import Request
 from drill_twin.ensemble.run import Run
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.maps.plane import Node, Plane
-from drill_twin.maps.regimes import Regime, regime_of
+from drill_twin.maps.regimes import Regime, Torsion, regime_of
+from drill_twin.maps.trend import Trend
 from drill_twin.scene import Scene
+from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.motion.stick_slip_index import MODERATE, TIME_BASE
 
 WEIGHT, SPEED = "rig.weight_on_bit", "rig.rotation"
 HOLD, RAMP, STAY = 1.0, 0.25, 1.25
@@ -27,7 +30,9 @@ ORBIT = 120
 """Samples kept of the last orbit."""
 ORBIT_RATE = 25.0
 """Largest rate of those samples [Hz]."""
-OUTPUTS = ("findings", "last_half", "marks")
+OUTPUTS = ("findings", "last_half", "settling", "marks")
+FINER = 64
+"""Places of a check in each step of the lattice."""
 
 
 class Key(NamedTuple):
@@ -39,11 +44,27 @@ class Key(NamedTuple):
     """0: the scene as it is; others: other seeds and uncertain numbers."""
     origin: Node | None = None
     """Whirling node that the run comes from; None: from rest."""
+    finer: int = 1
+    """Above 1: a check, a run of the time asked at i and j of so many parts of a step."""
 
     @property
     def node(self) -> Node:
-        """Its node."""
-        return self.i, self.j
+        """Its node; of a check, the nearest one below."""
+        return self.i // self.finer, self.j // self.finer
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Its place on the lattice, in steps."""
+        return self.i / self.finer, self.j / self.finer
+
+    @property
+    def searches(self) -> bool:
+        """It is a run from rest at a node."""
+        return self.origin is None and self.finer == 1
+
+    def length(self, duration: float, asked: float) -> float:
+        """Simulated time [s], from that of a run from rest and the time asked."""
+        return asked if self.finer > 1 else duration if self.origin is None else (HOLD + RAMP + STAY) * duration
 
 
 @dataclass(frozen=True)
@@ -67,6 +88,11 @@ class Record:
     """Largest less smallest torque of the top drive [N m], last half of the run."""
     bending_stress: float = math.nan
     """Largest bending stress at the end of the run [Pa]."""
+    growth: float = math.nan
+    """Growth of the lateral motion that neither rests nor turns with the string, at the end [1/s]."""
+    bit_index: float = math.nan
+    top_index: float = math.nan
+    """Stick-slip index of bit and top drive at the end."""
     failure: str = ""
     """The reason why it could not be followed."""
     orbit: tuple[tuple[int, int], ...] = ()
@@ -101,6 +127,7 @@ class Runner:
         scene: The base scene.
         plane: Its plane.
         duration: Simulated time of a run from rest [s].
+        asked: Time for which a calm set-point must stay calm [s]: what grows is extrapolated to it.
         draws: Values of seed and uncertain numbers by key, one mapping a draw; empty without draws.
         executor: Place where they are run.
     """
@@ -108,28 +135,28 @@ class Runner:
     scene: Scene
     plane: Plane
     duration: float
+    asked: float
     draws: Sequence[Mapping[str, float | str]]
     executor: Executor
 
     def run(self, keys: Sequence[Key]) -> Generator[tuple[Key, Record]]:
-        """Run them, and yield each as it ends; those from rest first, for they last differently."""
-        for falling in (False, True):
-            group = [key for key in keys if (key.origin is not None) == falling]
-            if group:
-                rows = [values_of(self.plane, self.duration, key, self.draws) for key in group]
-                members = expand(self.scene, {name: [row[name] for row in rows] for name in rows[0]}, zipped=True)
-                request = self._request(self.duration * length_of(falling=falling))
-                with closing(self.executor.run(members, request)) as ended:
-                    for number, run in ended:
-                        yield group[number], self._record(run)
+        """Run them, and yield each as it ends; those of one length together, those from rest first."""
+        for kind in sorted({(key.finer, key.origin is not None) for key in keys}):
+            group = [key for key in keys if (key.finer, key.origin is not None) == kind]
+            length = group[0].length(self.duration, self.asked)
+            rows = [values_of(self.plane, self.duration, key, self.draws) for key in group]
+            members = expand(self.scene, {name: [row[name] for row in rows] for name in rows[0]}, zipped=True)
+            with closing(self.executor.run(members, self._request(length))) as ended:
+                for number, run in ended:
+                    yield group[number], self._record(run, group[number])
 
     def _request(self, duration: float) -> Request:
-        period = round(NANOSECONDS / self.scene.numerics.frame_rate)
+        period = self.scene.numerics.frame_period_ns
         frames = max(1, math.ceil(duration * NANOSECONDS / period - 0.5))
         every = max(1, round(self.scene.numerics.frame_rate / ORBIT_RATE))
         return Request(OUTPUTS, seconds(period), frames, every)
 
-    def _record(self, run: Run) -> Record:
+    def _record(self, run: Run, key: Key) -> Record:
         if run.failure or not run.values:
             return Record(Regime.FAILED, failure=run.failure or "no frame was computed")
         values = {name: variable.value for name, variable in run.values.items()}
@@ -140,10 +167,22 @@ class Runner:
         onset, hz, ratio = (
             number_or_nan(found) for found in (summary.onset_s, summary.mode_frequency_hz, summary.mode_ratio)
         )
+        length, index = key.length(self.duration, self.asked), values["stick_slip_index"]
+        torsion = Torsion(float(index[1].max()), *values["mean_speed"].tolist())
+        lateral = Trend(values["lateral_rest"][0] / clearance, values["lateral_rest"][1] / clearance, length / 4.0)
+        twist = Trend(index[0], index[1], min(float(TIME_BASE), length / 4.0))
+        ahead = max(self.asked - length, 0.0)
+        grows = (
+            torsion.winds
+            or lateral.reaches(Criteria().onset_radius, ahead)
+            or twist.reaches(MODERATE, ahead)
+            or (key.origin is None and math.isfinite(onset))
+        )
         return Record(
-            regime_of(summary, shares, vertical=is_vertical(self.scene)),
+            regime_of(summary, shares, torsion, vertical=is_vertical(self.scene), grows=grows),
             onset, hz, ratio, summary.bit.value, float(shares.max()),
             float(values["wall_force_late"]), float(values["torque_swing_late"]), float(values["bending_stress_end"]),
+            lateral.rate, float(index[1, 0]), float(index[1, 1]),
             orbit=tuple((int(x), int(y)) for x, y in orbit[np.isfinite(orbit).all(axis=1)]),
         )  # fmt: skip
 
@@ -153,7 +192,7 @@ def values_of(
 ) -> dict[str, float | str]:
     """Values in which a run differs from the base scene, in SI."""
     values: dict[str, float | str] = {}
-    for axis, (name, value) in enumerate(zip((WEIGHT, SPEED), plane.command(key.node), strict=True)):
+    for axis, (name, value) in enumerate(zip((WEIGHT, SPEED), plane.command(key.place), strict=True)):
         values[f"{name}.value"] = value
         if key.origin is not None:
             values |= {
@@ -161,11 +200,6 @@ def values_of(
                 f"{name}.start": HOLD * duration, f"{name}.duration": RAMP * duration,
             }  # fmt: skip
     return values | dict(draws[key.draw] if draws else {})
-
-
-def length_of(*, falling: bool) -> float:
-    """Length of a run over that of one from rest."""
-    return HOLD + RAMP + STAY if falling else 1.0
 
 
 def is_vertical(scene: Scene) -> bool:

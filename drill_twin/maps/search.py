@@ -16,6 +16,7 @@ from drill_twin.base.arrays import Array
 from drill_twin.maps.journal import Journal
 from drill_twin.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_known, wanted
 from drill_twin.maps.prior import expected
+from drill_twin.maps.regimes import Regime
 from drill_twin.maps.runs import HOLD, Key, Record, Runner
 
 ONSET_CELLS, COARSE = 8, 16
@@ -25,12 +26,17 @@ FEW_RUNS, FEW_CELLS = 200, 4
 REGIME_CELLS = 32
 """Cells along each range down to which boundaries between other regimes are followed, and where draws are made."""
 FEW = 3
-"""Draws after the first by which a node is judged; the others follow where they differ from it."""
+"""Draws after the first that are made along the onset; where none of them whirls, all others follow."""
 EARLY = 0.8
 """Share of the duration within which a whirl must begin to be one that a run can come from."""
 
 Progress = Callable[[str, int, int], None]
 """Takes the phase, the runs that have ended, and the number expected by now."""
+
+
+def whirl_label(record: Record) -> int:
+    """Label of a run in the search for the onset: 0 without whirl, 1 with whirl, 2 not known, for it failed."""
+    return 2 if record.regime is Regime.FAILED else int(record.whirls)
 
 
 class Search:
@@ -63,27 +69,35 @@ class Search:
 
     # --- phases ---------------------------------------------------------------------------------------------------
 
+    def calm(self) -> None:
+        """Find where the string is smooth, to a 32nd of the ranges: the safe windows need it first."""
+        finest = max(1, self._steps // REGIME_CELLS)
+        self._refine("calm", lambda record: int(record.regime is Regime.SMOOTH), FEW_CELLS, finest)
+
     def onset(self) -> None:
         """Find where whirl begins from rest, to one step of the lattice."""
-        self._refine("onset of whirl", lambda record: int(record.whirls), self._first, 1, self._growth)
+        self._refine("onset of whirl", whirl_label, self._first, 1, self._growth)
 
     def regimes(self) -> None:
         """Find the boundaries between all regimes."""
         self._refine("regimes", lambda record: record.regime.code, self._others, max(1, self._steps // REGIME_CELLS))
 
     def draws(self) -> None:
-        """Repeat the runs along the onset with other seeds and numbers, all of them where the first few differ."""
+        """Repeat the runs along the onset with other seeds and numbers: a few at each node, all where none whirls.
+
+        Where one of a few whirls, the chance is above what is asked, however many more would be made.
+        """
         count, size = len(self._runner.draws), max(1, self._steps // REGIME_CELLS)
-        labels = self._labels(lambda record: int(record.whirls))
-        for number, few in enumerate((True, False)):
-            numbers = range(1, min(FEW + 1, count)) if few else range(FEW + 1, count)
+        labels = self._labels(whirl_label)
+        for numbers in (range(1, min(FEW + 1, count)), range(FEW + 1, count)):
             while True:
-                nodes = [node for node in self._beside(labels, size) if few or self._unsure(node)]
-                if not self._make("draws", [Key(*node, draw) for node in nodes for draw in numbers]):
+                nodes = [node for node in self._beside(labels, size) if not self._draw_whirls(node)]
+                made = self.make("draws", [Key(*node, draw) for node in nodes for draw in numbers])
+                for node in nodes:  # a node that whirls in some draws is a boundary too
+                    labels[node] = 1 if self._draw_whirls(node) else labels[node]
+                if not made:
                     break
-                for node in nodes:  # an unsure node is a boundary too
-                    labels[node] = 2 if self._unsure(node) else labels[node]
-                if number == 0 and self._nothing_changes():
+                if numbers.start == 1 and self._nothing_changes():
                     self.notes.append("seeds and varied numbers change no run of this scene: one draw is enough")
                     return
 
@@ -97,14 +111,14 @@ class Search:
             self.notes.append("no whirl was found that could die")
             return
         origins = nearest_known(whirling == 1)
-        calm = self._labels(lambda record: int(record.whirls))
+        calm = self._labels(whirl_label)
         known = calm != UNKNOWN
         nearest = calm[tuple(nearest_known(known))]
         size = max(1, self._steps // (4 * self._others))
         labels = np.where(nearest == 1, 1, UNKNOWN).astype(np.int8)
         while nodes := wanted(labels, max(1, self._steps // self._others), size):
             keys = [Key(*node, 0, (int(origins[0][node]), int(origins[1][node]))) for node in nodes]
-            if not self._make("end of whirl", keys):
+            if not self.make("end of whirl", keys):
                 break
             for key in keys:
                 if key in self.records:
@@ -128,7 +142,7 @@ class Search:
         return HOLD * self._runner.duration
 
     def _from_rest(self) -> Iterable[tuple[Key, Record]]:
-        return [(key, record) for key, record in self.records.items() if key.origin is None and key.draw == 0]
+        return [(key, record) for key, record in self.records.items() if key.searches and key.draw == 0]
 
     def _labels(self, label: Callable[[Record], int]) -> Labels:
         labels = self._plane.labels()
@@ -144,7 +158,7 @@ class Search:
             labels = self._labels(label)
             hint = None if growth is None else expected(growth, labels)
             nodes = wanted(labels, coarse, finest, hint, hinted)
-            if not nodes or not self._make(phase, [Key(*node) for node in nodes]):
+            if not nodes or not self.make(phase, [Key(*node) for node in nodes]):
                 return
 
     def _beside(self, labels: Labels, size: int) -> list[Node]:
@@ -158,19 +172,25 @@ class Search:
                     found.update(dict.fromkeys((a, b) for a in (i, i + size) for b in (j, j + size)))
         return [node for node in found if Key(*node) in self.records]
 
-    def _unsure(self, node: Node) -> bool:
-        """The first draws at a node do not agree whether it whirls."""
-        made = [self.records[key] for draw in range(FEW + 1) if (key := Key(*node, draw)) in self.records]
-        return len({record.whirls for record in made}) > 1
+    def _draw_whirls(self, node: Node) -> bool:
+        """A draw at a node whirls."""
+        made = (self.records.get(Key(*node, draw)) for draw in range(max(1, len(self._runner.draws))))
+        return any(record is not None and record.whirls for record in made)
 
     def _nothing_changes(self) -> bool:
         drawn = [key for key in self.records if key.draw]
         return bool(drawn) and all(self.records[key] == self.records[Key(key.i, key.j)] for key in drawn)
 
-    def _make(self, phase: str, keys: Sequence[Key]) -> bool:
-        """Make runs, or take them from the journal; False where none is new, or no more may be made."""
+    def make(self, phase: str, keys: Sequence[Key], *, beyond: bool = False) -> bool:
+        """Make runs, or take them from the journal; False where none is new, or no more may be made.
+
+        Args:
+            phase: Phase of the search.
+            keys: The runs.
+            beyond: They do not count against the largest number of runs.
+        """
         new = [key for key in dict.fromkeys(keys) if key not in self.records]
-        room = self._budget - len(self.records)
+        room = len(new) if beyond else self._budget - len(self.records)
         if len(new) > room:
             note = f"stopped at {self._budget} runs in the search for the {phase}; more with --runs"
             self.notes.extend([note] if note not in self.notes else [])

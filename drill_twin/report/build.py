@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drill_twin.errors import BagError
-from drill_twin.report.figures import FIGURES
+from drill_twin.report.figures import FIGURES, left_out
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.summary import summarise, to_json
 
@@ -26,7 +26,7 @@ class ReportFiles:
     summary: Path
     """`summary.json`."""
     figures: dict[str, Path]
-    """PNG files by name."""
+    """PNG files by name; without those that the recording cannot fill."""
 
 
 def _ignore(part: str) -> None:
@@ -61,7 +61,9 @@ def build_report(
         summary["whirl_states"] = near_states(recording, summary)
     folder = Path(out_dir)
     files = ReportFiles(
-        folder / "report.html", folder / "summary.json", {name: folder / f"{name}.png" for name in FIGURES}
+        folder / "report.html",
+        folder / "summary.json",
+        {name: folder / f"{name}.png" for name in FIGURES if name not in left_out(recording)},
     )
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,13 +17,13 @@ from drill_twin.errors import RunError, SceneError
 from drill_twin.report.recording import Recording
 from drill_twin.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion, without
 from drill_twin.rotordynamics.growth_map import growth_map
-from drill_twin.rotordynamics.steady.whirl_states import WhirlState, whirl_states
+from drill_twin.rotordynamics.steady.refinement import refined
+from drill_twin.rotordynamics.steady.whirl_states import SPATIAL_EFFECTS, WhirlState, lateral_form, search
 from drill_twin.scene import Scene
-from drill_twin.scene.load import build_scene
 from drill_twin.schedule.command import Command
 
-SECONDS = 30.0
-"""Processor time after which the search for states ends [s]."""
+EVALUATIONS = 150_000
+"""Of the equations, after which the search for states ends: half a minute of a core on a mesh of 24 elements."""
 ELEMENTS = 24
 """Most elements of the mesh on which states are computed."""
 LAST = 1.0 / 3.0
@@ -47,10 +48,13 @@ def near_states(bag: Recording, summary: dict[str, Any]) -> dict[str, Any]:
     try:
         scene, command = _lateral(bag, notes), _command(bag)
         equations = EquationsOfMotion(scene)
-        states = whirl_states(equations, command, seconds=SECONDS)
+        found = search(equations, command, evaluations=EVALUATIONS)
+        states = tuple(_checked(scene, state) for state in found.states)
         axis = growth_map(equations, np.array([command.weight_on_bit]), np.array([command.rotation])).lateral[0, 0]
     except (SceneError, RunError) as error:
         return {"notes": [f"no whirl states: {error}"]}
+    if not found.is_whole:
+        notes.append(f"the search for states was cut short after {EVALUATIONS:,} evaluations: others may exist")
     findings = [
         {"finding": "onset of whirl", "state": None, "sentence": _leaves(float(axis), "the string on the axis")}
     ]
@@ -64,9 +68,7 @@ def near_states(bag: Recording, summary: dict[str, Any]) -> dict[str, Any]:
                 "kind": state.kind,
                 "frequency_hz": state.frequency,
                 "ratio": state.ratio,
-                "stable": state.is_stable,
-                "growth_per_s": state.growth,
-                "growth_frequency_hz": state.growth_frequency,
+                **state.stability(),
             }
             for state in states
         ],
@@ -82,12 +84,19 @@ def _lateral(bag: Recording, notes: list[str]) -> Scene:
         raise SceneError("expected a bag whose scene is known, found another; give it with --scene")
     scene = bag.scene
     shaken = [key for key in scene.effect_names if key in TIME_DEPENDENT]
-    if shaken:
-        notes.append(f"states are those without {', '.join(shaken)}")
-    own = without(scene, shaken)
     finest = min(ELEMENTS, bag.nodes - 1) if bag.nodes else ELEMENTS
-    form: dict[str, float | str] = {"effects.stretch": "off", "effects.torsion": "off", "numerics.elements": finest}
-    return build_scene(own.model_dump(mode="json", exclude_none=True), name=scene.name, overrides=form)
+    own = lateral_form(without(scene, shaken), finest)
+    left_out = [key for key in scene.effect_names if key not in {*own.effect_names, *SPATIAL_EFFECTS}]
+    if left_out:
+        notes.append(f"states are those without {', '.join(left_out)}")
+    return own
+
+
+def _checked(scene: Scene, state: WhirlState) -> WhirlState:
+    """A state with the whirl speed of the run's mesh, the growth of finer ones, and the difference of both meshes."""
+    fine = refined(scene, state)
+    change = max(fine.growth_change, abs(fine.growth - state.growth))
+    return replace(state, spectrum=fine.spectrum, growth_change=change, lost_at=fine.lost_at)
 
 
 def _command(bag: Recording) -> Command:
@@ -118,7 +127,12 @@ def _placed(name: str, frequency: float, command: Command, states: tuple[WhirlSt
     if nearest is not None and abs(states[nearest].frequency - frequency) < NEAR * abs(rotation):
         state = states[nearest]
         what = f"the {state.kind} whirl at {state.frequency:+.3f} Hz"
-        return found | {"state": nearest, "sentence": f"near {_leaves(state.growth, what, state.growth_frequency)}"}
+        sentence = _leaves(state.growth, what, state.growth_frequency)
+        if state.verdict not in {"stable", "unstable"}:
+            sentence = (
+                f"{what}, whose stability is not determined: finer meshes change the sign of its growth, or lose it"
+            )
+        return found | {"state": nearest, "sentence": f"near {sentence}"}
     if abs(frequency - rotation) < NEAR * abs(rotation):
         return found | {"sentence": "at the rotation: bow and eccentricity turn with it"}
     if nearest is None:
@@ -136,11 +150,15 @@ def _leaves(growth: float, what: str, frequency: float = 0.0) -> str:
 
 def _conclusion(findings: list[dict[str, Any]], states: tuple[WhirlState, ...]) -> str:
     """Reason why the whirl settled where it did."""
-    stable = [k for k, state in enumerate(states) if state.is_stable]
+    stable = [k for k, state in enumerate(states) if state.verdict == "stable"]
     near = {found["state"] for found in findings if found["state"] is not None}
     others = ", ".join(f"{states[k].frequency:+.3f} Hz" for k in stable if k not in near)
+    if near.intersection(k for k, state in enumerate(states) if state.verdict == "not determined"):
+        return "the whirl is at a steady one whose stability is not determined"
     if not stable:
-        return "none of the steady whirls found is stable, so the string cannot settle in one of them"
+        if all(state.verdict == "unstable" for state in states):
+            return "none of the steady whirls found is stable, so the string cannot settle in one of them"
+        return "none of the steady whirls found is known to be stable"
     if near & set(stable):
         if others:
             return f"the whirl is a stable one; another start can lead to the other stable whirls at {others}"

@@ -13,7 +13,7 @@ import numpy as np
 
 from drill_twin.io.bag.reader import Bag
 from drill_twin.report.quantities.fatigue import fatigue
-from drill_twin.report.quantities.loads import loads
+from drill_twin.report.quantities.loads import applied, loads
 from drill_twin.report.quantities.precession import precession
 from drill_twin.report.quantities.wall_depth import soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
@@ -48,9 +48,12 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `max_radius_m`: largest distance of the centre line from the hole's axis by mark [m].
         * `motion`, `mark_motion`: timelines of the motion states, each with start and end, criterion and confidence.
         * `whirl_observable`: whether the bag has positions of marks.
-        * `bit`, `stick_slip`: motion of the bit at the end, and its stretches of stick-slip; `bit_spectral_peak_hz`:
-          the highest line in the spectrum of its speed.
+        * `bit`, `stick_slip_index`, `largest_stick_slip_index`: motion of the bit at the end, its stick-slip index over
+          the last 20 s and the largest; `stick_slip`: stretches of stick-slip; `bit_spectral_peak_hz`: the highest line
+          in the spectrum of the bit's speed.
         * `sub`: from a downhole sub, impacts and stick-slip (`drill_twin.whirl.findings.SubFindings`); None for marks.
+        * `applied`: `mean`, `min` and `max` of weight on bit [N] and rotation of the top drive [rad/s] over the second
+          half; `load_at`: where the scene has the weight applied, `bit`, `top` or `block`.
         * `loads`: `mean`, `min` and `max` of weight on bit, hookload and drag [N] and of the torques of top drive and
           bit [N m] (`drill_twin.report.quantities.loads`).
         * `fatigue`: by section of the effect `fatigue`, stress, cycles, damage and time to a damage of 1
@@ -101,9 +104,13 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         "motion": timeline(found.motion, bag.duration),
         "mark_motion": {mark: timeline(periods, bag.duration) for mark, periods in found.mark_motion.items()},
         "bit": found.bit,
+        "stick_slip_index": found.stick_slip_index,
+        "largest_stick_slip_index": found.largest_stick_slip_index,
         "stick_slip": [{**asdict(period), "frequency_hz": period.frequency_hz} for period in found.stick_slip],
         "bit_spectral_peak_hz": bit_peak(bag),
         "sub": None if found.sub is None else asdict(found.sub),
+        "applied": applied(bag),
+        "load_at": bag.scene.rig.weight_on_bit.at if bag.scene_known else None,
         "loads": loads(bag),
         "fatigue": fatigue(bag),
         "wall": wall,

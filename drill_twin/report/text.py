@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from drill_twin.whirl import MotionState
+from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
 
 Summary = Mapping[str, Any]
 Row = tuple[str, str]
@@ -15,6 +17,10 @@ _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States that only the string has, by its shape."""
 KILO = 5000.0
 """Force [N], torque [N m] or force per length [N/m] from which the unit has a k before it."""
+ON_THE_WALL = 1.005
+"""Share of the clearance from which the penetration of the wall is told."""
+_VARIES = 0.05
+"""Range of a set-point, over its mean, from which it is given."""
 _STRETCHES = 5
 """Most periods of stick-slip with a row of their own."""
 
@@ -26,9 +32,38 @@ The error of this run's element count and step was not measured in this run; com
 smaller step before relying on a third digit.
 After the onset the motion can be chaotic: two runs that differ in anything share their statistics (onset, frequency, \
 largest radius), not their paths.
-The marks move with the string and have no mass of their own; sensors, their noise and their delays are not modelled.
+The marks move with the string and have no mass of their own; their positions are exact, without \
+the errors of instruments.
 """.splitlines()
 """Limits of validity, below the figures of the page."""
+
+
+def applied(summary: Summary) -> str:
+    """Sentence on weight on bit and rotation as they were applied."""
+    found = summary["applied"]
+    weight, speed = found["weight_on_bit_n"], found["rotation_rad_s"]
+    parts = []
+    if weight is not None:
+        parts.append(f"weight on bit {_over_time(weight, 'N')}{_at_top(summary)}")
+    if speed is not None:
+        turns = {key: value / math.tau for key, value in speed.items()}
+        parts.append(f"top drive at {_over_time(turns, 'rev/s')} ({_over_time(turns, 'rpm', 60.0)})")
+    of = "run" if summary["scene"] else "recording"
+    return f"Second half of the {of}: {', '.join(parts) or 'no weight and no speed were recorded'}."
+
+
+def _over_time(found: Mapping[str, float], unit: str, scale: float = 1.0) -> str:
+    """Mean with its unit, and the range where it is wider than a twentieth."""
+    mean, least, most = (scale * found[key] for key in ("mean", "min", "max"))
+    if unit == "N" and max(-least, most) >= KILO:
+        mean, least, most, unit = 1e-3 * mean, 1e-3 * least, 1e-3 * most, "kN"
+    varies = most - least > _VARIES * abs(mean)
+    return f"{mean:.4g} {unit}{f' on average, {least:.4g} to {most:.4g} {unit}' if varies else ''}"
+
+
+def _at_top(summary: Summary) -> str:
+    """Place at which the load is applied, if that is not the bit."""
+    return " (load applied at the top: the weight of the string adds to it)" if summary["load_at"] == "top" else ""
 
 
 def findings(summary: Summary) -> Iterator[Row]:
@@ -36,7 +71,7 @@ def findings(summary: Summary) -> Iterator[Row]:
     if not summary["whirl_observable"]:
         yield "whirl", "not observable: no positions of marks"
         yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
-        yield from _loads(summary)
+        yield from load_rows(summary)
         yield from _fatigue(summary)
         yield from _bit(summary)
         return
@@ -48,10 +83,10 @@ def findings(summary: Summary) -> Iterator[Row]:
     yield "precession / rotation", _ratio(summary)
     yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
     for mark, value in summary["max_radius_m"].items():
-        yield f"largest radius, {mark}", _radius(value, summary["clearance_m"].get(mark))
+        yield f"largest radius, {mark}", radius_text(value, summary["clearance_m"].get(mark))
     yield from _states(summary)
     yield from _wall(summary)
-    yield from _loads(summary)
+    yield from load_rows(summary)
     yield from _fatigue(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
     yield from _bit(summary)
@@ -79,9 +114,10 @@ def _wall(summary: Summary) -> Iterator[Row]:
         yield "deepest in the wall", f"{millimetres(found['deepest_m'])} ({share}), {place}{at_rest}"
 
 
-def _loads(summary: Summary) -> Iterator[Row]:
-    """Rows on hookload, torque and drag."""
+def load_rows(summary: Summary) -> Iterator[Row]:
+    """Rows on weight on bit, hookload, torque and drag."""
     for name, key, unit in (
+        ("weight on bit", "weight_on_bit_n", "N"),
         ("hookload", "hookload_n", "N"),
         ("drag", "drag_n", "N"),
         ("torque of the top drive", "top_drive_torque_nm", "N m"),
@@ -125,6 +161,9 @@ def duration_text(seconds: float) -> str:
 def _bit(summary: Summary) -> Iterator[Row]:
     """Rows on the rotation of the bit."""
     yield "bit at the end", summary["bit"]
+    if summary["largest_stick_slip_index"] is not None:
+        last, most = (_number(summary[key], "{:.2f}") for key in ("stick_slip_index", "largest_stick_slip_index"))
+        yield "stick-slip index", f"{last} over the last {TIME_BASE} s, {most} at most"
     for stretch in summary["stick_slip"][:_STRETCHES]:
         words = (
             f"{stretch['start_s']:.2f} to {stretch['end_s']:.2f} s: {stretch['cycles']} cycles of "
@@ -271,12 +310,15 @@ def _ratio(summary: Summary) -> str:
     return ", ".join(found) or "unknown"
 
 
-def _radius(value: float | None, clearance: float | None) -> str:
+def radius_text(value: float | None, clearance: float | None) -> str:
     """Largest radius of a mark [m] as text, with its share of the clearance [m]."""
     if value is None:
         return "not seen"
-    share = f" ({100.0 * value / clearance:.0f} % of the clearance)" if clearance else ""
-    return f"{millimetres(value)}{share}"
+    if not clearance:
+        return millimetres(value)
+    if value > ON_THE_WALL * clearance:
+        return f"{millimetres(value)} (on the wall, {value / clearance - 1.0:.1%} of the clearance into it)"
+    return f"{millimetres(value)} ({value / clearance:.0%} of the clearance)"
 
 
 def millimetres(value: float) -> str:

@@ -8,7 +8,9 @@ separate nodes, so other nodes can observe, command and record the twin.
 from __future__ import annotations
 
 import importlib
+import math
 import threading
+import time
 from collections.abc import Sequence
 from typing import ClassVar
 
@@ -41,6 +43,8 @@ class NodeThread:
 
     def __init__(self, node: TwinNode, failed: StopRequest) -> None:
         self.error: BaseException | None = None
+        self.failed_at = math.inf
+        """Wall time of the error [s]; infinite without one."""
         self._node, self._failed, self._stop = node, failed, StopRequest()
         self._thread = threading.Thread(target=self._run, name=node.NAME)
         self._thread.start()
@@ -49,7 +53,7 @@ class NodeThread:
         try:
             run_in_order(self._node, self._stop)
         except BaseException as error:  # noqa: BLE001 - handed to the main thread by `end`
-            self.error = error
+            self.error, self.failed_at = error, time.monotonic()
             self._failed.set()
 
     def end(self) -> None:
@@ -66,6 +70,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
         return
     context = init_context(arguments, stop)
     threads: list[NodeThread] = []
+    failed_at = math.inf
     try:
         with stop.at_once(), readable_refusal():
             record = ComposedTwin(context, other_parameters=tuple(table))
@@ -81,11 +86,14 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
         # Ended in this order: subscribers after publishers.
         threads = [NodeThread(node, stop) for node in (driver, *nodes)]
         run_in_order(simulator, stop)
+    except BaseException:
+        failed_at = time.monotonic()
+        raise
     finally:
         for thread in threads:
             thread.end()
         context.try_shutdown()
         # The first error is the cause; the others were stopped because of it.
-        for thread in threads:
-            if thread.error is not None:
-                raise thread.error
+        first = min(threads, key=lambda thread: thread.failed_at, default=None)
+        if first is not None and first.error is not None and first.failed_at < failed_at:
+            raise first.error

@@ -221,7 +221,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
         try:
             print(f"the twin of ROS_DOMAIN_ID={context.get_domain_id()} at {server.url}", flush=True)
             if server.remote_url:
-                print(f"on other machines, to command: {server.remote_url}", flush=True)
+                print(f"on other machines: {server.remote_url}", flush=True)
             if viewers is not None:
                 print(f"for Foxglove: {viewers.url}", flush=True)
             if not given.no_browser:

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgbsv
+from scipy.sparse import csc_array
 
 from drill_twin.base.arrays import Array, Mask
 
@@ -48,6 +50,10 @@ class BlockRows:
         matrix = np.zeros((self.unknowns, self.unknowns))
         matrix[self.row, self.column] = self.entries(blocks)
         return matrix
+
+    def sparse(self, blocks: Array) -> Any:
+        """As `dense`, a sparse matrix."""
+        return csc_array((self.entries(blocks), (self.row, self.column)), shape=(self.unknowns, self.unknowns))
 
     def entries(self, blocks: Array) -> Array:
         """Entries of the matrix of the free unknowns, at `row` and `column`."""

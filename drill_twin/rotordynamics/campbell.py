@@ -13,7 +13,7 @@ from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.errors import RunError
 from drill_twin.rotordynamics.eigenvalues import Pencil, damped_modes
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.modes import balance, bit_unknowns, is_vertical
+from drill_twin.rotordynamics.modes import balance, is_vertical
 from drill_twin.rotordynamics.turning_frame import TurningFrame
 from drill_twin.schedule.command import Command
 
@@ -41,7 +41,9 @@ def mac(first: ComplexArray, second: ComplexArray) -> Array:
     return result
 
 
-def campbell(equations: EquationsOfMotion, weight_on_bit: float, speeds: Array, count: int = 6) -> Campbell:
+def campbell(
+    equations: EquationsOfMotion, weight_on_bit: float, speeds: Array, count: int = 6, numbered_at: float | None = None
+) -> Campbell:
     """Follow the lateral modes of the string on the axis over the speed of rotation.
 
     Args:
@@ -49,6 +51,7 @@ def campbell(equations: EquationsOfMotion, weight_on_bit: float, speeds: Array, 
         weight_on_bit: [N].
         speeds: [rad/s], shape (p,), in order.
         count: Modes, the lowest at the first speed.
+        numbered_at: Speed [rad/s] at which they are the lowest, in their order, instead; the nearest of `speeds`.
 
     Raises:
         RunError: The hole is not vertical, or there is no balance.
@@ -60,19 +63,25 @@ def campbell(equations: EquationsOfMotion, weight_on_bit: float, speeds: Array, 
         )
     frame = TurningFrame(equations)
     values = np.zeros((speeds.size, count), dtype=complex)
+    first = 0 if numbered_at is None else int(np.argmin(np.abs(speeds - numbered_at)))
     shapes: ComplexArray | None = None
-    for k, speed in enumerate(speeds):
-        system = balance(equations, Command(weight_on_bit, float(speed))).system
+    at_first: ComplexArray | None = None
+    for k in (*range(first, speeds.size), *range(first - 1, -1, -1)):
+        system = balance(equations, Command(weight_on_bit, float(speeds[k]))).system
         pencil = Pencil(*(frame.as_complex(matrix) for matrix in system.matrices))
-        found, vectors = damped_modes(pencil, bit_unknowns(equations, frame))
+        found, vectors = damped_modes(pencil)
         order = np.argsort(np.abs(found))[: count + SPARE]
         found, vectors = found[order], vectors[frame.at_node][:, order]
-        if shapes is None:
+        beside = k - 1 if k > first else k + 1
+        if shapes is None or at_first is None:
             chosen = np.arange(count)
+            at_first = vectors[:, chosen]
         else:
+            if k == first - 1:
+                shapes = at_first
             # one shape belongs to two eigenvalues, forward and backward: the nearer of equal shapes
-            scale = np.abs(values[k - 1]).max()
-            apart = np.abs(values[k - 1][:, None] - found[None, :]) / scale
+            scale = np.abs(values[beside]).max()
+            apart = np.abs(values[beside][:, None] - found[None, :]) / scale
             chosen = linear_sum_assignment(1.0 - mac(shapes, vectors) + apart)[1]
         values[k], shapes = found[chosen], vectors[:, chosen]
     return Campbell(weight_on_bit, speeds, values, critical_speeds(speeds, values))

@@ -11,9 +11,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 
 from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.rotordynamics.eigenvalues import BASIS, MOST_UNKNOWNS, Numbers, Pencil, undamped_basis
+from drill_twin.rotordynamics.eigenvalues import MOST_UNKNOWNS, Numbers, Pencil, as_dense, nearest_to_zero
 
 POINTS = 40
 """Intervals of the collocation: eigenvalues of up to about this size over the delay are converged."""
@@ -49,31 +50,28 @@ def differentiation(points: int) -> Array:
     return np.asarray(matrix - np.diag(matrix.sum(axis=1)))
 
 
-def delayed_eigenvalues(pencil: Pencil, delay: Delay, points: int = POINTS) -> tuple[ComplexArray, ComplexArray]:
-    """Eigenvalues [rad/s] and their shapes as columns, shape (m, k), without the neutral one.
+def delayed_modes(pencil: Pencil, delay: Delay, points: int = POINTS) -> tuple[ComplexArray, ComplexArray]:
+    """Eigenvalues [rad/s] and their shapes as columns, shape (m, k), without the neutral one; few of a large problem.
 
     Args:
-        pencil: Real matrices; the stiffness includes b c^T.
+        pencil: Real matrices, full or sparse; the stiffness includes b c^T.
         delay: The delayed force.
         points: Intervals of the collocation.
     """
     m = pencil.mass.shape[0]
     transport = 2.0 / delay.time * differentiation(points)[1:]
-    state = np.zeros((2 * m + points, 2 * m + points))
-    state[:m, m : 2 * m] = np.eye(m)
-    right = np.hstack([-pencil.stiffness.real, -pencil.damping.real, delay.force[:, None]])
-    solved = np.linalg.solve(pencil.mass.real, right)
-    state[m : 2 * m, : 2 * m], state[m : 2 * m, -1] = solved[:, :-1], solved[:, -1]
-    state[2 * m :, :m], state[2 * m :, 2 * m :] = np.outer(transport[:, 0], delay.arm), transport[:, 1:]
-    values, vectors = np.linalg.eig(state)
+    unit, force, arm = sp.eye_array(m), np.zeros((m, points)), np.zeros((points, m))
+    force[:, -1] = delay.force
+    arm[:] = np.outer(transport[:, 0], delay.arm)
+    left = sp.block_array([
+        [None, unit, None],
+        [sp.csc_array(-pencil.stiffness), sp.csc_array(-pencil.damping), sp.csc_array(force)],
+        [sp.csc_array(arm), None, sp.csc_array(transport[:, 1:])],
+    ])  # fmt: skip
+    right = sp.block_diag([unit, sp.csc_array(pencil.mass), sp.eye_array(points)])
+    if m <= MOST_UNKNOWNS:
+        values, vectors = np.linalg.eig(np.linalg.solve(as_dense(right), as_dense(left)))
+    else:
+        values, vectors = nearest_to_zero(left, right)
     kept = np.abs(values) * delay.time > NEUTRAL
     return values[kept], vectors[:m, kept]
-
-
-def delayed_modes(pencil: Pencil, delay: Delay) -> tuple[ComplexArray, ComplexArray]:
-    """As `delayed_eigenvalues`; a large problem on a basis of its lowest undamped modes."""
-    if pencil.mass.shape[0] <= MOST_UNKNOWNS:
-        return delayed_eigenvalues(pencil, delay)
-    basis = undamped_basis(pencil, BASIS, loaded=np.flatnonzero(delay.force))
-    values, vectors = delayed_eigenvalues(pencil.on(basis), delay.on(basis))
-    return values, basis @ vectors

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Eigenvalues of M s^2 + C s + K, in full or on a basis of undamped modes."""
+"""Eigenvalues of M s^2 + C s + K: all of them, those nearest to zero, or on a basis of undamped modes."""
 
 from __future__ import annotations
 
@@ -7,24 +7,29 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
+import scipy.sparse
+import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.errors import RunError
 
 Numbers = NDArray[np.int64]
 """Numbers of unknowns."""
 MOST_UNKNOWNS = 250
-"""Size from which the problem is reduced to a basis."""
-BASIS = 60
-"""Undamped modes in that basis."""
+"""Size from which only the eigenvalues nearest to zero are computed."""
+NEAREST = 160
+"""Number of these."""
+SHIFT = 0.01
+"""Point that they are nearest to [rad/s]: not zero, where a string that may turn or advance freely is singular."""
 
 
 class Pencil(NamedTuple):
-    """Mass, damping and stiffness, real or complex, shape (m, m) each."""
+    """Mass, damping and stiffness, real or complex, shape (m, m) each; sparse ones for `damped_modes` alone."""
 
-    mass: NDArray[Any]
-    damping: NDArray[Any]
-    stiffness: NDArray[Any]
+    mass: Any
+    damping: Any
+    stiffness: Any
 
     def on(self, basis: Array) -> Pencil:
         """Galerkin projection on the columns of a real basis."""
@@ -77,10 +82,50 @@ def _first_order(pencil: Pencil) -> NDArray[Any]:
     return state
 
 
-def damped_modes(pencil: Pencil, loaded: Numbers | None = None) -> tuple[ComplexArray, ComplexArray]:
-    """As `eigenvalues`; a large problem on a basis of its lowest undamped modes."""
-    if pencil.mass.shape[0] <= MOST_UNKNOWNS:
-        return eigenvalues(pencil)
-    basis = undamped_basis(pencil, BASIS, loaded)
-    values, vectors = eigenvalues(pencil.on(basis))
-    return values, basis @ vectors
+def damped_modes(pencil: Pencil) -> tuple[ComplexArray, ComplexArray]:
+    """As `eigenvalues`; of a large problem those nearest to zero.
+
+    No basis of undamped modes will do for it: friction on the wall couples the stiff motion into the wall with the soft
+    one along it, and the symmetric part of such a stiffness has a large negative eigenvalue at each point of contact.
+
+    Raises:
+        RunError: The iteration does not converge.
+    """
+    size = pencil.mass.shape[0]
+    if size <= MOST_UNKNOWNS:
+        return eigenvalues(Pencil(*(as_dense(matrix) for matrix in pencil)))
+    unit = scipy.sparse.eye_array(size)
+    left = scipy.sparse.block_array([[None, unit], [-_sparse(pencil.stiffness), -_sparse(pencil.damping)]])
+    values, vectors = nearest_to_zero(left, scipy.sparse.block_diag([unit, _sparse(pencil.mass)]))
+    return values, vectors[:size]
+
+
+def nearest_to_zero(left: Any, right: Any, count: int = NEAREST) -> tuple[ComplexArray, ComplexArray]:
+    """Eigenvalues s of A z = s B z nearest to zero, and their vectors as columns: Arnoldi's method, shifted, inverted.
+
+    Args:
+        left: A, sparse, shape (k, k).
+        right: B.
+        count: Number of eigenvalues.
+
+    Raises:
+        RunError: The iteration does not converge.
+    """
+    size = left.shape[0]
+    inverse = scipy.sparse.linalg.splu((left - SHIFT * right).tocsc())
+    kind = np.result_type(left.dtype, right.dtype)
+    operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=lambda z: inverse.solve(right @ z), dtype=kind)
+    try:
+        values, vectors = scipy.sparse.linalg.eigs(operator, k=min(count, size - 2), v0=np.ones(size, kind))
+    except scipy.sparse.linalg.ArpackError as error:
+        raise RunError(f"expected the modes of the string, found none: {error}; try other elements") from error
+    return SHIFT + 1.0 / values, vectors
+
+
+def as_dense(matrix: Any) -> NDArray[Any]:
+    """The full matrix of a sparse or full one."""
+    return np.asarray(matrix.toarray() if scipy.sparse.issparse(matrix) else matrix)
+
+
+def _sparse(matrix: Any) -> Any:
+    return scipy.sparse.csc_array(matrix)

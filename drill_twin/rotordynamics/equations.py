@@ -80,6 +80,12 @@ class Linearised:
         """Mass, damping and stiffness."""
         return self.mass, self.damping, self.stiffness
 
+    @property
+    def sparse(self) -> tuple[Any, Any, Any]:
+        """The same as sparse matrices, for a long string."""
+        mass, damping, stiffness = (self.rows.sparse(self.tangents[which]) for which in (MASS, DAMPING, STIFFNESS))
+        return mass, damping, stiffness
+
 
 def without(scene: Scene, effects: Sequence[str]) -> Scene:
     """The scene without some of its effects.
@@ -98,6 +104,11 @@ def without(scene: Scene, effects: Sequence[str]) -> Scene:
                 f"--without {needed}: expected no effect that needs it, found {key}; --without {key} leaves it out too"
             )
     return scene.model_copy(update={"effects": scene.effects.model_copy(update=dict.fromkeys(effects))})
+
+
+def meshed(scene: Scene, elements: int) -> Scene:
+    """The scene with another number of elements."""
+    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"elements": elements})})
 
 
 def refuse_time_dependent(scene: Scene) -> None:
@@ -138,6 +149,7 @@ class EquationsOfMotion:
         block_rows: Operations on block rows of the tangents.
         unknowns: Number m of free unknowns.
         constrained: Mask of the constrained unknowns of bit and top, shape (2, 7).
+        evaluations: How often they have been evaluated: the work of a search, whatever else the machine does.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -168,6 +180,7 @@ class EquationsOfMotion:
         self.unknowns = int(self.free.sum())
         self.block_rows = BlockRows(self.free, self.columns)
         self._entry: Any = None
+        self.evaluations = 0
         arrays = [
             array
             for key, names in IMPERFECTIONS.items()
@@ -243,7 +256,8 @@ class EquationsOfMotion:
             Residual, shape (n + 1, k), and mass, damping and stiffness as block rows [lower, own, upper], shape
             (3, n + 1, k, 3 k), with k unknowns a node; those of the bit are in its frame (`bit_frame`).
         """
-        self._work.command[:] = command.weight_on_bit, command.rotation
+        self.evaluations += 1
+        self._work.command[:] = command.values
         drive = self.parameters.drive
         drive.memory[LAG] = -u[-1, SPIN]  # the angle that the drive's controller has integrated
         drive.bit.now[WEIGHT] = drive.bit.now[INITIAL] = self._bit_weight(command)

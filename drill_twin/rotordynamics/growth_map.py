@@ -10,7 +10,7 @@ import numpy as np
 
 from drill_twin.base.arrays import Array
 from drill_twin.errors import RunError
-from drill_twin.rotordynamics.delayed import delayed_eigenvalues
+from drill_twin.rotordynamics.delayed import delayed_modes
 from drill_twin.rotordynamics.eigenvalues import Pencil, eigenvalues, undamped_basis
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.modes import balance, bit_unknowns, is_vertical
@@ -90,7 +90,7 @@ def growth_map(
             if torsional is not None:
                 basis, moving = bases[1], about.on(bases[1])
                 delayed = None if delay is None else delay.of(frame.rest).on(basis)
-                found = eigenvalues(moving) if delayed is None else delayed_eigenvalues(moving, delayed)
+                found = eigenvalues(moving) if delayed is None else delayed_modes(moving, delayed)
                 torsional[i, k] = found[0].real.max()
         if progress is not None:
             progress(i + 1)

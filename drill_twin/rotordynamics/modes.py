@@ -14,19 +14,23 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from drill_twin.base.arrays import Array, ComplexArray
 from drill_twin.errors import RunError
 from drill_twin.rotordynamics.delayed import Delay, delayed_modes
-from drill_twin.rotordynamics.eigenvalues import Numbers, Pencil, damped_modes
+from drill_twin.rotordynamics.eigenvalues import MOST_UNKNOWNS, Numbers, Pencil, damped_modes
 from drill_twin.rotordynamics.equations import EquationsOfMotion, Linearised
 from drill_twin.rotordynamics.turning_frame import TurningFrame
 from drill_twin.schedule.command import Command
+from drill_twin.solver.linearisation import STIFFNESS
 
 NEWTON_STEPS = 30
 NEWTON_TOLERANCE = 1e-9
 LATERAL, TORSIONAL, AXIAL = "lateral", "torsional", "axial"
 COUNT = 12
+CREEP = 1e-6
+"""Largest frequency over the size of an eigenvalue of a motion without oscillation."""
 
 Resting = Callable[[Command], Array]
 """Rows of the string in static balance under a command, twisted by the torques on it."""
@@ -41,6 +45,10 @@ class Mode(NamedTuple):
     """Growth [1/s] and angular frequency [rad/s]; positive in the sense of rotation for lateral modes on the axis."""
     shape: ComplexArray
     """x + i y [m], angle [rad] or displacement along the axis [m] at the nodes from the bit, largest 1; (n + 1,)."""
+    number: int = 0
+    """Among the modes of its kind, by the size of the eigenvalue, from 1."""
+    change: complex = complex(math.nan, math.nan)
+    """Change of the eigenvalue on a mesh twice as fine; NaN: not known."""
 
     @property
     def growth(self) -> float:
@@ -51,6 +59,11 @@ class Mode(NamedTuple):
     def frequency(self) -> float:
         """Frequency [Hz], with the sign of the eigenvalue."""
         return self.eigenvalue.imag / math.tau
+
+    @property
+    def is_creep(self) -> bool:
+        """True for a decay without oscillation, as of a short wave under much damping of the material."""
+        return self.growth < 0.0 and abs(self.eigenvalue.imag) <= CREEP * abs(self.eigenvalue)
 
     @property
     def damping_ratio(self) -> float:
@@ -74,7 +87,14 @@ class ModeTable(NamedTuple):
     on_axis: bool
     """True if the string is on the axis of the hole, so that frequencies of lateral modes have a sense."""
     modes: tuple[Mode, ...]
-    """Lateral, then torsional, then axial; each by the size of the eigenvalue."""
+    """Lateral, then torsional, then axial; each the lowest by the size of the eigenvalue, and the one that grows
+    fastest; in a large string fewer of some kind."""
+    growing: dict[str, int]
+    """Number of modes that grow, by kind."""
+    creeping: dict[str, float]
+    """Decay [1/s] of the slowest motion without oscillation, by kind, where there are some. They are no modes."""
+    reach: float
+    """Size of the eigenvalues up to which all are computed [rad/s]; less than infinity in a large string."""
 
     def of(self, kind: str) -> tuple[Mode, ...]:
         """Modes of one kind."""
@@ -111,7 +131,7 @@ def balance(equations: EquationsOfMotion, command: Command, resting: Resting | N
         system = equations.evaluate(command, u, v, still)
         if not system.residual.any():
             return Balance(command, u, system)
-        step = np.asarray(-np.linalg.solve(system.stiffness, system.residual), np.float64)
+        step = -system.rows.solve(system.tangents[STIFFNESS], system.residual)
         u = u + equations.rows(step)
         size = float(np.abs(step).max())
         if size < NEWTON_TOLERANCE * equations.scene.length:
@@ -141,27 +161,56 @@ def modes(
     """
     found = balance(equations, command, resting)
     frame, system = TurningFrame(equations), found.system
-    pencil, delay = Pencil(*system.matrices), equations.delay(command)
+    pencil = Pencil(*(system.matrices if is_vertical(equations) else system.sparse))
+    delay = equations.delay(command)
     on_axis = is_vertical(equations) and all(frame.is_isotropic(matrix) for matrix in pencil)
     if on_axis:
         all_modes = _lateral(equations, frame, pencil)
+        reach = _reach(all_modes, frame.x.size)
         if frame.rest.size:
             part = np.ix_(frame.rest, frame.rest)
             about = delay if delay is None else delay.of(frame.rest)
-            all_modes += _real(equations, frame.rest, Pencil(*(matrix[part] for matrix in pencil)), about)
+            others = _real(equations, frame.rest, Pencil(*(matrix[part] for matrix in pencil)), about)
+            all_modes, reach = all_modes + others, min(reach, _reach(others, frame.rest.size))
     else:
         all_modes = _real(equations, np.arange(equations.unknowns), pencil, delay)
+        reach = _reach(all_modes, equations.unknowns)
+    kept: list[Mode] = []
+    growing: dict[str, int] = {}
+    creeping: dict[str, float] = {}
+    for kind in (LATERAL, TORSIONAL, AXIAL):
+        own = sorted((mode for mode in all_modes if mode.kind == kind), key=lambda mode: abs(mode.eigenvalue))
+        swinging = [mode for mode in own if not mode.is_creep]
+        numbered = [mode._replace(number=number) for number, mode in enumerate(swinging, 1)]
+        fastest = max(numbered, key=lambda mode: mode.growth, default=None)
+        kept += [mode for mode in numbered if mode.number <= count or (mode is fastest and mode.growth > 0.0)]
+        growing[kind] = sum(mode.growth > 0.0 for mode in numbered)
+        if slowest := [-mode.growth for mode in own if mode.is_creep]:
+            creeping[kind] = min(slowest)
+    return ModeTable(found, on_axis, tuple(kept), growing, creeping, reach)
+
+
+def compared(table: ModeTable, finer: ModeTable) -> ModeTable:
+    """The table with the change of each eigenvalue to the nearest one of its kind on a finer mesh."""
     kept: list[Mode] = []
     for kind in (LATERAL, TORSIONAL, AXIAL):
-        own = (mode for mode in all_modes if mode.kind == kind)
-        kept += sorted(own, key=lambda mode: abs(mode.eigenvalue))[:count]
-    return ModeTable(found, on_axis, tuple(kept))
+        own, others = table.of(kind), finer.of(kind)
+        apart = np.array([[other.eigenvalue - mode.eigenvalue for other in others] for mode in own])
+        pairs = zip(*linear_sum_assignment(np.abs(apart)), strict=True) if apart.size else ()
+        change = {row: complex(apart[row, column]) for row, column in pairs}
+        kept += [mode._replace(change=change.get(row, mode.change)) for row, mode in enumerate(own)]
+    return table._replace(modes=tuple(kept))
+
+
+def _reach(found: list[Mode], size: int) -> float:
+    """Size of the largest eigenvalue where only those nearest to zero are computed [rad/s]; else infinity."""
+    return max(abs(mode.eigenvalue) for mode in found) if size > MOST_UNKNOWNS else math.inf
 
 
 def _lateral(equations: EquationsOfMotion, frame: TurningFrame, pencil: Pencil) -> list[Mode]:
     """Modes on z = x + i y."""
     whirl = Pencil(*(frame.as_complex(matrix) for matrix in pencil))
-    values, vectors = damped_modes(whirl, loaded=bit_unknowns(equations, frame))
+    values, vectors = damped_modes(whirl)
     shapes = np.zeros((equations.free.shape[0], values.size), dtype=complex)
     shapes[equations.free[:, 0]] = vectors[frame.at_node]
     return [Mode(LATERAL, complex(value), normed(shapes[:, k])) for k, value in enumerate(values)]

@@ -19,6 +19,7 @@ from collections.abc import Callable
 from drill_twin.base.process.child_environment import child_environment
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.monitor.run_timing import EffectTiming
+from drill_twin.runner.compile_share import CompileShare
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.solver.compile_events import NotCachedError, from_cache_only
@@ -69,6 +70,7 @@ def compile_kernel(
 def first_frame(scene: Scene, period: float, *, time_effects: bool, analysis: bool = False) -> None:
     """Call everything that a run of the scene calls, once."""
     twin = Twin(scene)
+    twin.load()
     twin.advance(Command(*scene.rig.first), period)
     if time_effects:
         EffectTiming(twin)
@@ -78,10 +80,12 @@ def first_frame(scene: Scene, period: float, *, time_effects: bool, analysis: bo
 
 def _compile_in_child(scene: Scene, period: float, progress: Progress, *, time_effects: bool) -> None:
     """Fill the cache in a child process; where that is not possible, report so and return."""
-    if permanent_folder() is None:
+    folder = permanent_folder()
+    if folder is None:
         progress(f"{COMPILING} in this process: the folder of compiled kernels cannot be written to")
         return
-    progress(f"{COMPILING}, once for this set of effects: ten seconds to half a minute")
+    share, began = CompileShare(folder), time.monotonic()
+    progress(f"{COMPILING}, once for this set of effects: {share.before}")
     with tempfile.TemporaryFile() as given:
         pickle.dump((scene, period, time_effects), given)
         given.seek(0)
@@ -95,21 +99,23 @@ def _compile_in_child(scene: Scene, period: float, progress: Progress, *, time_e
             start_new_session=True,  # Ctrl-C reaches this process only
         )
     try:
-        _follow(child, progress)
+        _follow(child, lambda functions: progress(f"{COMPILING}: {share.text(functions, time.monotonic() - began)}"))
     finally:
         child.kill()
         child.communicate()
-    if child.returncode:
+    if child.returncode == 0:
+        share.save(time.monotonic() - began)
+    else:
         progress(f"{COMPILING} in this process: the one that should do it ended with code {child.returncode}")
 
 
-def _follow(child: subprocess.Popen[bytes], progress: Progress) -> None:
-    """Report the functions that a child has compiled, until it ends: it writes a byte for each."""
-    began, functions, pipe = time.monotonic(), 0, child.stdout
+def _follow(child: subprocess.Popen[bytes], report: Callable[[int], None]) -> None:
+    """Report the number of functions that a child has compiled, until it ends: it writes a byte for each."""
+    functions, pipe = 0, child.stdout
     while pipe is not None:
         if select.select([pipe], [], [], _POLL)[0]:
             if not (read := os.read(pipe.fileno(), _READ)):
                 break
             functions += len(read)
-        progress(f"{COMPILING}: {functions} functions, {time.monotonic() - began:.0f} s")
+        report(functions)
     child.wait()

@@ -113,6 +113,7 @@ class RunLoop:
 
     def _begin(self, twin: Twin) -> None:
         self.twin = twin
+        twin.load()
         self.__dict__.pop("_record", None)  # of a twin before
         self.frame: Frame | None = None
         self.frames = 0
@@ -195,9 +196,8 @@ class RunLoop:
         Returns:
             The frames, which hold until the next call, and the error that ended them before the last command.
         """
-        columns = self.twin.dynamics.command.size
-        targets = np.array([(c.weight_on_bit, c.rotation, c.block) for c in commands]).reshape(-1, 3)[:, :columns]
-        frames, error = self.twin.fill(self._record, np.ascontiguousarray(targets), self.period)
+        targets = np.array([command.values for command in commands]).reshape(-1, 3)
+        frames, error = self.twin.fill(self._record, targets, self.period)
         if isinstance(error, RunError):
             self.rejected_steps.stopped = str(error)
         return frames, error

@@ -34,23 +34,24 @@ class RecordedCommands:
     """Simulated time from which the bag holds them [s]; before, they are those of the scene."""
 
 
-def recorded_commands(bag: Bag, planned: Callable[[float], Command]) -> RecordedCommands:
+def recorded_commands(bag: Bag, planned: Callable[[float], Command], *, block: bool) -> RecordedCommands:
     """Set-points of the last run in a bag.
 
     A command whose stamp is the end of a frame belongs to that frame, as in lockstep; any other holds from the frame
     that was recorded after it. Without `/rig/command` the single values are taken, and without those the weight on bit
-    and the speed of the top drive in `/rig/state`.
+    and the speeds of top drive and block in `/rig/state`.
 
     Args:
         bag: The bag.
         planned: Set-points of the scene at a time [s], for the frames before the first command.
+        block: The scene has a block whose speed is a set-point; else that in `/rig/state` is what came of the others.
 
     Raises:
         BagError: It has no rig states.
     """
     by_driver = _count(bag, RIG_COMMAND) > 0
     by_hand = not by_driver and _count(bag, WOB_COMMAND) + _count(bag, RPS_COMMAND) > 0
-    reading = _Reading(planned(0.0), by_driver=by_driver, by_hand=by_hand)
+    reading = _Reading(planned(0.0), by_driver=by_driver, by_hand=by_hand, block=block)
     for topic, _, raw in bag.messages((RIG_COMMAND, WOB_COMMAND, RPS_COMMAND, RIG_STATE)):
         reading.take(topic, raw)
     stamps = sorted(reading.held)
@@ -79,6 +80,7 @@ class _Reading:
     now: Command
     by_driver: bool
     by_hand: bool
+    block: bool
     stamped: dict[int, Command] = field(default_factory=dict)
     held: dict[int, Command | None] = field(default_factory=dict)
     """None before the first command."""
@@ -100,7 +102,7 @@ class _Reading:
                 self._on_state(raw)
             elif topic == RIG_COMMAND:
                 state = self._commands.read(raw)
-                self._on_command(read_command(state), state.stamp)
+                self._on_command(read_command(state, 0.0 if self.block else None), state.stamp)
             elif self.by_hand and topic == WOB_COMMAND:
                 self._on_command(replace(self.now, weight_on_bit=read_float64(raw)))
             elif self.by_hand:
@@ -109,12 +111,7 @@ class _Reading:
             return
 
     def _on_command(self, command: Command, stamp: int | None = None) -> None:
-        given = Command(
-            command.weight_on_bit if math.isfinite(command.weight_on_bit) else self.now.weight_on_bit,
-            command.rotation if math.isfinite(command.rotation) else self.now.rotation,
-            command.block if math.isfinite(command.block) else self.now.block,
-        )
-        self.now, self._heard = given, True
+        self.now, self._heard = (given := command.completed(self.now)), True
         if stamp is not None:
             self.stamped[stamp] = given
 
@@ -124,8 +121,8 @@ class _Reading:
             self.held.clear()
         self._last = state.stamp
         if not (self.by_driver or self.by_hand) and state.effort.size and state.velocity.size:
-            bit, drive = state.effort[state.index("bit")], state.velocity[state.index("top_drive")]
-            self._on_command(Command(float(bit), float(drive)))
+            measured = read_command(state)
+            self._on_command(measured if self.block else replace(measured, block=0.0))
         self.held[state.stamp] = self.now if self._heard else None
 
 

@@ -75,6 +75,8 @@ class Outcome:
     """True for a run that went on to its end, False for one that was stopped."""
     wall_seconds: float
     """Wall-clock time of the run without compiling [s]."""
+    motion_seconds: float
+    """Processor time of computing the motion, without recording and analysis [s]."""
     summary: Summary
     """Findings of the analysis."""
 
@@ -109,13 +111,15 @@ class Run:
             recorder: Takes the messages.
         """
         self._recorder = recorder
-        self._period = round(NANOSECONDS / scene.numerics.frame_rate)
+        self._period = scene.numerics.frame_period_ns
         self.pipeline = WhirlPipeline()
         self.loop = RunLoop(scene, seconds(self._period), self._record)
         self.command = self.loop.first
         """Set-points in force."""
         self._commands = CommandEncoder()
         self._frame_id = self.loop.geometry.frame_id
+        self.motion_seconds = 0.0
+        """Processor time of computing the motion so far [s]."""
         self.last: Frames | None = None
         """The last frame; views that hold until the next call of `advance`."""
         self._quick = 1  # frames in BLOCK_SECONDS
@@ -148,7 +152,9 @@ class Run:
         """
         began, start = time.perf_counter(), self.stamp
         sound = sum(1 for _ in takewhile(Command.is_finite, commands))
+        busy = time.thread_time()
         frames, error = self.loop.fill(commands[:sound])
+        self.motion_seconds += time.thread_time() - busy
         filled, count = time.perf_counter(), len(frames.time)
         self._write(start, commands[:count], frames)
         self.loop.count(frames, time.perf_counter() - filled)
@@ -260,7 +266,7 @@ class Session:
         schedule: Schedule | None = None,
         compiling: Callable[[str], None] | None = None,
     ) -> None:
-        """Compile the effects of the scene, which takes up to half a minute the first time.
+        """Compile the effects of the scene, which takes a minute or two the first time.
 
         Args:
             scene: The scene.
@@ -272,7 +278,7 @@ class Session:
         """
         self.scene = scene
         self.schedule = schedule or Schedule.from_scene(scene)
-        self._period = round(NANOSECONDS / scene.numerics.frame_rate)
+        self._period = scene.numerics.frame_period_ns
         compile_kernel(scene, seconds(self._period), compiling, analysis=True)
 
     def run(
@@ -310,7 +316,8 @@ class Session:
                 raise (error.with_message(text) if isinstance(error, StoppedError) else RunError(text)) from error
             run.report_diagnostics()
         wall = time.monotonic() - began
-        return Outcome(bag.folder, seconds(run.stamp), run.loop.frames == frames, wall, run.pipeline.summary())
+        finished = run.loop.frames == frames
+        return Outcome(bag.folder, seconds(run.stamp), finished, wall, run.motion_seconds, run.pipeline.summary())
 
 
 def _saved(run: Run, bag: Path, error: RunError) -> str:

@@ -35,6 +35,11 @@ def apply_overrides(lines: Lines, overrides: Mapping[str, float | str]) -> None:
         chosen = dict.fromkeys(("numerics.elements", "numerics.step", "numerics.tolerance"), "auto")
         overrides = {**chosen, **overrides}
     for key, given in overrides.items():
+        if key == "wob" and str(given).lstrip().startswith("-"):
+            raise SceneError(
+                f"{lines.name}: override: wob: expected a weight on bit from 0, found {str(given)[:60]}; a bit that is "
+                "pulled is given by rig.weight_on_bit.value"
+            )
         if len(key) > _LONGEST_KEY:
             raise SceneError(
                 f"{lines.name}: override: expected a key of at most {_LONGEST_KEY} characters, found {len(key)}"

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Set-points of a scene over time."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Self
 
+import numpy as np
+
+from drill_twin.base.arrays import Array
 from drill_twin.errors import TableError
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.rig import RecordedTable
@@ -54,6 +58,10 @@ class Schedule:
     def at(self, time: float) -> Command:
         """Set-points at a time [s] from the start of the run."""
         return Command(self.weight_on_bit(time), self.rotation(time), self.block(time) if self.block else 0.0)
+
+    def over(self, times: Iterable[float]) -> Array:
+        """Set-points at times [s] from the start of the run, as `Command.values`, shape (F, 3)."""
+        return np.array([self.at(time).values for time in times]).reshape(-1, 3)
 
 
 def record_of(scene: Scene) -> Table:

@@ -79,8 +79,7 @@ class Checkpoint:
             "format": _FORMAT,
             "version": __version__,
             "time": self.time,
-            "weight_on_bit": self.command.weight_on_bit,
-            "rotation": self.command.rotation,
+            "set_points": self.command.values,
             "scene": self.scene,
         }
         content: dict[str, Any] = {_HEADER: np.frombuffer(json.dumps(head).encode(), np.uint8), **self.arrays}
@@ -117,7 +116,7 @@ class Checkpoint:
                     f"{path}: expected a checkpoint of drill_twin {__version__}, found one of {head['version']}; "
                     "start the run afresh, or go on with that version"
                 )
-            numbers = [float(head[name]) for name in ("time", "weight_on_bit", "rotation")]
+            time, command = float(head["time"]), Command(*map(float, head["set_points"]))
             scene = head["scene"]
         except FileNotFoundError:
             raise CheckpointError(f"{path}: expected a checkpoint, found nothing there; check the path") from None
@@ -125,9 +124,10 @@ class Checkpoint:
             raise CheckpointError(
                 f"{path}: expected a whole checkpoint of drill_twin, found {_error_text(error)}; start the run afresh"
             ) from error
-        if not all(map(math.isfinite, numbers)) or not isinstance(scene, str):
-            raise CheckpointError(f"{path}: expected finite numbers and a scene, found {numbers}; start the run afresh")
-        return cls(scene, numbers[0], Command(numbers[1], numbers[2]), members)
+        if not (math.isfinite(time) and command.is_finite()) or not isinstance(scene, str):
+            found = f"{time:g} s, {command.values}"
+            raise CheckpointError(f"{path}: expected finite numbers and a scene, found {found}; start the run afresh")
+        return cls(scene, time, command, members)
 
     def twin(self) -> Twin:
         """Make a twin of the checkpoint's scene in its state.

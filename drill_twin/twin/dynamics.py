@@ -45,14 +45,18 @@ class Dynamics:
         variants: The same, each with the variant that its block asks for.
         parameters: Parameters of drive and effects, and the ledger of an audit.
         step: Nominal time step [s].
-        command: Set-points last reached: weight on bit [N], rotation [rad/s].
+        command: Set-points last reached, as `drill_twin.schedule.Command.values`, shape (3,).
         counters: See `drill_twin.solver.state`.
         too_many_halvings: True if the last advance ended at the largest number of step halvings.
         memory_block: Bytes of all arrays of the state, shape (size,).
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, rod: Rod | None = None) -> None:
         """Build the model, load or compile the kernel, and set the initial state.
+
+        Args:
+            scene: The scene.
+            rod: The meshed string; by default that of the scene, whose nodes depend on its largest set-points.
 
         Raises:
             SceneError: The scene asks for an accuracy instead of elements and a step.
@@ -61,7 +65,7 @@ class Dynamics:
         """
         self.scene = scene
         elements, self.step = resolution_of(scene)
-        rod = mesh(scene, elements)
+        rod = mesh(scene, elements) if rod is None else rod
         self.model = discretise(scene, rod)
         self.boundary_conditions = BoundaryConditions.of(scene)
         self.effects = effects_of(scene)
@@ -71,23 +75,22 @@ class Dynamics:
         parameters = parameters_of(self.kernel, scene, self.model, *ledger)
         self._constrained = self.boundary_conditions.constrained(scene.string.bit_end)
         self._work: Any = (make_workspace if self.form == SPATIAL else make_lateral_workspace)(rod.length.size)
-        if self.boundary_conditions.hoisted:
-            self._work = self._work._replace(command=np.zeros(3))
         self._advance: Callable[..., int] | None = None  # once compiled
-        command, counters = np.zeros(3 if scene.rig.block else 2), np.zeros(state.COUNTERS)
+        command, counters = np.zeros(3), np.zeros(state.COUNTERS)
         command[0] = scene.rig.first[0]
         memory, self.memory_block = pack_arrays((parameters, state.make_state(rod.length.size), command, counters))
         self.parameters, self._state, self.command, self.counters = memory
         self.too_many_halvings = False
         self._state.bit_frame[:] = self.model.bit_frame
-        blades = getattr(parameters, "bit_stabiliser", None)
-        self._control = state.StepControl(
-            self.step,
-            newton_place(scene.tolerance, rod, self.wall, getattr(blades, "stiffness", 0.0)),
-            scene.tolerance,
-            DEFAULT_HALVINGS,
-        )
+        self.set_parameters(self.parameters)
         self._set_initial_state()
+
+    def set_parameters(self, parameters: Any) -> None:
+        """Take parameters of drive and effects, and the tolerance of Newton's method that their stiffness asks for."""
+        self.parameters = parameters
+        blades = getattr(parameters, "bit_stabiliser", None)
+        place = newton_place(self.scene.tolerance, self.rod, self.wall, getattr(blades, "stiffness", 0.0))
+        self._control = state.StepControl(self.step, place, self.scene.tolerance, DEFAULT_HALVINGS)
 
     def _set_initial_state(self) -> None:
         set_initial_state(self._state, self.model, self.scene, float(self.command[0]))
@@ -146,7 +149,7 @@ class Dynamics:
         """Advance in time; the set-points change linearly from `command`, which is not updated, to `target`.
 
         Args:
-            target: Weight on bit [N] and rotation [rad/s] at the end.
+            target: Set-points at the end, shape (3,).
             seconds: Time to advance [s].
             step: Time step [s]; the nominal one if not given.
             max_halvings: Largest number of step halvings.
@@ -181,7 +184,7 @@ class Dynamics:
         """Set the state, node rows and their velocities, shape (n + 1, 7) each, and the set-points in force."""
         self._state.u[:], self._state.v[:] = u, v
         self._state.clock[state.KNOWN] = 0.0
-        self.command[:] = command.array(self.command.size)
+        self.command[:] = command.values
 
     def pseudo_transient_step(self, seconds: float) -> bool:
         """Take a backward Euler step from rest to rest under the last command: the first half of a midpoint step.

@@ -90,7 +90,7 @@ class Rows(NamedTuple):
     """Recorded frames, one a row."""
 
     time: Array  # (F,) [s]
-    command: Array  # (F, 2) set-points reached: weight on bit [N], rotation [rad/s]
+    command: Array  # (F, 3) set-points reached, as `Command.values`
     position: Array  # (F, m, 3) of the marks [m]
     centre: Array  # (F, m, 3) [m]
     spin: Array  # (F, m) [rad]
@@ -291,7 +291,7 @@ def advance_frames(
         frames: Calls and arrays of the twin.
         u: Node rows (r, r', psi), shape (n + 1, 7).
         v: Their velocities.
-        commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
+        commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
         seconds: Length of a frame [s].
         row: First frame.
         rows: The record, F rows.

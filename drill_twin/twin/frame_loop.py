@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -33,7 +34,8 @@ class FrameLoop:
         """Set-points at the end of the frame: weight on bit [N], rotation [rad/s], speed of a block [m/s]."""
         self.outcome = frame_kernel.GOOD
         self._parameters: Any = None
-        self._called: list[Bound] = []
+        self._frames: Any = None
+        self._called: list[tuple[Bound, Callable[[], tuple[Any, ...]]]] = []
 
     def attempt(self, seconds: float, *, save: bool) -> int:
         """Advance by a frame of a length [s] to `target`; returns its outcome.
@@ -64,7 +66,7 @@ class FrameLoop:
         """Advance by frames while they are good; returns the first that was not, and sets `outcome`.
 
         Args:
-            commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
+            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
             seconds: Length of a frame [s].
             row: First frame.
             rows: Record of the frames.
@@ -107,21 +109,19 @@ class FrameLoop:
     def _bind(self) -> None:
         dynamics, guard, observer = self._dynamics, self._guard, self._observer
         u, v = dynamics.unknowns
-        rod, hole, seen = dynamics.rod, dynamics.model.wellbore, observer.seen
-        advance = dynamics.arguments(self.target, 0.0, 0.0)
-        sight = (rod.length, rod.shape, hole, dynamics.wall, u, v, observer.marks, seen)
+        rod, seen = dynamics.rod, observer.seen
         self._parameters = dynamics.parameters
         if self._called:  # other numbers, of the same types and in the same arrays
-            for bound, arguments in zip(self._called, (advance, sight), strict=False):
-                bound.call.words[:] = unbox(arguments)
+            self._frames = self._frames._replace(limits=guard.limits(dynamics.step))
+            for bound, arguments in self._called:
+                bound.call.words[:] = unbox(arguments())
             return
-        kernel = bind(dynamics.kernel.advance, advance)
-        observe = bind(observation.compiled(), sight)
+        kernel = bind(dynamics.kernel.advance, self._advance_arguments())
+        observe = bind(observation.compiled(), self._sight())
         check = bind(state_check.compiled(), (rod.outer_radius, u, v, guard.extremes))
-        self._called = [kernel, observe, check]
         self._frames = Frames(
             advance=kernel.call, observe=observe.call, check=check.call,
-            places=_places(advance), limits=guard.limits(dynamics.step),
+            places=_places(kernel.arguments), limits=guard.limits(dynamics.step),
             memory=dynamics.memory_block.view(np.int64), saved=guard.saved.view(np.int64), clock=dynamics.clock,
             command=dynamics.command, target=self.target, guard=guard.memory,
             extremes=guard.extremes, before=guard.before,
@@ -130,12 +130,31 @@ class FrameLoop:
             stress=self._stress,
         )  # fmt: skip
         compiled = frame_kernel.compiled()
-        attempt = bind(compiled.attempt, (self._frames, 0.0, True))
-        shown = bind(compiled.advance_frame, (self._frames, u, v, self._shown, 0.0))
+        attempt = bind(compiled.attempt, self._attempt_arguments())
+        shown = bind(compiled.advance_frame, self._shown_arguments())
+        self._called = [
+            (kernel, self._advance_arguments), (observe, self._sight), (attempt, self._attempt_arguments),
+            (shown, self._shown_arguments),
+        ]  # fmt: skip
+        self._kept = check  # whose arrays are known by address
         self._attempt = partial(attempt.entry, attempt.call.words, attempt.call.target)
         self._advance_frame = partial(shown.entry, shown.call.words, shown.call.target)
         self._seconds, self._save = attempt.call.words[-2:-1].view(np.float64), attempt.call.words[-1:]
         self._seconds_shown = shown.call.words[-1:].view(np.float64)
+
+    def _advance_arguments(self) -> tuple[Any, ...]:
+        return self._dynamics.arguments(self.target, 0.0, 0.0)
+
+    def _sight(self) -> tuple[Any, ...]:
+        dynamics, observer = self._dynamics, self._observer
+        rod, hole = dynamics.rod, dynamics.model.wellbore
+        return (rod.length, rod.shape, hole, dynamics.wall, *dynamics.unknowns, observer.marks, observer.seen)
+
+    def _attempt_arguments(self) -> tuple[Any, ...]:
+        return (self._frames, 0.0, True)
+
+    def _shown_arguments(self) -> tuple[Any, ...]:
+        return (self._frames, *self._dynamics.unknowns, self._shown, 0.0)
 
 
 def _places(arguments: tuple[Any, ...]) -> Places:

@@ -23,13 +23,14 @@ def change_numbers(dynamics: Dynamics, scene: Scene) -> None:
         scene: The other scene, with the same kernel and string.
     """
     before, after = (parameters_of(dynamics.kernel, each, dynamics.model) for each in (dynamics.scene, scene))
-    dynamics.parameters = _replaced(dynamics.parameters, before, after)
     dynamics.scene = scene
+    dynamics.set_parameters(_replaced(dynamics.parameters, before, after))
 
 
 def _replaced(value: Any, before: Any, after: Any) -> Any:
     if isinstance(value, np.ndarray):
-        np.copyto(value, after, where=before != after)
+        same = (before == after) | (np.isnan(before) & np.isnan(after))  # NaN is memory too: nothing so far
+        np.copyto(value, after, where=~same)
         return value
     if not isinstance(value, tuple):
         return after

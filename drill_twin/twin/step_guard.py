@@ -57,14 +57,18 @@ class StepGuard:
     """
 
     def __init__(self, bounds: StateBounds, model: DiscreteModel, wall: Wall | None) -> None:
-        self.bounds = bounds
+        self.set_bounds(bounds, wall)
         self.memory = np.array([1.0, 0.0])
         nodes = model.rod.arc.size
         self.suspect = np.zeros((2, nodes, 7))
-        self._model, self._wall = model, wall
+        self._model = model
         self._block = self.saved = np.zeros(0, dtype=np.uint8)
         self.extremes = np.zeros(state_check.EXTREMES)
         self.before = np.zeros(state_check.EXTREMES)
+
+    def set_bounds(self, bounds: StateBounds, wall: Wall | None) -> None:
+        """Take the bounds of a plausible state, and the wall that they are of."""
+        self.bounds, self._wall = bounds, wall
 
     @property
     def share(self) -> float:

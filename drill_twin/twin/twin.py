@@ -4,6 +4,8 @@
 import time
 from collections.abc import Callable, Iterator, Mapping
 
+import numpy as np
+
 from drill_twin.base.arrays import Array
 from drill_twin.discretisation.kernel_arguments import LATERAL
 from drill_twin.model.bit import DRILLED
@@ -17,6 +19,7 @@ from drill_twin.twin.failure_report import failure_report
 from drill_twin.twin.frame import EnergyBalance, Frame, Frames, Intervention
 from drill_twin.twin.frame_kernel import DIVERGED, GOOD, HALVED_TOO_OFTEN, SUSPECT, Rows, States
 from drill_twin.twin.frame_loop import FrameLoop
+from drill_twin.twin.number_change import change_numbers
 from drill_twin.twin.observer import Observer, Record
 from drill_twin.twin.state_bounds import bounds_of
 from drill_twin.twin.state_history import StateHistory
@@ -55,6 +58,15 @@ class Twin:
         self._history = StateHistory(self.rod.arc.size, scene.numerics.frame_rate)
         self._loop = FrameLoop(dynamics, self._guard, self._observer, self._history.memory)
         self._energy: EnergyBalance | None = None
+
+    def change_numbers(self, scene: Scene) -> None:
+        """Take the numbers of another scene in the middle of a run, as `drill_twin.twin.number_change`, with the bounds
+        of a plausible state that belong to them.
+        """
+        change_numbers(self.dynamics, scene)
+        self.scene = scene
+        bounds = bounds_of(scene, self.model, lateral=self.dynamics.form == LATERAL)
+        self._guard.set_bounds(bounds, self.dynamics.wall)
 
     @property
     def time(self) -> float:
@@ -126,7 +138,7 @@ class Twin:
         """Advance by one frame; the set-points change linearly from the last command to this one.
 
         Args:
-            command: Weight on bit [N] and rotation [rad/s] at the end.
+            command: Set-points at the end.
             seconds: Length of the frame [s].
 
         Raises:
@@ -134,14 +146,17 @@ class Twin:
         """
         began = time.perf_counter()
         target = self._loop.target
-        target[0], target[1] = command.weight_on_bit, command.rotation
-        if target.size > 2:
-            target[2] = command.block
+        target[:] = command.values
         intervention = None
         if self.energy_audit is not None or self._loop.advance_frame(seconds) != GOOD:
             intervention = self._complete(target, seconds)
             self._loop.show()
         return self._observer.frame(seconds, time.perf_counter() - began, intervention, self._energy)
+
+    def load(self) -> None:
+        """Bind the compiled frame loop and load its machine code, so that no frame waits for it or is timed with it."""
+        rows = self._loop.rows(0)
+        self._loop.advance(np.zeros((0, self._loop.target.size)), 1.0, 0, rows, self._loop.states(0))
 
     def rows(self, frames: int) -> Rows:
         """Make an empty record of a number of frames, for `advance_frames`."""
@@ -157,7 +172,7 @@ class Twin:
         Python takes over for a frame that the step guard rejects, and for each frame of a scene with an audit.
 
         Args:
-            commands: Weight on bit [N] and rotation [rad/s] at the end of each frame, shape (F, 2).
+            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
             seconds: Length of a frame [s].
             rows: Takes the F frames.
             states: Takes the rest of them, if wanted.

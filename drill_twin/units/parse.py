@@ -19,6 +19,8 @@ from drill_twin.units.registry import (
 
 _NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
 _FRACTION = r"(?:\s+(\d+)/(\d+)|/(\d+))?"
+_MARKS = {'"': "in", "″": "in", "”": "in", "'": "ft", "′": "ft", "’": "ft"}
+"""Units by their signs, as in `8 1/2"`."""
 _QUANTITY = re.compile(rf"\s*({_NUMBER}){_FRACTION}(?:(?<=[\d.])|\s)\s*([^\d\s.+-].*)?", re.DOTALL | re.ASCII)
 
 
@@ -37,7 +39,7 @@ def parse(text: str, dimension: Dimension) -> float:
 
 
 def split(text: str, dimension: Dimension) -> tuple[float, str]:
-    """Split a text into number and unit; fractions such as `12 1/4 in` and `1/2 in` are read."""
+    """Split a text into number and unit; fractions such as `12 1/4 in` and `1/2 in` are read, `"` is in and `'` ft."""
     match = _QUANTITY.fullmatch(text)
     if match is None:
         raise UnitError(f'expected {dimension.expected}, found "{short(text)}" (not a number with a unit)')
@@ -49,7 +51,8 @@ def split(text: str, dimension: Dimension) -> tuple[float, str]:
         value += math.copysign(int(numerator) / int(mixed), value)
     if simple:
         value /= int(simple)
-    return value, (unit or "").strip()
+    unit = (unit or "").strip()
+    return value, _MARKS.get(unit, unit)
 
 
 def factor_of(unit: str, dimension: Dimension) -> float:

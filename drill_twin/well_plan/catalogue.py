@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 from drill_twin.model.steel import COLLAR, GRADES, LARGE_COLLAR
 from drill_twin.model.steel import HEAVY_WEIGHT as HEAVY_WEIGHT_STEEL
+from drill_twin.units import parse
+from drill_twin.units.dimension import LENGTH
 
 INCH, POUND_PER_FOOT, FOOT_POUND = 0.0254, 1.48816394, 1.3558179
 YIELD = {name: steel.yield_strength for name, steel in GRADES.items()}
@@ -64,6 +66,11 @@ HEAVY_WEIGHT = {  # outer diameter [in]
     6.625: _pipe(6.625, 4.5, 71.3, 8.0, 46_900.0),
 }
 """Heavy-weight drill pipe with its joints and central upset, after makers' tables."""
+_CASING = (
+    "4 1/2", "5", "5 1/2", "6 5/8", "7", "7 5/8", "7 3/4", "8 5/8", "9 5/8", "10 3/4", "11 3/4", "13 3/8", "16",
+    "18 5/8", "20",
+)  # fmt: skip
+"""Outer diameters of API 5CT casing [in]; no bore of it is one of them within `SAME`."""
 SAME = 1e-3
 """Relative difference up to which a size of a tally is one of the catalogue."""
 
@@ -79,6 +86,12 @@ def drill_pipe(outer_diameter: float, mass: float) -> Pipe | None:
 def heavy_weight(outer_diameter: float) -> Pipe | None:
     """Heavy-weight drill pipe of an outer diameter [m]; None if there is no such pipe."""
     return next((pipe for size, pipe in HEAVY_WEIGHT.items() if _same(size * INCH, outer_diameter, SAME)), None)
+
+
+def casing_size(diameter: float) -> str:
+    """Size of API 5CT casing of which a diameter [m] is the outer one, as `9 5/8`; empty if there is none."""
+    sizes = (size for size in _CASING if _same(parse(f"{size} in", LENGTH), diameter, SAME))
+    return next(sizes, "")
 
 
 def named_sizes() -> str:

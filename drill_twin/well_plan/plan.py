@@ -13,7 +13,7 @@ from drill_twin.scene.load import build_scene
 from drill_twin.units import parse
 from drill_twin.units.dimension import ANGULAR_SPEED, DENSITY, FORCE, LENGTH, Dimension
 from drill_twin.units.parse import short
-from drill_twin.well_plan.catalogue import INCH
+from drill_twin.well_plan.catalogue import INCH, casing_size
 from drill_twin.well_plan.survey_file import as_block, read_survey
 from drill_twin.well_plan.tally import Piece, read_tally
 
@@ -32,7 +32,7 @@ class WellPlan(NamedTuple):
     hole: str
     """Diameter of the open hole."""
     casing: tuple[str, ...] = ()
-    """Inner diameter and shoe of each casing from the top down: `12.415 in to 1500 m`."""
+    """Inner diameter and shoe of each casing from the top down: `12.415 in to 1500 m`; after `ID` any diameter."""
     bit: str = ""
     """Diameter of the bit; empty: that of the hole."""
     depth: str = ""
@@ -44,8 +44,8 @@ class WellPlan(NamedTuple):
     """Friction coefficient in the casing; None: that of the open hole."""
     weight_on_bit: str = "100 kN"
     rotation: str = "120 rpm"
-    units: str = "si"
-    """Units of bare numbers in the tables: `si` or `field`."""
+    units: str = ""
+    """Units of numbers whose column names none: `si` or `field`; empty: such lengths and weights are refused."""
 
     def scene(self) -> tuple[Scene, dict[str, Any]]:
         """The scene, and its data as a scene file has them.
@@ -73,8 +73,8 @@ class WellPlan(NamedTuple):
         bit = _quantity("--bit", self.bit, LENGTH) if self.bit else hole
         if bit > hole * (1.0 + 1e-9):
             raise SceneError(f"--bit: expected at most the hole ({hole:.6g} m), found {bit:.6g} m")
-        weight = _quantity("--wob", self.weight_on_bit, FORCE)
-        turn = _quantity("--rpm", self.rotation, ANGULAR_SPEED)
+        weight = _quantity("--wob", self.weight_on_bit, FORCE, least=0.0)
+        turn = _quantity("--rpm", self.rotation, ANGULAR_SPEED, least=0.0)
         straight = all(station["inclination"] == 0.0 for station in stations)
         axis: dict[str, Any] = {} if straight else {"survey": as_block(stations)}
         intervals = [
@@ -132,7 +132,14 @@ class WellPlan(NamedTuple):
             inner, _, shoe = casing.partition(" to ")
             if not shoe:
                 raise SceneError(f'--casing: expected ID and shoe as "12.415 in to 1500 m", found "{short(casing)}"')
-            diameter, depth = _quantity("--casing", inner, LENGTH), _quantity("--casing", shoe, LENGTH)
+            bore = inner.strip().removeprefix("ID ")
+            diameter, depth = _quantity("--casing", bore, LENGTH), _quantity("--casing", shoe, LENGTH)
+            if bore == inner.strip() and (size := casing_size(diameter)):
+                raise SceneError(
+                    f'--casing "{short(casing)}": expected the inner diameter of the casing, found {size} in, an outer '
+                    f'diameter of API 5CT; give the one that its weight leaves, as "12.415 in to 1500 m" for 13 3/8 in '
+                    f'of 68 lb/ft, or "ID {short(casing)}" if it is the inner one'
+                )
             if depth <= top:
                 raise SceneError(
                     f'--casing "{casing}": expected a shoe below {top:.6g} m, found {depth:.6g} m; give the casings '
@@ -160,11 +167,13 @@ def _check_fit(pieces: list[Piece], hole: float, casing: list[tuple[float, float
         depth -= piece.length
 
 
-def _quantity(option: str, text: str, dimension: Dimension) -> float:
+def _quantity(option: str, text: str, dimension: Dimension, least: float = -math.inf) -> float:
     try:
         value = parse(text, dimension)
     except SceneError as error:
         raise SceneError(f"{option}: {error}") from None
     if dimension is LENGTH and value <= 0.0:
         raise SceneError(f'{option}: expected a length above 0, found "{short(text)}"')
+    if value < least:
+        raise SceneError(f'{option}: expected {dimension.article} from {least:g}, found "{short(text)}"')
     return value

@@ -12,17 +12,18 @@ from typing import NamedTuple
 from drill_twin.errors import SceneError, encoding_problem
 from drill_twin.units import UnitError, factor_of, parse
 from drill_twin.units.dimension import ANGLE, LENGTH, LINEAR_MASS, Dimension
+from drill_twin.units.heading import name_and_unit
 
 LARGEST_FILE, MOST_ROWS = 4_000_000, 10_000
 UNITS = {
     "si": {"depth": "m", "diameter": "mm", "mass": "kg/m", "angle": "deg"},
     "field": {"depth": "ft", "diameter": "in", "mass": "lb/ft", "angle": "deg"},
+    "": {"angle": "deg"},
 }
-"""Units of bare numbers, by system."""
+"""Units of bare numbers, by system; where none is stated, only angles have one."""
 DIMENSIONS: dict[str, Dimension] = {"depth": LENGTH, "diameter": LENGTH, "mass": LINEAR_MASS, "angle": ANGLE}
-_HEADING = re.compile(r"\s*([^\[(]*?)\s*(?:[\[(]([^\])]*)[\])])?\s*")
-_DECIMAL_COMMA = re.compile(r"^(\s*[+-]?\d*),(\d+)(?=\s|$)")
-_BARE = re.compile(r"[+-]?\d+(?:\.\d*)?(?:\s+\d+/\d+|/\d+)?|[+-]?\.\d+")
+_DECIMAL_COMMA = re.compile(r"^(\s*[+-]?\d*),(\d+)(?=\s|$)", re.ASCII)
+_BARE = re.compile(r"[+-]?\d+(?:\.\d*)?(?:\s+\d+/\d+|/\d+)?|[+-]?\.\d+", re.ASCII)
 
 
 class Row(NamedTuple):
@@ -34,6 +35,7 @@ class Row(NamedTuple):
     units: dict[str, str]
     """Unit of a column from its heading."""
     system: str
+    """`si`, `field`, or empty: not stated."""
 
     def text(self, column: str) -> str:
         """Cell without spaces around; empty if the row has none."""
@@ -52,7 +54,13 @@ class Row(NamedTuple):
         text = self.text(column)
         if not text:
             return math.nan
-        unit = self.units.get(column) or UNITS[self.system][kind]
+        unit = self.units.get(column) or UNITS[self.system].get(kind)
+        if unit is None:
+            raise SceneError(
+                f'{self.place}, {column}: expected its unit, found none for "{text[:40]}"; name it in the heading, as '
+                f"{column} [{UNITS['field'][kind]}], or give --units si ({UNITS['si'][kind]}) or --units field "
+                f"({UNITS['field'][kind]})"
+            )
         bare = _BARE.fullmatch(text) is not None
         try:
             factor_of(unit, DIMENSIONS[kind])
@@ -75,12 +83,15 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
         file: The table.
         names: Accepted headings of each column, lower case.
         needed: Columns that must be there.
-        system: `si` or `field`.
+        system: `si` or `field`, or empty where columns must name their units.
 
     Raises:
         SceneError: The file cannot be read, or a column is missing.
     """
     try:
+        if not file.is_file():  # a device has no end, and a pipe may not begin
+            found = "a folder" if file.is_dir() else "a pipe or a device" if file.exists() else "nothing there"
+            raise SceneError(f"{file}: expected a CSV table, found {found}")
         if file.stat().st_size > LARGEST_FILE:
             raise SceneError(f"{file}: expected a table of at most {LARGEST_FILE // 1_000_000} MB, found a larger one")
         text = file.read_text("utf-8-sig")
@@ -96,12 +107,11 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
     separator = max(",;\t", key=heading.count)
     columns, units = [], {}
     for cell in next(csv.reader([heading], delimiter=separator)):
-        match = _HEADING.fullmatch(cell.lower())
-        word = match[1] if match else cell.lower()
+        word, unit = name_and_unit(cell.lower())
         column = next((name for name, known in names.items() if word in known), "")
         columns.append(column)
-        if match and match[2] and column:
-            units[column] = match[2].strip()
+        if unit and column:
+            units[column] = unit
     missing = [name for name in needed if name not in columns]
     if missing:
         raise SceneError(

@@ -36,21 +36,33 @@ class Analyzer:
     """Finds whirl in the motion of marks, sample by sample."""
 
     def __init__(
-        self, marks: Sequence[MarkInfo], criteria: Criteria | None = None, *, contact_known: bool = True
+        self,
+        marks: Sequence[MarkInfo],
+        criteria: Criteria | None = None,
+        *,
+        contact_known: bool = True,
+        top_known: bool = True,
     ) -> None:
-        """Start an analysis of `marks`; `contact_known`: their positions are those about the axis of the hole.
+        """Start an analysis of `marks`.
+
+        Args:
+            marks: Marks on the string.
+            criteria: Numbers of the criteria.
+            contact_known: Their positions are those about the axis of the hole.
+            top_known: The speed of the top drive is measured by itself, and is not that of the bit.
 
         Raises:
             AnalysisError: No mark, or two of one name.
         """
         self.marks = check_marks(marks)
         self.criteria, self._contact_known = criteria or Criteria(), contact_known
+        self._top_known = top_known
         self.reset()
 
     def reset(self) -> None:
         """Discard all samples."""
         self._names = tuple(mark.name for mark in self.marks)
-        self._bit = StickSlip()
+        self._bit = StickSlip(top_known=self._top_known)
         offsets = np.array([mark.wall_offset for mark in self.marks])
         self._state = AnalyzerState.of(MarkArrays.of(self.marks), offsets, self.criteria, self._bit.speed)
         self._analyse = bind_analysis(self._state).run
@@ -226,7 +238,7 @@ class Analyzer:
         state, decisions = self._state, self._decisions
         orbit, hysteresis, clearance = state.orbit, state.motion.hysteresis, state.marks.clearance
         state.flow[NEW] = 0
-        states, shares = hysteresis.states, hysteresis.confidence
+        states, shares, definite = hysteresis.states, hysteresis.confidence, state.carrier.definite
         return Findings(
             stamp_ns=0,
             time_s=0.0,
@@ -242,10 +254,10 @@ class Analyzer:
             planarity=state.shape.planarity,
             rotation=orbit.rotation,
             state=states[:-1],
-            state_confidence=shares[:-1],
+            state_confidence=shares[:-1] * definite,
             criterion=tuple(decisions.criterion[:-1]),
             motion=states[-1],
-            motion_confidence=float(shares[-1]),
+            motion_confidence=float(shares[-1] * definite[state.motion.mark[-1]]),
             motion_criterion=decisions.criterion[-1],
             bit=self._bit.motion,
             bit_criterion=self._bit.criterion,

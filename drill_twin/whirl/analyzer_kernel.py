@@ -39,7 +39,8 @@ from drill_twin.whirl.motion.stick_slip import BitSpeed, add_bit_speed
 from drill_twin.whirl.onset.asynchronous_onset import Onsets, drop_candidates, ends, watch
 from drill_twin.whirl.onset.averaged_radius import AveragedRadius, average_radius
 from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsets, watch_synchronous
-from drill_twin.whirl.orbit.orbit import Orbit, find_precession, fit_orbit
+from drill_twin.whirl.orbit.carrier import Carrier, follow, judge, restore
+from drill_twin.whirl.orbit.orbit import ROTATION, Orbit, find_precession, fit_orbit
 from drill_twin.whirl.orbit.runout_separation import (
     KNOWN,
     NOT_KNOWN,
@@ -151,7 +152,7 @@ def take_sample(
     stamp, has_spin = block.stamp[at], block.counts[HAS_SPIN] != 0
     if not is_new(clock.stamps, stamp):
         return SKIPPED
-    flow[BIT_OUTCOME] = add_bit_speed(bit, stamp * 1e-9, block.speeds[at, 1])
+    flow[BIT_OUTCOME] = add_bit_speed(bit, stamp * 1e-9, block.speeds[at, 1], block.speeds[at, 0])
     if separation.flags[SPIN_GIVEN] == NOT_KNOWN:
         start(separation, has_spin)
     spin, top_speed, any_seen = block.spin[at], block.speeds[at, 0], False
@@ -194,7 +195,9 @@ def _seconds(clock: Clock) -> float:
 
 
 @exact_kernel
-def add_sample(block: Block, samples: Samples, clock: Clock, bins: SampleBins, separation: RunoutSeparation) -> int:
+def add_sample(
+    block: Block, samples: Samples, clock: Clock, bins: SampleBins, separation: RunoutSeparation, carrier: Carrier
+) -> int:
     """Add the sample to the present bin."""
     seen, distance = samples.seen, samples.distance
     at, angle = block.counts[NEXT], clock.rotation[ANGLE]
@@ -203,6 +206,7 @@ def add_sample(block: Block, samples: Samples, clock: Clock, bins: SampleBins, s
         _find_distance(samples, separation)
     when = (_seconds(clock), angle, clock.rotation[REVOLUTIONS])
     add(bins, when, samples.point[0], samples.point[1], seen, block.force[at], block.counts[HAS_FORCE] != 0)
+    follow(carrier, separation, when[0], samples.point[0], samples.point[1], seen)
     samples.quality[ACCEPTED] += 1
     for k in range(seen.size):
         if not seen[k]:
@@ -217,22 +221,23 @@ def add_sample(block: Block, samples: Samples, clock: Clock, bins: SampleBins, s
 
 @exact_kernel
 def close_bin(
-    full: Bin, bins: SampleBins, separation: RunoutSeparation, history: History, averaged: AveragedRadius,
-    onsets: Onsets, criteria: Criteria, clearance: Array, rate: Array, quality: Integers,
+    full: Bin, bins: SampleBins, carrier: Carrier, separation: RunoutSeparation, history: History,
+    averaged: AveragedRadius, onsets: Onsets, criteria: Criteria, clearance: Array, rate: Array, quality: Integers,
 ) -> int:  # fmt: skip
     """Separate the parts of the motion in the full bin; return whether a mark may begin to whirl."""
     contact = full.contact
     close(bins, full)
-    separate(separation, full)
+    restore(carrier, full, criteria)
+    separate(separation, full, carrier.left, carrier.shift)
     if not full.counts[FORCES]:
         for k in range(contact.size):
             near = separation.distance[k] > criteria.contact_radius * clearance[k]
             contact[k] = 1.0 if near else 0.0
-    quality[GAPS] += append(history, full, separation.vector, contact)
+    quality[GAPS] += append(history, full, separation.vector, contact, carrier.carried)
     if history.counts[LENGTH] < FEWEST:
         drop_candidates(onsets)
         return 0
-    average_radius(averaged, history, criteria, rate[0], onsets.active)
+    average_radius(averaged, history, criteria, rate[0], carrier.carried, onsets.active)
     return 1 if watch(onsets, averaged, history, criteria) else 0
 
 
@@ -240,6 +245,7 @@ def close_bin(
 def estimate_orbit(
     orbit: Orbit, history: History, separation: RunoutSeparation, averaged: AveragedRadius, onsets: Onsets,
     synchronous: SynchronousOnsets, criteria: Criteria, numbers: Array, due: Array, flags: Integers,
+    carrier: Carrier, rolling_ratio: Array,
 ) -> int:  # fmt: skip
     """Estimate the orbit where that is due; return whether it was, and whether there is something to decide."""
     hold(separation, criteria, onsets.time, onsets.active)
@@ -250,6 +256,7 @@ def estimate_orbit(
     flags[ESTIMATED] = 1
     due[0], due[1] = revolutions + INTERVAL_REV - 0.25 / BINS, time + INTERVAL_S
     fit_orbit(orbit, history, criteria, averaged.noise.level)
+    judge(carrier, orbit.seen, orbit.numbers[ROTATION], rolling_ratio, criteria)
     crossed = watch_synchronous(synchronous, history, orbit, criteria)
     ended = ends(onsets, averaged, orbit, history, criteria)
     return DECIDE_FIRST if crossed or ended else ESTIMATE
@@ -259,9 +266,12 @@ def estimate_orbit(
 def estimate_state(
     orbit: Orbit, shape: StringShape, history: History, motion: MotionClassifier, onsets: Onsets,
     synchronous: SynchronousOnsets, criteria: Criteria, noise: Array, rolling_ratio: Array, numbers: Array,
+    definite: Array,
 ) -> int:  # fmt: skip
     """Estimate precession, shape and motion states; return whether a state must be described."""
     find_precession(orbit, criteria, onsets.active, noise)
+    for k in range(definite.size):
+        orbit.confidence[k] *= definite[k]
     find_shape(shape, history, criteria)
     return 1 if classify(motion, orbit, shape, onsets, synchronous, criteria, rolling_ratio, numbers) else 0
 
@@ -316,13 +326,13 @@ def bind_analysis(state: AnalyzerState) -> Bound:
     s, numbers = state, state.full.numbers
     steps = [
         ("take_sample", (s.block, s.samples, s.clock, s.bins, s.separation, s.bit, s.flow)),
-        ("add_sample", (s.block, s.samples, s.clock, s.bins, s.separation)),
-        ("close_bin", (s.full, s.bins, s.separation, s.history, s.averaged, s.onsets, s.criteria, s.marks.clearance,
-                       s.orbit.rate, s.samples.quality)),
+        ("add_sample", (s.block, s.samples, s.clock, s.bins, s.separation, s.carrier)),
+        ("close_bin", (s.full, s.bins, s.carrier, s.separation, s.history, s.averaged, s.onsets, s.criteria,
+                       s.marks.clearance, s.orbit.rate, s.samples.quality)),
         ("estimate_orbit", (s.orbit, s.history, s.separation, s.averaged, s.onsets, s.synchronous, s.criteria, numbers,
-                            s.due, s.statistics.flags)),
+                            s.due, s.statistics.flags, s.carrier, s.marks.rolling_ratio)),
         ("estimate_state", (s.orbit, s.shape, s.history, s.motion, s.onsets, s.synchronous, s.criteria,
-                            s.averaged.noise.level, s.marks.rolling_ratio, numbers)),
+                            s.averaged.noise.level, s.marks.rolling_ratio, numbers, s.carrier.definite)),
         ("add_statistics", (s.statistics, s.orbit, s.onsets.active, s.full, s.history.counts, s.criteria)),
         ("note_findings", (s.found, s.block, s.samples, s.orbit, s.clock)),
     ]  # fmt: skip

@@ -18,6 +18,7 @@ from drill_twin.whirl.motion.stick_slip import BitSpeed
 from drill_twin.whirl.onset.asynchronous_onset import Onsets
 from drill_twin.whirl.onset.averaged_radius import AveragedRadius
 from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsets
+from drill_twin.whirl.orbit.carrier import Carrier
 from drill_twin.whirl.orbit.orbit import Orbit
 from drill_twin.whirl.orbit.runout_separation import RunoutSeparation
 from drill_twin.whirl.orbit.string_shape import StringShape
@@ -101,6 +102,7 @@ class AnalyzerState(NamedTuple):
     samples: Samples
     bins: SampleBins
     full: Bin
+    carrier: Carrier
     separation: RunoutSeparation
     history: History
     orbit: Orbit
@@ -121,7 +123,7 @@ class AnalyzerState(NamedTuple):
         return cls(
             criteria, marks, Block.of(m), Found.of(m), Clock.of(m),
             Samples.of(LARGEST_RADIUS * clearance + wall_offset), SampleBins.of(m), Bin.of(m),
-            RunoutSeparation.of(marks.wall_radius, criteria), History.of(m), Orbit.of(clearance),
+            Carrier.of(clearance), RunoutSeparation.of(marks.wall_radius, criteria), History.of(m), Orbit.of(clearance),
             AveragedRadius.of(clearance, criteria), Onsets.of(marks.inclined), SynchronousOnsets.of(m),
             StringShape.of(m, marks.levels), MotionClassifier.of(m), RunStatistics.of(m), bit,
             np.zeros(5, np.int64), np.full(2, -math.inf),

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 
 from drill_twin.base.jit import as_python
+from drill_twin.base.missing import number_or_none
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.stick_slip import StickSlip
 from drill_twin.whirl.rotation import ANGLE, DUPLICATE, LATE, REVOLUTIONS, Clock, accept, is_new, rotate
@@ -41,7 +42,7 @@ class BitOnlyAnalyzer:
         _ROTATE(clock, _ACCEPT(clock.stamps, stamp_ns), top_speed, clock.spin, has_spin=False)
         self._accepted += 1
         before = self.bit.motion
-        self.bit.push(stamp_ns * 1e-9, bit_speed)
+        self.bit.push(stamp_ns * 1e-9, bit_speed, top_speed)
         return self.bit.motion is not before
 
     def summary(self) -> Summary:
@@ -59,6 +60,8 @@ class BitOnlyAnalyzer:
             mark_motion={},
             stick_slip=tuple(self.bit.periods),
             bit=self.bit.motion,
+            stick_slip_index=number_or_none(self.bit.index),
+            largest_stick_slip_index=number_or_none(self.bit.largest_index),
             quality=self.quality,
             notes=(NOT_OBSERVABLE,),
             observable=False,

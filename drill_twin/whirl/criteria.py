@@ -27,14 +27,19 @@ class MotionState(Enum):
 
     NOT_OBSERVABLE = "not observable"
     """The string rotates, but there are fewer than `fewest_samples` samples in a revolution, so that a whirl may appear
-    as another (aliasing), or the mark was not seen in most of the last revolution."""
+    as another (aliasing), or in an orbit fewer than `fewest_in_orbit`, or the mark was not seen in most of the last
+    revolution."""
     AT_REST = "at rest"
     """The rotation is slower than `rest_rotation`."""
     FIXED_AXIS = "rotation about a fixed axis"
     """No whirl: the asynchronous part is below `onset_radius` or stands (`standing_ratio`), and there is no synchronous
     onset. A bowed string that spins about its bent shape has this state, whether centred or lying on one side."""
+    SYNCHRONOUS_WHIRL = "synchronous whirl"
+    """Forced, not self-excited: the part that turns with the string (1x, of unbalance or bow) has grown, by a
+    synchronous onset, and there is no asynchronous whirl. Its phase to the string is steady, or turns by half a turn in
+    a critical speed (API 684); that of a self-excited whirl drifts."""
     FORWARD_WHIRL = "forward whirl"
-    """Regular whirl in the sense of rotation, synchronous whirl (ratio 1) included. In contact it can only slide, never
+    """Regular, asynchronous whirl in the sense of rotation. In contact it can only slide, never
     roll: the criterion's text then says that it slides along the wall, and for what share of the time."""
     ROLLING = "rolling along the wall"
     """Regular whirl against the sense of rotation, in contact for more than `contact_fraction` of the time, and the
@@ -69,6 +74,17 @@ class Criteria(NamedTuple):
     """
     settling_ratio: float = 1.0 / 24.0
     """Onset: precession over rotation below which `settling_angle` is needed."""
+    synchronous_band: float = 0.3
+    """Onset: distance of precession over rotation from 1 within which a motion may be synchronous while the
+    rotation changes: it must sweep `synchronous_angle` in the frame of the string, and not die away."""
+    synchronous_angle: float = math.radians(400.0)
+    """The same: smallest angle swept in the string [rad]. The synchronous part, drawn in that frame, runs once round a
+    circle as the string passes a critical speed; so does the direction in which it changes."""
+    speed_change: float = 0.05
+    """Onset: change of the rotation in 16 revolutions, over the rotation, from which it may pass a critical speed: what
+    dies away is then its free vibration, not whirl."""
+    dying_share: float = 0.7
+    """Onset: radius over its largest since the crossing below which it dies away."""
     standing_ratio: float = 1.0 / 144.0
     """Rotation about a fixed axis: precession over rotation of a displaced string below this, 15 degrees in
     `sweep_window`; the string stands, whatever the sign of the rest, if it moves as little as `standing_share` says."""
@@ -103,6 +119,13 @@ class Criteria(NamedTuple):
     fewest_samples: float = 4.0
     """Not observable: fewer samples in a revolution than this, which an orbit of up to twice the rotation, in either
     sense, needs."""
+    fewest_in_orbit: float = 2.4
+    """Not observable: fewer samples in an orbit than this; at 2 neither its sense nor its pace can be known."""
+    needed_in_orbit: float = 2.5
+    """Not definite: fewer samples than this in an orbit at pure rolling, or at `definite_ratio`."""
+    definite_ratio: float = 6.0
+    """Not definite: samples that cannot show an orbit of so many times the rotation; a faster one, of the other sense
+    too, would look like what is found."""
     contact_radius: float = 0.95
     """Contact, where no wall force is given: radius about the hole's axis, as a fraction of the clearance."""
     contact_fraction: float = 0.5

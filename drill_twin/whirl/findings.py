@@ -116,7 +116,7 @@ class Findings:
     motion_criterion: str
     """The criterion that decided it, as text."""
     bit: BitMotion
-    """Motion of the bit: steady, torsional vibration, stick-slip."""
+    """Motion of the bit, by its stick-slip index."""
     bit_criterion: str
     """The criterion that decided it, as text."""
     onset: Onset | None
@@ -204,6 +204,10 @@ class Summary:
     """Counts of good and bad samples."""
     notes: tuple[str, ...]
     """Limits of these findings, as sentences."""
+    stick_slip_index: float | None = None
+    """Stick-slip index of the bit over the last 20 s (`whirl.motion.stick_slip_index`); None where not known."""
+    largest_stick_slip_index: float | None = None
+    """Largest such index of the run."""
     lasting_motion: MotionState | None = None
     """State of the string for most of the second half of the time since the onset, or of the record without one."""
     whirl_end_s: float | None = None

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,8 @@ LARGEST_STEP = 0.75
 """Bins farther apart than this [rev] are separated by a gap."""
 LONGEST_PAUSE = 1.0
 """Bins farther apart than this [s] are, too."""
+LEADING = 0.7
+"""Least share of the asynchronous part in a motion that is expected to advance with it."""
 
 ASYNCHRONOUS, MOVING, SYNCHRONOUS, POSITION, PHASOR = range(5)
 """Rows of `History.complex_part`: the asynchronous part; position less offset; the same in the rotating frame; position
@@ -39,7 +42,7 @@ class History(NamedTuple):
     angle_now: Array  # (2, m) work: unwrapped angle of the newest bin
     step: ComplexArray  # (2, m) work
     back: ComplexArray  # (2, m) work
-    turn: Array  # (2, m) work
+    turn: Array  # (3, m) work
 
     @classmethod
     def of(cls, m: int) -> History:
@@ -47,7 +50,7 @@ class History(NamedTuple):
         step, back = np.zeros((2, 2, m), complex)
         return cls(
             np.zeros((2 * CAPACITY, 3)), np.zeros((2 * CAPACITY, 5, m), complex), np.zeros((2 * CAPACITY, 4, m)),
-            np.zeros(2, np.int64), np.zeros((2, m)), step, back, np.zeros((2, m)),
+            np.zeros(2, np.int64), np.zeros((2, m)), step, back, np.zeros((3, m)),
         )  # fmt: skip
 
     @property
@@ -125,15 +128,18 @@ def bins_in(history: History, revolutions: float) -> int:
 
 
 @exact_kernel
-def append(history: History, full: Bin, vector: ComplexArray, contact: Array) -> bool:
-    """Append a bin, its `vector`, shape (3, m), and `contact`, shape (m,); return whether it follows a gap."""
+def append(history: History, full: Bin, vector: ComplexArray, contact: Array, rate: Array) -> bool:
+    """Append a bin, its `vector`, shape (3, m), and `contact`, shape (m,); return whether it follows a gap.
+
+    An orbit of a known `rate` [rad/s], shape (m,), is expected to advance with it, be it by whole turns; 0 where not.
+    """
     counts, clock, parts, angle = history.counts, history.clock, history.complex_part, history.angle_now
     step, back, turn = history.step, history.back, history.turn
     gap = False
     copy(vector[0], step[0])
     copy(vector[1], step[1])
+    last = end_of(history) - 1 if counts[APPENDED] else 0
     if counts[APPENDED]:
-        last = end_of(history) - 1
         gap = (
             full.numbers[REVOLUTIONS] - clock[last, REVOLUTIONS] > LARGEST_STEP
             or full.numbers[TIME] - clock[last, TIME] > LONGEST_PAUSE
@@ -143,8 +149,14 @@ def append(history: History, full: Bin, vector: ComplexArray, contact: Array) ->
                 back[row, k] = parts[last, row, k].conjugate()
         product(step, back, step)
     for row in range(2):
+        for k in range(contact.size):
+            turn[2, k] = 0.0
+            if rate[k] != 0.0 and counts[APPENDED] and abs(vector[0, k]) > LEADING * abs(vector[row, k]):
+                turn[2, k] = rate[k] * (full.numbers[TIME] - clock[last, TIME])
+                step[row, k] *= complex(math.cos(turn[2, k]), -math.sin(turn[2, k]))
         arctan2(step[row].imag, step[row].real, turn[row])
         for k in range(contact.size):
+            turn[row, k] += turn[2, k]
             angle[row, k] = angle[row, k] + turn[row, k] if counts[APPENDED] else turn[row, k]
     slot = counts[APPENDED] % CAPACITY
     for half in range(2):

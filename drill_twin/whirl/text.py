@@ -4,11 +4,24 @@
 from __future__ import annotations
 
 from drill_twin.whirl.criteria import Criteria, MotionState
+from drill_twin.whirl.orbit.carrier import Carrier
 from drill_twin.whirl.orbit.orbit import Orbit
 from drill_twin.whirl.orbit.string_shape import StringShape
 
 FEW_DIGITS = 0.1
 """Ratio from which two decimals are enough."""
+
+
+def doubt(criteria: Criteria, samples: float, rolling_ratio: float) -> str:
+    """Reason why findings from so many samples in a revolution are not definite; empty where they are."""
+    if samples >= criteria.needed_in_orbit * max(criteria.definite_ratio, abs(rolling_ratio)):
+        return ""
+    rolls = abs(rolling_ratio) * criteria.needed_in_orbit > samples
+    what = f"rolling, at {rolling_ratio:+.1f} times the rotation," if rolls else "a faster whirl"
+    return (
+        f"not definite: {samples:.1f} samples in a revolution show up to {samples / criteria.needed_in_orbit:.1f} "
+        f"times the rotation, and {what} would look like another motion"
+    )
 
 
 def criterion_text(
@@ -20,6 +33,7 @@ def criterion_text(
     row: int,
     ratio: float,
     *,
+    carrier: Carrier,
     contact_known: bool = True,
 ) -> str:
     """Describe the criterion of a mark's `state`.
@@ -32,6 +46,7 @@ def criterion_text(
         mark: Index of the mark.
         row: Row of the orbit: 0 for the asynchronous part, 1 for the motion about the offset.
         ratio: Precession over rotation.
+        carrier: Carriers of the orbits.
         contact_known: Whether the distance from the axis of the hole is known; a downhole sub knows it about its mean.
     """
     whirl, synchronous = float(orbit.radius[0, mark]), float(orbit.synchronous[mark])
@@ -43,6 +58,11 @@ def criterion_text(
             return (
                 f"{orbit.samples_per_revolution:.1f} samples in a revolution, at least {criteria.fewest_samples:g} are "
                 "needed to tell one whirl from another"
+            )
+        case MotionState.NOT_OBSERVABLE if carrier.hidden[mark]:
+            return (
+                f"fewer than {criteria.fewest_in_orbit:g} samples in an orbit: the samples show neither its sense nor "
+                "its pace"
             )
         case MotionState.NOT_OBSERVABLE:
             return "not seen in most of the last revolution"

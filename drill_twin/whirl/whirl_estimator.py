@@ -9,7 +9,7 @@ import numpy as np
 
 from drill_twin.whirl.analyzer_kernel import CHECK, CROSSED, DECIDE, DESCRIBE, NEW, UNDECIDED
 from drill_twin.whirl.analyzer_state import AnalyzerState
-from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.findings import Onset
 from drill_twin.whirl.motion.state_hysteresis import CHANGED, KEPT, STATES
 from drill_twin.whirl.motion.timeline import Timeline
@@ -17,10 +17,12 @@ from drill_twin.whirl.onset.asynchronous_onset import OnsetDetector
 from drill_twin.whirl.onset.threshold_crossing import Crossing
 from drill_twin.whirl.record.run_statistics import WHIRLED
 from drill_twin.whirl.sample_bins import TIME
-from drill_twin.whirl.text import criterion_text
+from drill_twin.whirl.text import criterion_text, doubt
 
 AT_START = "; there from the start of what is analysed, so its onset was before"
 """Note beside the criterion of such an onset."""
+UNDOUBTED = frozenset((MotionState.NOT_OBSERVABLE, MotionState.AT_REST))
+"""States that do not depend on what the samples can show."""
 TURNING = 0.5
 """The string turned already: least rotation until then over that since the start."""
 
@@ -52,6 +54,16 @@ class WhirlEstimator:
     def criteria(self) -> Criteria:
         """Thresholds of the analysis."""
         return self._state.criteria
+
+    def doubt(self, mark: int) -> str:
+        """Reason why the findings at a mark are not definite; empty where they are."""
+        state = self._state
+        return doubt(state.criteria, float(state.carrier.samples[mark]), float(state.marks.rolling_ratio[mark]))
+
+    @property
+    def rolling_ratio(self) -> float:
+        """Precession over rotation in pure rolling of the mark with the largest."""
+        return float(self._state.marks.rolling_ratio.min())
 
     @property
     def origin(self) -> float:
@@ -93,14 +105,14 @@ class WhirlEstimator:
         first, synchronous = min(self._candidates, key=lambda candidate: candidate[0].time)
         if self._detector.earliest_candidate(exclude=self._state.synchronous.active) < first.time:
             return
-        at_start = self._at_start(first.time)
+        at_start, why = self._at_start(first.time), self.doubt(first.mark)
         self.onset = Onset(
             time_s=self.origin + first.time,
             mark=self._names[first.mark],
-            confidence=first.confidence,
+            confidence=first.confidence * float(self._state.carrier.definite[first.mark]),
             kind="synchronous" if synchronous else "asynchronous",
             detected_s=self.origin + float(self._state.full.numbers[TIME]),
-            criterion=f"{first.criterion}{AT_START if at_start else ''}",
+            criterion=f"{first.criterion}{AT_START if at_start else ''}{f'; {why}' if why else ''}",
             at_start=at_start,
         )
         self._state.flow[[UNDECIDED, NEW]] = 0, 1
@@ -133,8 +145,11 @@ class WhirlEstimator:
             row, ratio = 0 if state.onsets.active[mark] else 1, float(state.orbit.ratio[mark])
             found = STATES[held]
             text = criterion_text(
-                found, state.orbit, state.shape, state.criteria, mark, row, ratio, contact_known=self._contact_known
-            )
+                found, state.orbit, state.shape, state.criteria, mark, row, ratio, carrier=state.carrier,
+                contact_known=self._contact_known,
+            )  # fmt: skip
+            if found not in UNDOUBTED and (why := self.doubt(mark)):
+                text = f"{text}; {why}"
             self.criterion[subject] = text
             if event[subject] == CHANGED:
                 start = self.origin + float(hysteresis.since[subject, held])

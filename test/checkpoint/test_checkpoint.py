@@ -76,6 +76,13 @@ def test_a_running_twin_goes_back_to_a_checkpoint(kept, bench_scene, schedule):
     _alike(_run(twin, schedule, 1)[0], wanted[0])
 
 
+@pytest.mark.parametrize("command", [Command(1.0, 0.0), Command(0.0, 2.0), Command(0.0, 0.0, -0.005)])
+def test_every_set_point_is_kept(kept, tmp_path, command):
+    checkpoint = Checkpoint.load(kept[0])
+    Checkpoint(checkpoint.scene, checkpoint.time, command, checkpoint.arrays).save(tmp_path / "other.npz")
+    assert Checkpoint.load(tmp_path / "other.npz").command == command
+
+
 def test_no_state_is_forgotten(kept, schedule):
     """Were an array left out that matters, the runs would part: each one changed does make them part."""
     path, wanted = kept
@@ -113,6 +120,9 @@ def _rewritten(path, target, change):
         (lambda head, _: head.pop("scene"), "KeyError"),
         (lambda head, _: head.update(time="soon"), "whole checkpoint"),
         (lambda head, _: head.update(time=float("nan")), "finite numbers"),
+        (lambda head, _: head.update(set_points=[1.0, 2.0, float("nan")]), "finite numbers"),
+        (lambda head, _: head.update(set_points=[1.0, 2.0, 0.0, 3.0]), "whole checkpoint"),
+        (lambda head, _: head.pop("set_points"), "KeyError"),
         (lambda head, _: head.update(scene="hole: [1"), "the checkpoint's scene"),
     ],
 )

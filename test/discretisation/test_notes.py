@@ -73,3 +73,16 @@ def test_friction_of_an_interval_below_the_bit_is_told():
     near = {cased: "[{top: 2 m, bottom: 20 m, coefficient: 0.1}, {top: 20 m, bottom: 30 m, coefficient: 0.2}]"}
     (note,) = notes_on(load_scene("pa6_bench", overrides=near))
     assert note == f"`{cased}[1]` begins at 20 m, below the bit at 5 m: no part of the string is in it"
+
+
+def test_rolling_that_frames_or_steps_cannot_show_is_told():
+    """Radius over clearance times 2 rev/s: 0.1539875 / (0.155575 - 0.1539875) = 97, 194 Hz."""
+    (note,) = notes_on(load_scene("wells/vertical_3000"))
+    assert (
+        "near-bit stabiliser, 1.5 m from the bit, whirls at -97 times the rotation (radius over clearance), 194 Hz"
+        in note
+    )
+    assert "this needs 485 Hz; a step of 5 ms, this needs one of 0.258 ms; so for 4 m of the string" in note
+    wide = {"string.sections[1].blade_diameter": "280 mm", "string.sections[3].blade_diameter": "280 mm"}
+    fine = {"numerics.frame_rate": "200 Hz", "numerics.step": "2 ms"}
+    assert notes_on(load_scene("wells/vertical_3000", overrides=wide | fine)) == []

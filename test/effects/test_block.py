@@ -10,8 +10,13 @@ from pydantic import ValidationError
 import drill_twin as dt
 from drill_twin.api import Simulation
 from drill_twin.errors import ArgumentError
+from drill_twin.io.bag.metadata import contract_topic
+from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.rig_messages import CommandEncoder, read_command
+from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.runner.recorded_commands import recorded_commands
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.schedule.command import Command
@@ -62,7 +67,7 @@ def test_a_schedule_moves_the_block_in_single_runs_and_ensembles():
     assert planned.at(1.0) == Command(0.0, 0.0, 0.1)
     one, other = Twin(own), Twin(own)
     rows = other.rows(4)
-    commands = np.array([planned.at(0.5 * frame).array(3) for frame in range(1, 5)])
+    commands = np.array([planned.at(0.5 * frame).array() for frame in range(1, 5)])
     other.advance_frames(commands, 0.5, rows)
     for frame in range(1, 5):
         rigs = one.advance(planned.at(0.5 * frame), 0.5).rig
@@ -90,6 +95,26 @@ def test_a_member_of_an_ensemble_has_the_bits_of_its_single_run(block):
         assert np.array_equal(found["hookload"][number], single.hookload)
         assert np.array_equal(found["bit_force"][number], single.bit_force)
         assert found["bit_torque_max"][number] == single.bit_torque.max()
+
+
+def test_a_bag_without_commands_tells_the_speed_of_the_block(tmp_path):
+    """As measured; where a scene has no block, or an auto-driller moves it, that speed is no set-point."""
+    simulation = dt.Simulation(rig({"weight_on_bit": {"at": "block"}, "block": {}}))
+    simulation.advance(block=0.02, seconds=2.0)
+    bag = Bag(simulation.result().to_bag(tmp_path / "bag_0"))
+    rested = Bag(_without(bag, RIG_COMMAND, WOB_COMMAND, RPS_COMMAND, folder=tmp_path / "less_0"))
+    for block, wanted in ((True, pytest.approx(0.02, rel=0.1)), (False, 0.0)):
+        found = recorded_commands(rested, lambda _: Command(0.0, 0.0), block=block)
+        assert found.source == "/rig/state, as measured"
+        assert found.commands[-1].block == wanted
+
+
+def _without(bag: Bag, *left_out: str, folder: Path) -> Path:
+    topics = [topic for topic in bag.topics if topic not in left_out]
+    with BagWriter(folder, topics=[contract_topic(topic) for topic in topics]) as writer:
+        for topic, stamp, raw in bag.messages(topics):
+            writer.write(topic, stamp, raw)
+    return folder
 
 
 def test_a_command_has_the_block_as_a_joint():

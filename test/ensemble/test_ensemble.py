@@ -130,7 +130,7 @@ def test_a_dataset_has_the_values_as_coordinates(found):
 def test_the_loop_leaves_python_free_while_it_runs():
     twin = Twin(dt.load_scene("pa6_bench", COARSE))
     twin.advance(Command(0.0, 1.0), 0.01)
-    commands, rows = np.tile((20.0, 6.0), (2000, 1)), twin.rows(2000)
+    commands, rows = np.tile((20.0, 6.0, 0.0), (2000, 1)), twin.rows(2000)
     thread = threading.Thread(target=twin.advance_frames, args=(commands, 0.01, rows))
     thread.start()
     turns = 0
@@ -164,7 +164,16 @@ def test_the_energy_balance_is_an_output_of_audited_scenes():
         ({"effects.drag": [True]}, {}, "expected finite numbers or texts with a unit, found True"),
         ({"effects.gravity": ["on", "off"]}, {}, "expected members with the same effects and formulation"),
         ({"wall_friction.coefficient": [0.1, -1]}, {}, "member 1 (wall_friction.coefficient=-1): "),
-        ({"wall_fiction.coefficient": [0.1]}, {}, "wall_fiction"),
+        ({"wall_fiction.coefficient": [0.1]}, {}, "found 'wall_fiction'; did you mean wall_friction?"),
+        ({"wall_friction.coefficent": [0.1]}, {}, 'did you mean "coefficient"?'),
+        ({"mud.density": [1000.0]}, {}, "or an effect that it has, found 'mud'; "),
+        ({"rigg.rotation.value": [1.0]}, {}, "did you mean rig?"),
+        (
+            {"wob": [40, -12]},
+            {},
+            "wob: expected a weight on bit from 0, found -12; a bit that is pulled is given by rig.",
+        ),
+        ({"wob": ["-12 klb"]}, {}, "wob: expected a weight on bit from 0, found -12 klb"),
     ],
 )
 def test_bad_members_are_refused(vary, more, text):
@@ -175,7 +184,10 @@ def test_bad_members_are_refused(vary, more, text):
 @pytest.mark.parametrize(
     ("more", "text"),
     [
-        ({"outputs": "colour"}, "outputs: expected some of findings, extremes, contact, last_half, marks, channels"),
+        (
+            {"outputs": "colour"},
+            "outputs: expected some of findings, extremes, contact, last_half, settling, marks, channels",
+        ),
         ({"outputs": "energy"}, "outputs: expected numerics.audit: energy in the scene for `energy`, found none"),
         ({"duration": -1}, "duration: expected a time above 0 s, found -1 s"),
         ({"mark_rate": 1000}, "mark_rate: expected up to the frame rate of 100 Hz, found 1000 Hz"),

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run that begins in static equilibrium (`rig.start`); closed forms are in `drill-twin verify --only statics`."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from drill_twin.accuracy.errors import statistics
 from drill_twin.accuracy.motion_run import run_motion
+from drill_twin.discretisation.grading import mesh
+from drill_twin.discretisation.resolution import resolution_of
+from drill_twin.equilibrium.static_start import static_scene
 from drill_twin.errors import RunError, SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Command, Schedule
@@ -13,6 +18,7 @@ from drill_twin.studies.verify.scenes import FIRST, WALLED, quiet_scene
 from drill_twin.studies.verify.statics.statics import EULER_LOAD, in_equilibrium
 from drill_twin.twin.twin import Twin
 
+CONFIG = Path(__file__).resolve().parents[2] / "config"
 STILL = {"rig.start": "equilibrium", "rps": "0"}
 
 
@@ -108,3 +114,11 @@ def test_whirl_is_that_of_a_run_with_ramps() -> None:
     radius, contact = statistics(at_once)
     assert radius == pytest.approx(statistics(ramps)[0], rel=0.05)
     assert contact == pytest.approx(statistics(ramps)[1], abs=0.1)
+
+
+def test_the_search_has_the_mesh_of_the_run() -> None:
+    """A graded mesh depends on the rotation, which the search is without: its state must fall on the same nodes."""
+    scene = load_scene(CONFIG / "wells" / "vertical_3000.yaml", overrides={**STILL, "rps": "2", "wob": "20 kN"})
+    assert mesh(static_scene(scene), resolution_of(static_scene(scene))[0]).arc.size != Twin(scene).rod.arc.size
+    assert mesh(static_scene(scene), 200).arc.tolist() != mesh(scene, 200).arc.tolist()  # with a given number too
+    assert fastest(Twin(scene), 0.1) < 0.1

@@ -145,7 +145,7 @@ def test_members_are_turned_to_the_measured_phase():
 def test_another_lateral_motion_keeps_stretch_and_hole():
     scene = dt.load_scene("pa6_bench", OVER)
     twins = [Twin(scene) for _ in "ab"]
-    commands = np.tile([40.0, 12.0], (200, 1))
+    commands = np.tile([40.0, 12.0, 0.0], (200, 1))
     for twin in twins:
         twin.advance_frames(commands, 0.02, twin.rows(200))
     lateral = LateralMotion(scene, twins[0])

@@ -12,7 +12,6 @@ from drill_twin.cli.app import app
 from drill_twin.errors import ArgumentError
 from drill_twin.estimation.branches import Branches
 from drill_twin.estimation.divergence import Divergence
-from drill_twin.twin.number_change import change_numbers
 from drill_twin.twin.twin import Twin
 
 OVER = {"wob": 55e3, "numerics.step": "20 ms", "numerics.frame_rate": 10.0}
@@ -94,7 +93,7 @@ def test_alarm_when_the_rig_does_what_the_model_cannot(record):
     other["hookload"][300:] *= 0.5  # half of the load has gone elsewhere
     alarms = [each.alarm for each in feed(estimator, other)]
     assert not any(alarms[:15])
-    assert "the model no longer explains the hookload since 30.0 s" in alarms
+    assert any("misfit far above the usual: hookload since 30.0 s" in alarm for alarm in alarms)
 
 
 def test_numbers_changed_at_the_start_are_those_of_another_twin():
@@ -102,14 +101,14 @@ def test_numbers_changed_at_the_start_are_those_of_another_twin():
         dt.load_scene("two_mass", OVER | {f"effects.{key}": value for key, value in HIDDEN.items()}) for _ in "ab"
     )
     plain = Twin(dt.load_scene("two_mass", OVER))
-    change_numbers(plain.dynamics, first)
+    plain.change_numbers(first)
     wanted = Twin(other)
-    commands = np.tile([53e3, 100.0], (50, 1))
+    commands = np.tile([53e3, 100.0, 0.0], (50, 1))
     rows = [twin.rows(50) for twin in (plain, wanted)]
     for twin, row in zip((plain, wanted), rows, strict=True):
         twin.advance_frames(commands, 0.1, row)
     np.testing.assert_array_equal(rows[0].ends, rows[1].ends)
-    change_numbers(plain.dynamics, dt.load_scene("two_mass", OVER))  # and back, in the middle of the run
+    plain.change_numbers(dt.load_scene("two_mass", OVER))  # and back, in the middle of the run
     plain.advance_frames(commands, 0.1, rows[0])
     wanted.advance_frames(commands, 0.1, rows[1])
     assert not np.array_equal(rows[0].ends, rows[1].ends)
@@ -197,6 +196,7 @@ def test_command_follows_a_record(record, tmp_path):
     options += ["--set=wob=40 kN", "--set=numerics.step=20 ms", "--set=numerics.frame_rate=10 Hz"]
     options += ["--channel=torque=torque [kN m]", "--channel=hookload=hookload [kN]", "--members=16", "--window=2"]
     options += ["--channel=weight_on_bit", "--channel=rotation=speed [rad/s]"]
+    options.append(f"--out={tmp_path / 'out'}")
     done = CliRunner().invoke(
         app, ["estimate", str(tmp_path / "rig.csv"), "--scene=two_mass", *options, "--horizon=0", "--json"]
     )
@@ -204,6 +204,11 @@ def test_command_follows_a_record(record, tmp_path):
     found = json.loads(done.stdout)
     assert found["numbers"]["load_factor"]["mean"] == pytest.approx(55.0 / 53.0, rel=0.01)
     assert "whirls now 0%" in done.stderr
+    written = json.loads((tmp_path / "out" / "estimate.json").read_text("utf-8"))["estimates"]
+    assert [one["time"] for one in written] == pytest.approx(2.0 * np.arange(1, len(written) + 1), abs=0.1)
+    assert written[-1]["numbers"] == found["numbers"]
+    assert {"torque", "hookload"} <= written[-1]["misfit"].keys()
+    assert (tmp_path / "out" / "estimate.png").stat().st_size > 20_000
     alone = CliRunner().invoke(app, ["estimate", "rig.csv", "--scene=two_mass", options[0], "--channel=rotation"])
     assert "expected a measured channel, torque, " in str(alone.exception)
     assert "found rotation alone; set-points are only played" in str(alone.exception)

@@ -36,7 +36,8 @@ def test_samples_become_means_over_the_time_before_each_end(intake):
     np.testing.assert_allclose(second.measured["torque"], expected[10:], atol=1e-12)
     assert not intake.troubles
     schedule = dt.load_scene("pa6_bench").rig
-    assert first.commands[-1] == pytest.approx([40.0 / 8.6, schedule.rotation.value / 8.0])  # none given: the scene's
+    of_scene = [40.0 / 8.6, schedule.rotation.value / 8.0, 0.0]
+    assert first.commands[-1] == pytest.approx(of_scene)  # none were given
 
 
 def test_set_points_are_interpolated_and_held(intake):
@@ -44,7 +45,7 @@ def test_set_points_are_interpolated_and_held(intake):
     windows = feed(intake, np.arange(0, 101) * 0.02, given)
     windows += feed(intake, [2.5, 3.2], wave)
     np.testing.assert_allclose(windows[0].commands[:, 0], 20.0 * np.arange(1, 101) * 0.01)
-    np.testing.assert_allclose(windows[2].commands, np.tile([40.0, 3.0], (100, 1)))
+    np.testing.assert_allclose(windows[2].commands, np.tile([40.0, 3.0, 0.0], (100, 1)))
 
 
 def test_late_repeated_and_missing_samples_are_counted_and_left_out(intake):

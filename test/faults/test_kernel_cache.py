@@ -151,12 +151,12 @@ def test_what_another_user_made_is_refused(folder, monkeypatch, tmp_path):
 def test_a_damaged_error_model_counts_as_none(content, bench_scene, monkeypatch, tmp_path):
     monkeypatch.setattr(error_model, "cache_folder", lambda: tmp_path)
     key = error_model.content_key(bench_scene)
-    save_model(ErrorModel(key, "machine", None, ()))
-    assert load_model(bench_scene) == (ErrorModel(key, "machine", None, ()), "cached")
+    save_model(ErrorModel(key, None, 1.0, 8, 0.01, "reached", ()))
+    assert load_model(bench_scene) == (ErrorModel(key, None, 1.0, 8, 0.01, "reached", ()), "cached")
     file = next((tmp_path / error_model.FOLDER).iterdir())
     file.write_bytes(content)
     assert load_model(bench_scene) is None
-    save_model(ErrorModel(key, "machine", None, ()))
+    save_model(ErrorModel(key, None, 1.0, 8, 0.01, "reached", ()))
     file.chmod(0o666)
     assert load_model(bench_scene) is None
     assert machine_code.read_own(file) is None

@@ -5,7 +5,6 @@ Each twin turns the scene `two_mass` with hidden friction for 15 s; its bit spee
 A line of JSON for each twin is kept; a campaign that was broken off goes on from there.
 """
 
-import json
 import sys
 from pathlib import Path
 
@@ -13,9 +12,11 @@ import numpy as np
 from scipy import stats
 
 import drill_twin as dt
+from drill_twin.base.json_lines import JsonLines
 
 OVERRIDES = {"wob": 55e3, "numerics.step": "20 ms", "numerics.frame_rate": 10.0}
 RANGES = {"bit_torque_stribeck.sticking": (0.55, 0.95), "bit_torque_stribeck.decay": (0.2, 6.0)}
+FOREIGN, OTHER = "expected results of this campaign, found another file", "expected the same {}; give another file"
 LENGTH, NOISE, LEVEL = 15.0, 0.05, 0.9
 
 
@@ -40,12 +41,11 @@ def cover(seed: int) -> dict[str, object]:
 
 def main(twins: int, journal: Path) -> None:
     """Fit the twins that the journal lacks, and print the shares."""
-    lines = [json.loads(line) for line in journal.read_text().splitlines()] if journal.exists() else []
-    journal.parent.mkdir(parents=True, exist_ok=True)
+    lines: list[dict[str, object]] = []
+    file = JsonLines(journal, "fit coverage", {"ranges": RANGES}, lines.append, foreign=FOREIGN, other=OTHER)
     for seed in sorted(set(range(twins)) - {line["seed"] for line in lines}):
         lines.append(cover(seed))
-        with journal.open("a") as file:
-            file.write(json.dumps(lines[-1]) + "\n")
+        file.add(lines[-1])
     for key in RANGES:
         held = stats.binomtest(sum(line["inside"][key] for line in lines), len(lines))
         low, high = held.proportion_ci(0.95)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Control by grant and heartbeat, without network: who may what, and when it ends."""
 
+import math
+
 import pytest
 
 from drill_twin.gateway.control import HEARTBEAT, REQUEST, Control, Permission, User
@@ -43,6 +45,28 @@ def test_a_target_needs_a_known_user_and_a_grant(control):
 def test_a_value_that_is_no_set_point_is_refused(control, value):
     user = _holder(control)
     assert control.refusal(user, "WOBTarget", value).of_value
+
+
+def test_without_limits_of_a_file_those_of_the_scene_hold(now):
+    """1e308 was answered Good once, and published."""
+    open_ended = Target("WOBTarget", "weight_on_bit", "kN", 1000.0, 0.0, math.inf)
+    control = Control([open_ended], 2.0, lambda: None, lambda: now[0])
+    user = _holder(control)
+    assert control.refusal(user, "WOBTarget", 1e308).text.endswith("which limits it, found none so far")
+    control.set_limits({"weight_on_bit": (-1.0, 400.0)})
+    assert control.refusal(user, "WOBTarget", 1e308).text == "WOBTarget: expected 0 to 0.4 kN, found 1e+308"
+    assert control.refusal(user, "WOBTarget", 0.41).of_value
+    assert control.refusal(user, "WOBTarget", -0.001).of_value
+    assert control.refusal(user, "WOBTarget", 0.4) is None
+
+
+def test_a_limit_of_the_file_stays_below_that_of_the_scene(control):
+    control.set_limits({"weight_on_bit": (-1e9, 1e9)})
+    assert control.refusal(_holder(control), "WOBTarget", 101.0).text == "WOBTarget: expected 0 to 100 kN, found 101"
+
+
+def test_an_endless_text_is_not_repeated(control):
+    assert len(control.refusal(_holder(control), "WOBTarget", "x" * 1_000_000).text) < 200
 
 
 def test_only_a_heartbeat_that_changes_keeps_control(control, now):

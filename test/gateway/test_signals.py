@@ -7,7 +7,6 @@ import pytest
 
 from drill_twin.errors import DrillTwinError
 from drill_twin.gateway.dwis import PROPOSED, PROTOTYPES, UNITS
-from drill_twin.gateway.quantities import Severity
 from drill_twin.gateway.signals import SignalsError, read_signals, signals_path
 
 
@@ -45,16 +44,6 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path, text, message):
 def test_an_unknown_name_lists_the_installed_ones():
     with pytest.raises(SignalsError, match="one of dwis"):
         signals_path("nothing")
-
-
-def test_severity_is_that_of_the_last_ten_seconds():
-    severity = Severity()
-    assert severity.push(0.0, 10.0) == 0.0
-    assert severity.push(0.5, 20.0) == pytest.approx(10.0 / 30.0)
-    for second in range(1, 12):
-        last = severity.push(float(second), 10.0)
-    assert last == 0.0
-    assert severity.push(5.0, 3.0) == 0.0  # time went back
 
 
 def test_a_tool_downhole_is_mapped_by_name_and_unit(tmp_path):

@@ -20,6 +20,7 @@ from drill_twin.live.supervision import Supervision
 from drill_twin.live.trends import CHANNELS, SECONDS, Trends
 from drill_twin.scene import load_scene
 from drill_twin.twin.frame import Frames
+from drill_twin.whirl import StickSlip
 
 VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}
 
@@ -93,9 +94,28 @@ def test_severity_of_the_lamps():
     assert whirl_lamp("forward whirl", 0.4).level == 1
     assert whirl_lamp("forward whirl", 0.95).level == 2
     assert whirl_lamp("rolling along the wall", math.nan).level == 2
-    motions = ("steady rotation", "torsional vibration", "stick-slip")
-    assert [stick_slip_lamp(motion, 0.5).level for motion in motions] == [0, 1, 2]
-    assert stick_slip_lamp("", math.nan).level is None
+    assert stick_slip_lamp(StickSlip()).level is None
+
+
+def test_the_lamp_of_stick_slip_goes_by_the_index_and_not_by_the_start_up():
+    """The bit is wound up, breaks loose and catches up; then it swings from 15 to 225 rpm, and stops."""
+    seen, levels = Supervision(recorded=False), {}
+    for k in range(8000):
+        time = 0.02 * k
+        top = 120.0 * min(time / 8.0, 1.0) if time < 120.0 else 0.0
+        swing = 105.0 * math.sin(math.tau * time / 5.5) if time >= 40.0 else 60.0 * math.exp(-time / 10.0)
+        bit = (0.0 if time < 4.0 else top + swing) if time < 120.0 else 0.0
+        jitter = 0.5 * math.sin(math.tau * 8.9 * time)
+        seen.rig(time, {**VALUES, "rps": top / 60.0, "bit_rps": (bit + jitter) / 60.0})
+        levels.setdefault(seen.lamps["stick_slip"].text, []).append(time)
+        if round(time, 3) == 66.0:
+            assert seen.lamps["stick_slip"].share == pytest.approx(105.0 / 120.0, rel=0.08)
+    assert list(levels) == ["start-up", "steady rotation", "torsional vibration", "at rest"]
+    assert levels["torsional vibration"][0] < 40.0 + 5.5
+    assert levels["at rest"][-1] > 150.0
+    assert [(row["text"], row["active"]) for row in seen.snapshot()["alarms"]] == [
+        ("stick-slip: torsional vibration", False)
+    ]
 
 
 def test_a_string_on_the_low_side_of_a_deviated_hole_is_not_severe_for_its_radius():
@@ -107,11 +127,11 @@ def test_a_string_on_the_low_side_of_a_deviated_hole_is_not_severe_for_its_radiu
         radii = [scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks]
         ones = [1.0] * len(marks)
         page.update(WHIRL_STATE, WhirlStateEncoder(marks).encode(0, radii, ones, ones, ones))
-        motions = [Motion("string", "forward whirl", ""), Motion("bit", "stick-slip", "")]
+        motions = [Motion("string", "forward whirl", "")]
         page.update(WHIRL_MOTION, encode_motion(0, motions))
         lamps = page.snapshot()["lamps"]
-        levels[name] = lamps["whirl"]["level"], lamps["stick_slip"]["level"]
-    assert levels == {"pa6_bench": (2, 2), "well_b": (1, 2)}
+        levels[name] = lamps["whirl"]["level"]
+    assert levels == {"pa6_bench": 2, "well_b": 1}
 
 
 def test_rate_of_penetration_comes_from_the_diagnostics(make_frame, make_geometry):
@@ -161,9 +181,9 @@ def test_motions_raise_alarms_and_are_logged_once():
     seen = Supervision(recorded=False)
     calm = "rotation about a fixed axis"
     for state in (calm, calm, "forward whirl", "forward whirl", "spiral"):
-        seen.motion(state, "steady rotation", 0.5)
+        seen.motion(state, 0.5)
     assert [row["text"] for row in seen.snapshot()["alarms"]] == ["whirl: spiral"]
-    said = [f"whirl: {calm}", "stick-slip: steady rotation", "whirl: forward whirl", "whirl: spiral"]
+    said = [f"whirl: {calm}", "whirl: forward whirl", "whirl: spiral"]
     assert _texts(seen.alarms) == said
 
 

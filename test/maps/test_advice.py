@@ -8,7 +8,8 @@ import pytest
 
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.maps import OperatingMap, Plane, Regime, Span
-from drill_twin.maps.advice import Adviser, Tracker, status_of
+from drill_twin.maps.advice import Adviser, status_of
+from drill_twin.maps.advice_tracker import Tracker
 from drill_twin.maps.runs import Key, Record
 
 STEPS = 16
@@ -90,12 +91,59 @@ def test_the_advice_to_stop_holds_until_the_whirl_has_ended():
     tracker, some = Tracker(), adviser(dies=0)
     some.map = replace(some.map, plane=PLANE._replace(speed=Span(1.0, 17.0)))
     said = []
+    tracker.take(-10.0, 40.0, 4.0)
     for second, speed in enumerate((4.0, 2.0, 1.5, 0.5, 0.0)):
         tracker.take(10.0 * second, 40.0, speed)
         said.append(tracker.advise(some, whirls=True))
     assert [advice.target.speed for advice in said] == [0.0] * 5
     assert "the string still whirls, and no better set-point is known: stop the rotation" in said[2].text
-    assert tracker.advise(some, whirls=False).target.speed >= 1.0
+    assert tracker.advise(some, whirls=False) is None
+    assert "does not turn" in tracker.waits_for
+
+
+def said_of(tracker, some, begin, end, set_point, whirls=lambda _: False):
+    """Advice ten times a second, as the node asks for it, from samples a hundred times a second."""
+    found = []
+    for k in range(round(100 * begin), round(100 * end)):
+        tracker.take(0.01 * k, *set_point(0.01 * k))
+        if k % 10 == 9:
+            found.append(tracker.advise(some, whirls=whirls(0.01 * k)))
+    return found
+
+
+def test_nothing_is_advised_while_a_driver_ramps_from_rest():
+    """The ramps of the bench, to a set-point that whirls: one target, once they have ended."""
+    tracker, some = Tracker(), adviser()
+    ramp = lambda time: (100.0 * min(time / 8.6, 1.0), 10.0 * min(time / 8.0, 1.0))  # noqa: E731
+    assert set(said_of(tracker, some, 0.0, 8.6, ramp)) == {None}
+    assert "changing" in tracker.waits_for
+    after = said_of(tracker, some, 8.6, 30.0, ramp)
+    assert len({advice.target for advice in after if advice is not None}) == 1
+    assert after[-1].level is Level.ERROR
+
+
+def test_a_target_stands_on_the_way_to_it_and_ends_there():
+    tracker, some = Tracker(), adviser()
+    (first, *_) = [advice for advice in said_of(tracker, some, 0.0, 5.0, lambda _: (100.0, 10.0)) if advice]
+    weight, speed = first.target.weight, first.target.speed
+
+    def way(time):
+        share = min((time - 5.0) / 5.0, 1.0)
+        return 100.0 + (weight - 100.0) * share, 10.0 + (speed - 10.0) * share
+
+    moving = said_of(tracker, some, 5.0, 10.0, way)
+    assert {advice.target for advice in moving} == {first.target}
+    there = said_of(tracker, some, 10.0, 20.0, way)[-1]
+    assert (there.level, there.target) == (Level.OK, None)
+
+
+def test_set_points_that_swing_with_a_whirl_get_advice_too():
+    tracker, some = Tracker(), adviser(dies=8)
+    swing = lambda time: (100.0 + 60.0 * math.sin(2.0 * time), 10.0)  # noqa: E731
+    said = said_of(tracker, some, 0.0, 30.0, swing, whirls=lambda time: time > 5.0)
+    assert said[40] is None
+    assert all(advice is not None and advice.target is not None for advice in said[160:])
+    assert len({advice.target for advice in said[160:]}) == 1
 
 
 def test_a_speed_at_which_no_run_could_tell_a_whirl_is_not_advised():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drill_twin.errors import ArgumentError
-from drill_twin.maps.plane import UNKNOWN, Plane, Span, boundary, filled, largest_rectangle, wanted
+from drill_twin.maps.plane import UNKNOWN, Plane, Span, boundary, filled, wanted
 
 STEPS = 128
 PLANE = Plane(Span(0.0, 1.0), Span(0.0, 1.0), STEPS)
@@ -53,14 +53,6 @@ def test_a_hint_leads_to_an_island_between_the_first_runs():
     assert not (search(island, coarse=16) == 1).any()
     found = filled(search(island, coarse=16, hint=hint))
     assert (found == 1).sum() == sum(island((i, j)) for i in range(STEPS + 1) for j in range(STEPS + 1))
-
-
-def test_the_largest_rectangle_is_the_largest():
-    flags = np.zeros((9, 9), bool)
-    flags[0:3, :] = True
-    flags[2:8, 1:5] = True
-    assert largest_rectangle(flags) == ((0, 1), (7, 4))
-    assert largest_rectangle(np.eye(9, dtype=bool)) is None
 
 
 def test_boundary_segments_close_around_a_flagged_node():

@@ -31,6 +31,7 @@ def test_a_string_that_keeps_clear_is_not(tmp_path):
 
 @pytest.mark.parametrize(("weight", "lifted"), [("-30 N", True), ("30 N", False)])
 def test_a_bit_that_is_pulled_off_the_bottom_is_noted(tmp_path, weight, lifted):
-    changes = {"duration": "1.2 s", "wob": weight, "rig.weight_on_bit.duration": "0.5 s", "rig.weight_on_bit.at": "top"}
+    load = {"value": weight, "duration": "0.5 s", "at": "top"}
+    changes = {"duration": "1.2 s", **{f"rig.weight_on_bit.{key}": value for key, value in load.items()}}
     said = notes(tmp_path, SLIDING | changes)
     assert any("would have lifted off" in note and "`rock_floor`" in note for note in said) == lifted

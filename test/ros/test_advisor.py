@@ -41,8 +41,9 @@ def test_it_advises_from_a_map_and_commands_nothing(bench):
     states, maps = bench.collect(ADVICE_STATE), bench.collect(ADVICE_MAP, latched=True)
     advisor = bench.start("advisor", map=file)
     bench.until(lambda: ADVICE_STATE in dict(bench.node.get_topic_names_and_types()), what="the advisor")
-    simulator = bench.start("simulator", duration=1.0, overrides="rig.weight_on_bit.duration=0.1 s")
-    driver = bench.start("rig_driver", wait_for="simulator test", overrides="rig.weight_on_bit.duration=0.1 s")
+    over = "rig.weight_on_bit.duration=1 s; rig.rotation.duration=1 s"
+    simulator = bench.start("simulator", duration=7.0, overrides=over)
+    driver = bench.start("rig_driver", wait_for="simulator test", overrides=over)
     bench.until(lambda: simulator.code is not None, what="the run to end")
     for process in (advisor, driver):
         assert process.end() == 0, process.text
@@ -51,6 +52,11 @@ def test_it_advises_from_a_map_and_commands_nothing(bench):
     assert last.level == Level.ERROR
     assert float(last.values["target_weight_on_bit_N"]) <= 10.0
     assert "the nearest calm set-point" in last.text
+    said = [advice_of(raw) for raw in states]
+    settled = next(number for number, status in enumerate(said) if status.level == Level.ERROR)
+    assert all("target_speed_rev_s" not in status.values for status in said[:settled])
+    targets = {tuple(value for name, value in status.values.items() if "target" in name) for status in said[settled:]}
+    assert len(targets) <= 2  # before and after the onset of whirl
     assert json.loads(read_string(maps[-1]))["scene_name"] == "pa6_bench"
     assert not [name for name, _ in bench.node.get_publisher_names_and_types_by_node("test", "/") if "rig" in name]
 
@@ -77,6 +83,18 @@ def test_a_file_that_is_no_map_is_refused(bench):
     assert advisor.wait() == 2, advisor.text
     assert "expected the map.json of `drill-twin map`" in advisor.text
     assert "Traceback" not in advisor.text
+
+
+def test_without_a_map_it_says_at_once_how_far_it_is(bench):
+    states = bench.collect(ADVICE_STATE)
+    advisor = bench.start("advisor")
+    simulator = bench.start("simulator")
+    bench.until(lambda: len(states) >= 2, what="advice")
+    for status in map(advice_of, states[:2]):
+        assert status.level == Level.OK
+        assert "making a coarse map, 0 of at most 100 runs (0%) made" in status.text
+    for process in (advisor, simulator):
+        assert process.end() == 0, process.text
 
 
 @pytest.mark.long

@@ -37,6 +37,16 @@ def test_it_reports_answers_and_ends_on_a_signal(cold, number):
     assert not any(_is_running(worker) for worker in workers)
 
 
+def test_the_estimator_does_not_wait_for_the_compilation_to_end(cold):
+    estimator = cold.start("estimator", free="load_factor=0.8..1.2", members=4)
+    cold.until_status("estimator", lambda status: " functions, " in status.text)
+    workers = _workers(estimator.pid)
+    assert workers
+    assert estimator.end(signal.SIGTERM) == 0, estimator.text
+    assert "Traceback" not in estimator.text
+    assert not any(_is_running(worker) for worker in workers)
+
+
 def test_a_transition_that_compiles_ends_on_a_signal(cold):
     from lifecycle_msgs.msg import Transition
     from lifecycle_msgs.srv import ChangeState
@@ -77,7 +87,8 @@ def test_a_driver_waits_as_long_as_the_simulator_compiles(cold):
 
 
 def _workers(parent):
-    return [int(word) for word in Path(f"/proc/{parent}/task/{parent}/children").read_text("utf-8").split()]
+    threads = Path(f"/proc/{parent}/task").glob("*/children")
+    return [int(word) for children in threads for word in children.read_text("utf-8").split()]
 
 
 def _is_running(pid):

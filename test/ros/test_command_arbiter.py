@@ -81,6 +81,17 @@ def test_a_speed_of_the_block_that_nothing_follows_is_refused_by_itself(clock, b
     assert arbiter.last_refusal == expected
 
 
+def test_silence_ramps_every_set_point(clock):
+    """The block comes to rest with the others, and not at once."""
+    silence = Silence(1.0, ramp=True, safe=Command(10.0, 1.0), ramp_time=4.0)
+    arbiter = CommandArbiter(LIMITS, silence, Command(0.0, 0.0), clock=clock)
+    arbiter.both(1, Command(50.0, 9.0, -0.008))
+    assert arbiter.set_point(1.0) == arbiter.good
+    clock.now += 1.5
+    assert arbiter.set_point(1.0) == Command(40.0, 7.0, -0.006)
+    assert [arbiter.set_point(1.0) for _ in range(4)][-1] == silence.safe
+
+
 def test_limits_include_their_ends(arbiter):
     for command in (Command(0.0, 0.0), Command(400.0, 20.0 * TURN)):
         arbiter.both(1, command)

@@ -2,15 +2,19 @@
 """Commands over DDS to a running simulator: good, bad, too few, and from more than one hand."""
 
 import math
+import re
 
 import pytest
 from rclpy.qos import qos_profile_sensor_data
 from std_msgs.msg import Float32, Float64
 
 from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE, RPS_COMMAND, WOB_COMMAND
+from drill_twin.ros.simulator.publisher_check import PublisherCheck
 from drill_twin.schedule import Command
+from drill_twin.studies.verify.statics.block import rig
 
 TURN = 2.0 * math.pi
 
@@ -178,14 +182,33 @@ def test_a_person_beside_the_driver_is_reported_and_not_followed(bench, simulato
     assert driver.end() == 0
 
 
-@pytest.mark.fault("two drivers at once", "both are named in the diagnostics of the simulator")
-def test_two_drivers_are_detected(bench, simulator):
+@pytest.mark.fault("two drivers at once", "an error that names both, in diagnostics and log of the simulator")
+def test_two_drivers_are_an_error_while_both_send(bench, simulator):
     drivers = [bench.start("rig_driver"), bench.start("rig_driver", "-r", "__node:=other_driver")]
-    status = bench.until_status("simulator", lambda status: "more than one source" in status.text)
+    status = bench.until_status("simulator", lambda status: status.level == Level.ERROR)
+    named = "expected one publisher of /rig/command, found /other_driver and /rig_driver sending"
+    assert named in status.text
     assert status.values["command_sources"] == "/other_driver, /rig_driver"
-    assert status.level == 1
-    for driver in drivers:
-        assert driver.end() == 0
+    assert f"[ERROR] [simulator]: {named}" in re.sub(r" \[[\d.]+\]", "", simulator.text)
+    assert drivers[1].end() == 0
+    status = bench.until_status("simulator", lambda status: status.level == Level.OK)
+    assert status.values["command_sources"] == "/rig_driver"
+    assert drivers[0].end() == 0
+
+
+def test_a_second_publisher_that_says_nothing_is_no_rival(bench, simulator):
+    """And one publisher that was started anew, whose numbers go back once, is none either."""
+    driver = bench.start("rig_driver")
+    silent = bench.publisher(RIG_COMMAND)
+    status = bench.until_status("simulator", lambda status: "more than one source" in status.text)
+    assert status.level == Level.WARN
+    bench.node.destroy_publisher(silent)
+    driver.kill()
+    driver = bench.start("rig_driver")
+    time = float(status.values["simulated_time"])
+    bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > time + 2.0)
+    assert all(status.level < Level.ERROR for status in bench.history if status.name == "simulator")
+    assert driver.end() == 0
 
 
 @pytest.mark.fault("driver killed (-9) and restarted in lockstep", "time waits for it; no frame is left out")
@@ -210,4 +233,37 @@ def test_a_driver_that_is_killed_and_comes_back_picks_up_in_lockstep(bench, join
     assert int(status.values["frames"]) == len(stamps)
     assert int(status.values["commands_accepted"]) >= len(stamps)
     assert status.values["commands_refused"] == "0"
+    assert simulator.end() == 0
+
+
+def test_the_numbers_of_one_publisher_only_grow():
+    now = [0.0]
+    check = PublisherCheck(lambda: now[0])
+    assert not any(check.take(number) for number in (1, 2, 3, 7, 8))
+    assert not check.take(1)  # started anew
+    assert not check.several_send
+    assert not any(check.take(number) for number in range(2, 50))
+    now[0] = 6.0
+    assert [check.take(number) for number in (500, 50, 501, 51, 502, 52)] == [False, False, False, True, False, False]
+    assert check.several_send
+    now[0] = 12.0
+    assert not check.several_send
+
+
+@pytest.mark.parametrize("joints_given", [("top_drive",), ("top_drive", "block")])
+def test_a_scene_without_a_prescribed_weight_needs_no_bit(bench, tmp_path, joints_given, joints):
+    (tmp_path / "block.yaml").write_text(rig({"weight_on_bit": {"at": "block"}, "block": {}}).to_yaml(), "utf-8")
+    simulator = bench.start("simulator", scene=str(tmp_path / "block.yaml"))
+    bench.until_ready("simulator")
+    speeds = {"top_drive": 6.0, "block": -0.005}
+    template = JointStateTemplate(joints_given)
+    unset = [math.nan] * len(joints_given)
+    raw = template.fill(0, unset, [speeds[name] for name in joints_given], unset)
+    states, command = bench.collect(RIG_STATE), bench.publisher(RIG_COMMAND)
+    command.publish(raw)
+    status = bench.until_status("simulator", lambda status: float(status.values.get("speed_rev_s", 0.0)) > 0.5)
+    assert status.values["commands_refused"] == "0"
+    bench.until(lambda: len(states) > 5)
+    block = joints(states)[-1]
+    assert (block.velocity[block.index("block")] < -0.001) == ("block" in joints_given)
     assert simulator.end() == 0

@@ -3,8 +3,10 @@
 
 import json
 import os
+import signal
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -16,6 +18,18 @@ def test_processor_time_is_that_of_the_process():
     while time.process_time() - own < 0.3:
         pass
     assert _processor_time(os.getpid()) - before == pytest.approx(time.process_time() - own, abs=0.05)
+
+
+def test_ctrl_c_is_one_line_and_leaves_no_node(bench):
+    words = ["env", "-u", "ROS_DOMAIN_ID", sys.executable, "-m", "drill_twin.cli", "load"]
+    process = bench.command("load", words)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    bench.until(lambda: len(children.read_text("utf-8").split()) == 4, what="the nodes")
+    nodes = children.read_text("utf-8").split()
+    assert process.end(signal.SIGINT) == 130, process.text
+    assert process.text.strip().splitlines()[-1] == "drill-twin: stopped"
+    assert "Traceback" not in process.text
+    bench.until(lambda: not any(Path(f"/proc/{node}").exists() for node in nodes), 20.0, "the end of the nodes")
 
 
 @pytest.mark.long

@@ -114,6 +114,9 @@ def test_control_is_granted_used_lost_and_given_back(rig, joints):
     rig.until(lambda: states and _applied(joints(states[-1:])[0]) == pytest.approx((30.0, math.tau)), what="the target")
     assert holder.ask("write", "WOBTarget", math.nan) == "BadOutOfRange"
     assert holder.ask("write", "WOBTarget", -1.0) == "BadOutOfRange"
+    assert holder.ask("write", "WOBTarget", 1e308) == "BadOutOfRange"
+    assert holder.ask("write", "WOBTarget", 401.0) == "BadOutOfRange"  # ten times the scene's
+    assert holder.ask("write", "SurfaceRPMTarget", 1e308) == "BadOutOfRange"
     other = rig.client()
     assert other.ask("write", "WOBTarget", 99.0) == "BadUserAccessDenied"
     assert other.ask("write", "Request", True) == "BadUserAccessDenied"
@@ -154,14 +157,45 @@ def _applied(state):
 
 
 def test_keys_are_made_by_the_command_and_none_is_needed_on_this_host_only(bench):
-    command = [sys.executable, "-m", "drill_twin.cli", "gateway-keys", "keys", "--user", "me", "--password", "you"]
+    command = [
+        sys.executable,
+        "-m",
+        "drill_twin.cli",
+        "gateway-keys",
+        "keys",
+        "--user",
+        "me",
+        "--password",
+        "you and me",
+    ]
     assert bench.command("keys", command).wait() == 0
     keys = bench.folder / "keys"
     assert (keys / "private_key.pem").stat().st_mode & 0o77 == 0
-    assert "you" not in (keys / "users.yaml").read_text("utf-8")
+    assert "you and me" not in (keys / "users.yaml").read_text("utf-8")
     process = bench.start("gateway", host="0.0.0.0")  # noqa: S104 - that it refuses
     assert process.wait() == 2
     assert "expected an address of this host only" in process.text
+    (keys / "users.yaml").chmod(0o644)
+    process = bench.start("gateway", keys=str(keys))
+    assert process.wait() == 2
+    assert "expected a file that its owner alone reads, found mode 644; chmod 600 " in process.text
     process = bench.start("gateway", keys=str(bench.folder))
     assert process.wait() == 2
     assert "expected a folder of keys with certificate.der" in process.text
+
+
+@pytest.mark.parametrize("host", ["localhost", "::1"])
+def test_without_keys_this_host_may_be_called_by_any_of_its_names(bench, host):
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        port = one.getsockname()[1]
+    process = bench.start("gateway", host=host, port=port)
+    bench.until_status("gateway", bool)
+    shown = f"[{host}]" if ":" in host else host
+    assert f"signals at opc.tcp://{shown}:{port}/drill_twin" in process.text
+    done = subprocess.run(
+        [sys.executable, str(HERE / "asyncua_client.py"), "read", f"opc.tcp://{shown}:{port}/drill_twin"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert process.end() == 0

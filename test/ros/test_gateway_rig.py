@@ -8,7 +8,9 @@ import shutil
 import socket
 import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +21,8 @@ from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, make_keys  # no
 from drill_twin.io.messages.diagnostics import Level  # noqa: E402
 from drill_twin.io.messages.sensor_messages import read_summary  # noqa: E402
 from drill_twin.io.messages.topics import MEASURED, MEASURED_RIG_STATE, RIG_COMMAND, summary_topic  # noqa: E402
+from drill_twin.ros.core.parameters import ParameterError  # noqa: E402
+from drill_twin.ros.gateway.rig import check_security  # noqa: E402
 from drill_twin.sensors.summaries import SUMMARY  # noqa: E402
 
 HERE = Path(__file__).resolve().parent / "gateway"
@@ -155,10 +159,27 @@ def test_set_points_of_a_rig_are_followed_until_they_are_stale(bench, serve, joi
 
 
 @pytest.mark.long
+@pytest.mark.parametrize(
+    ("url", "user", "follows", "words"),
+    [
+        ("opc.tcp://192.0.2.7:4840", "driller", False, "the password of rig_user goes to another host"),
+        ("opc.tcp://192.0.2.7:4840", "", True, "set-points of another host are followed"),
+        ("wits://192.0.2.7:5001", "", True, "set-points of another host are followed"),
+        ("opc.tcp://192.0.2.7:4840", "", False, ""),
+        ("opc.tcp://[::1]:4840", "driller", True, ""),
+        ("opc.tcp://localhost:4840", "driller", True, ""),
+    ],
+)
+def test_neither_password_nor_set_points_cross_a_network_in_clear(url, user, follows, words):
+    settings = SimpleNamespace(rig_url=url, rig_user=user, rig_security="none")
+    with pytest.raises(ParameterError, match=words) if words else nullcontext():
+        check_security(settings, follows=follows, has_keys=True)
+
+
 def test_the_certificate_of_the_rig_must_be_trusted(bench, serve):
     port, keys, rig_keys = free_port(), bench.folder / "keys", bench.folder / "rig_keys"
     for folder in (keys, rig_keys):
-        make_keys(folder, "urn:drill_twin:gateway", "localhost", {"driller": "x"})
+        make_keys(folder, "urn:drill_twin:gateway", "localhost", {"driller": "Schlag-12"})
     serve(sys.executable, HERE / "asyncua_rig.py", port, rig_keys)
     gateway = _gateway(bench, port, SIGNALS, keys=str(keys), rig_security="sign_and_encrypt")
     status = _fault(bench, "its certificate is not in")

@@ -10,7 +10,8 @@ from rcl_interfaces.srv import DescribeParameters
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE
 from drill_twin.ros.rig_driver.set_point_transition import SetPointTransition
-from drill_twin.schedule import Command
+from drill_twin.scene import load_scene
+from drill_twin.schedule import Command, Schedule
 
 
 def _applied(joints, raws):
@@ -47,6 +48,26 @@ def test_set_points_of_the_driver_are_live(bench, joints):
     assert _applied(joints, states[-1:])[0][0] == 55.0
     for process in (driver, simulator):
         assert process.end() == 0, process.text
+
+
+def test_a_reset_after_a_live_change_is_a_launch_with_these_set_points(bench, joints):
+    """Also where the change was still under way: time goes back, and with it what belongs to the run before."""
+    simulator = bench.start("simulator", pace="lockstep")
+    states = bench.collect(RIG_STATE)
+    driver = bench.start("rig_driver", wait_for="simulator test", change_time=1000.0)
+    bench.until(lambda: states and joints(states[-1:])[0].stamp > 9 * 10**9, what="the end of the ramps")
+    assert bench.set_parameter("rig_driver", "weight_on_bit", "60 N").successful
+    bench.until_status("rig_driver", lambda status: float(status.values["weight_on_bit"]) > 40.0)
+    states.clear()
+    bench.call("/simulator/reset")
+    bench.until(lambda: any(state.stamp == 2 * 10**9 for state in joints(states)), what="two seconds of the new run")
+    for process in (driver, simulator):
+        assert process.end() == 0, process.text
+    begun = next(number for number, state in enumerate(joints(states)) if state.stamp < 10**8)
+    plan = Schedule.from_scene(load_scene("pa6_bench", overrides={"wob": "60 N"}))
+    late = [plan.at(state.stamp * 1e-9).weight_on_bit - weight for state, (weight, _) in zip(
+        joints(states[begun:]), _applied(joints, states[begun:]), strict=True) if state.stamp <= 2 * 10**9]  # fmt: skip
+    assert max(map(abs, late)) < 1e-9
 
 
 def test_limits_of_the_simulator_are_live_and_described(bench):

@@ -12,7 +12,7 @@ from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.stamps import unpack_stamp
 from drill_twin.io.messages.topics import CLOCK_TOPIC, REALTIME_FACTOR
 from drill_twin.ros.core import pacing
-from drill_twin.ros.core.pacing import Pacer
+from drill_twin.ros.core.pacing import Pacer, Tick
 
 
 @pytest.fixture
@@ -101,6 +101,15 @@ def test_real_time_given_up_is_a_warning_at_once_with_how_much(bench):
     assert status.text.startswith("real time is not held: ")
     assert f"{float(status.values['time_given_up']):.3g} s given up" in status.text
     assert simulator.end() == 0
+
+
+def test_a_tick_is_due_once_after_a_stall(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("drill_twin.ros.core.pacing.time.monotonic", lambda: now[0])
+    tick, found = Tick(1.0), []
+    for now[0] in (0.0, 0.5, 1.25, 2.0, 7.3, 7.3, 7.4, 8.2, 8.3, 9.3):
+        found.append(tick.due())
+    assert found == [True, False, True, True, True, False, False, False, True, True]
 
 
 @pytest.mark.long

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every node starts, and ends on SIGINT and SIGTERM with exit code 0 and no traceback, whenever the signal comes."""
 
+import os
 import signal
+import subprocess
 import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from std_msgs.msg import Float64
 
 from drill_twin.io.messages.topics import WOB_COMMAND
+from drill_twin.ros.core.stop_request import END_WITH_PARENT
 from drill_twin.ros.entry_points import NODES
 
 EXECUTABLES = (*NODES, "twin")
@@ -66,6 +70,70 @@ def test_a_signal_during_the_start_ends_it_too(bench, delay):
     time.sleep(delay)
     assert process.end(signal.SIGTERM) == 0, process.text
     assert "Traceback" not in process.text
+
+
+_DELAYS = np.random.default_rng(28).uniform(0.0, 4.0, 20)
+
+
+@pytest.mark.parametrize(
+    "delay", [*_DELAYS[:3], *(pytest.param(delay, marks=pytest.mark.long) for delay in _DELAYS[3:])]
+)
+def test_two_signals_at_once_end_a_node_at_any_moment_of_its_start(bench, delay):
+    """As `timeout` sends them to a launch and its group."""
+    process = bench.start("analyzer")
+    bench.until(lambda: "numpy" in _maps(process.pid) or process.code is not None, what="the interpreter to start")
+    time.sleep(delay)
+    for number in (signal.SIGTERM, signal.SIGINT):
+        process.send(number)
+    assert process.wait(60.0) == 0, process.text
+    assert "Traceback" not in process.text
+
+
+def test_stopped_comes_again_where_it_was_swallowed(bench):
+    words = (
+        "import time; from drill_twin.ros.core import stop_request; stop_request._REPEAT = 0.05\n"
+        "stop = stop_request.StopRequest(); stop.install(); swallowed = 0\n"
+        "try:\n"
+        "    with stop.at_once():\n"
+        "        print('begun', flush=True)\n"
+        "        while True:\n"
+        "            try: time.sleep(30.0)\n"
+        "            except BaseException:\n"
+        "                swallowed += 1\n"
+        "                if swallowed == 3: raise\n"
+        "except stop_request.Stopped: print(swallowed)"
+    )
+    process = bench.command("stubborn", [sys.executable, "-c", words])
+    bench.until(lambda: "begun" in process.text)
+    assert process.end(signal.SIGTERM) == 0, process.text
+    assert process.text == "begun\n3\n"
+
+
+def test_a_node_ends_with_the_launch_that_is_killed(bench):
+    """Nobody is left then to ask it; what is started by hand stays."""
+    words = "import subprocess, sys; subprocess.Popen(sys.argv[1:]); sys.stdin.read(); import time; time.sleep(600)"
+    node = [sys.executable, "-m", "drill_twin.ros", "analyzer", "--ros-args", "-r"]
+    bound = bench.command("bound", [sys.executable, "-c", words, *node, "__node:=bound"], **{END_WITH_PARENT: "1"})
+    free = bench.command("free", [sys.executable, "-c", words, *node, "__node:=free"])
+    pids = {}
+    for name, launch in (("bound", bound), ("free", free)):
+        bench.until_status(name, bool)
+        (pids[name],) = Path(f"/proc/{launch.pid}/task/{launch.pid}/children").read_text("utf-8").split()
+        launch.kill()
+    bench.until(lambda: not Path(f"/proc/{pids['bound']}").exists(), what="the node to end with its launch")
+    assert Path(f"/proc/{pids['free']}").exists()
+    os.kill(int(pids["free"]), signal.SIGTERM)
+    bench.until(lambda: not Path(f"/proc/{pids['free']}").exists(), what="the other to end when asked")
+
+
+def test_a_node_ends_whose_launch_is_gone_before_it_can_watch(bench):
+    """As of a launch that is killed while its nodes begin."""
+    with subprocess.Popen([sys.executable, "-c", ""]) as gone:
+        pass
+    node = bench.command(
+        "late", [sys.executable, "-m", "drill_twin.ros", "analyzer"], **{END_WITH_PARENT: str(gone.pid)}
+    )
+    assert node.wait(60.0) == 0, node.text
 
 
 @pytest.mark.parametrize("node", ["rig_driver", "analyzer"])

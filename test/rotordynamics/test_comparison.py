@@ -87,24 +87,21 @@ def test_a_point_of_the_comparison_and_its_record(bench, tmp_path, monkeypatch):
 
 
 def test_a_record_that_was_broken_off_goes_on(bench, tmp_path):
-    """The line that was cut off is computed again; what is no point, or of another study, is refused."""
+    """Lines that were cut off or damaged are computed again; another study, or another file, is refused."""
     record, setup = tmp_path / "points.jsonl", points.setup_of(bench, 30.0)
     one = points.Point(40.0, 6.0, "steady whirl", 0.8, None, 0.01, ((0.8, -1.0, 2.0),), (0.8,), "a stable state",
                        two=points.TwoFrequencies(0.8, 0.4, -1.0, 1e-9), held=((0.5, True),))  # fmt: skip
-    assert points.recorded(record, setup) == {}
-    points.append(record, one)
+    file = points.PointsFile(record, setup)
+    assert file.points == {}
+    file.add(one)
     whole = record.read_bytes()
-    record.write_bytes(whole + whole.splitlines()[1][:40])
-    assert points.recorded(record, setup) == {(40.0, 6.0): one}
-    assert record.read_bytes() == whole
+    record.write_bytes(whole + b'{"motion": 1}\n' + whole.splitlines()[1][:40])
+    assert points.PointsFile(record, setup).points == {(40.0, 6.0): one}
     with pytest.raises(ArgumentError, match=r"expected points of this scene and duration, found those of another dur"):
-        points.recorded(record, points.setup_of(bench, 20.0))
-    record.write_bytes(whole + b'{"motion": 1}\n')
-    with pytest.raises(ArgumentError, match=r"points\.jsonl, line 3: expected a point, found .*remove the line"):
-        points.recorded(record, setup)
+        points.PointsFile(record, points.setup_of(bench, 20.0))
     record.write_bytes(b"[]\n")
     with pytest.raises(ArgumentError, match="expected the points of a comparison, found another file"):
-        points.recorded(record, setup)
+        points.PointsFile(record, setup)
 
 
 def test_a_motion_that_is_no_state_found_is_missed(bench):

@@ -6,7 +6,7 @@ import pytest
 from drill_twin.api.rotordynamics import final_command, steady_scene
 from drill_twin.errors import SceneError
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.steady.whirl_states import check_whirls, whirl_states
+from drill_twin.rotordynamics.steady.whirl_states import check_whirls, search
 from drill_twin.studies.stress import all_hard_cases
 from drill_twin.studies.stress.case import LATERAL
 
@@ -24,7 +24,7 @@ SENTENCES = {
     "steel_8000_m": "take fewer elements",
 }
 SEARCHED = ("load_300_n", "speed_20")
-SECONDS = 0.1
+EVALUATIONS = 1000
 
 
 @pytest.mark.long
@@ -36,8 +36,8 @@ def test_hard_scenes_have_whirls_or_a_sentence():
             with pytest.raises(SceneError, match=sentence):
                 whirls(case.scene())
             continue
-        search = case.form == LATERAL and case.scene_name.removeprefix("hard/") in SEARCHED
-        equations, states = whirls(case.scene(), search=search)
+        is_sought = case.form == LATERAL and case.scene_name.removeprefix("hard/") in SEARCHED
+        equations, states = whirls(case.scene(), is_sought=is_sought)
         for state in states:
             assert np.isfinite(state.growth), case.name
             residual = equations.evaluate(state.whirl.command, *state.whirl.motion).residual
@@ -45,8 +45,9 @@ def test_hard_scenes_have_whirls_or_a_sentence():
             assert np.abs(residual).max() < 1e-6 * np.abs(force).max() * equations.scene.least_clearance, case.name
 
 
-def whirls(scene, *, search=True):
+def whirls(scene, *, is_sought=True):
     own = steady_scene(scene, None, ())
     equations, command = EquationsOfMotion(own), final_command(own)
     check_whirls(equations, command)
-    return equations, whirl_states(equations, command, random_starts=0, seconds=SECONDS) if search else ()
+    found = search(equations, command, random_starts=0, evaluations=EVALUATIONS).states if is_sought else ()
+    return equations, found

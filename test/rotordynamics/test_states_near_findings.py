@@ -46,7 +46,8 @@ class State:
     kind, growth_frequency = "forward", 0.5
 
     def __init__(self, frequency, growth):
-        self.frequency, self.growth, self.is_stable = frequency, growth, growth < 0.0
+        self.frequency, self.growth = frequency, growth
+        self.verdict = "not determined" if growth == 0.0 else "stable" if growth < 0.0 else "unstable"
 
 
 @pytest.mark.parametrize(
@@ -67,11 +68,26 @@ def test_sentences(frequency, state, words, why):
     assert "cannot settle" in _conclusion([found], states[:1])
 
 
-def test_a_search_ends_when_its_time_is_over(bench, monkeypatch):
-    """No first guess but the first is taken."""
-    taken = []
+def test_a_state_whose_stability_finer_meshes_change_explains_nothing():
+    states = (State(1.0, 0.0), State(1.5, -2.0))
+    found = _placed("whirl frequency", 1.0, Command(40.0, 4.0 * 3.141592653589793), states)
+    assert "whose stability is not determined" in found["sentence"]
+    assert "whose stability is not determined" in _conclusion([found], states)
+    assert "known to be stable" in _conclusion([], states[:1])
+
+
+@pytest.mark.parametrize(("limit", "taken"), [(0, []), (2, ["a", "b"])])
+def test_a_search_is_cut_short_by_its_work_and_says_so(bench, monkeypatch, limit, taken):
+    """No first guess is taken after the limit, which counts evaluations, not seconds."""
+    tried = []
+
+    def add(turning, guess, _):
+        tried.append(guess)
+        turning.equations.evaluations += 1
+
     monkeypatch.setattr(whirl_states, "_guesses", lambda *_: iter("abc"))
-    monkeypatch.setattr(whirl_states, "_add_near", lambda _, guess, __: taken.append(guess))
-    equations = whirl_states.EquationsOfMotion(bench)
-    assert whirl_states.whirl_states(equations, Command(40.0, 12.0), seconds=0.0) == ()
-    assert taken == ["a"]
+    monkeypatch.setattr(whirl_states, "_add_near", add)
+    found = whirl_states.search(whirl_states.EquationsOfMotion(bench), Command(40.0, 12.0), evaluations=limit)
+    assert found == ((), False)
+    assert tried == taken
+    assert whirl_states.search(whirl_states.EquationsOfMotion(bench), Command(40.0, 12.0)).is_whole

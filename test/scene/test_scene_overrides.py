@@ -50,6 +50,8 @@ def test_effects_are_taken_out_and_put_in(changed):
         ({"rig.rotation.value": "50"}, "found 50 (no unit)"),
         ({"rig.rotationn.value": "50 rpm"}, 'did you mean "rotation"?'),
         ({"wob": "nan"}, 'found "nan"'),
+        ({"wob": "-12 klb"}, "wob: expected a weight on bit from 0, found -12 klb; a bit that is pulled"),
+        ({"wob": -40.0}, "wob: expected a weight on bit from 0, found -40.0"),
         ({"rps": "many"}, 'found "many"'),
         ({"duration": "-3"}, "above 0 s"),
         ({"": "x"}, 'expected a key such as "rig.duration"'),

@@ -178,3 +178,12 @@ def test_a_factor_is_checked_for_its_dimension():
 def test_the_registry_holds_only_what_scenes_need():
     """A thousand units take 0.2 s to load, at each start of each node."""
     assert len(list(registry())) < 500
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [('8 1/2"', 0.2159), ('12.25 "', 0.31115), ("8 1/2″", 0.2159), ("100'", 30.48), ("100 ′", 30.48)]
+)
+def test_inches_and_feet_by_their_signs(text, value):
+    assert parse(text, dim.LENGTH) == pytest.approx(value, rel=1e-15)
+    with pytest.raises(UnitError, match=r"\(length\)"):
+        parse(text, dim.FORCE)

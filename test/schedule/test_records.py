@@ -12,7 +12,7 @@ from drill_twin.cli.bags.analyze import analyze
 from drill_twin.cli.bags.export import export
 from drill_twin.errors import TableError
 from drill_twin.io.bag.record import RecordBag
-from drill_twin.report import read_recording, summarise
+from drill_twin.report import build_report, read_recording, summarise
 from drill_twin.schedule import read_table
 from drill_twin.schedule.reading import read_columns
 
@@ -170,3 +170,25 @@ def test_numbers_beyond_any_record_are_missing_or_refused(tmp_path):
     path.write_text(rows.replace("\n2,", "\n1e300,"), "utf-8")
     with pytest.raises(TableError, match=r"expected times of at most 2.14748e\+09 s, found 1e\+300 s"):
         RecordBag(path)
+
+
+ODD = {
+    "gaps.csv": ("time [s],RPM [rpm],WOB [klbf],TQ [kft-lb]\n0,0,0,0\n0.1,10,,1\n0.2,,-999.25,1.5\n0.3,30,3,\n", "kN"),
+    "one_row.csv": ("time [s],BRPM [rpm]\n3,120\n", "no weight and no speed"),
+    "only_speed.csv": (
+        "DTIM,RPM [rpm],HKLD [kN]\n" + "".join(f"2024-05-01T12:00:{k:02d}Z,{60 + k},-999.25\n" for k in range(30)),
+        "top drive at 1.367 rev/s on average",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_a_report_of_a_record_draws_what_it_holds_and_says_what_it_leaves_out(tmp_path, name):
+    text, said = ODD[name]
+    files = build_report(written(tmp_path, text, name), tmp_path / "out")
+    page = files.page.read_text("utf-8")
+    assert list(files.figures) == ["set_points"]
+    assert files.figures["set_points"].stat().st_size > 5000
+    assert "not drawn: displacement, motion, spectrum over time, orbits, spectrum" in page
+    assert said in page
+    assert f"<h1>{name}</h1>" in page

@@ -10,6 +10,9 @@ import pytest
 from drill_twin.errors import SceneError
 from drill_twin.scene import Scene, config_dir, load_scene, well_scenes
 from drill_twin.scene.write import yaml_text
+from drill_twin.units import parse
+from drill_twin.units.dimension import LENGTH
+from drill_twin.well_plan.catalogue import casing_size
 from drill_twin.well_plan.plan import WellPlan
 
 INCH, FOOT = 0.0254, 0.3048
@@ -124,6 +127,12 @@ MISTAKES = {
     "above the rotary table": ({"depth": "-5 m"}, r"--depth: expected a length above 0"),
     "thousands": ({"survey": SURVEY.replace("900,40", "1,900,40")}, r"survey.csv, line 4: .*at most 3 cells"),
     "heavy in mm": ({"tally": TALLY.replace("hwdp,100,5", "hwdp,100,8")}, r"line 5, od: .*found 8 in"),
+    "no unit": ({"survey": SURVEY.replace("md [m]", "md")}, r"line 2, md: expected its unit, .* as md \[ft\], or give"),
+    "no unit of a size": ({"tally": TALLY.replace("od [in]", "od")}, r'line 2, od: expected its unit, .* "8"'),
+    "size of casing": ({"casing": ("9 5/8 in to 900 m",)}, r'the inner diameter .*found 9 5/8 in, .*"ID 9 5/8 in to'),
+    "the same in mm": ({"casing": ("244.5 mm to 900 m",)}, r"--casing .*found 9 5/8 in, an outer diameter of API 5CT"),
+    "pulled": ({"weight_on_bit": "-12 klb"}, r'--wob: expected a force from 0, found "-12 klb"'),
+    "left-handed": ({"rotation": "-120 rpm"}, r'--rpm: expected a speed of rotation from 0, found "-120 rpm"'),
     "unit": ({"hole": "12 kg"}, r"--hole: .*12 kg"),
 }  # fmt: skip
 
@@ -134,6 +143,14 @@ def test_a_mistake_is_one_line_that_names_row_and_remedy(tmp_path: Path, mistake
     with pytest.raises(SceneError, match=message) as caught:
         made(tmp_path, **changes)
     assert "\n" not in str(caught.value)
+
+
+def test_a_bore_that_is_also_a_size_of_casing_is_taken_where_it_is_called_one(tmp_path: Path) -> None:
+    """And no bore of API casing is taken for an outer diameter."""
+    hole = made(tmp_path, casing=("ID 13 3/8 in to 900 m",)).hole
+    assert hole.intervals[0].radius == pytest.approx(0.5 * 13.375 * INCH)
+    for bore in ("12.415", "8.681", "19.124", "6.184", "4.494", "5.012", "7.025", "17.755", "9.760"):
+        assert not casing_size(parse(f"{bore} in", LENGTH))
 
 
 def test_friction_of_the_casing(tmp_path: Path) -> None:

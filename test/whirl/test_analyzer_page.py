@@ -31,6 +31,6 @@ def test_numbers_are_those_of_the_code():
 
 def test_measured_figures_are_there():
     printed = PAGE.partition("<!-- score")[2].partition("<!-- end of score")[0]
-    assert re.search(r"\| kinematic signals \| \d+ \| \d+ \| \d+\.\d %", printed)
+    assert re.search(r"\| kinematic signals \| \d+ \| \d+ \| \d+ of \d+ \(95 % interval", printed)
     assert re.search(r"\| macro-F1 \| \*\*0\.\d+\*\*", printed)
     assert re.search(r"24 h of four marks, \d+ onsets", printed)

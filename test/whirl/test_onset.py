@@ -116,7 +116,7 @@ def test_surge_of_the_synchronous_part(pace):
     assert (summary.onset.time_s - truth) * 2.0 == pytest.approx(0.0, abs=0.5)
     assert summary.onset.detected_s - truth < 2.0
     assert summary.precession_ratio == pytest.approx(1.0, rel=0.02)
-    assert summary.motion[-1].state is MotionState.FORWARD_WHIRL
+    assert summary.motion[-1].state is MotionState.SYNCHRONOUS_WHIRL
 
 
 def test_whirl_of_a_string_that_had_leaned_over_before():

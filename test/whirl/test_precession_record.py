@@ -46,7 +46,7 @@ SUMMARY = {
     "whirl_frequency_interval_hz": [-0.04, 0.63], "window_rev": 10.0, "rotation_rev_s": 2.0, "max_radius_m": {},
     "spectrum_lines": [{"frequency_hz": 0.22, "radius_m": 0.04}], "ratios": {"mode": 0.7, "line": 0.11, "mean": 0.15},
     "loads": {}, "motion": [], "mark_motion": {"m": [{"state": "forward whirl"}]}, "bit": "steady", "stick_slip": [],
-    "bit_spectral_peak_hz": None,
+    "bit_spectral_peak_hz": None, "stick_slip_index": None, "largest_stick_slip_index": None,
 }  # fmt: skip
 
 

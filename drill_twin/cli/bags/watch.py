@@ -23,7 +23,9 @@ def watch(
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: a free one.")] = 8000,
     host: Annotated[
         str,
-        typer.Option(help="Address to listen on; beyond this machine, commands need the token of the printed address."),
+        typer.Option(
+            help="Address to listen on. Commands need the token of the printed address, wherever they come from."
+        ),
     ] = ("127.0.0.1"),
     allow_host: Annotated[
         list[str],
@@ -97,7 +99,7 @@ def _play(
         signal.signal(number, lambda *_: over.set())
     print(f"{bag} at {server.url}", flush=True)
     if server.remote_url:
-        print(f"on other machines, to command: {server.remote_url}", flush=True)
+        print(f"on other machines: {server.remote_url}", flush=True)
     if browser:
         webbrowser.open(server.url)
     over.wait()

@@ -26,13 +26,10 @@ def load(
     with all threads of DDS. The simulator itself measures its time for the motion and for publishing.
     """
     from drill_twin.cli.show import err, grid, out, print_json
-    from drill_twin.ros.core.stop_request import StopRequest
     from drill_twin.ros.deployment.cpu_load import LoadOptions, run_load
 
-    stop = StopRequest()
-    stop.install()
     with err().status("running the nodes"):
-        shares, said = run_load(LoadOptions(scene, rate, elements, seconds), stop)
+        shares, said = run_load(LoadOptions(scene, rate, elements, seconds))
     if json:
         print_json({"nodes": [asdict(share) for share in shares], "simulator": dict(said)})
         return

@@ -14,7 +14,10 @@ from drill_twin.cli.runs.fit import range_option
 
 if TYPE_CHECKING:
     from drill_twin.estimation import Estimate
+    from drill_twin.fitting import Record
 
+FILES = ("estimate.json", "estimate.png")
+"""Files of `--out`."""
 _TOLD = 10.0  # s from line to line
 
 
@@ -47,13 +50,18 @@ def estimate(
     error: Annotated[float, typer.Option("--error", min=1e-6, help="Error of a sample over the largest value.")] = 0.02,
     horizon: Annotated[float, typer.Option("--horizon", min=0.0, help="Seconds ahead of the chance of whirl.")] = 4.0,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write estimate.json and estimate.png to this folder.")
+    ] = None,
     json: JsonOption = False,
 ) -> None:
     """Follow a record as the node `estimator` follows a rig: numbers, virtual sensors, chance of whirl, alarms."""
     import drill_twin as dt
-    from drill_twin.cli.show import err, grid, out, print_json
+    from drill_twin.cli.show import err, grid, print_json
+    from drill_twin.cli.show import out as stdout
     from drill_twin.errors import ArgumentError, RunError
     from drill_twin.estimation import CHANNELS, SET_POINTS
+    from drill_twin.estimation.bands import held_text
     from drill_twin.fitting.record import channel_column
 
     options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
@@ -68,32 +76,51 @@ def estimate(
             "set-points are only played"
         )
     estimator = dt.Estimator(scene, ranges, channels=measured, subs=sub, overrides=overrides(change), options=options)
-    found: Estimate | None = None
+    over_time: list[Estimate] = []
     alarm, due = "", 0.0
-    for found in estimator.follow(dt.read_record(record, channel, subs=sub)):
+    measurements = dt.read_record(record, channel, subs=sub)
+    for found in estimator.follow(measurements):
+        over_time.append(found)
         if found.time >= due or found.alarm != alarm:
             alarm, due = found.alarm, found.time + _TOLD
             err().print(_line(found), markup=False, soft_wrap=True)
-    if found is None:
+    if not over_time:
         raise RunError(f"{record}: expected more than {window:g} s of record, found less")
+    found = over_time[-1]
     troubles = dict(estimator.intake.troubles)
+    if out is not None:
+        _write(over_time, measurements, troubles, out)
     if json:
-        print_json(_plain(found) | {"troubles": troubles})
+        print_json(_plain(found) | {"troubles": troubles, "bands": held_text(bool(sub))})
         return
     rows = [
         (name, f"{band.mean:.4g}", f"{band.deviation:.2g}", f"{band.low:.4g}", f"{band.high:.4g}")
         for name, band in {**found.numbers, **found.sensors}.items()
     ]
     title = f"{estimator.scene.name} at {found.time:g} s"
-    out().print(grid(("SI", "mean", "deviation", "5 %", "95 %"), rows, title=title, right=(1, 2, 3, 4)))
-    out().print(_line(found), markup=False, soft_wrap=True)
+    stdout().print(grid(("SI", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4)))
+    stdout().print(held_text(bool(sub)), markup=False, soft_wrap=True)
+    stdout().print(_line(found), markup=False, soft_wrap=True)
     if troubles:
-        out().print(", ".join(f"{count} {kind}" for kind, count in troubles.items()), markup=False, soft_wrap=True)
+        stdout().print(", ".join(f"{count} {kind}" for kind, count in troubles.items()), markup=False, soft_wrap=True)
 
 
 def _line(found: Estimate) -> str:
     chance = "" if found.chance != found.chance else f", whirl soon {found.chance:.0%}"
     return f"{found.time:6.1f} s: whirls now {found.whirls:.0%}{chance}" + (f"; {found.alarm}" if found.alarm else "")
+
+
+def _write(found: list[Estimate], record: Record, troubles: dict[str, int], folder: Path) -> None:
+    from drill_twin.cli.folder import make_folder, write_file
+    from drill_twin.cli.show import err
+    from drill_twin.estimation.figure import estimate_figure
+    from drill_twin.report.figures.style import save
+    from drill_twin.studies.json_io import json_text
+
+    make_folder(folder)
+    write_file(folder / FILES[0], json_text({"estimates": [_plain(one) for one in found], "troubles": troubles}))
+    save(estimate_figure(found, record), folder / FILES[1])
+    err().print(f"{folder}: {', '.join(FILES)}", markup=False, soft_wrap=True)
 
 
 def _plain(found: Estimate) -> dict[str, Any]:

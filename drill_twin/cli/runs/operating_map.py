@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -16,6 +17,9 @@ from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, Set
 if TYPE_CHECKING:
     from drill_twin.maps import OperatingMap
     from drill_twin.scene import Scene
+
+FEWEST = 8
+"""Runs after which the time left is told."""
 
 
 def operating_map(
@@ -37,8 +41,15 @@ def operating_map(
     duration: Annotated[
         str, typer.Option("--duration", metavar="TIME", help="Simulated time of a run.", show_default="the scene's")
     ] = "",
+    calm_for: Annotated[
+        str,
+        typer.Option(
+            "--calm-for", metavar="TIME", help="Time for which safe windows must stay calm.",
+            show_default="ten times that of a run",
+        ),
+    ] = "",
     runs: Annotated[
-        int, typer.Option("--runs", metavar="N", min=1, max=1_000_000, help="Largest number of runs.")
+        int, typer.Option("--runs", metavar="N", min=1, max=1_000_000, help="Largest number of runs of the search.")
     ] = 1500,
     steps: Annotated[
         int, typer.Option("--steps", metavar="N", help="A boundary is located within 1/N of each range; a power of 2.")
@@ -63,10 +74,11 @@ def operating_map(
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:  # fmt: skip
-    """Regimes of motion over weight on bit and speed: smooth, stick-slip, buckled, forward, backward, irregular whirl.
+    """Regimes of motion over weight on bit and speed, and windows in which the string stays calm.
 
-    Runs crowd where the regime changes: the onset of whirl from rest first, then the other regimes, draws of seeds and
-    uncertain numbers, and the boundary at which an existing whirl dies. Writes map.json, map.csv, map.html and map.png.
+    Runs crowd where the regime changes: the end of smooth motion first, then the onset of whirl, the other regimes,
+    draws of seeds and uncertain numbers, and the boundary at which an existing whirl dies; at last runs of the whole
+    time asked check the windows. Writes map.json, map.csv, map.html and map.png.
     """
     from drill_twin.api.maps import operating_map as make
     from drill_twin.cli.folder import folder_name, make_folder, write_file
@@ -92,10 +104,11 @@ def operating_map(
     runs_file = folder / "runs.jsonl"
     if replace and runs_file.exists():
         runs_file.replace(folder / "runs.jsonl.old")
-    with _bar() as progress:
+    with _Bar(runs, folder) as progress:
         found = make(
             described, wob=wob, rps=rps, seeds=seeds, vary=ranges, runs=runs, hysteresis=not no_hysteresis,
-            growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask, progress=progress,
+            growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
+            calm_for=calm_for or None, progress=progress,
         )  # fmt: skip
     data = found.to_dict()
     write_file(folder / "map.json", json_text(data))
@@ -111,29 +124,59 @@ def operating_map(
 
 
 class _Bar(AbstractContextManager[Callable[[str, int, int], None]]):
-    """Progress with the time left, on stderr."""
+    """Progress on stderr, with the time that all runs allowed would take, and what to do after Ctrl-C."""
+
+    def __init__(self, runs: int, folder: Path) -> None:
+        self._runs, self._folder = runs, folder
+        self._began, self._first = time.monotonic(), -1
 
     def __enter__(self) -> Callable[[str, int, int], None]:
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
         from drill_twin.cli.show import err
 
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[left]}"),
+        )
         self._bar = Progress(*columns, console=err(), transient=True, disable=not err().is_terminal)
         self._bar.start()
-        task = self._bar.add_task("onset of whirl", total=None)
+        task = self._bar.add_task("calm", total=None, left="")
 
         def progress(phase: str, done: int, expected: int) -> None:
-            self._bar.update(task, description=phase, completed=done, total=expected)
+            self._bar.update(task, description=phase, completed=done, total=expected, left=self._left(done))
 
         return progress
 
-    def __exit__(self, *_: object) -> None:
+    def _left(self, done: int) -> str:
+        """Time that the runs allowed take at the pace so far; a map often ends before them."""
+        if self._first < 0:
+            self._first, self._began = done, time.monotonic()
+        made = done - self._first
+        if done >= self._runs or made < FEWEST:
+            return ""
+        seconds = (time.monotonic() - self._began) / made * (self._runs - done)
+        return f"at most {said_time(seconds)} left for {self._runs} runs"
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        from drill_twin.cli.interrupt import Interrupted
+        from drill_twin.cli.show import err
+
         self._bar.stop()
+        if kind is not None and issubclass(kind, Interrupted):
+            err().print(
+                f"stopped; the same command goes on from {self._folder / 'runs.jsonl'}", markup=False, soft_wrap=True
+            )
 
 
-def _bar() -> _Bar:
-    return _Bar()
+def said_time(seconds: float) -> str:
+    """Time in the unit in which it is told."""
+    for size, unit in ((3600.0, "h"), (60.0, "min")):
+        if seconds >= size:
+            return f"{seconds / size:.1f} {unit}" if seconds < 10.0 * size else f"{seconds / size:.0f} {unit}"
+    return f"{seconds:.0f} s"
 
 
 def _text(found: OperatingMap, scene: Scene) -> str:
@@ -145,17 +188,22 @@ def _text(found: OperatingMap, scene: Scene) -> str:
 
     turns = math.tau
     counts = Counter(found.regimes.ravel().tolist())
-    lines = [f"{found.name}: {len(found.records)} runs of {found.duration:g} s"]
+    lines = [f"{found.name}: {found.said_runs}"]
     whole = found.regimes.size
     lines += [f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges" for code, count in sorted(counts.items())]
-    if found.window is None:
-        lines.append("  no safe window: nowhere in these ranges is the string smooth and free of whirl")
-    else:
-        weight, speed = found.window
+    unknown = 1.0 - float(found.known.mean())
+    if unknown:
+        lines.append(
+            f"  {unknown:.0%} of the ranges lie between no runs: what is said there is that of the nearest run"
+        )
+    if not found.windows:
+        lines.append("  no safe window: nowhere in these ranges do enough runs show that the string stays calm")
+    for weight, speed in found.windows:
         lines.append(
             f"  safe window: {weight.low:.4g} to {weight.high:.4g} N at {speed.low / turns:.4g} to "
             f"{speed.high / turns:.4g} rev/s"
         )
+    lines += [f"    rests on: {sentence}" for sentence in found.basis]
     load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
     if found.contains(load, turn):
         margin = found.margin(load, turn)

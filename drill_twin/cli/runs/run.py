@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -73,7 +73,8 @@ def run(
     if described.numerics.accuracy is not None:
         from drill_twin.cli.runs.accuracy import planned
 
-        plan = planned(described)
+        with _shown("reading the cost curve") as show:
+            plan = planned(described, show)
         described = plan.scene
     session = _compiled(described, schedule)
     if schedule.record is not None:
@@ -96,7 +97,7 @@ def run(
     if plan is not None:
         from drill_twin.cli.runs.accuracy import checked
 
-        summary["accuracy"] = checked(plan, recording, rerun=rerun)
+        summary["accuracy"] = checked(plan, recording, outcome.motion_seconds, rerun=rerun)
     write_file(folder / "summary.json", to_json(summary))
     if with_report:
         from drill_twin.cli.bags.analyze import draw
@@ -114,13 +115,20 @@ def run(
 
 
 def _compiled(scene: Scene, schedule: Schedule) -> Session:
-    """Compile with progress: a line that changes in a terminal, else a line every 10 s; SIGINT and SIGTERM end it."""
+    """Compile with progress."""
+    with _shown("loading the effects of the scene") as show:
+        from drill_twin.runner import Session
+
+        return Session(scene, schedule, show)
+
+
+@contextmanager
+def _shown(first: str) -> Iterator[Callable[[str], None]]:
+    """Progress in words: a line that changes in a terminal, else a line every 10 s; SIGINT and SIGTERM end it."""
     from drill_twin.cli.show import err
 
     console = err()
-    with _stop_request() as asked, console.status("loading the effects of the scene") as status:
-        from drill_twin.runner import Session
-
+    with _stop_request() as asked, console.status(first) as status:
         printed = -_LINE_PERIOD
 
         def show(text: str) -> None:
@@ -132,10 +140,9 @@ def _compiled(scene: Scene, schedule: Schedule) -> Session:
                 printed = time.monotonic()
                 console.print(text, markup=False, soft_wrap=True)
 
-        session = Session(scene, schedule, show)
+        yield show
     if asked:
         raise Interrupted(asked[0])
-    return session
 
 
 def _drill(session: Session, bag: Path) -> tuple[Outcome, int]:

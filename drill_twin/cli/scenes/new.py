@@ -25,7 +25,11 @@ def new(
     hole: Annotated[str, typer.Option("--hole", metavar="DIAMETER", help=ASKED["--hole"] + ".")] = "",
     casing: Annotated[
         list[str],
-        typer.Option("--casing", metavar="ID to SHOE", help='Casing, as "12.415 in to 1500 m"; repeatable, top down.'),
+        typer.Option(
+            "--casing",
+            metavar="ID to SHOE",
+            help='Casing by its inner diameter, as "12.415 in to 1500 m"; repeatable, top down.',
+        ),
     ] = [],  # noqa: B006  typer makes a new list of it
     bit: Annotated[str, typer.Option("--bit", metavar="DIAMETER", help="Bit, if smaller than the hole.")] = "",
     depth: Annotated[
@@ -40,9 +44,14 @@ def new(
     wob: Annotated[str, typer.Option("--wob", metavar="FORCE", help="Weight on bit.")] = "100 kN",
     rpm: Annotated[str, typer.Option("--rpm", metavar="SPEED", help="Rotation, with its unit.")] = "120 rpm",
     units: Annotated[
-        Literal["si", "field"],
-        typer.Option("--units", help="Units of the numbers in the tables: m, mm, kg/m or ft, in, lb/ft."),
-    ] = "si",
+        Literal["", "si", "field"],
+        typer.Option(
+            "--units",
+            metavar="si|field",
+            help="Units of columns whose heading names none: m, mm, kg/m or ft, in, lb/ft.",
+            show_default=False,
+        ),
+    ] = "",
     replace: ReplaceOption = False,
 ) -> None:
     """Make a scene from a well plan; in a terminal, what is not given is asked for."""

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import cmath
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -69,7 +71,9 @@ def modes(
         diagram = grown = None
         if campbell:
             speeds = np.linspace(0.0, fastest, campbell + 1)[1:]
-            diagram = rotordynamics.campbell(own, speeds=speeds, count=count)
+            if command.rotation:  # one of the speeds, since there the modes have the numbers of the table
+                speeds[np.argmin(np.abs(speeds - abs(command.rotation)))] = abs(command.rotation)
+            diagram = rotordynamics.campbell(own, speeds=speeds, count=count, numbered_at=abs(command.rotation))
         if growth:
             speeds, loads = np.linspace(0.0, fastest, growth + 1)[1:], np.linspace(0.0, heaviest, growth)
             grown = rotordynamics.growth_map(own, weights=loads, speeds=speeds)
@@ -85,6 +89,8 @@ def modes(
         print_json(result)
     else:
         stdout().print(_table(table, own.name))
+        for sentence in _sentences(table):
+            stdout().print(sentence, markup=False, soft_wrap=True)
     if diagram is not None and not json:
         named = ", ".join(f"{speed / math.tau:.4g} rev/s (mode {mode + 1})" for mode, speed in diagram.critical)
         stdout().print(f"critical speeds: {named or 'none up to the largest speed'}", markup=False, soft_wrap=True)
@@ -108,11 +114,36 @@ def _table(table: ModeTable, name: str) -> Table:
         if mode.kind == "lateral" and table.on_axis and abs(mode.frequency) > 1e-9:
             sense = "forward" if mode.frequency * command.rotation >= 0.0 else "backward"
         rows.append((
-            mode.kind, sense, f"{abs(mode.frequency):.4g}", f"{mode.growth:+.4g}", f"{mode.damping_ratio:.3g}",
+            f"{mode.kind} {mode.number}", sense, f"{abs(mode.frequency):.4g}", _change(mode.change.imag / math.tau),
+            f"{mode.growth:+.4g}", _change(mode.change.real), f"{mode.damping_ratio:.3g}",
         ))  # fmt: skip
     place = "on the axis" if table.on_axis else "on the wall"
     title = (
         f"{name}: {command.weight_on_bit:g} N, {command.rotation / math.tau:.4g} rev/s, string {place}. "
-        "Frequency in Hz, growth in 1/s (above 0: unstable), damping ratio."
+        "Frequency in Hz, growth in 1/s (above 0: unstable), +- their change on a mesh twice as fine, damping ratio."
     )
-    return grid(("mode", "whirl", "frequency", "growth", "damping"), rows, title=title, right=(2, 3, 4))
+    columns = ("mode", "whirl", "frequency", "+-", "growth", "+-", "damping")
+    return grid(columns, rows, title=title, right=(2, 3, 4, 5, 6))
+
+
+def _change(value: float) -> str:
+    return "?" if math.isnan(value) else f"{abs(value):.1g}"
+
+
+def _sentences(table: ModeTable) -> Iterator[str]:
+    """Sentences on what the table leaves out, and where it was not compared with a finer mesh."""
+    for kind, count in table.growing.items():
+        shown = [mode for mode in table.of(kind) if mode.growth > 0.0]
+        if count > len(shown):
+            yield f"{count} {kind} modes grow; the table has {len(shown)} of them, among them the fastest"
+    for kind, decay in table.creeping.items():
+        yield (
+            f"{kind}: motions that decay without oscillation (0 Hz, damping ratio 1), the slowest at {decay:.4g} 1/s, "
+            "are not listed"
+        )
+    if math.isfinite(table.reach):
+        yield (
+            f"of this large string eigenvalues up to {table.reach:.3g} rad/s are computed: faster growth is not known"
+        )
+    if any(cmath.isnan(mode.change) for mode in table.modes):
+        yield "+- ?: not compared with a mesh twice as fine, which has too many unknowns or no balance"

@@ -97,6 +97,15 @@ def _speed(option: str, text: str) -> float:
     return value
 
 
+def _weight(found: Statics, units: UnitSystem) -> str:
+    """Weight at the bit, where the scene gives that at the top."""
+    weight = found.scene.rig.weight_on_bit
+    if weight.at != "top" or not any(of.operation.is_on_bottom for of in found.operations):
+        return ""
+    own, bit = (units.show(value, "force") for value in (weight.value, found.operations[-1].operation.weight_on_bit))
+    return f"; {own:.4g} {units.force} at the top are {bit:.4g} {units.force} at the bit"
+
+
 def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
     operations, u = found.operations, units
 
@@ -106,7 +115,7 @@ def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str,
         return [f"{value if abs(value) > nothing else 0.0:.4g}" for value in shown]
 
     yield (
-        f"{found.scene.name}: in {u.force}, {u.torque} and {u.length}; neutral point from the bit",
+        f"{found.scene.name}: in {u.force}, {u.torque} and {u.length}; neutral point from the bit{_weight(found, u)}",
         ("operation", "hookload", "soft", "torque", "soft", "neutral", "stretch", "turns"),
         list(zip(
             [of.operation.name for of in operations],

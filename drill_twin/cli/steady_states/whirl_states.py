@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from drill_twin.rotordynamics.steady.whirl_states import WhirlState
     from drill_twin.scene import Scene
     from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
+
+
+_STABLE = {"stable": "yes", "unstable": "no", "not determined": "?"}
 
 
 def whirl_states(
@@ -49,8 +53,9 @@ def whirl_states(
     """Steady whirls that can exist at the final set-points: frequency, ratio to the rotation, stability.
 
     In the frame that turns with it a steady whirl is an equilibrium, found by Newton's method from several shapes and
-    whirl speeds. States are those of the string without bow and eccentricity, which modulate them. Scenes without
-    `stretch` and `torsion` take seconds, others minutes.
+    whirl speeds: first without `stretch` and `torsion`, then with them where the scene has them. Each state is computed
+    on finer meshes too, which tell how much of its growth is the mesh's. States are those of the string without bow and
+    eccentricity, which modulate them.
     """
     from drill_twin.api import rotordynamics
     from drill_twin.cli.show import err, print_json
@@ -69,11 +74,16 @@ def whirl_states(
     data = [state_data(state, size) for state, size in zip((*found, *locked), sizes, strict=True)]
     if json:
         print_json(data)
-    elif found:
-        shares = [None if size is None else size / own.least_clearance for size in sizes]
-        stdout().print(_table((*found, *locked), shares, own.name))
     else:
-        stdout().print(f"{own.name}: {_none_found(own)}", markup=False, soft_wrap=True)
+        shares = [None if size is None else size / own.least_clearance for size in sizes]
+        if data:
+            stdout().print(_table((*found, *locked), shares, own.name))
+        for state in (*found, *locked):
+            if state.lost_at:
+                where = f"{state.kind} at {state.frequency:+.4f} Hz: not found again on {state.lost_at} elements"
+                stdout().print(f"{where}, so it may be of the mesh of {state.elements}", markup=False, soft_wrap=True)
+        if not found:
+            stdout().print(f"{own.name}: {_none_found(own)}", markup=False, soft_wrap=True)
     if out is not None:
         from drill_twin.cli.folder import make_folder, write_file
         from drill_twin.report.figures.style import save
@@ -100,26 +110,28 @@ def _none_found(scene: Scene) -> str:
 
 
 def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], name: str) -> Table:
-    import math
-
     from drill_twin.cli.show import grid
 
     command = states[0].whirl.command
     rows = [
         (
-            state.kind, f"{state.frequency:+.4f}", f"{state.ratio:+.4f}", "stable" if state.is_stable else "unstable",
-            f"{state.growth:+.3g}", f"{state.growth_frequency:.3g}", f"{state.slip:.3g}",
-            f"{100.0 * state.touching:.0f}%", "" if share is None else f"{100.0 * share:.2g}%",
+            state.kind, f"{state.frequency:+.3f}", f"{state.ratio:+.3f}", _STABLE[state.verdict],
+            f"{state.growth:+.3g}", "?" if math.isnan(state.growth_change) else f"{state.growth_change:.1g}",
+            f"{state.growth_frequency:.3g}", f"{100.0 * state.touching:.0f}%",
+            "" if share is None else f"{100.0 * share:.1g}%",
         )
         for state, share in zip(states, modulated, strict=True)
     ]  # fmt: skip
+    finest = sorted({state.elements for state in states})
     title = (
         f"{name}: steady whirl at {command.weight_on_bit:g} N, {command.rotation / math.tau:.4g} rev/s. Frequency in "
-        "Hz, ratio to the rotation; fastest disturbance: growth in 1/s, its frequency in the turning frame in Hz; slip "
-        "over the speed of the surface; share of the length on the wall; modulation by bow and eccentricity to first "
-        "order, over the clearance. Locked: the bent string turns with the rotation."
+        "Hz, ratio to the rotation; growth of the fastest disturbance in 1/s, +- its larger change on the last two "
+        "meshes, each twice as fine as the one before (stable ?: its sign is not determined), its frequency in the "
+        "turning frame in Hz; share of the length on the wall; modulation by bow "
+        f"and eccentricity to first order, over the clearance. On {' or '.join(map(str, finest))} elements. Locked: "
+        "the bent string turns with the rotation."
     )
-    columns = ("whirl", "frequency", "ratio", "", "growth", "at", "slip", "wall", "mod.")
+    columns = ("whirl", "Hz", "ratio", "stable", "growth", "+-", "at", "wall", "mod.")
     return grid(columns, rows, title=title, right=(1, 2, 4, 5, 6, 7, 8))
 
 
@@ -128,6 +140,7 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
     from drill_twin.api import rotordynamics
     from drill_twin.cli.show import err, grid, print_json
     from drill_twin.cli.show import out as stdout
+    from drill_twin.discretisation.resolution import resolution_of
     from drill_twin.studies.rotordynamics.data import branch_data, run_data
     from drill_twin.studies.rotordynamics.whirl_figures import LABELS, branches_figure
 
@@ -152,6 +165,10 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
         ]  # fmt: skip
         columns = ("branch", label, "ratio", "points stable", "folds", "Hopf points", "ends (low, high side)")
         stdout().print(grid(columns, rows, title=f"{scene.name}: branches of steady whirl"))
+        stdout().print(
+            f"Branches are those of a mesh of {resolution_of(scene)[0]} elements, the run's; without --over, the "
+            "states at one set-point show how far finer meshes move them.", markup=False, soft_wrap=True,
+        )  # fmt: skip
         for value, run in runs:
             steady = "steady" if run.is_steady else f"not steady, shape changes by {run.change:.2g} clearances"
             line = f"simulated at {value / unit:.4g}: {run.frequency:+.4f} Hz, ratio {run.ratio:+.4f}, {steady}"

@@ -54,12 +54,11 @@ def cost(
 ) -> None:
     """Run a scene over formulations, elements, steps and tolerances: error against a converged run, and time.
 
-    An interrupted study continues. Writes cost.json, cost.csv and cost.png, and, without --elements, saves the error
-    model for `drill-twin run --accuracy`.
+    An interrupted study continues. Writes cost.json, cost.csv and cost.png. `drill-twin run --accuracy` chooses a
+    resolution by a smaller study of its own.
     """
     from rich.progress import Progress
 
-    from drill_twin.accuracy.error_model import save_model
     from drill_twin.cli.folder import folder_name, make_folder, write_file
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
@@ -89,9 +88,6 @@ def cost(
     write_file(folder / "cost.json", json_text(curve.to_dict()))
     write_file(folder / "cost.csv", _csv(curve))
     draw(curve, folder / "cost.png")
-    if not elements:
-        curve.error_model.save(folder / "accuracy.json")
-        save_model(curve.error_model)
     if json:
         print_json(curve.to_dict())
     elif elements:
@@ -101,8 +97,7 @@ def cost(
     else:
         stdout().print(_table(curve))
         stdout().print(_tolerances(curve))
-    saved = "runs" if elements else "accuracy.json, runs; saved for --accuracy"
-    err().print(f"{folder}: cost.json, cost.csv, cost.png, {saved}", markup=False, soft_wrap=True)
+    err().print(f"{folder}: cost.json, cost.csv, cost.png, runs", markup=False, soft_wrap=True)
 
 
 def _markdown(curve: Curve) -> str:
@@ -165,7 +160,7 @@ def _table(curve: Curve) -> Table:
         "Step in ms. Errors: path and time of the onset; after it whirl frequency, mean radius of the orbit and share "
         "at the wall. "
         "Time: processor ms per simulated second, times faster than real time, us that 95 % of the frames stay below; "
-        f"compiling {compiling:.0f} s, once. Spread: of runs set apart by a push of 0.1 mm/s."
+        f"compiling or loading took {compiling:.0f} s, once. Spread: of runs set apart by a push of 0.1 mm/s."
     )
     return grid(columns, rows, title=title, right=range(1, 11))
 

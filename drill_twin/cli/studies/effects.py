@@ -47,7 +47,7 @@ def effects(
 ) -> None:
     """Leave out each effect of a scene in turn: cost and change of each, and the effects that the scene needs.
 
-    Each set of effects is compiled once (about 20 s) and then cached. Writes effects.json and effects.png.
+    Each set of effects is compiled once and then cached. Writes effects.json and effects.png.
     """
     from rich.progress import Progress
 
@@ -86,11 +86,12 @@ def _table(ablation: Ablation) -> Table:
     from drill_twin.studies.ablation.compare import NAMES
 
     known = next(change.quantities for change in (*ablation.changes, ablation.reduced) if change.quantities)
-    first = ("nothing", "", "", *(_value(key, known[key].before) for key in NAMES))
-    title = f"{ablation.scene}, {ablation.replicas} runs each; * = beyond the tolerance and beyond chance"
+    runs = ablation.replicas
+    first = ("nothing", "", "", *(_value(key, known[key].before, known[key].runs_before, runs) for key in NAMES))
+    title = f"{ablation.scene}, {runs} runs each; * = beyond the tolerance and beyond chance, ? = too few runs to tell"
     table = grid(
         ("left out", "step time", "run time", *NAMES.values()),
-        [first, *(_row(change) for change in ablation.changes)],
+        [first, *(_row(change, runs) for change in ablation.changes)],
         title=title,
         right=(1, 2, 3, 4, 5, 6),
     )
@@ -98,23 +99,24 @@ def _table(ablation: Ablation) -> Table:
     return table
 
 
-def _row(change: Change) -> tuple[str, ...]:
+def _row(change: Change, runs: int) -> tuple[str, ...]:
     from drill_twin.studies.ablation.compare import NAMES
 
     name = " + ".join(change.left_out)
     if change.failure:
         return (name, "", "", *("no run *" for _ in NAMES))
     prices = (f"{-(share or 0.0):+.0%}" for share in (change.iteration_share, change.cost_share))
-    return (name, *prices, *(_cell(key, change.quantities[key]) for key in NAMES))
+    return (name, *prices, *(_cell(key, change.quantities[key], runs) for key in NAMES))
 
 
-def _cell(key: str, quantity: Quantity) -> str:
-    return _value(key, quantity.after) + (" *" if quantity.matters else "  ")
+def _cell(key: str, quantity: Quantity, runs: int) -> str:
+    mark = " *" if quantity.matters else "  " if quantity.known else " ?"
+    return _value(key, quantity.after, quantity.runs_after, runs) + mark
 
 
-def _value(key: str, value: float | None) -> str:
+def _value(key: str, value: float | None, having: int, runs: int) -> str:
     unit = {"onset_s": " s", "whirl_frequency_hz": " Hz"}.get(key, "")
-    return "none" if value is None else f"{value:.3g}{unit}"
+    return "none" if value is None else f"{value:.3g}{unit}" + (f" ({having} of {runs})" if having < runs else "")
 
 
 def _verdict(ablation: Ablation) -> str:
@@ -126,7 +128,11 @@ def _verdict(ablation: Ablation) -> str:
         for change in ablation.changes
         if change.failure
     )
+    untold = [
+        change.left_out[0] for change in ablation.changes if change.unknown and change.left_out[0] in ablation.kept
+    ]
+    unknown = f"Kept because {ablation.replicas} runs do not tell: {', '.join(untold)}.\n" if untold else ""
     return (
         f"{failures}At a tolerance of {ablation.tolerance:.1%} this scene calls for: {', '.join(ablation.kept)}.\n"
-        f"It can do without: {', '.join(not_needed) or 'none'}{saved}."
+        f"{unknown}No change is seen without: {', '.join(not_needed) or 'none'}{saved}."
     )

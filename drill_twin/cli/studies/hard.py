@@ -31,9 +31,7 @@ def hard(
     exact: Annotated[
         bool, typer.Option("--exact", help="Run the exact checks of bounce, rolling, growth and stick-slip too.")
     ] = False,
-    energy: Annotated[
-        bool, typer.Option("--energy", help="Audit the energy; compiles further kernels, half a minute each.")
-    ] = False,
+    energy: Annotated[bool, typer.Option("--energy", help="Audit the energy; compiles further kernels.")] = False,
     names: Annotated[bool, typer.Option("--list", help="Print the scenes and why they are hard.")] = False,
     page: Annotated[
         Path | None, typer.Option("--page", metavar="FILE", help="Write a page (.md), and the JSON beside it.")

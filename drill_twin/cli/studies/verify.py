@@ -43,7 +43,7 @@ def verify(
 ) -> None:
     """Run the exact checks: buckling, frequencies, waves, contact, whirl and the like against closed forms.
 
-    Ends with exit code 1 if a number misses its tolerance. The first run compiles a few kernels (about 20 s each).
+    Ends with exit code 1 if a number misses its tolerance. The first run compiles a few kernels.
     """
     from drill_twin.cli.studies.output import write_page
     from drill_twin.errors import SceneError

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from drill_twin.ensemble.outputs.collector import Collector, Request, Variable
 from drill_twin.ensemble.outputs.findings import Findings
 from drill_twin.ensemble.outputs.series import Channels, Marks
+from drill_twin.ensemble.outputs.settling import Settling
 from drill_twin.ensemble.outputs.severity import Contact, Extremes, LastHalf
 from drill_twin.ensemble.outputs.spectra import Spectra
 from drill_twin.ensemble.outputs.totals import Energy, Fatigue
@@ -19,6 +20,7 @@ OUTPUTS: Mapping[str, type[Collector]] = {
     "extremes": Extremes,
     "contact": Contact,
     "last_half": LastHalf,
+    "settling": Settling,
     "marks": Marks,
     "channels": Channels,
     "spectra": Spectra,

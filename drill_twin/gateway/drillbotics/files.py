@@ -137,6 +137,8 @@ def read_log(bag: Bag, selection: Selection, rate: float, start: datetime | None
     if len(rows) < 2 or first is None:
         raise BagError(f"{bag.path}: expected messages on {RIG_STATE} in this time, found {len(rows)}")
     table = np.array(rows)
+    if (covered := table[-1, 0] - table[0, 0]) * rate < 1.0:
+        raise BagError(f"{bag.path}: expected rig states over {1.0 / rate:g} s at least, found {covered:g} s")
     ends, means, last = _resampled(table, rate)
     values = {name: (last if name in _LAST else means)[:, k] for k, name in enumerate(signals, 1)}
     return DrillingLog(start or _zero(bag, *first), ends, values, signals)
@@ -157,6 +159,6 @@ def _zero(bag: Bag, recorded: float, time: float) -> datetime:
     if recorded - time > 1e8:  # s since 1970; a run without ROS records by simulated time
         return datetime.fromtimestamp(recorded - time, UTC)
     with suppress(BagError, ValueError):
-        if found := re.search(r"^\s*started: ['\"]?([0-9T:.+-]+)", bag.scene(), re.MULTILINE):
+        if found := re.search(r"^[ \t]*started: ['\"]?([0-9T:.+-]+)", bag.scene(), re.MULTILINE):
             return datetime.fromisoformat(found[1])
     raise BagError(f"{bag.path}: expected the time of the run, found none in the bag; give it with --start")

@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Folder of keys of the gateway: its certificate and private key, trusted certificates of clients, and users.
 
-`certificate.der`, `private_key.pem`, `trusted/*.der` (or `.pem`), and `users.yaml` with a line a user: name, salt and
-hash of the password (scrypt).
+`certificate.der`, `private_key.pem`, `trusted/*.der` (or `.pem`), and `users.yaml` with a line a user (`passwords`).
 """
 
 from __future__ import annotations
 
-import hashlib
-import hmac
-import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -20,16 +16,18 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from drill_twin.base.yaml_reader import plain_yaml
-from drill_twin.errors import DrillTwinError
+from drill_twin.gateway.opc_ua.passwords import (
+    KeysError,
+    PasswordHash,
+    check_private,
+    fitting,
+    read_users,
+    set_password,
+    write_private,
+)
 
 CERTIFICATE, PRIVATE_KEY, TRUSTED, USERS = "certificate.der", "private_key.pem", "trusted", "users.yaml"
-_COST = {"n": 2**13, "r": 8, "p": 1}
 _DAYS = 3650
-
-
-class KeysError(DrillTwinError):
-    """A folder of keys that cannot be used."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +40,8 @@ class Keys:
     """Certificate of this application, DER."""
     trusted: frozenset[bytes]
     """Certificates of others, DER."""
-    users: Mapping[str, str]
-    """Salt and hash of the password of each user."""
+    users: Mapping[str, PasswordHash]
+    """Hash of the password of each user."""
 
     @property
     def private_key(self) -> Path:
@@ -60,24 +58,22 @@ class Keys:
         return ""
 
     def is_user(self, name: str, password: str) -> bool:
-        """Return True for a known user with this password."""
-        salt, _, expected = self.users.get(name, "00:").partition(":")
-        return hmac.compare_digest(_hash(password, salt), expected)
+        """Return True for a known user with this password; takes tenths of a second, for an unknown one too."""
+        return fitting(self.users, name).is_of(password)
 
 
 def read_keys(folder: Path) -> Keys:
     """Keys of a folder.
 
     Raises:
-        KeysError: A file is missing or no certificate.
+        KeysError: A file is missing or no certificate, or others than its owner can read a secret.
     """
     remedy = "make one with drill-twin gateway-keys"
     for name in (CERTIFICATE, PRIVATE_KEY, USERS):
         if not (folder / name).is_file():
             raise KeysError(f"{folder}: expected a folder of keys with {name}, found none; {remedy}")
-    users = plain_yaml((folder / USERS).read_text("utf-8"), str(folder / USERS)) or {}
-    if not isinstance(users, dict) or not all(isinstance(one, str) and ":" in one for one in users.values()):
-        raise KeysError(f"{folder / USERS}: expected lines NAME: SALT:HASH, found others; {remedy}")
+    check_private(folder / PRIVATE_KEY)
+    users = read_users(folder / USERS)
     trusted = frozenset(_certificate(path) for path in sorted((folder / TRUSTED).glob("*.[dp]e[rm]")))
     return Keys(folder, _certificate(folder / CERTIFICATE), trusted, users)
 
@@ -91,26 +87,23 @@ def _certificate(path: Path) -> bytes:
         raise KeysError(f"{path}: expected a certificate (DER or PEM), found {error}") from error
 
 
-def make_keys(folder: Path, application: str, host: str, users: Mapping[str, str]) -> None:
-    """Write a folder of keys with a self-signed certificate, or add users to one.
+def make_keys(folder: Path, application: str, host: str, users: Mapping[str, str]) -> list[str]:
+    """Write a folder of keys with a self-signed certificate, or add users to one; returns those who are new.
 
     Args:
-        folder: The folder; its private key is readable by its owner only.
+        folder: The folder; its secrets are readable by its owner only.
         application: URI of the application.
         host: Name or address of the machine.
-        users: Passwords by name.
+        users: Passwords by name; a user who is there gets this one.
 
     Raises:
-        KeysError: It cannot be written.
+        KeysError: It cannot be written, or a name or password is of no use.
     """
     try:
         (folder / TRUSTED).mkdir(parents=True, exist_ok=True)
         if not (folder / CERTIFICATE).exists():
             _make_certificate(folder, application, host)
-        with (folder / USERS).open("a", encoding="utf-8") as lines:
-            for name, password in users.items():
-                salt = secrets.token_hex(16)
-                lines.write(f'"{name}": "{salt}:{_hash(password, salt)}"\n')
+        return [name for name, password in users.items() if set_password(folder / USERS, name, password)]
     except OSError as error:
         raise KeysError(f"{folder}: expected a folder that can be written, found {error.strerror}") from error
 
@@ -140,13 +133,8 @@ def _make_certificate(folder: Path, application: str, host: str) -> None:
         .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
         .sign(key, hashes.SHA256())
     )
-    private = folder / PRIVATE_KEY
-    private.touch(mode=0o600)
-    private.write_bytes(
-        key.private_bytes(serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption())
+    write_private(
+        folder / PRIVATE_KEY,
+        key.private_bytes(serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()),
     )
     (folder / CERTIFICATE).write_bytes(certificate.public_bytes(serialization.Encoding.DER))
-
-
-def _hash(password: str, salt: str) -> str:
-    return hashlib.scrypt(password.encode("utf-8"), salt=bytes.fromhex(salt), **_COST).hex()

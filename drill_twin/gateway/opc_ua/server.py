@@ -18,6 +18,7 @@ from asyncua import Server, ua
 from asyncua.common.callback import CallbackType
 
 from drill_twin import __version__
+from drill_twin.base.loopback import in_url
 from drill_twin.errors import RunError
 from drill_twin.gateway.control import Control
 from drill_twin.gateway.event_loop import EventLoopThread
@@ -66,7 +67,7 @@ class OpcUaServer:
         Raises:
             RunError: The port is taken, or the address is none of this machine.
         """
-        self.url = f"opc.tcp://{address[0]}:{address[1]}/drill_twin"
+        self.url = f"opc.tcp://{in_url(address[0])}:{address[1]}/drill_twin"
         """Address for clients."""
         self.sessions = Sessions(control, keys)
         """Users, and refused connections and writes."""

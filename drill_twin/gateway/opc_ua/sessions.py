@@ -16,6 +16,7 @@ from cryptography.hazmat.primitives.serialization import Encoding
 from drill_twin.errors import shortened
 from drill_twin.gateway.control import Control, User
 from drill_twin.gateway.opc_ua.keys import Keys
+from drill_twin.gateway.opc_ua.password_check import is_checked
 
 _TOLD = 10.0  # s; for so long a refusal is told
 
@@ -33,7 +34,8 @@ class Sessions:
     """Callbacks of the server."""
 
     def __init__(self, control: Control, keys: Keys | None) -> None:
-        self._control, self._keys = control, keys
+        self._control, self.keys = control, keys
+        """Keys; None: everybody reads, and nobody writes."""
         self._names: Mapping[Any, str] = {}
         self._last_refusal = ("", -_TOLD)
         self.refused: Counter[str] = Counter()
@@ -53,13 +55,13 @@ class Sessions:
         self, _server: Any, username: str | None = None, password: str | None = None, certificate: bytes | None = None
     ) -> _SessionUser | None:
         """User of a session; None refuses it."""
-        if self._keys is None:
+        if self.keys is None:
             return _SessionUser(User())
         name = shortened(username or "", 60)
-        if certificate is None or (reason := self._keys.distrust(certificate)):
+        if certificate is None or (reason := self.keys.distrust(certificate)):
             self._refuse("certificate", f"client of {name or 'no user'}: {reason if certificate else 'no certificate'}")
             return None
-        if not self._keys.is_user(username or "", password or ""):
+        if not is_checked(username or "", password or ""):
             self._refuse("user", f"user {name or 'without name'}: unknown, or the password is wrong")
             return None
         return _SessionUser(User(name, may_command=True))
@@ -70,7 +72,7 @@ class Sessions:
         Raises:
             ServiceError: It is refused.
         """
-        reason = self._keys.distrust(certificate.public_bytes(Encoding.DER)) if self._keys else ""
+        reason = self.keys.distrust(certificate.public_bytes(Encoding.DER)) if self.keys else ""
         if reason:
             self._refuse("certificate", f"client {shortened(certificate.subject.rfc4514_string(), 80)}: {reason}")
             raise ServiceError(ua.StatusCodes.BadCertificateUntrusted)
@@ -81,6 +83,9 @@ class Sessions:
         Raises:
             ServiceError: It is refused.
         """
+        if event.is_external and any(one.IndexRange for one in event.request_params.NodesToWrite):
+            self._refuse("value", "a part of a value was written; each of these has none")
+            raise ServiceError(ua.StatusCodes.BadIndexRangeNoData)
         for name, value in self._writes(event):
             if refusal := self._control.refusal(event.user.user, name, value):
                 self._refuse("value" if refusal.of_value else "right", refusal.text)

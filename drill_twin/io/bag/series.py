@@ -154,7 +154,7 @@ class CommandSeries(Series):
     """`/rig/command`."""
 
     weight_on_bit = Column(0)
-    """Weight on bit [N], shape (T,)."""
+    """Weight on bit [N], NaN where a command has none, shape (T,)."""
     rotation = Column(1)
     """Top-drive speed [rad/s], shape (T,)."""
 
@@ -169,7 +169,7 @@ class CommandSeries(Series):
             MessageError: It cannot be decoded, or lacks a set-point.
         """
         state = self._reader.read(raw)
-        command = read_command(state)
+        command = read_command(state, absent_weight=math.nan)
         self.append(state.stamp, (command.weight_on_bit, command.rotation))
 
     def rows(self, raws: Sequence[bytes]) -> Rows | None:

@@ -62,16 +62,22 @@ class CommandEncoder:
         return self._one.fill(finite_number(RPS_COMMAND, "rotation", command.rotation) / math.tau)
 
 
-def read_command(state: JointState) -> Command:
+def read_command(state: JointState, absent_weight: float | None = None) -> Command:
     """Set-points of a `/rig/command`, without a check of their range.
 
+    Args:
+        state: The message.
+        absent_weight: Weight on bit [N] where the message has no joint `bit`, as none is prescribed: of a scene whose
+            block is moved by its speed. None: the joint must be there.
+
     Raises:
-        MessageError: One of the two set-points is missing.
+        MessageError: A set-point is missing.
     """
-    if not state.effort.size or not state.velocity.size:
+    weight = None if "bit" in state.names else absent_weight
+    if not state.velocity.size or (weight is None and not state.effort.size):
         raise MessageError("expected a /rig/command with velocity and effort, found one of them empty")
     return Command(
-        weight_on_bit=float(state.effort[state.index("bit")]),
+        weight_on_bit=float(state.effort[state.index("bit")]) if weight is None else weight,
         rotation=float(state.velocity[state.index("top_drive")]),
         block=float(state.velocity[state.index(BLOCK)]) if BLOCK in state.names else 0.0,
     )

@@ -15,7 +15,7 @@ function lamp(id, { level, text, share }, words) {
 }
 
 export function showAlarms(picture) {
-  lamp("lamp_whirl", picture.lamps.whirl, (share) => `orbit ${Math.round(100 * share)} % of the clearance`);
+  lamp("lamp_whirl", picture.lamps.whirl, (share) => share > 1.005 ? `on the wall, ${(100 * share - 100).toFixed(1)} % of the clearance into it` : `orbit ${Math.round(100 * share)} % of the clearance`);
   lamp("lamp_stick_slip", picture.lamps.stick_slip, (index) => `index ${index.toFixed(2)}`);
   const waiting = picture.alarms.filter((alarm) => !alarm.acknowledged);
   $("acknowledge_all").disabled = !waiting.length;

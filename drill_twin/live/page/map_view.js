@@ -3,7 +3,7 @@
 import { $, element, replace, state } from "./state.js";
 import { onUnits, size, unit } from "./units.js";
 
-const COLOURS = ["#009e73", "#f0e442", "#56b4e9", "#e69f00", "#d55e00", "#cc79a7", "#666666"];
+const COLOURS = ["#009e73", "#b2df8a", "#f0e442", "#56b4e9", "#bdbdbd", "#e69f00", "#d55e00", "#cc79a7", "#333333"];
 const STEPS = COLOURS.flatMap((colour, k) => [[k / COLOURS.length, colour], [(k + 1) / COLOURS.length, colour]]);
 let drawn = "";
 
@@ -16,7 +16,7 @@ function legend(map) {
   };
   replace($("map_legend"), [map.codes, map.regimes], () => [
     ...map.regimes.flatMap((name, k) => map.codes.includes(String(k)) ? [entry(name, COLOURS[k])] : []), entry("solid: whirl begins from rest"),
-    ...(map.keeps !== map.whirls ? [entry("dashed: an existing whirl dies")] : []), ...(map.window.length ? [entry("white: safe window")] : []),
+    ...(map.keeps !== map.whirls ? [entry("dashed: an existing whirl dies")] : []), ...(map.window.length ? [entry("white: largest safe window")] : []),
   ]);
 }
 

@@ -4,6 +4,13 @@
 Those over time have the same width and margins, so that one below the other they share their time axis.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from drill_twin.report.recording import Recording
+
 OVER_TIME = ("set_points", "displacement", "motion", "spectrum_over_time")
 """Figures that share the time axis, in their order on the page."""
 
@@ -22,3 +29,15 @@ CAPTIONS = {
 
 FIGURES = (*OVER_TIME, *CAPTIONS)
 """All figures of a report: the modules here, each with a function of its name."""
+
+
+def left_out(recording: Recording) -> dict[str, str]:
+    """Figures that the recording cannot fill, each with the reason."""
+    rig, marks, shape, scene = "no states of the rig", "no positions of marks", "no poses of the string", "no scene"
+    lacks = {
+        rig: () if len(recording.rig) else ("set_points",),
+        marks: () if recording.places else ("displacement", "motion", "spectrum_over_time", "orbits", "spectrum"),
+        shape: () if len(recording.poses) else ("string_shapes",),
+        scene: () if recording.scene_known else ("well",),
+    }
+    return {name: why for why, names in lacks.items() for name in names}

@@ -12,16 +12,20 @@ from drill_twin.report.text import millimetres
 
 
 def displacement(recording: Recording) -> Figure:
-    """One panel a mark, all with one scale [mm], with the limits of the centre line."""
+    """One panel a place with marks, all with one scale [mm], with the limits of the centre line."""
     time, centre = recording.marks.time, recording.centre_lines() * 1e3
-    places = recording.places
+    at: dict[float, list[int]] = {}
+    for number, place in enumerate(recording.places):
+        at.setdefault(place.distance_from_bit, []).append(number)
+    numbers = [group[0] for group in at.values()]
+    places = [recording.places[number] for number in numbers]
     largest = float(np.nanmax(np.abs(centre), initial=0.0))
     nearest = min(place.clearance for place in places) * 1e3
     limit = 1.12 * max(largest, nearest if largest > 0.4 * nearest else 1e-3)
     figure, panels = over_time(
         recording, [1.25] * len(places), title="Displacement of the centre line at the marks", headed=True
     )
-    for number, (panel, place) in enumerate(zip(panels, places, strict=True)):
+    for number, panel, place in zip(numbers, panels, places, strict=True):
         z = centre[:, number]
         radius = np.abs(z)
         panel.fill_between(time, -radius, radius, color=INK, alpha=0.10, linewidth=0, label="distance from axis")
@@ -31,9 +35,8 @@ def displacement(recording: Recording) -> Figure:
             panel.axhline(side * place.clearance * 1e3, color=GREY, linewidth=1.0, linestyle=":")
         panel.set_ylim(-max(limit, 1e-6), max(limit, 1e-6))
         panel.set_ylabel("[mm]")
-        panel.set_title(
-            f"{mark_label(recording, number)}: at most {millimetres(1e-3 * np.nanmax(radius))}", fontsize=10.5, pad=3
-        )
+        name = mark_label(recording, *at[place.distance_from_bit])
+        panel.set_title(f"{name}: at most {millimetres(1e-3 * np.nanmax(radius))}", fontsize=10.5, pad=3)
     draw_onset(recording, panels)
     handles, labels = panels[0].get_legend_handles_labels()
     if limit > nearest:

@@ -31,6 +31,7 @@ STATE_COLOURS = {
     MotionState.NOT_OBSERVABLE: "#fafafa",
     MotionState.AT_REST: "#eeeeee",
     MotionState.FIXED_AXIS: "#bdbdbd",
+    MotionState.SYNCHRONOUS_WHIRL: ORANGE,
     MotionState.FORWARD_WHIRL: SKY,
     MotionState.ROLLING: BLUE,
     MotionState.SECOND_BENDING: GREEN,
@@ -165,10 +166,10 @@ def note(
     panel.annotate(text, at, xycoords=where, xytext=shift, textcoords="offset points", annotation_clip=False, **looks)
 
 
-def mark_label(recording: Recording, mark: int) -> str:
-    """Name and position of a mark, as `mark_1, 4.4 m from the bit`."""
-    place = recording.places[mark]
-    return f"{place.name}, {place.distance_from_bit:g} m from the bit"
+def mark_label(recording: Recording, *marks: int) -> str:
+    """Names of marks at one place and their position, as `mark_1, 4.4 m from the bit`."""
+    places = [recording.places[mark] for mark in marks]
+    return f"{', '.join(place.name for place in places)}, {places[0].distance_from_bit:g} m from the bit"
 
 
 def mark_style(mark: int) -> dict[str, Any]:

@@ -13,16 +13,18 @@ from typing import Any
 
 from drill_twin import __version__
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
-from drill_twin.report.figures import CAPTIONS, OVER_TIME
+from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
 from drill_twin.report.page.interactive import plotly_packed, view_data
 from drill_twin.report.page.well_geometry import deviated
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import (
     NOT_VALIDATED,
+    applied,
     findings,
     interval,
     irregular,
     limitations,
+    load_rows,
     millimetres,
     provenance,
     transient,
@@ -50,54 +52,75 @@ def build_page(
         figures: PNG files by name.
         charts: Those of them that are drawn by plotly, by name (`drill_twin.report.page.charts`).
     """
-    scene = recording.scene
+    scene = recording.scene if recording.scene_known else None
+    name = scene.name if scene else recording.path.name
     body = [
-        f"<h1>{escape(scene.name)}</h1>",
-        f'<p class="lead">{escape(scene.description)}</p>',
-        _warning(limitations(summary)),
+        f"<h1>{escape(name)}</h1>",
+        f'<p class="lead">{escape(scene.description)}</p>' if scene else "",
+        f'<p class="lead">{escape(applied(summary))}</p>',
+        _warning([*limitations(summary), *_not_drawn(recording)]),
         _cards(summary),
         '<div class="columns"><section>',
         _table(findings(summary)),
         "</section><section>",
-        _table(provenance(summary)),
+        _table(row for row in provenance(summary) if scene or row[1] not in {"unknown", "none", ""}),
         "</section></div>",
-        _view(scene) if len(recording.poses) else "",
+        _view(scene) if scene and len(recording.poses) else "",
         f"<h2>Over time</h2><p>{_HOW}</p>",
         '<section class="stack">',
-        *(_both(figures[name], name) for name in OVER_TIME),
+        *(_both(figures[name], name) for name in OVER_TIME if name in figures),
         "</section>",
-        _timeline(summary),
-        "<h2>Orbits, spectrum and shapes</h2>",
-        *(_figure(name, figures) for name in CAPTIONS),
-        "<h2>What is not validated</h2><section><ul>",
-        *(f"<li>{escape(text)}</li>" for text in NOT_VALIDATED),
-        "</ul></section>",
-        "<h2>The scene</h2><section>",
-        f"<p>{escape(scene.provenance or 'The scene does not say where its numbers come from.')}</p>",
-        f"<details><summary>all of it, as it was run</summary><pre>{escape(scene.to_yaml())}</pre></details>",
-        "</section>",
+        _timeline(summary) if recording.places else "",
+        "<h2>Orbits, spectrum and shapes</h2>" if figures.keys() & CAPTIONS.keys() else "",
+        *(_figure(name, figures) for name in CAPTIONS if name in figures),
+        _scene(scene) if scene else "",
         f"<footer>drawn by drill_twin {escape(__version__)} from {escape(recording.path.name)}</footer>",
     ]  # fmt: skip
     scripts = _scripts(charts, recording)
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f'<title>{escape(scene.name)}: drill_twin report</title><link rel="icon" href="data:,">'
+        f'<title>{escape(name)}: drill_twin report</title><link rel="icon" href="data:,">'
         f"<style>{_asset('page.css')}</style></head>\n"
         f"<body><main>{''.join(body)}</main>\n{scripts}</body></html>\n"
     )
+
+
+def _scene(scene: Scene) -> str:
+    """Parts of a run that are not validated, and its scene."""
+    return (
+        "<h2>What is not validated</h2><section><ul>"
+        + "".join(f"<li>{escape(text)}</li>" for text in NOT_VALIDATED)
+        + "</ul></section><h2>The scene</h2><section>"
+        f"<p>{escape(scene.provenance or 'The scene does not say where its numbers come from.')}</p>"
+        f"<details><summary>all of it, as it was run</summary><pre>{escape(scene.to_yaml())}</pre></details></section>"
+    )
+
+
+def _not_drawn(recording: Recording) -> list[str]:
+    """A sentence for each reason for which figures are left out."""
+    reasons: dict[str, list[str]] = {}
+    for figure, why in left_out(recording).items():
+        reasons.setdefault(why, []).append(figure.replace("_", " "))
+    return [f"not drawn: {', '.join(names)} (the recording holds {why})" for why, names in reasons.items()]
 
 
 def _cards(summary: Mapping[str, Any]) -> str:
     def card(value: float | str | None, form: str, name: str, none: str = "none") -> str:
         return f"<div><b>{none if value is None else form.format(value)}</b><span>{escape(name)}</span></div>"
 
+    index = card(summary["largest_stick_slip_index"], "{:.2f}", "largest stick-slip index of the bit", "unknown")
+    if not summary["whirl_observable"]:
+        known = {name: value for name, value in load_rows(summary) if name != "drag"}
+        means = (card(value.partition(" on average")[0], "{}", f"{name}, mean") for name, value in known.items())
+        return f'<div class="cards">{"".join(means)}{index}</div>'
     radii = {mark: radius for mark, radius in summary["max_radius_m"].items() if radius is not None}
     widest = max(radii, key=lambda mark: radii[mark], default=None)
     return (
         '<div class="cards">'
         + _motion_cards(summary, card)
         + f"<div><b>{millimetres(radii[widest]) if widest else 'none'}</b><span>largest radius, {widest}</span></div>"
+        + index
         + card(summary["realtime_factor"], "{:.2g}", "real-time factor", "unknown")
         + "</div>"
     )

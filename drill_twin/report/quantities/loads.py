@@ -32,6 +32,18 @@ def loads(bag: Recording) -> dict[str, dict[str, float] | None]:
     return {key: _statistics(values) for key, values in zip(KEYS, series, strict=True)}
 
 
+def applied(bag: Recording) -> dict[str, dict[str, float] | None]:
+    """Statistics of weight on bit [N] and rotation of the top drive [rad/s] over the second half of the recording."""
+    rig = bag.rig
+    if not len(rig):
+        return {"weight_on_bit_n": None, "rotation_rad_s": None}
+    late = rig.time >= 0.5 * (rig.time[0] + rig.time[-1])
+    return {
+        "weight_on_bit_n": _statistics(rig.bit_force[late]),
+        "rotation_rad_s": _statistics(rig.top_drive_speed[late]),
+    }
+
+
 def string_weight(scene: Scene) -> float:
     """Weight of the string along the hole, less buoyancy [N]; 0 without gravity."""
     return float(axial_weight(scene, discretise(scene, build_rod(tubes_of(scene), MOST))).sum())

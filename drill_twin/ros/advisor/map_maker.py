@@ -56,7 +56,7 @@ class MapMaker:
         """Runs made so far, as text."""
         journal = self._out / "runs.jsonl"
         made = max(journal.read_bytes().count(b"\n") - 1, 0) if journal.exists() else 0
-        return f"making a coarse map: {made} of at most {self._runs} runs"
+        return f"no advice yet: making a coarse map, {made} of at most {self._runs} runs ({made / self._runs:.0%}) made"
 
     def result(self) -> OperatingMap | None:
         """The map, once it is made.

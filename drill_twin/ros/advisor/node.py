@@ -24,7 +24,8 @@ from drill_twin.io.messages.topics import (
     WHIRL_MOTION,
 )
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion
-from drill_twin.maps.advice import Adviser, Tracker, status_of, whirls_in
+from drill_twin.maps.advice import Adviser, status_of, whirls_in
+from drill_twin.maps.advice_tracker import Tracker
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, Value
@@ -108,6 +109,7 @@ class Advisor(TwinNode):
                 self._use(found)
             else:
                 self._maker = MapMaker(scene, self.settings)
+                self._publish(Status("advice", Level.OK, self._maker.progress))
         except DrillTwinError as error:
             self._fail(error)
 
@@ -140,6 +142,8 @@ class Advisor(TwinNode):
             return
         if self._maker is not None:
             self._take_map(self._maker)
+        if self._maker is not None and self._repeat.due():
+            self._publish(Status("advice", Level.OK, self._maker.progress))
         if self._adviser is not None and self._tracker.time >= 0.0:
             self._advise(self._adviser)
 
@@ -168,9 +172,13 @@ class Advisor(TwinNode):
         self._publish(Status("advice", Level.ERROR, f"no advice: {self._trouble}"))
 
     def _advise(self, adviser: Adviser) -> None:
+        now: tuple[object, ...]
         advice = self._tracker.advise(adviser, whirls=self._whirls)
-        status = status_of(advice, self._tracker.weight, self._tracker.speed, whirls=self._whirls)
-        now = (status.level, advice.target, advice.regime, self._whirls)
+        if advice is None:
+            status, now = Status("advice", Level.OK, self._tracker.waits_for), (self._tracker.waits_for,)
+        else:
+            status = status_of(advice, self._tracker.weight, self._tracker.speed, whirls=self._whirls)
+            now = (status.level, advice.target, advice.regime, self._whirls)
         if now != self._last or self._repeat.due():
             self._last, self._said = now, status.text
             self._publish(status)

@@ -39,15 +39,18 @@ class DiagnosticsPublisher:
         if status.level == Level.OK and (problem := self._topics.incompatible_publisher()):
             status = replace(status, level=Level.WARN, text=problem)
         if status.level != Level.OK:
-            self._log(status.text)
+            self._log(status)
         name = self._node.get_fully_qualified_name().lstrip("/")
         twin = f"drill_twin{self._node.get_namespace().rstrip('/')}"
         named = replace(status, name=name, hardware_id=twin, values={**status.values, **queues, "version": __version__})
         self._publisher.publish(encode_diagnostics(self._node.get_clock().now().nanoseconds, [named]))
 
-    def _log(self, text: str) -> None:
+    def _log(self, status: Status) -> None:
         """Log a problem unless it was seen in the last minute, perhaps with other numbers."""
-        now, kind = time.monotonic(), re.sub(r"[-+\d.]+", "", text)
+        now, kind = time.monotonic(), re.sub(r"[-+\d.]+", "", status.text)
         if now - self._seen.get(kind, -_REPEAT_AFTER) >= _REPEAT_AFTER:
-            self._node.get_logger().warning(text)
+            if status.level == Level.ERROR:  # rclpy refuses two severities from one line
+                self._node.get_logger().error(status.text)
+            else:
+                self._node.get_logger().warning(status.text)
         self._seen[kind] = now

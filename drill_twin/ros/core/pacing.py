@@ -64,5 +64,7 @@ class Tick:
         now = time.monotonic()
         if now < self._next:
             return False
-        self._next = max(self._next + self._period, now)
+        self._next += self._period
+        if self._next <= now:  # late by more than a period: those that were missed are left out
+            self._next = now + self._period
         return True

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from types import SimpleNamespace
 
@@ -11,13 +10,13 @@ from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.scene import Scene, load_scene
 
 SCENE = Parameter("scene", "pa6_bench", "scene: an installed one by name, or the path of a scene file")
+_LINE_PERIOD = 10.0  # s between two lines of progress
 OVERRIDES = Parameter(
     "overrides",
     "",
     'changes to the scene as KEY=VALUE, separated by ";"',
     such_as="hole.radius=80 mm; effects.bow=off",
 )
-_PAIR = re.compile(r"\s*(?P<key>[^=\s][^=]*?)\s*=\s*(?P<value>.+?)\s*", re.DOTALL)
 
 
 def scene_of(settings: SimpleNamespace) -> Scene:
@@ -50,11 +49,9 @@ def resolved(scene: Scene, duration: float, log: Callable[[str], object]) -> Sce
     if scene.numerics.accuracy is None:
         return scene
     from drill_twin.accuracy import resolve
-    from drill_twin.accuracy.error_model import load_model
+    from drill_twin.accuracy.progress import in_words
 
-    if load_model(scene) is None:
-        log("no cost curve of this scene yet: measuring a small one")
-    plan = resolve(scene, duration=duration or None)
+    plan = resolve(scene, duration=duration or None, progress=in_words(log, every=_LINE_PERIOD))
     log(plan.sentence)
     return plan.scene
 
@@ -69,10 +66,10 @@ def pairs_of(parameter: str, text: str) -> dict[str, str]:
     for part in text.split(";"):
         if not part.strip():
             continue
-        match = _PAIR.fullmatch(part)
-        if not match:
+        key, _, value = (word.strip() for word in part.partition("="))
+        if not (key and value):
             raise ParameterError(f'parameter {parameter}: expected KEY=VALUE; KEY=VALUE, found "{part.strip()}"')
-        pairs[match["key"]] = match["value"]
+        pairs[key] = value
     return pairs
 
 

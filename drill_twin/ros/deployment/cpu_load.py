@@ -52,7 +52,7 @@ class NodeLoad:
     """Resident memory [bytes]."""
 
 
-def run_load(options: LoadOptions, stop: StopRequest) -> tuple[list[NodeLoad], Mapping[str, str]]:
+def run_load(options: LoadOptions) -> tuple[list[NodeLoad], Mapping[str, str]]:
     """Start the nodes, measure their load, and end them.
 
     Returns:
@@ -70,9 +70,9 @@ def run_load(options: LoadOptions, stop: StopRequest) -> tuple[list[NodeLoad], M
         with tempfile.TemporaryDirectory(prefix="drill_twin_load_") as folder:
             os.environ["ROS_LOG_DIR"] = folder
             with processes(_commands(options, Path(folder)), dict(os.environ), Path(folder)) as children:
-                _observe_until(lambda observer: observer.time > _WARM_UP, children, stop)
-                shares = _measure(children, options.seconds, stop)
-                return shares, _observe_until(lambda observer: bool(observer.simulator), children, stop)
+                _observe_until(lambda observer: observer.time > _WARM_UP, children)
+                shares = _measure(children, options.seconds)
+                return shares, _observe_until(lambda observer: bool(observer.simulator), children)
     finally:
         claim.release()
 
@@ -88,19 +88,17 @@ def _commands(options: LoadOptions, folder: Path) -> dict[str, Mapping[str, obje
     }
 
 
-def _observe_until(
-    reached: Callable[[DemoObserver], bool], children: Mapping[str, Child], stop: StopRequest
-) -> Mapping[str, str]:
+def _observe_until(reached: Callable[[DemoObserver], bool], children: Mapping[str, Child]) -> Mapping[str, str]:
     """Observe the nodes until a state is reached, with a node that is gone during the measurement."""
     # Imported after the children were started: DDS threads do not survive a fork.
     from drill_twin.ros.core.node_main import init_context
     from drill_twin.ros.demo.demo_observer import DemoObserver
 
-    context = init_context([], stop)
+    context = init_context([], StopRequest())
     stall_detector = StallDetector()
     try:
         observer = DemoObserver(context, lambda _: None)
-        while not stop and not reached(observer):
+        while not reached(observer):
             observer.spin_once(0.1)
             for child in children.values():
                 child.check_alive()
@@ -111,10 +109,10 @@ def _observe_until(
         context.try_shutdown()
 
 
-def _measure(children: Mapping[str, Child], seconds: float, stop: StopRequest) -> list[NodeLoad]:
+def _measure(children: Mapping[str, Child], seconds: float) -> list[NodeLoad]:
     begun = time.monotonic()
     before = {node: _processor_time(child.pid) for node, child in children.items()}
-    while not stop and (left := begun + seconds - time.monotonic()) > 0.0:
+    while (left := begun + seconds - time.monotonic()) > 0.0:
         time.sleep(min(left, 0.2))
     passed = time.monotonic() - begun
     return [

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-import ctypes
+import os
 import signal
 import subprocess
 import sys
@@ -13,9 +13,9 @@ from pathlib import Path
 
 from drill_twin.base.process.child_environment import child_environment
 from drill_twin.errors import RunError
+from drill_twin.ros.core.stop_request import END_WITH_PARENT
 
 _SIGNAL_TIMEOUT = 10.0  # s after each signal, before the next and harsher one
-_SET_PARENT_DEATH_SIGNAL = 1  # linux/prctl.h
 _LOG_LINES = 8
 
 
@@ -30,12 +30,11 @@ class Child:
         with log.open("wb") as stream:
             self._process = subprocess.Popen(
                 command,
-                env=child_environment(environment),
+                env=child_environment({**environment, END_WITH_PARENT: str(os.getpid())}),
                 stdin=subprocess.DEVNULL,
                 stdout=stream,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,  # Ctrl-C reaches the parent only, which ends its children in order
-                preexec_fn=_end_with_parent,  # noqa: PLW1509 - no thread runs yet when children are started
             )
 
     @property
@@ -90,10 +89,6 @@ def _yaml(value: object) -> str:
     return str(value)
 
 
-def _end_with_parent() -> None:
-    ctypes.CDLL(None, use_errno=True).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGTERM)
-
-
 @contextmanager
 def processes(
     commands: Mapping[str, Mapping[str, object]], environment: Mapping[str, str], logs: Path
@@ -103,10 +98,10 @@ def processes(
     Raises:
         RunError: On leaving without another error: a node ended with another exit code than 0.
     """
-    children = {
-        node: Child(node, parameters, environment, logs / f"{node}.log") for node, parameters in commands.items()
-    }
+    children: dict[str, Child] = {}
     try:
+        for node, parameters in commands.items():  # a signal may come before the last of them is there
+            children[node] = Child(node, parameters, environment, logs / f"{node}.log")
         yield children
     finally:
         codes = {node: child.end() for node, child in children.items()}

@@ -103,13 +103,13 @@ RIGHTS: dict[str, Rights] = {
     "advisor": Rights((ADVICE_STATE, ADVICE_MAP), (TWIN_SCENE, RIG_STATE, WHIRL_MOTION)),
     "estimator": Rights(
         (ESTIMATE_STATE, *(ESTIMATE + topic for topic in OF_NEAREST_TWIN)),
-        (MEASURED_RIG_STATE, RIG_COMMAND, *READINGS),
+        (MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, *READINGS),  # the launch file lets it follow the simulator
     ),
     "recorder": Rights((), (*TOPICS, *SUBS, *MEASURED_SUBS)),
     "replayer": Rights((*(topic for topic in TOPICS if topic != DIAGNOSTICS), *SUBS, *MEASURED_SUBS), (), (), _READY),
     "gateway": Rights(
         (RIG_COMMAND, MEASURED_RIG_STATE, *MEASURED_SUBS),
-        (RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR, DIAGNOSTICS),
+        (TWIN_SCENE, RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR, DIAGNOSTICS),
         ("~/grant_control", "~/withdraw_control"),
     ),
 }

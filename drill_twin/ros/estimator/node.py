@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import asdict
 from functools import partial
 from typing import Any, ClassVar
 
 from drill_twin.api.estimator import Estimator as Following
-from drill_twin.errors import DrillTwinError
+from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.estimation import Estimate
 from drill_twin.io.downhole import readings_topic
 from drill_twin.io.messages.decode import JointStateReader
@@ -28,8 +30,10 @@ from drill_twin.io.messages.topics import (
     TWIN_SCENE,
 )
 from drill_twin.ros.core.node import TwinNode
+from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.ros.estimator.messages import NearestTwin, statuses, values_of
 from drill_twin.ros.estimator.parameters import PARAMETERS, make_estimator
+from drill_twin.runner import compile_kernel
 
 _DEPTH = 1000  # messages that wait while another thread has the processor
 _BEHIND = 10  # windows that wait before the oldest is left out
@@ -54,8 +58,9 @@ class Estimator(TwinNode):
         self._nearest: NearestTwin | None = None
         self._found: Estimate | None = None
         self._refused = 0
+        self._making, self._closing = "making the ensemble", False
         self._thread = ThreadPoolExecutor(1, "ensemble")
-        self._made: Future[Following] | None = self._thread.submit(make_estimator, self.settings)
+        self._made: Future[Following] | None = self._thread.submit(self._make)
         self._step: Future[Estimate | None] | None = None
         self.topics.advertise(ESTIMATE_STATE)
         if self.settings.show:
@@ -71,7 +76,7 @@ class Estimator(TwinNode):
 
     def not_ready(self) -> str:
         """Reason while the ensemble is being made."""
-        return "" if self._following is not None else "making the ensemble"
+        return "" if self._following is not None else self._making
 
     def work(self) -> None:
         """Take what has arrived, publish what has been found, and begin the next window."""
@@ -90,8 +95,20 @@ class Estimator(TwinNode):
             self._step = self._thread.submit(self._following.step)
 
     def close(self) -> None:
-        """Wait for the window that is being computed."""
+        """End a compilation, and wait for the window that is being computed."""
+        self._closing = True
         self._thread.shutdown(cancel_futures=True)
+
+    def _make(self) -> Following:
+        """Make the ensemble; its kernels are compiled by a child process, which `close` ends at once."""
+        scene = scene_of(self.settings)
+        compile_kernel(scene, scene.numerics.frame_period, self._on_compilation)
+        return make_estimator(self.settings)
+
+    def _on_compilation(self, progress: str) -> None:
+        self._making = progress
+        if self._closing:
+            raise RunError(f"stopped while {progress}")
 
     def _begin(self, following: Following) -> None:
         self._following = following
@@ -103,11 +120,11 @@ class Estimator(TwinNode):
     def _on_command(self, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
         try:
-            command = read_command(self._commands.read(bytes(raw)))
+            command = read_command(self._commands.read(bytes(raw)), absent_weight=math.nan)
         except DrillTwinError:
             self._refused += 1
             return
-        self._set_points = {"weight_on_bit": command.weight_on_bit, "rotation": command.rotation}
+        self._set_points = asdict(command)
 
     def _on_measured(self, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
@@ -149,7 +166,7 @@ class Estimator(TwinNode):
     def health(self) -> Status:
         """Samples that were not sound, and whether the machine keeps up."""
         if self._following is None:
-            return Status(self.NAME, Level.OK, "making the ensemble")
+            return Status(self.NAME, Level.OK, self._making)
         intake = self._following.intake
         values = {kind.replace(" ", "_"): str(count) for kind, count in intake.troubles.items()}
         values |= {"unreadable": str(self._refused), "windows_waiting": str(intake.waiting)}

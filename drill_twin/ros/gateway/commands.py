@@ -7,6 +7,7 @@ import math
 import threading
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 
 from drill_twin.gateway.quantities import TwinQuantities
 from drill_twin.io.messages.rig_messages import CommandEncoder
@@ -48,9 +49,10 @@ class CommandOutput:
         with self._lock:
             if self.command is None or self._to_safe is not None:
                 return
-            self.command = Command(
-                wanted.get("weight_on_bit", self.command.weight_on_bit),
-                wanted.get("surface_rotation", self.command.rotation),
+            self.command = replace(
+                self.command,
+                weight_on_bit=wanted.get("weight_on_bit", self.command.weight_on_bit),
+                rotation=wanted.get("surface_rotation", self.command.rotation),
             )
             self._publish()
 

@@ -17,19 +17,23 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from rclpy.context import Context
 from std_srvs.srv import Trigger
 
+from drill_twin.base.loopback import is_loopback
 from drill_twin.errors import DrillTwinError, MessageError
 from drill_twin.gateway.control import Control, Permission
 from drill_twin.gateway.quantities import QUANTITIES, TwinQuantities
 from drill_twin.gateway.signals import Signals, read_signals, signals_path
+from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.topics import RIG_STATE, TOPICS
-from drill_twin.live.access import is_loopback
+from drill_twin.io.messages.topics import RIG_STATE, TOPICS, TWIN_SCENE
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import ParameterError, Value
+from drill_twin.ros.core.topics.scene_gate import SceneGate
 from drill_twin.ros.gateway.commands import CommandOutput
 from drill_twin.ros.gateway.parameters import PARAMETERS
 from drill_twin.ros.gateway.rig import Rig
+from drill_twin.ros.simulator.command_limits import limits_for
+from drill_twin.scene import parse_scene
 
 if TYPE_CHECKING:
     from drill_twin.gateway.opc_ua.keys import Keys
@@ -65,6 +69,7 @@ class Gateway(TwinNode):
         self._unread = self._denied = ""
         self._server: OpcUaServer | None = None
         self._rig: Rig | None = None
+        self._scenes = SceneGate(self._on_scene)
 
     def open(self) -> None:
         """Start server and client, and subscribe to the topics of the signals."""
@@ -76,6 +81,7 @@ class Gateway(TwinNode):
         for topic in topics | ({RIG_STATE} if self._signals.command or self._rig else set()):
             depth = 1 if TOPICS[topic].latched else _DEPTH
             self.topics.subscribe(topic, partial(self._on_message, topic), depth=depth)
+        self.topics.subscribe(TWIN_SCENE, lambda raw, _: self._scenes.take(bytes(raw)), depth=1)
         self.create_service(Trigger, "~/grant_control", self._on_grant)
         self.create_service(Trigger, "~/withdraw_control", self._on_withdraw)
         self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}")
@@ -87,10 +93,22 @@ class Gateway(TwinNode):
         except MessageError as error:
             self._unread = f"{topic}: {error}"
 
+    def _on_scene(self, raw: bytes) -> None:
+        """Take the limits of the scene, as the simulator does: what it would refuse is refused here, and said."""
+        try:
+            limits = limits_for(
+                parse_scene(read_string(raw), name=TWIN_SCENE), max_weight_on_bit=0.0, max_speed=0.0, negative=False
+            )
+        except DrillTwinError as error:
+            self._unread = f"{TWIN_SCENE}: {error}"
+            return
+        self._control.set_limits({"weight_on_bit": limits.weight_on_bit, "surface_rotation": limits.rotation})
+
     def work(self) -> None:
         """Take messages, decide about control, and show the values once they are due."""
         time.sleep(_TURN)
         self.spin_once(0.0)
+        self._scenes.work()
         if self._server is None:
             return
         if self._control_due.due():

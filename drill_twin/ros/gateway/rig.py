@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
+from drill_twin.base.loopback import is_loopback
 from drill_twin.gateway.quantities import MEASURED, downhole
 from drill_twin.gateway.rig_reader import RigReader
 from drill_twin.gateway.signals import RigSignal, Signals
@@ -20,7 +21,6 @@ from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import MEASURED as MEASURED_NAMESPACE
 from drill_twin.io.messages.topics import MEASURED_RIG_STATE, summary_topic
-from drill_twin.live.access import is_loopback
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import ParameterError
 from drill_twin.ros.gateway.commands import CommandOutput
@@ -48,17 +48,9 @@ class Rig:
         Raises:
             ParameterError: The connection would not be secure enough for what is asked of it.
         """
-        settings = node.settings
-        read = (*signals.measure, *signals.follow)
-        wits = urlsplit(settings.rig_url).scheme == "wits"
-        secure = settings.rig_security == "sign_and_encrypt" and not wits
-        if secure and keys is None:
-            raise ParameterError("parameter keys: expected a folder of keys, as rig_security is sign_and_encrypt")
-        if signals.follow and not secure and not is_loopback(urlsplit(settings.rig_url).hostname or ""):
-            raise ParameterError(
-                "parameter rig_security: expected sign_and_encrypt, as set-points of another host are followed; "
-                "WITS has none"
-            )
+        settings, read = node.settings, (*signals.measure, *signals.follow)
+        wits, secure = _is_wits(settings), _is_secure(settings)
+        check_security(settings, follows=bool(signals.follow), has_keys=keys is not None)
         self._node, self._output, self._signals = node, output, signals
         self._client: RigReader = (
             WitsReader(settings.rig_url, read) if wits else _opc_ua_client(settings, read, keys if secure else None)
@@ -148,7 +140,34 @@ class Rig:
         self._client.close()
 
 
+def _is_wits(settings: Any) -> bool:
+    return bool(urlsplit(settings.rig_url).scheme == "wits")
+
+
+def _is_secure(settings: Any) -> bool:
+    return bool(settings.rig_security == "sign_and_encrypt") and not _is_wits(settings)
+
+
+def check_security(settings: Any, *, follows: bool, has_keys: bool) -> None:
+    """Refuse a connection to a rig that is not secure enough for what is asked of it.
+
+    Raises:
+        ParameterError: Keys are missing, or set-points or a password would cross the network in clear.
+    """
+    if _is_secure(settings):
+        if not has_keys:
+            raise ParameterError("parameter keys: expected a folder of keys, as rig_security is sign_and_encrypt")
+    elif not is_loopback(urlsplit(settings.rig_url).hostname or ""):
+        for reason, holds in (
+            ("set-points of another host are followed", follows),
+            ("the password of rig_user goes to another host", bool(settings.rig_user)),
+        ):
+            if holds:
+                raise ParameterError(f"parameter rig_security: expected sign_and_encrypt, as {reason}; WITS has none")
+
+
 def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | None) -> RigReader:
+    from drill_twin.gateway.opc_ua.passwords import check_private
     from drill_twin.gateway.opc_ua.rig_client import Access, RigClient
     from drill_twin.gateway.opc_ua.server import APPLICATION
 
@@ -157,6 +176,7 @@ def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | Non
         file = Path(settings.keys) / "rig_password"
         if not file.is_file():
             raise ParameterError(f"parameter rig_user: expected the password in {file}, found no such file")
+        check_private(file)
         password = file.read_text("utf-8").strip()
     access = Access(settings.rig_url, keys, APPLICATION, settings.rig_user, password)
     return RigClient(access, signals, 1.0 / settings.rig_rate)

@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 
 from rclpy.context import Context
 
+from drill_twin.base.frame_period import frame_period_ns
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.diagnostics import Level, Status
@@ -61,7 +62,7 @@ class RigDriver(TwinNode):
         self._schedule = Schedule.from_scene(scene)
         self._plan: Plan = self._schedule.at
         self._planned = (self.settings.weight_on_bit, self.settings.rotation)
-        self._period = round(NANOSECONDS / (self.settings.frame_rate or scene.numerics.frame_rate))
+        self._period = frame_period_ns(self.settings.frame_rate or scene.numerics.frame_rate)
         self._pacer = Pacer(seconds(self._period))
         self._plays = scene.name
         if self._schedule.record is not None and scene.rig.table is not None:
@@ -115,6 +116,7 @@ class RigDriver(TwinNode):
             return
         if stamp < (self._clock_stamp or 0):  # the simulator was reset
             self._sent_stamp, self._echo_due = -1, 0
+            self._plan = self._schedule.at  # as a launch with these set-points: a transition belongs to the run before
         self._clock_stamp = stamp  # `work` sends once all messages are taken: of several, only the last counts
 
     def _send(self, stamp: int) -> None:

@@ -31,8 +31,4 @@ class SetPointTransition:
         if passed >= 1.0:
             return self.after(time)
         share = max(passed, 0.0) ** 2 * (3.0 - 2.0 * max(passed, 0.0))
-        old, new = self.before, self.after(time)
-        return Command(
-            old.weight_on_bit + share * (new.weight_on_bit - old.weight_on_bit),
-            old.rotation + share * (new.rotation - old.rotation),
-        )
+        return self.before.mixed(self.after(time), share)

@@ -192,13 +192,7 @@ class CommandArbiter:
         """Set-point to apply over the next `seconds` of simulated time."""
         if self.silent and self._silence.ramp:
             share = min(seconds / self._silence.ramp_time, 1.0) if self._silence.ramp_time > 0.0 else 1.0
-            safe, good = self._silence.safe, self._good
-            self._applied = Command(
-                _towards(
-                    self._applied.weight_on_bit, safe.weight_on_bit, share * (good.weight_on_bit - safe.weight_on_bit)
-                ),
-                _towards(self._applied.rotation, safe.rotation, share * (good.rotation - safe.rotation)),
-            )
+            self._applied = self._applied.towards(self._silence.safe, self._good, share)
         else:
             self._applied = self._good
         return self._applied
@@ -216,9 +210,3 @@ class CommandArbiter:
     def others_speak(self) -> bool:
         """True for some seconds after a single value of another source came beside a driver."""
         return self._clock() - self._echoes.last_stranger < _RECENT
-
-
-def _towards(value: float, target: float, distance: float) -> float:
-    """`value` moved towards `target` by at most `distance`."""
-    step = min(abs(distance), abs(target - value))
-    return value + math.copysign(step, target - value)

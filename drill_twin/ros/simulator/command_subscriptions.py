@@ -18,6 +18,7 @@ from drill_twin.ros.core.topics.node_topics import NOT_NAMED_YET
 from drill_twin.ros.core.topics.rclpy_topics import relative
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter, Silence
 from drill_twin.ros.simulator.command_limits import limits_for
+from drill_twin.ros.simulator.publisher_check import PublisherCheck
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 
@@ -44,6 +45,7 @@ class CommandSubscriptions:
         self._read_command = JointStateReader().read
         self._drivers_topic = node.resolve_topic_name(relative(RIG_COMMAND))
         self._went_back = False
+        self._publishers = PublisherCheck()
         self.arbiter = CommandArbiter(*self._rules(), first)
 
     def subscribe(self) -> None:
@@ -74,6 +76,11 @@ class CommandSubscriptions:
         drivers = of(RIG_COMMAND)
         return [name for name in (*drivers, *sorted(singles - set(drivers))) if name != NOT_NAMED_YET]
 
+    def rivals(self) -> list[str]:
+        """Names of the publishers of `/rig/command` where more than one sends, so that the set-points flip."""
+        names = self._node.topics.publisher_nodes(RIG_COMMAND)
+        return names if len(names) > 1 and self._publishers.several_send else []
+
     def _rules(self) -> tuple[Any, Silence]:
         settings: SimpleNamespace = self._node.settings
         limits = limits_for(
@@ -86,10 +93,11 @@ class CommandSubscriptions:
         return limits, Silence(settings.command_timeout, settings.on_silence == "ramp", safe, settings.safe_ramp_time)
 
     def _on_command(self, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
+        if self._publishers.take(info["publication_sequence_number"]):
+            self._node.publish_diagnostics()
         try:
             state = self._read_command(raw)
-            command = read_command(state)
+            command = read_command(state, absent_weight=0.0 if self._scene.rig.moves_block else None)
         except MessageError as error:
             self.arbiter.malformed(str(error))
             return

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from types import SimpleNamespace
 
 from drill_twin.io.messages.diagnostics import Level
+from drill_twin.io.messages.topics import RIG_COMMAND
 from drill_twin.ros.simulator.simulation import Simulation
 
 _RECENT = 10.0  # s; for so long a single stall is told
@@ -54,6 +55,11 @@ def verdict(settings: SimpleNamespace, simulation: Simulation, sources: Sequence
     waiting = simulation.waits_for_command
     if loop.rejected_steps.stopped:
         return loop.verdict()
+    if rivals := simulation.commands.rivals():
+        return Level.ERROR, (
+            f"expected one publisher of {RIG_COMMAND}, found {' and '.join(rivals)} sending: the set-points flip "
+            "between them; stop all but one"
+        )
     if waiting and not arbiter.heard and arbiter.refused:
         return Level.WARN, f"waiting for the first good command; the last one was refused: {arbiter.last_refusal}"
     if waiting and not arbiter.heard:

@@ -20,6 +20,7 @@ from rclpy.context import Context
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.lifecycle.node import LifecycleNodeMixin
 
+from drill_twin.base.frame_period import frame_period
 from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, STRING_POSES, WOB_COMMAND
@@ -179,7 +180,7 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         scene = resolved(scene_of(settings), settings.duration, self.get_logger().info)
         rate = settings.frame_rate or scene.numerics.frame_rate
         try:
-            compile_kernel(scene, 1.0 / rate, self._on_compilation, time_effects=True)
+            compile_kernel(scene, frame_period(rate), self._on_compilation, time_effects=True)
         finally:
             if self._compiling:
                 self._compiling = ""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rclpy.logging import get_logging_directory
 
+from drill_twin.base.frame_period import frame_period
 from drill_twin.errors import CheckpointError, RunError, StoppedError
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import CLOCK_TOPIC
@@ -49,7 +50,7 @@ class Simulation:
         for topic in topics_of(scene):
             # The clock is latched, so that a driver which returns during a run learns the time at once.
             node.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
-        period = 1.0 / frame_rate
+        period = frame_period(frame_rate)
         self.loop = RunLoop(
             scene,
             period,

@@ -104,6 +104,13 @@ def locked_states(turning: TurningEquations, command: Command) -> tuple[WhirlSta
         return tuple(state_of(turning, whirl, is_locked=True) for whirl in found)
 
 
+def locked_near(turning: TurningEquations, whirl: Whirl) -> WhirlState | None:
+    """State locked to the rotation near a shape, such as one of another mesh; None if there is none."""
+    with imperfect(turning.equations):
+        found = _relaxed(turning, whirl, FIRST_STEP)
+        return None if found is None else state_of(turning, found, is_locked=True)
+
+
 def _starts(search: ShapeSearch) -> Iterator[Array]:
     """First shapes: the axis, and the lowest modes in four directions."""
     yield search.axis

@@ -8,6 +8,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import core_schema
 
+from drill_twin.base.frame_period import frame_period, frame_period_ns
 from drill_twin.scene.blocks.auto import OrAuto
 from drill_twin.scene.blocks.part import Part, refuse_at
 from drill_twin.units import Dimensionless, Frequency, Quantity, Within, refuse, show
@@ -66,6 +67,16 @@ class Numerics(Part):
     audit: Literal["none", "energy"] = "none"
     """`energy`: energy balance with the work of each effect, published with the diagnostics; takes as much time as
     about two more Newton iterations a step."""
+
+    @property
+    def frame_period(self) -> float:
+        """Length of a frame [s]."""
+        return frame_period(self.frame_rate)
+
+    @property
+    def frame_period_ns(self) -> int:
+        """Length of a frame [ns]."""
+        return frame_period_ns(self.frame_rate)
 
     @model_validator(mode="after")
     def _one_says_how_finely(self) -> Self:

@@ -211,6 +211,11 @@ class Rig(Part):
         return self
 
     @property
+    def moves_block(self) -> bool:
+        """The speed of the block is a set-point: there is a block, and no auto-driller moves it."""
+        return self.block is not None and self.block.auto_driller is None
+
+    @property
     def first(self) -> tuple[float, float]:
         """Weight on bit [N] and speed of the top drive [rad/s] at the first instant; 0 for recorded ones."""
         load, turn = self.weight_on_bit, self.rotation

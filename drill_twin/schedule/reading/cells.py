@@ -17,6 +17,8 @@ def number(cell: str) -> float | None:
     """Value of a cell, NaN if it is missing, None if it is text."""
     if cell.lower() in _MISSING:
         return math.nan
+    if not cell.isascii() or "_" in cell:  # Python reads 1_0 and digits of other scripts as numbers
+        return None
     try:
         return float(cell)
     except ValueError:

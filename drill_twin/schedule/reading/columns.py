@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -14,9 +13,10 @@ from drill_twin.base.arrays import Array
 from drill_twin.errors import TableError
 from drill_twin.schedule.reading.mnemonics import CHANNELS, si_factor
 from drill_twin.units import Dimension, UnitError
+from drill_twin.units.heading import name_and_unit
 
 _MOST_NAMES, _LONGEST_NAME = 20, 60  # in a message
-_IN_NAME = re.compile(r"\s*[\[(]\s*([^\])]+?)\s*[\])]\s*$")
+_LONGEST = 1000  # characters of a name
 
 
 class Columns(dict[str, Array]):
@@ -36,7 +36,16 @@ class Columns(dict[str, Array]):
             values: Numbers by name.
             units: Units that the file gives apart from the names.
             texts: Columns that are no numbers, with their first text.
+
+        Raises:
+            TableError: A name is endless.
         """
+        for name in (*values, *(texts or {})):
+            if len(name) > _LONGEST:
+                raise TableError(
+                    f"{file}: expected names of columns of at most {_LONGEST} characters, found one of {len(name)}, "
+                    f'"{name[:_LONGEST_NAME]}..."'
+                )
         super().__init__(values)
         self.file = file
         self.units = dict(units or {})
@@ -46,13 +55,12 @@ class Columns(dict[str, Array]):
         """Columns named by the first mnemonic of a channel that the file has; a unit in brackets does not count."""
         bare: dict[str, list[str]] = {}
         for name in (*self, *self._texts):
-            bare.setdefault(_IN_NAME.sub("", name).strip().lower(), []).append(name)
+            bare.setdefault(name_and_unit(name)[0].lower(), []).append(name)
         return next((bare[name] for name in CHANNELS[channel].mnemonics if name in bare), [])
 
     def unit(self, name: str, dimension: Dimension) -> str:
         """Unit of a column, as the file gives it or as its name ends: `WOB [kN]`, `wob_kN`; empty if there is none."""
-        in_name = _IN_NAME.search(name)
-        if found := self.units.get(name) or (in_name.group(1) if in_name else ""):
+        if found := self.units.get(name) or name_and_unit(name)[1]:
             return found
         ending = name.rpartition("_")[2]
         try:
@@ -76,7 +84,7 @@ class Columns(dict[str, Array]):
         if name in self._texts:
             raise TableError(f'{self.file}: expected numbers in column "{name}" for {meant}, found {self._texts[name]}')
         if name not in self:
-            close = difflib.get_close_matches(name, self, n=1, cutoff=0.5)
+            close = difflib.get_close_matches(name, [one for one in self if len(one) <= _LONGEST_NAME], n=1, cutoff=0.5)
             hint = f', did you mean "{close[0]}"?' if close else ""
             raise TableError(f'{self.file}: expected a column "{name}" for {meant}, found {self.listed}{hint}')
         try:

@@ -7,8 +7,9 @@ import csv
 import math
 from array import array
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from drill_twin.schedule.reading.columns import Columns
 from drill_twin.schedule.reading.mnemonics import null_values
 
 MOST_COLUMNS = 10_000
+_LONGEST_LINE = 1_000_000  # characters
 _DELIMITERS = ",;\t|"
 
 
@@ -29,11 +31,27 @@ def read_csv(path: Path) -> Columns:
     """
     try:
         with path.open(encoding="utf-8-sig") as stream:
-            return _columns(path, stream)
+            return _columns(path, _lines(path, stream))
     except UnicodeDecodeError as error:
         raise TableError(f"{path}: expected a CSV file in UTF-8, found {encoding_problem(error)}") from None
     except (OSError, csv.Error) as error:
         raise TableError(f"{path}: expected a CSV file in UTF-8, found {error}") from None
+
+
+def _lines(path: Path, stream: TextIO) -> Iterator[str]:
+    """Lines of a file; one that is endless is not read to its end.
+
+    Raises:
+        TableError: There is one.
+    """
+    place = 0
+    while line := stream.readline(_LONGEST_LINE + 1):
+        place += 1
+        if len(line) > _LONGEST_LINE:
+            raise TableError(
+                f"{path}:{place}: expected a line of at most {_LONGEST_LINE} characters, found a longer one"
+            )
+        yield line
 
 
 def _columns(path: Path, stream: Iterable[str]) -> Columns:

@@ -21,6 +21,9 @@ from drill_twin.schedule.reading.mnemonics import null_values
 
 _LONGEST_HEADER, _LONGEST_LINE = 1_000_000, 100_000  # characters
 logging.getLogger("lasio").addHandler(logging.NullHandler())  # else it tells of each column of text on stderr
+_MOST_CURVES = 1000
+_USED = ("STRT", "STOP", "STEP", "NULL")
+"""Lines of the section ~Well that decide how data are read."""
 _DEPTH = ("DEPT", "DEPTH", "MD", "TVD")
 
 
@@ -32,9 +35,9 @@ def read_las(path: Path) -> Columns:
         ArgumentError: The package lasio is not installed.
     """
     lasio = import_lasio()
-    text = _text(path)
+    text = _lean(path, _text(path))
     try:
-        engine = "normal" if re.search(r"(?im)^\s*WRAP\s*\.\s*YES", text[:_LONGEST_HEADER]) else "numpy"
+        engine = "normal" if re.search(r"(?im)^[ \t]*WRAP[ \t]*\.[ \t]*YES", text[:_LONGEST_HEADER]) else "numpy"
         las = lasio.read(io.StringIO(text), engine=engine)
         curves = [(str(curve.mnemonic), str(curve.unit), np.asarray(curve.data)) for curve in las.curves]
         null = str(las.well["NULL"].value) if "NULL" in las.well else ""
@@ -77,6 +80,31 @@ def _text(path: Path) -> str:
     if longest := next((k for k, line in enumerate(text.splitlines(), 1) if len(line) > _LONGEST_LINE), 0):
         raise TableError(f"{path}:{longest}: expected a line of at most {_LONGEST_LINE} characters, found a longer one")
     return text
+
+
+def _lean(path: Path, text: str) -> str:
+    """The file without the lines of its header that are not used: lasio compares each line with all before it.
+
+    Raises:
+        TableError: It has more than `_MOST_CURVES` curves.
+    """
+    begin = min(place for mark in ("\n~A", "\n~a") if (place := text.find(mark)) >= 0)
+    kept, section, curves = [], "", 0
+    for line in text[:begin].splitlines():
+        bare = line.strip()
+        if bare.startswith("~"):
+            section = bare[1:2].upper()
+        elif bare.startswith("#") or not bare:
+            continue
+        elif section == "C":
+            curves += 1
+        elif section == "W" and not bare.upper().startswith(_USED):
+            continue
+        if section in {"V", "W", "C"}:
+            kept.append(line)
+    if curves > _MOST_CURVES:
+        raise TableError(f"{path}: expected at most {_MOST_CURVES} curves, found {curves}; export fewer")
+    return "\n".join(kept) + text[begin:]
 
 
 def _numbers(data: Any) -> tuple[Array, str, str]:

@@ -114,6 +114,8 @@ def null_values(given: str, place: str) -> frozenset[float]:
         TableError: The one given is no number.
     """
     try:
+        if not given.isascii() or "_" in given:
+            raise ValueError(given)
         return frozenset((-999.25, float(given or -999.25)))
     except ValueError:
         raise TableError(f'{place}: expected a number as null value, found "{given[:40]}"; correct it') from None

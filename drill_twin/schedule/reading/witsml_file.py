@@ -25,7 +25,7 @@ from drill_twin.schedule.reading.mnemonics import null_values
 _VERSION = "1.4.1"
 _TIME = ("date time", "elapsed time")
 _TEXTS = ("indexType", "indexCurve", "nullValue", "dataDelimiter", "mnemonicList", "unitList", "data")
-_DEEPEST, _LONGEST, _MOST_COLUMNS = 20, 1_000_000, 10_000
+_DEEPEST, _LONGEST, _MOST_COLUMNS, _CHUNK = 20, 1_000_000, 10_000, 2**18
 _NONE = ("unitless", "none", "euc", "----")
 """Units of WITSML that say that there is none."""
 
@@ -105,6 +105,10 @@ class _LogReader:
             raise _RefusedError(
                 f'expected a log over time (indexType "date time"), found "{kind[:40]}"; export that one'
             )
+        if len(self.header.get("dataDelimiter") or ",") != 1:
+            raise _RefusedError(
+                f'expected a dataDelimiter of one character, found "{self.header["dataDelimiter"][:40]}"'
+            )
         self.names = [name.strip() for name in self.header.get("mnemonicList", "").split(",")]
         twice = [name for name, count in Counter(self.names).items() if count > 1]
         if not 1 < len(self.names) <= _MOST_COLUMNS or twice:
@@ -140,7 +144,13 @@ def read_witsml(path: Path) -> Columns:
     parser.CharacterDataHandler, parser.StartDoctypeDeclHandler = reader.text, reader.refuse
     try:
         with path.open("rb") as stream:
-            parser.ParseFile(stream)
+            fed = 0
+            while chunk := stream.read(_CHUNK):
+                parser.Parse(chunk, False)
+                fed += len(chunk)
+                if fed - parser.CurrentByteIndex > 2 * _LONGEST:  # expat begins such a tag anew with each chunk
+                    raise _RefusedError(f"expected tags of at most {_LONGEST} characters, found a longer one")
+            parser.Parse(b"", True)
         return reader.columns(path)
     except (expat.ExpatError, _RefusedError, OSError, csv.Error, ValueError, LookupError) as error:
         line = parser.CurrentLineNumber

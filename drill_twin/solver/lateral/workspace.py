@@ -23,7 +23,7 @@ class Workspace(NamedTuple):
     right: Array  # (n + 1, 4)
     reuse: Array  # (5,) see drill_twin.solver.lateral.tangent_reuse
     ends: Array  # (2, 7, 8) loads on bit and top, as in space
-    command: Array  # (2,) set-points: weight on bit [N], rotation [rad/s]; (3,) with a block: its speed [m/s]
+    command: Array  # (3,) set-points: weight on bit [N], rotation [rad/s], speed of a block [m/s]
     lever: Array  # (n + 1, 4) change of the torque below by the unknowns' velocities
     axial: Array  # (4,) see AT_BIT
     resultants: Array  # (7,) see drill_twin.model.section
@@ -47,7 +47,7 @@ def make_workspace(elements: int) -> Workspace:
         right=np.zeros((n + 1, 4)),
         reuse=np.zeros(5),
         ends=np.zeros((2, 7, 8)),
-        command=np.zeros(2),
+        command=np.zeros(3),
         lever=np.zeros((n + 1, 4)),
         axial=np.zeros(4),
         resultants=np.zeros(RESULTANTS),

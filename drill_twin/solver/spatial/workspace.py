@@ -19,7 +19,7 @@ class Workspace(NamedTuple):
     ends: Array  # (2, 7, 8) loads on bit and top: tangent, and residual in the last column
     reaction: Array  # (2, 7) residual at bit and top before the constraints were imposed: forces of rig and rock
     end_rows: Array  # (2, 7, 14) their rows of the system
-    command: Array  # (2,) set-points: weight on bit [N], rotation [rad/s]; (3,) with a block: its speed [m/s]
+    command: Array  # (3,) set-points: weight on bit [N], rotation [rad/s], speed of a block [m/s]
     resultants: Array  # (7,) see drill_twin.model.section
     force: Array  # (8,) conjugate to r', r'', psi', psi
     saa: Array  # (3, 3) their derivatives
@@ -48,7 +48,7 @@ def make_workspace(elements: int) -> Workspace:
         ends=np.zeros((2, 7, 8)),
         reaction=np.zeros((2, 7)),
         end_rows=np.zeros((2, 7, 14)),
-        command=np.zeros(2),
+        command=np.zeros(3),
         resultants=np.zeros(RESULTANTS),
         force=np.zeros(8),
         saa=np.zeros((3, 3)),

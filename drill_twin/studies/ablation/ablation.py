@@ -46,6 +46,11 @@ class Change:
         """True if the scene needs the group: the run fails, or a change is significant and beyond the tolerance."""
         return bool(self.failure) or any(quantity.matters for quantity in self.quantities.values())
 
+    @property
+    def unknown(self) -> bool:
+        """True if it is not known to be needed, but the runs are too few to tell."""
+        return not self.needed and not all(quantity.known for quantity in self.quantities.values())
+
 
 @dataclass(frozen=True)
 class Ablation:
@@ -58,7 +63,7 @@ class Ablation:
     baseline: tuple[Trial, ...]
     changes: tuple[Change, ...]
     kept: tuple[str, ...]
-    """Effects that the scene needs at this tolerance."""
+    """Effects that the scene needs at this tolerance, or of which too few runs do not tell."""
     reduced: Change
     """Change without all the others."""
 
@@ -121,7 +126,7 @@ def ablate(
     left_out = _not_needed(effects, changes)
     while True:
         reduced = _change(left_out, baseline, run([left_out], "all of ")[left_out] if left_out else baseline, tolerance)
-        if not left_out or not reduced.needed:
+        if not left_out or not (reduced.needed or reduced.unknown):
             break
         left_out = _restore_one(left_out, changes)
     kept = tuple(key for key in effects if key not in left_out)
@@ -162,7 +167,7 @@ def _saved(before: tuple[Trial, ...], after: tuple[Trial, ...], name: str) -> fl
 
 def _not_needed(effects: tuple[str, ...], changes: list[Change]) -> tuple[str, ...]:
     """Effects that the scene does not need and that no needed effect requires."""
-    wanted = {change.left_out[0] for change in changes if change.needed}
+    wanted = {change.left_out[0] for change in changes if change.needed or change.unknown}
     wanted |= {key for key in TOGETHER if set(TOGETHER) & wanted and key in effects}
     while more := {need for key in wanted for need in EFFECTS[key].requires} - wanted:
         wanted |= more

@@ -30,15 +30,21 @@ class Quantity:
     """A quantity with and without a group of effects."""
 
     before: float | None
-    """Mean with all effects; None where there is none, as the onset of a run that does not whirl."""
+    """Mean with all effects, of the runs that have it; None where none has, as the onset of runs without whirl."""
     after: float | None
     """Mean without the group."""
+    runs_before: int
+    """Number of runs with all effects that have it."""
+    runs_after: int
+    """Number of runs without the group that have it."""
     noise: float
-    """Standard error of the difference."""
+    """Standard error of the difference; NaN where a mean is of one run, or of none."""
     tolerances: float
     """The difference in tolerances; infinite if only one of the two exists."""
     matters: bool
-    """True if the difference is beyond the tolerance and statistically significant."""
+    """True if the difference is beyond the tolerance and statistically significant, or that of the counts is."""
+    known: bool
+    """False if so few runs could not have shown a difference."""
 
 
 def differences(before: Sequence[Trial], after: Sequence[Trial], tolerance: float) -> dict[str, Quantity]:
@@ -49,7 +55,11 @@ def differences(before: Sequence[Trial], after: Sequence[Trial], tolerance: floa
         after: Runs without the group.
         tolerance: Smallest relevant difference, relative for times and frequencies, absolute for shares [-].
     """
-    return {name: _quantity(_values(before, name), _values(after, name), tolerance, name in RELATIVE) for name in NAMES}
+    sizes = len(before), len(after)
+    return {
+        name: _quantity((_values(before, name), _values(after, name)), sizes, tolerance, name in RELATIVE)
+        for name in NAMES
+    }
 
 
 def worst(quantities: Mapping[str, Quantity]) -> float:
@@ -63,18 +73,28 @@ def _values(trials: Sequence[Trial], name: str) -> list[float]:
     return [value for value in values if value is not None]
 
 
-def _quantity(before: list[float], after: list[float], tolerance: float, relative: bool) -> Quantity:
-    if not before or not after:
-        differ = bool(before) != bool(after)
-        first, second = _mean(before), _mean(after)
-        return Quantity(first, second, noise=0.0, tolerances=math.inf if differ else 0.0, matters=differ)
-    one, other = float(np.mean(before)), float(np.mean(after))
-    noise = math.sqrt(_square_error(before) + _square_error(after))
-    scale = tolerance * (abs(one) if relative else 1.0)
-    difference = abs(other - one)
-    return Quantity(
-        one, other, noise, difference / max(scale, 1e-300), difference > max(scale, _chance_difference(before, after))
-    )
+def _quantity(
+    values: tuple[list[float], list[float]], sizes: tuple[int, int], tolerance: float, relative: bool
+) -> Quantity:
+    """Means and counts, of the runs that have the quantity, with and without a group."""
+    before, after = values
+    means, counts = (_mean(before), _mean(after)), (len(before), len(after))
+    (one, other), differ = means, counts[0] * sizes[1] != counts[1] * sizes[0]
+    more_often = differ and _fisher(counts, sizes) < 1.0 - CONFIDENCE
+    countable = not differ or _fisher((sizes[0], 0), sizes) < 1.0 - CONFIDENCE
+    if one is None or other is None:
+        return Quantity(*means, *counts, math.nan, math.inf if differ else 0.0, more_often, countable)
+    scale, difference = tolerance * (abs(one) if relative else 1.0), abs(other - one)
+    measurable = min(counts) > 1
+    noise = math.sqrt(_square_error(before) + _square_error(after)) if measurable else math.nan
+    matters = more_often or (measurable and difference > max(scale, _chance_difference(before, after)))
+    known = matters or (measurable and countable)
+    return Quantity(one, other, *counts, noise, difference / max(scale, 1e-300), matters, known)
+
+
+def _fisher(counts: tuple[int, int], sizes: tuple[int, int]) -> float:
+    """Chance of counts that differ at least so much where none does (Fisher's exact test)."""
+    return float(stats.fisher_exact([counts, (sizes[0] - counts[0], sizes[1] - counts[1])])[1])
 
 
 def _mean(values: list[float]) -> float | None:
@@ -91,4 +111,4 @@ def _chance_difference(before: list[float], after: list[float]) -> float:
 
 
 def _square_error(values: list[float]) -> float:
-    return float(np.var(values, ddof=1)) / len(values) if len(values) > 1 else 0.0
+    return float(np.var(values, ddof=1)) / len(values)

@@ -22,20 +22,22 @@ def draw(ablation: Ablation, path: Path) -> None:
     with styled():
         figure = laid_out(
             1.6 + 0.42 * len(changes),
-            f"{ablation.scene}: change without each effect (red: beyond the tolerance and beyond chance)",
+            f"{ablation.scene}: change without each effect (red: beyond tolerance and chance; hatched: too few runs)",
         )
         axes = figure.subplots(1, len(NAMES) + 1, sharey=True)
         rows = np.arange(len(changes))
         for axis, (name, title) in zip(axes, NAMES.items(), strict=False):
             _bars(
-                axis, rows, [_shown(change, name) for change in changes], [_matters(change, name) for change in changes]
-            )
+                axis, rows, [_shown(change, name) for change in changes],
+                [_matters(change, name) for change in changes], [_unknown(change, name) for change in changes],
+            )  # fmt: skip
             axis.set_xscale("log")
             axis.set_xlim(SMALLEST, LARGEST)
             axis.axvline(1.0, color=INK, linewidth=0.8)
             axis.set_title(f"change of\n{title}", fontsize=9)
             axis.set_xlabel(f"tolerances\nof {ablation.tolerance:.0%}", fontsize=9)
-        _bars(axes[-1], rows, [100.0 * (change.iteration_share or 0.0) for change in changes], [False] * len(changes))
+        none = [False] * len(changes)
+        _bars(axes[-1], rows, [100.0 * (change.iteration_share or 0.0) for change in changes], none, none)
         axes[-1].set_title("share of the\nstep time", fontsize=9)
         axes[-1].set_xlabel("% of an\niteration", fontsize=9)
         axes[0].set_yticks(rows, [_label(change) for change in changes])
@@ -43,9 +45,10 @@ def draw(ablation: Ablation, path: Path) -> None:
         save(figure, path)
 
 
-def _bars(axis: Axes, rows: np.ndarray, values: list[float], matters: list[bool]) -> None:
+def _bars(axis: Axes, rows: np.ndarray, values: list[float], matters: list[bool], unknown: list[bool]) -> None:
     colours = [NEEDED if needed else NOT_NEEDED for needed in matters]
-    axis.barh(rows, values, color=colours, height=0.7)
+    hatches = ["///" if hatched else "" for hatched in unknown]
+    axis.barh(rows, values, color=colours, height=0.7, hatch=hatches, edgecolor="white", linewidth=0.0)
     axis.grid(visible=False, axis="y")
 
 
@@ -57,6 +60,10 @@ def _shown(change: Change, name: str) -> float:
 
 def _matters(change: Change, name: str) -> bool:
     return bool(change.failure) or change.quantities[name].matters
+
+
+def _unknown(change: Change, name: str) -> bool:
+    return not change.failure and not change.quantities[name].matters and not change.quantities[name].known
 
 
 def _label(change: Change) -> str:

@@ -16,7 +16,8 @@ from drill_twin.errors import ArgumentError, RunError, SceneError
 from drill_twin.scene import Scene
 from drill_twin.torque_drag.analysis import OperationLoads
 
-ALIASES = {"wob": "rig.weight_on_bit.value", "rpm": "rig.rotation.value", "rps": "rig.rotation.value"}
+ALIASES = {"rpm": "rig.rotation.value"}
+"""Names of changes beside the short ones of every override."""
 _CHANGE = re.compile(r",\s*(?=[A-Za-z_][\w.]*=)")
 
 

@@ -106,7 +106,7 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
     yield ("precession / rotation", "-"), number_or_nan(summary["precession_ratio"])
     for mark, radius in summary["max_radius_m"].items():
         yield (
-            (f"largest radius, {mark}, of the clearance", "%"),
+            (f"largest radius, {mark}, of the clearance (above 100: into the wall)", "%"),
             100.0 * number_or_nan(radius) / summary["clearance_m"][mark],
         )
     yield ("bit at the end", ""), summary["bit"] or ""

@@ -8,7 +8,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from drill_twin.accuracy.error_model import ErrorModel, from_motions
 from drill_twin.accuracy.errors import Errors, compare, spread
 from drill_twin.accuracy.motion_run import Motion, cached_run
 from drill_twin.discretisation.resolution import resolution_of
@@ -85,8 +84,6 @@ class Curve:
     onset_s: float | None
     """Onset of the converged run [s]."""
     runs: tuple[MeasuredRun, ...]
-    error_model: ErrorModel
-    """Error model for `accuracy`, in the scene's own formulation."""
     failures: tuple[str, ...] = ()
     """Resolutions that could not be run, and why."""
 
@@ -121,7 +118,7 @@ def choose_resolutions(
     twin = Twin(scene.model_copy(update={"numerics": numerics}))
     sections = len(scene.string.sections)
     counts = sorted({max(MIN_ELEMENTS, sections, round(share * twin.elements)) for share in elements})
-    frame = 1.0 / scene.numerics.frame_rate
+    frame = scene.numerics.frame_period
     lengths = sorted({min(share * twin.step_size, frame) for share in steps}, reverse=True)
     resolutions = [Resolution(form, count, length) for form in forms(scene) for count in counts for length in lengths]
     plain = (resolutions[0].form, max(MIN_ELEMENTS, sections, twin.elements), min(twin.step_size, frame))
@@ -194,15 +191,13 @@ def measure(
     if isinstance(reference, str):
         raise RunError(f"the converged run of {described.name} failed: {reference}")
     others = [motion for seed in range(replicas) if isinstance(motion := done[exact, seed], Motion)]
-    measured, own, failures = [], [], []
+    measured, failures = [], []
     for resolution in resolutions:
         motion = done[resolution, None]
         if isinstance(motion, str):
             failures.append(f"{resolution.text}: {motion}")
         else:
             measured.append(_measured(resolution, motion, reference))
-            if resolution.form == exact.form:
-                own.append(motion)
     if not measured:
         raise SceneError(f"none of the resolutions of {described.name} could be run; the first: {failures[0]}")
     return Curve(
@@ -212,7 +207,6 @@ def measure(
         noise=spread(others, reference),
         onset_s=None if reference.onset != reference.onset else reference.onset,
         runs=tuple(_with_front(measured)),
-        error_model=from_motions(described, reference, own),
         failures=tuple(failures),
     )
 
@@ -225,7 +219,7 @@ def _measured(resolution: Resolution, motion: Motion, reference: Motion) -> Meas
         realtime_factor=1.0 / motion.cost,
         frame_p95=motion.frame_p95,
         compile_seconds=motion.compile_seconds,
-        iterations=motion.iterations,
+        iterations=motion.iteration_rate,
     )
 
 

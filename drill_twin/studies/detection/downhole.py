@@ -12,13 +12,14 @@ import numpy as np
 from drill_twin.studies.detection.cases import bench_with_subs, simulated
 from drill_twin.studies.detection.ground_truth import asynchronous, revolutions_of, truth_of
 from drill_twin.studies.detection.runs import SENSOR_RADIUS, Run
-from drill_twin.studies.detection.scoring import EARLY
 from drill_twin.studies.detection.sub_events import EventScore, measure_events
 from drill_twin.studies.detection.sub_readings import BIAS, MARK, NOISE, analyser_of
 from drill_twin.whirl import MarkInfo, Summary
 from drill_twin.whirl.downhole import SubAnalyzer
 from drill_twin.whirl.downhole.motion import SLOWEST
 
+EARLY = 12.0
+"""Onsets before this are counted, not scored: there the sub does not know its mean [rev]."""
 WITHIN = 1.0
 """Tolerance of an onset [rev]."""
 RATE, SPEED, PART = 100.0, 2.0, 600.0

@@ -17,6 +17,7 @@ from drill_twin.whirl import Analyzer, MotionPeriod, Summary
 STATES = (
     "at rest",
     "rotation about a fixed axis",
+    "synchronous whirl",
     "forward whirl",
     "rolling along the wall",
     "second bending",
@@ -28,8 +29,6 @@ STATES = (
 """Motion states in the order of the confusion matrix."""
 MAX_ONSET_ERROR = 0.5
 """Tolerance of an onset [rev]."""
-EARLY = 12.0
-"""Onsets before this are scored separately: there a bow is easily taken for whirl [rev]."""
 
 
 def analyse(record: Record) -> Summary:
@@ -47,8 +46,6 @@ class Score:
     """Found minus true onset [rev], where both exist."""
     delay: list[float] = field(default_factory=list)
     """Time from the true onset to its detection [rev]."""
-    early_error: list[float] = field(default_factory=list)
-    """Errors of the onsets in the first revolutions [rev]."""
     missed: int = 0
     """Records with an onset that was not found."""
     false: int = 0
@@ -59,15 +56,13 @@ class Score:
     marks: NDArray[np.int64] = field(default_factory=lambda: np.zeros((len(STATES), len(STATES)), np.int64))
     """Confusion of the states of the marks."""
 
-    def add(self, truth: Truth, found: Summary, rotation: float, *, early: bool = False) -> None:
-        """Add a record with its ground truth and rotation [rev/s]; with `early`, early onsets separately."""
+    def add(self, truth: Truth, found: Summary, rotation: float) -> None:
+        """Add a record with its ground truth and rotation [rev/s]."""
         self.records += 1
         if truth.onset is None:
             self.false += found.onset is not None
         elif found.onset is None:
             self.missed += 1
-        elif truth.onset * rotation < EARLY and early:
-            self.early_error.append((found.onset.time_s - truth.onset) * rotation)
         else:
             self.onset_error.append((found.onset.time_s - truth.onset) * rotation)
             self.delay.append((found.onset.detected_s - truth.onset) * rotation)
@@ -78,7 +73,6 @@ class Score:
     def merge(self, other: Score) -> None:
         """Add another score."""
         self.onset_error += other.onset_error
-        self.early_error += other.early_error
         self.delay += other.delay
         self.missed += other.missed
         self.false += other.false
@@ -92,13 +86,9 @@ class Score:
         return len(self.onset_error) + self.missed
 
     @property
-    def met(self) -> float:
-        """Share of the onsets that were found within half a revolution."""
-        return (
-            sum(abs(error) <= MAX_ONSET_ERROR for error in self.onset_error) / self.onsets
-            if self.onsets
-            else float("nan")
-        )
+    def met(self) -> int:
+        """Onsets that were found within half a revolution."""
+        return sum(abs(error) <= MAX_ONSET_ERROR for error in self.onset_error)
 
 
 def f1_scores(confusion: NDArray[np.int64]) -> dict[str, float]:

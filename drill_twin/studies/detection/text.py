@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from drill_twin.base.proportions import proportion_text
+
 TARGETS = {"kinematic": 0.95, "simulated": 0.85, "simulated_with_forces": 0.85}
 """Required macro-F1."""
 NAMES = {
@@ -29,22 +31,16 @@ def _onsets(measured: dict[str, Any]) -> Iterator[str]:
     for key, name in NAMES.items():
         one = measured["sets"][key]
         yield (
-            f"| {name} | {one['records']} | {one['onsets']} | {_share(one['met'])} (95 % asked for) "
+            f"| {name} | {one['records']} | {one['onsets']} "
+            f"| {proportion_text(one['met'], one['onsets'])}; 95 % asked for "
             f"| {one['missed']} | {one['false']} | {_number(one['median_error_rev'])} "
             f"| {_number(one['median_delay_rev'])}, {_number(one['delay_95_rev'])} |"
         )
     sets = [measured["sets"][key] for key in ("kinematic", "simulated")]
     onsets = sum(one["onsets"] for one in sets)
-    met = sum(one["onsets"] * (one["met"] or 0.0) for one in sets)
+    met = sum(one["met"] for one in sets)
     records = sum(one["records"] for one in sets)
-    yield f"| both sets | {records} | {onsets} | {_share(met / onsets if onsets else None)} | | | | |"
-    early = measured["sets"]["simulated"]
-    if early["early_onsets"]:
-        yield ""
-        yield (
-            f"{early['early_onsets']} more simulated onsets lie in the first 12 revolutions, before a bow is known; "
-            f"their median error is {_number(early['early_median_error_rev'])} revolutions."
-        )
+    yield f"| both sets | {records} | {onsets} | {proportion_text(met, onsets)} | | | | |"
     yield ""
     yield (
         f"Steady rotation with noise of 5 % of the clearance: {measured['plan']['hours']:g} h of four marks, "
@@ -59,16 +55,13 @@ def _states(measured: dict[str, Any]) -> Iterator[str]:
     states = [state for state in next(iter(sets.values()))["states"] if state not in {"at rest", "not observable"}]
     for state in states:
         cells = [_number(one[f"{level}_f1"].get(state)) for one in sets.values() for level in ("string", "marks")]
-        yield f"| {state} | " + " | ".join(cells) + " |"
+        if any(cell != "-" for cell in cells):
+            yield f"| {state} | " + " | ".join(cells) + " |"
     macro = []
     for key, one in sets.items():
         macro.append(f"**{_number(one['string_macro_f1'])}** ({TARGETS[key]} asked for)")
         macro.append(f"**{_number(one['marks_macro_f1'])}**")
     yield "| macro-F1 | " + " | ".join(macro) + " |"
-
-
-def _share(value: float | None) -> str:
-    return "-" if value is None else f"{100 * value:.1f} %"
 
 
 def _number(value: float | None) -> str:

@@ -139,9 +139,9 @@ class Followed:
         return self._window * int(np.argmax(self.whirls)) if self.whirls.any() else float("nan")
 
     @property
-    def warned(self) -> float:
-        """Time of the first warning [s]; NaN without one."""
-        return next((each.time for each in self.estimates if each.chance >= WARNING), float("nan"))
+    def warnings(self) -> list[float]:
+        """Times of all windows that warn of whirl [s]."""
+        return [each.time for each in self.estimates if each.chance >= WARNING]
 
     @property
     def _window(self) -> float:
@@ -179,7 +179,7 @@ def follow(case: Case, number: int, seconds: float, members: int, *, imu: bool =
     spent = 0.0
     for window in range(round(seconds / found.pace.window)):
         ends = (window * found.pace.frames + np.arange(1, found.pace.frames + 1)) * found.pace.period
-        commands = np.array([(schedule.weight_on_bit(end), schedule.rotation(end)) for end in ends.tolist()])
+        commands = np.array([schedule.at(end).array() for end in ends.tolist()])
         true = _advance(truth, commands, sensors[truth])
         _advance(open_loop, commands, sensors[open_loop])
         whirls.append(bool(true.whirls[0]))

@@ -8,12 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from drill_twin.base.proportions import proportion_interval, proportion_text
 from drill_twin.studies.estimation.hidden_truth import Followed
 
 NEAR = 0.1
 """Relative error of a number that counts as found."""
-AHEAD = 2.0
-"""Time before the onset [s] that a warning needs."""
+AHEAD, EARLY = 2.0, 6.0
+"""Least and largest time before the onset [s] of a warning that is ahead: the horizon of 4 s and two windows. An
+earlier one is a false alarm.
+"""
 
 
 def score(runs: Sequence[Followed]) -> dict[str, Any]:
@@ -25,8 +28,8 @@ def score(runs: Sequence[Followed]) -> dict[str, Any]:
         "numbers": {
             key: {
                 "median_error": float(np.median([abs(run.errors[key]) for run in runs])),
-                "found": float(np.mean([abs(run.errors[key]) < NEAR for run in runs])),
-                "held": float(held[:, place].mean()),
+                "found": _share([abs(run.errors[key]) < NEAR for run in runs]),
+                "held": _share(held[:, place].tolist()),
             }
             for place, key in enumerate(keys)
         },
@@ -47,14 +50,23 @@ def _sensor(runs: Sequence[Followed], name: str) -> dict[str, float]:
 
 def _warnings(runs: Sequence[Followed]) -> Mapping[str, float]:
     whirled = [run for run in runs if np.isfinite(run.onset)]
-    calm = [run for run in runs if not np.isfinite(run.onset)]
+    leads = [[run.onset - time for time in run.warnings if time < run.onset] for run in whirled]
+    timely = [max(timely) for each in leads if (timely := [lead for lead in each if AHEAD <= lead <= EARLY])]
+    calm = [run.onset if np.isfinite(run.onset) else run.estimates[-1].time for run in runs]
     return {
         "onsets": len(whirled),
-        "warned_ahead": sum(run.onset - run.warned >= AHEAD for run in whirled),
-        "median_lead_s": float(np.median([run.onset - run.warned for run in whirled])) if whirled else float("nan"),
-        "calm_hours": sum(run.estimates[-1].time for run in calm) / 3600.0,
-        "false_alarms": sum(bool(np.isfinite(run.warned)) for run in calm),
+        "warned_ahead": len(timely),
+        "median_lead_s": float(np.median(timely)) if timely else float("nan"),
+        "calm_hours": sum(calm) / 3600.0,
+        "false_alarms": sum(any(lead > EARLY for lead in each) for each in leads)
+        + sum(bool(run.warnings) for run in runs if not np.isfinite(run.onset)),
     }
+
+
+def _share(hits: Sequence[bool]) -> dict[str, float]:
+    """Count, number and 95 % limits of a share."""
+    low, high = proportion_interval(sum(hits), len(hits))
+    return {"count": sum(hits), "of": len(hits), "low": low, "high": high}
 
 
 def lines(name: str, found: Mapping[str, Any]) -> list[str]:
@@ -62,18 +74,23 @@ def lines(name: str, found: Mapping[str, Any]) -> list[str]:
     table = [f"| {name}: {found['truths']} truths | median error | within 10 % | 90 % band holds |",
              "| --- | --- | --- | --- |"]  # fmt: skip
     for key, of_key in found["numbers"].items():
-        table.append(f"| {key} | {of_key['median_error']:.1%} | {of_key['found']:.0%} | {of_key['held']:.0%} |")
+        table.append(f"| {key} | {of_key['median_error']:.1%} | {_told(of_key['found'])} | {_told(of_key['held'])} |")
     table += ["", "| virtual sensor | error over open loop's | 90 % band holds |", "| --- | --- | --- |"]
     for sensor, of_sensor in found["sensors"].items():
         table.append(f"| {sensor} | {of_sensor['error_over_open_loop']:.2f} | {of_sensor['held']:.0%} |")
     told = found["warnings"]
     sentence = (
         f"Bands of all numbers hold {found['numbers_held']:.0%}. Whirl: {told['onsets']} onsets, "
-        f"{told['warned_ahead']} warned {AHEAD:g} s ahead or more (median {told['median_lead_s']:.1f} s); "
-        f"{told['false_alarms']} false alarms in {told['calm_hours']:.2f} h without whirl. "
+        f"warned {AHEAD:g} to {EARLY:g} s ahead: {proportion_text(told['warned_ahead'], told['onsets'])}, median "
+        f"{told['median_lead_s']:.1f} s; runs with a false alarm, earlier ones included: {told['false_alarms']} in "
+        f"{told['calm_hours']:.2f} h before or without whirl. "
         f"Processor: {found['processor']:.2f} of a core."
     )
     return [*table, "", sentence, ""]
+
+
+def _told(share: Mapping[str, float]) -> str:
+    return proportion_text(int(share["count"]), int(share["of"]))
 
 
 def cost_lines(name: str, by_members: Mapping[int, Mapping[str, Any]]) -> list[str]:

@@ -23,6 +23,7 @@ from scipy.interpolate import CubicSpline
 from drill_twin.api.ensemble import Ensemble
 from drill_twin.api.rotordynamics import steady_scene
 from drill_twin.base.arrays import ComplexArray
+from drill_twin.base.frame_period import frame_period
 from drill_twin.rotordynamics.equations import EquationsOfMotion
 from drill_twin.rotordynamics.growth_map import growth_map
 from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
@@ -39,9 +40,8 @@ from drill_twin.studies.rotordynamics.points import (
     ON_A_STATE,
     TWO_COMPUTED,
     Point,
+    PointsFile,
     TwoFrequencies,
-    append,
-    recorded,
     setup_of,
 )
 from drill_twin.studies.rotordynamics.simulated import with_command
@@ -85,12 +85,12 @@ def compare(
     """
     equations = EquationsOfMotion(steady_scene(scene, None, ()))
     own = with_marks(equations)
-    done = recorded(record, setup_of(own, duration))
+    file = PointsFile(record, setup_of(own, duration))
+    done = file.points
     for weight in weights:
         missing = [speed for speed in speeds if (weight, speed) not in done]
         for point in _row(own, equations, weight, missing, duration, workers):
-            done[weight, point.rotation] = point
-            append(record, point)
+            file.add(point)
             progress(len(done))
     return [done[weight, speed] for weight in weights for speed in speeds]
 
@@ -199,7 +199,7 @@ def _runs(scene: Scene, weight: float, speeds: list[float], duration: float, wor
 
 def _stays(scene: Scene, state: WhirlState, duration: float) -> bool:
     """True if a run that begins on a stable state, with bow and eccentricity, is there at its end."""
-    command, period = state.whirl.command, 1.0 / min(RATE, scene.numerics.frame_rate)
+    command, period = state.whirl.command, frame_period(min(RATE, scene.numerics.frame_rate))
     twin = Twin(with_command(scene, command.weight_on_bit, command.rotation))
     u, v, _ = state.whirl.motion
     twin.dynamics.begin(u, v, command)

@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from drill_twin.api.rotordynamics import final_command, steady_scene
 from drill_twin.base.arrays import Array
 from drill_twin.errors import RunError
-from drill_twin.rotordynamics.equations import EquationsOfMotion
+from drill_twin.rotordynamics.equations import EquationsOfMotion, meshed
 from drill_twin.rotordynamics.growth_map import growth_map
+from drill_twin.rotordynamics.steady.refinement import on_mesh
 from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
 from drill_twin.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.scene import Scene
@@ -81,7 +81,7 @@ def whirl_cost(
         run_error, run_ms = None, None
         if runs:
             begun = time.process_time()
-            run = simulated_whirl(_meshed(own, count))
+            run = simulated_whirl(meshed(own, count))
             run_error, run_ms = _error(run.ratio, finest.ratio), 1e3 * (time.process_time() - begun)
         progress(number + 1)
         yield Cost(
@@ -94,7 +94,7 @@ def whirl_cost(
 def _measured(equations: EquationsOfMotion, found: Whirl, arc: Array, repeats: int) -> Cost:
     """Values and times of one mesh, errors zero."""
     turning, command = TurningEquations(equations), found.command
-    at_own = turning.newton(_on(equations, found, arc)) or _nearest(equations, found)
+    at_own = turning.newton(on_mesh(equations, found, arc)) or _nearest(equations, found)
     lower = Command(WARM * command.weight_on_bit, command.rotation)
     near = at_own and turning.newton(replace(at_own, command=lower))
     start = near and replace(near, command=command)
@@ -116,27 +116,14 @@ def _measured(equations: EquationsOfMotion, found: Whirl, arc: Array, repeats: i
     )  # fmt: skip
 
 
-def _meshed(scene: Scene, elements: int) -> Scene:
-    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"elements": elements})})
-
-
 def _equations(scene: Scene, elements: int) -> EquationsOfMotion:
-    return EquationsOfMotion(_meshed(scene, elements))
+    return EquationsOfMotion(meshed(scene, elements))
 
 
 def _nearest(equations: EquationsOfMotion, found: Whirl) -> Whirl | None:
     """State of a mesh with the whirl speed nearest to that of another mesh."""
     whirls = (state.whirl for state in whirl_states(equations, found.command))
     return min(whirls, key=lambda whirl: abs(whirl.omega - found.omega), default=None)
-
-
-def _on(equations: EquationsOfMotion, whirl: Whirl, arc: Array) -> Whirl:
-    """A whirl on another mesh, by the shape functions of its own."""
-    u, _ = equations.on_axis(whirl.command)
-    for place, slope in ((0, 3), (1, 4)):
-        line = CubicHermiteSpline(arc, whirl.u[:, place], whirl.u[:, slope])
-        u[:, place], u[:, slope] = line(equations.model.rod.arc), line(equations.model.rod.arc, 1)
-    return replace(whirl, u=u)
 
 
 def _error(value: float, reference: float) -> float:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from typing import Any
 
@@ -21,12 +22,17 @@ def modes_data(table: ModeTable) -> dict[str, Any]:
         "weight_on_bit_n": command.weight_on_bit,
         "rotation_rev_s": command.rotation / math.tau,
         "on_axis": table.on_axis,
+        "growing": table.growing,
+        "slowest_decay_without_oscillation_per_s": table.creeping,
         "modes": [
             {
                 "kind": mode.kind,
+                "number": mode.number,
                 "frequency_hz": mode.frequency,
                 "growth_per_s": mode.growth,
                 "damping_ratio": mode.damping_ratio,
+                "frequency_change_hz": None if cmath.isnan(mode.change) else mode.change.imag / math.tau,
+                "growth_change_per_s": None if cmath.isnan(mode.change) else mode.change.real,
                 "shape_real": mode.shape.real.tolist(),
                 "shape_imaginary": mode.shape.imag.tolist(),
             }
@@ -74,9 +80,7 @@ def state_data(state: WhirlState, modulated: float | None = None) -> dict[str, A
         "kind": state.kind,
         "frequency_hz": state.frequency,
         "ratio": state.ratio,
-        "stable": state.is_stable,
-        "growth_per_s": state.growth,
-        "growth_frequency_hz": state.growth_frequency,
+        **state.stability(),
         "slip": state.slip,
         "touching": state.touching,
         "modulation_m": modulated,

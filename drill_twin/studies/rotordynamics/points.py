@@ -3,14 +3,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from drill_twin.base.resumable import resume
-from drill_twin.errors import ArgumentError
+from drill_twin.base.json_lines import JsonLines
 from drill_twin.scene import Scene
 from drill_twin.studies.rotordynamics.motion import STEADY
 
@@ -95,27 +93,34 @@ def setup_of(scene: Scene, duration: float) -> dict[str, Any]:
     return {"scene": scene.model_dump(mode="json", exclude_none=True), "duration": duration, "format": FORMAT}
 
 
-def recorded(record: Path | None, setup: Mapping[str, Any]) -> dict[tuple[float, float], Point]:
-    """Points of a record by load and speed; begins the record if it does not exist.
+class PointsFile:
+    """File of the points of a comparison; without a path nothing is kept.
 
-    Raises:
-        ArgumentError: The file holds points of another study, or something else.
+    Attributes:
+        points: Points by load [N] and speed [rad/s].
     """
-    found: dict[tuple[float, float], Point] = {}
 
-    def read(lines: list[str]) -> None:
-        for number, line in enumerate(lines, 2):
-            try:
-                point = _point(json.loads(line))
-            except (ValueError, TypeError, KeyError) as error:
-                raise ArgumentError(
-                    f"{record}, line {number}: expected a point, found {line[:60]!r}; remove the line"
-                ) from error
-            found[point.weight_on_bit, point.rotation] = point
+    def __init__(self, path: Path | None, setup: Mapping[str, Any]) -> None:
+        """Open the file, begin it if it does not exist, and read its points.
 
-    if record is not None:
-        resume(record, "whirl comparison", setup, read, foreign=FOREIGN, other=OTHER)
-    return found
+        Raises:
+            ArgumentError: The file holds points of another study, or something else.
+            BagError: It cannot be read or written.
+        """
+        self.points: dict[tuple[float, float], Point] = {}
+        self._lines = None
+        if path is not None:
+            self._lines = JsonLines(path, "whirl comparison", setup, self._read, foreign=FOREIGN, other=OTHER)
+
+    def _read(self, line: Any) -> None:
+        point = _point(line)
+        self.points[point.weight_on_bit, point.rotation] = point
+
+    def add(self, point: Point) -> None:
+        """Add a point."""
+        self.points[point.weight_on_bit, point.rotation] = point
+        if self._lines is not None:
+            self._lines.add(asdict(point))
 
 
 def _point(data: dict[str, Any]) -> Point:
@@ -124,13 +129,6 @@ def _point(data: dict[str, Any]) -> Point:
     data["stable"] = tuple(data["stable"])
     data["two"] = TwoFrequencies(**data["two"]) if data["two"] else None
     return Point(**data)
-
-
-def append(record: Path | None, point: Point) -> None:
-    """Add a point to its record, if there is one."""
-    if record is not None:
-        with record.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(asdict(point)) + "\n")
 
 
 def sentences(points: Sequence[Point]) -> list[str]:

@@ -53,7 +53,7 @@ def simulated_whirl(scene: Scene) -> SimulatedWhirl:
     Raises:
         RunError: The motion could not be followed.
     """
-    twin, schedule, frame = Twin(scene), Schedule.from_scene(scene), 1.0 / scene.numerics.frame_rate
+    twin, schedule, frame = Twin(scene), Schedule.from_scene(scene), scene.numerics.frame_period
     count = round(schedule.duration / frame)
     first = int(count * (1.0 - LAST))
     places = []

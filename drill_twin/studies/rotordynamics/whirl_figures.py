@@ -24,7 +24,6 @@ LABELS = {"load": ("weight on bit [N]", 1.0), "speed": ("rotation [rev/s]", math
 def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
     """Shapes of the states in the turning frame: along the string, and seen from above with the clearance."""
     shown, command = states[:MOST_STATES], states[0].whirl.command
-    arc = mesh(scene, shown[0].whirl.u.shape[0] - 1).arc
     clearance = 1e3 * scene.least_clearance
     turn = np.linspace(0.0, math.tau, 200)
     with styled():
@@ -35,14 +34,14 @@ def states_figure(states: Sequence[WhirlState], scene: Scene) -> Figure:
         figure.subplots_adjust(left=0.08, right=0.98, top=0.8, bottom=0.09, wspace=0.3, hspace=0.3)
         for column, state in enumerate(shown):
             x, y = 1e3 * state.whirl.u[:, 0], 1e3 * state.whirl.u[:, 1]
+            arc = mesh(scene, state.elements).arc
             along, above = panels[0, column], panels[1, column]
             along.plot(x, arc, color=BLUE)
             along.plot(y, arc, color=VERMILION, linestyle="--")
             along.set_xlim(-1.15 * clearance, 1.15 * clearance)
             growth = f"growth {state.growth:+.3g} 1/s"
-            stable = "stable" if state.is_stable else "unstable"
             speed = f"{state.frequency:+.3f} Hz, ratio {state.ratio:+.3f}"
-            along.set_title(f"{state.kind}, {stable}\n{speed}\n{growth}", fontsize=9)
+            along.set_title(f"{state.kind}, {state.verdict}\n{speed}\n{growth}", fontsize=9)
             above.plot(clearance * np.cos(turn), clearance * np.sin(turn), color=GREY, linewidth=0.9)
             above.plot(x, y, color=BLUE)
             above.plot(x[0], y[0], "o", color=VERMILION, markersize=4)
@@ -94,19 +93,21 @@ def branches_figure(
             panel.set_xlabel(label)
         panels[0].set_ylabel("whirl frequency [Hz]")
         panels[1].set_ylabel("whirl over rotation [-]")
-        figure.legend(handles=_signs(simulated=bool(simulated)), loc="upper left", bbox_to_anchor=(0.06, 0.925), ncol=7,
-                      fontsize=8.5)  # fmt: skip
+        signs = _signs(branches, simulated=bool(simulated))
+        figure.legend(handles=signs, loc="upper left", bbox_to_anchor=(0.06, 0.925), ncol=7, fontsize=8.5)
     return figure
 
 
-def _signs(*, simulated: bool) -> list[Line2D]:
-    signs = [
-        Line2D([], [], color=BLUE, linewidth=2.2, label="stable"),
-        Line2D([], [], color=BLUE, linestyle=(0, (2, 2)), label="unstable"),
-        Line2D([], [], color=INK, marker="s", linestyle="", markersize=5, label="fold"),
-        Line2D([], [], color=VERMILION, marker="D", linestyle="", markersize=5, label="Hopf point"),
-        Line2D([], [], color=INK, marker="x", linestyle="", label="no convergence"),
-    ]
+def _signs(branches: Sequence[Branch], *, simulated: bool) -> list[Line2D]:
+    """Entries of the legend, of what there is."""
+    signs = [Line2D([], [], color=BLUE, linewidth=2.2, label="stable")]
+    signs.append(Line2D([], [], color=BLUE, linestyle=(0, (2, 2)), label="unstable"))
+    if any(one.folds for one in branches):
+        signs.append(Line2D([], [], color=INK, marker="s", linestyle="", markersize=5, label="fold"))
+    if any(one.hopf for one in branches):
+        signs.append(Line2D([], [], color=VERMILION, marker="D", linestyle="", markersize=5, label="Hopf point"))
+    if any("Newton" in reason for one in branches for reason in one.ends):
+        signs.append(Line2D([], [], color=INK, marker="x", linestyle="", label="no convergence"))
     dots = [
         Line2D([], [], color=GREY, mfc=fill, marker="o", linestyle="", markersize=5, label=label)
         for fill, label in ((GREY, "simulated, steady"), ("white", "simulated, not steady"))

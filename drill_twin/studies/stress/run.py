@@ -123,7 +123,7 @@ def run_case(case: HardCase, energy: bool = False) -> Result:
     """Run a case, with the energy audit if `energy`; a run that stops or cannot begin is a result."""
     try:
         scene = case.scene(energy=energy)
-        compile_kernel(scene, 1.0 / scene.numerics.frame_rate)  # before the timing starts
+        compile_kernel(scene, scene.numerics.frame_period)  # before the timing starts
         twin, found, stopped = Twin(scene), RunStatistics(), ""
     except DrillTwinError as error:
         nothing = (0, 0.0, 0.0, 0, 0, 0, 0, -np.inf, 0.0, 0.0, 0.0, 0.0, None)

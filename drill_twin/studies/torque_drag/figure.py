@@ -22,18 +22,19 @@ def tracks(found: Statics, units: UnitSystem) -> Figure:
         head(figure, f"{found.scene.name}: torque and drag")
         panels = [figure.add_axes((0.08 + 0.235 * k, 0.08, 0.195, 0.75)) for k in range(4)]
         tension, torque, side, buckling = panels
-        for colour, loads in zip(COLOURS * 9, found.operations, strict=False):
+        widths = np.linspace(3.4, 1.0, len(found.operations))  # equal loads lie over each other, the wider ones show
+        for colour, width, loads in zip(COLOURS * 9, widths.tolist(), found.operations, strict=False):
             along, soft, name = loads.along, loads.soft, loads.operation.name
             depth = units.show(1.0, "length") * along.depth
             nodes = units.show(1.0, "length") * (loads.length - np.append(0.0, np.cumsum(along.length)))
             force, couple = units.show(1.0, "force"), units.show(1.0, "torque")
-            tension.plot(force * along.tension, depth, color=colour, label=name)
+            tension.plot(force * along.tension, depth, color=colour, linewidth=width, label=name)
             tension.plot(force * soft.tension, nodes, color=colour, linestyle="--", linewidth=0.8)
-            torque.plot(couple * along.torque, depth, color=colour)
+            torque.plot(couple * along.torque, depth, color=colour, linewidth=width)
             torque.plot(couple * soft.torque, nodes, color=colour, linestyle="--", linewidth=0.8)
             side.plot(units.show(1.0, "force_per_length") * along.side_force, depth, color=colour, linewidth=0.8)
             share = np.maximum(-along.tension, 0.0) / loads.buckling.sinusoidal
-            buckling.plot(share, depth, color=colour)
+            buckling.plot(share, depth, color=colour, linewidth=width)
         for limit, label in ((1.0, "sinusoidal"), (float(CHEN), "helical")):
             buckling.axvline(limit, color=GREY, linewidth=0.9, linestyle=":")
             buckling.annotate(label, (limit, 0.02), xycoords=("data", "axes fraction"), rotation=90, color=GREY,

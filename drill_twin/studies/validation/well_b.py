@@ -88,7 +88,7 @@ def validate(folder: Path, *, refit: bool) -> Validation:
     error = float(np.median([comparisons(folder, other)[0].computed for other in near]))
     rows = [
         *comparisons(folder, run),
-        Comparison("rms error, median of 8 neighbours within 1 %", "fit", None, error, 0.5),
+        Comparison("rms error, median of 8 draws of its numbers (normal, deviation 1 %)", "fit", None, error, 0.5),
     ]
     return Validation("well_b", scene.name, ABOUT, rows, traces, LAST)
 

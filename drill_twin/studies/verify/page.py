@@ -18,9 +18,10 @@ _HEAD = """# Verification
 <!-- Written by `{command}`; do not edit. Run it again after a change of the physics. -->
 
 Results of the twin beside closed forms and published numbers. Every row comes from a scene that the twin runs as any
-other; the references are formulas, zeros and tables only. The tolerance covers the errors of mesh, time step and
-evaluation, which each case states. `drill-twin verify` runs all cases on your machine and ends with exit code 1 if a
-row misses its tolerance; the tests in `test/studies/verify` run the same cases.
+other; the references are formulas, zeros and tables. A few rows are consistency checks, counted apart: their source
+begins with *this twin*, and they show that two of its parts agree, not that either is right. The tolerance covers the
+errors of mesh, time step and evaluation, which each case states. `drill-twin verify` runs all cases on your machine and
+ends with exit code 1 if a row misses its tolerance; the tests in `test/studies/verify` run the same cases.
 
 *Form* is the formulation: `spatial` with stretch and torsion, `lateral` without them ([design.md](design.md)). Of each
 case and form, *of* is how many numbers were compared; the table has the one nearest to its tolerance, and each one that
@@ -32,7 +33,7 @@ number; with `abs` they are in its unit.
 
 
 def summary(checks: Sequence[CaseResult]) -> str:
-    """One line: number of rows within their tolerance.
+    """One line: number of rows within their tolerance, those of the twin beside itself apart.
 
     >>> summary([])
     'Nothing was run.'
@@ -40,9 +41,12 @@ def summary(checks: Sequence[CaseResult]) -> str:
     rows = [row for check in checks for row in check.rows]
     if not checks:
         return "Nothing was run."
-    passed = sum(row.ok for row in rows)
+    own = [row for row in rows if row.is_consistency]
+    others = [row for row in rows if not row.is_consistency]
+    kinds = ((others, "of {} numbers beside formulas, zeros and tables"), (own, "of {} of the twin beside itself"))
+    passed = " and ".join(f"{sum(row.ok for row in some)} {told.format(len(some))}" for some, told in kinds if some)
     failed = sum(bool(check.failure) for check in checks)
-    text = f"{passed} of {len(rows)} numbers of {len(checks)} cases are within their tolerance"
+    text = f"{passed or 'no numbers'}, of {len(checks)} cases, are within their tolerance"
     return text + (f"; {failed} cases did not run." if failed else ".")
 
 

@@ -7,6 +7,9 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+TWIN = "this twin: "
+"""Beginning of the source of a consistency check: the reference is another computation of the twin."""
+
 
 @dataclass(frozen=True)
 class Row:
@@ -17,7 +20,7 @@ class Row:
     reference: str
     """Formula of the reference."""
     source: str
-    """Author, year and equation or table of the formula."""
+    """Author, year and equation or table of the formula; `TWIN` and what was computed for a consistency check."""
     expected: float
     """Value of the reference."""
     computed: float
@@ -43,10 +46,15 @@ class Row:
         """True if the error is finite and within the tolerance."""
         return math.isfinite(self.error) and abs(self.error) <= self.tolerance
 
+    @property
+    def is_consistency(self) -> bool:
+        """True if twin is compared with twin: it shows that two of its parts agree, not that they are right."""
+        return self.source.startswith(TWIN)
+
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON (`drill_twin.studies.json_io`)."""
         numbers = {"expected": float(self.expected), "computed": float(self.computed), "error": self.error}
-        return asdict(self) | numbers | {"ok": self.ok}
+        return asdict(self) | numbers | {"ok": self.ok, "consistency": self.is_consistency}
 
 
-__all__ = ["Row"]
+__all__ = ["TWIN", "Row"]

@@ -44,7 +44,7 @@ class SubAnalyzer:
         """Lateral motion of the section."""
         self.place: Place | None = None
         """Newest place of the section; None before the first."""
-        self._analyzer = Analyzer([mark], contact_known=False)
+        self._analyzer = Analyzer([mark], contact_known=False, top_known=False)
         self._duplicate = self._late = self._incomplete = 0
         self._last = -1
         self._dated = False

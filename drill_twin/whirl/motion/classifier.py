@@ -23,6 +23,7 @@ from drill_twin.whirl.motion.state_hysteresis import (
     ROLLING,
     SECOND_BENDING,
     SPIRAL,
+    SYNCHRONOUS,
     StateHysteresis,
     is_whirl,
     update_states,
@@ -99,7 +100,7 @@ def classify(
     for k in range(m):
         motion.began[k] = synchronous.began[k] if math.isnan(onsets.began[k]) else onsets.began[k]
         motion.began[m] = np.fmin(motion.began[m], motion.began[k])
-        hysteresis.estimate[k] = _of_mark(motion, orbit, criteria, k, whirling[k] or synchronous.active[k])
+        hysteresis.estimate[k] = _of_mark(motion, orbit, criteria, k, whirling[k], synchronous.active[k])
     reference = _reference_mark(orbit, shape, whirling, synchronous.active)
     motion.mark[m] = reference
     hysteresis.estimate[m] = _of_string(motion.shape, hysteresis.estimate[reference])
@@ -182,15 +183,17 @@ def _slip(ratio: float, rolling_ratio: float) -> float:
 
 
 @exact_kernel
-def _of_mark(motion: MotionClassifier, orbit: Orbit, criteria: Criteria, k: int, whirls: bool) -> int:
-    """Estimated state of a mark."""
+def _of_mark(
+    motion: MotionClassifier, orbit: Orbit, criteria: Criteria, k: int, whirls: bool, synchronous: bool
+) -> int:
+    """Estimated state of a mark, in asynchronous or synchronous whirl."""
     ratio = orbit.ratio[k]
     if abs(orbit.numbers[RECENT_ROTATION]) < criteria.rest_rotation:
         return AT_REST
     if is_aliased(orbit, criteria) or not orbit.seen[k]:
         return HIDDEN
     if not whirls:
-        return FIXED_AXIS
+        return SYNCHRONOUS if synchronous else FIXED_AXIS
     if motion.irregularity.active[k]:
         return IRREGULAR
     if abs(ratio) < criteria.standing_ratio and motion.still[k]:

@@ -15,7 +15,9 @@ from drill_twin.whirl.motion.timeline import extend, needs_description, no_perio
 
 STATES = tuple(MotionState)
 INDEX = {state: i for i, state in enumerate(STATES)}
-HIDDEN, AT_REST, FIXED_AXIS, FORWARD, ROLLING, SECOND_BENDING, IRREGULAR, REVERSE, SPIRAL = range(len(STATES))
+HIDDEN, AT_REST, FIXED_AXIS, SYNCHRONOUS, FORWARD, ROLLING, SECOND_BENDING, IRREGULAR, REVERSE, SPIRAL = range(
+    len(STATES)
+)
 
 RISE = 0.1
 """A new state starts when its share last rose above this."""

@@ -44,6 +44,8 @@ from drill_twin.whirl.sample_bins import ANGLE, REVOLUTIONS, TIME
 if TYPE_CHECKING:
     from drill_twin.whirl.analyzer_state import AnalyzerState
 
+RUN_UP = 16.0
+"""Duration over which the rotation is compared with its present value [rev]."""
 INTERVAL = 4
 """Interval at which a displaced mark is checked [bins]."""
 
@@ -162,7 +164,7 @@ class OnsetDetector:
         self._clearance = state.marks.clearance
         self._inclined: list[bool] = state.marks.inclined.tolist()
         self._history, self._separation, self._orbit = state.history, state.separation, state.orbit
-        self._averaged, self._onsets = state.averaged, state.onsets
+        self._averaged, self._onsets, self._rate = state.averaged, state.onsets, state.carrier.carried
         self._displaced: dict[int, _Displacement] = {}
         self._valid_from = [0] * len(self._inclined)  # bin from which the present steady position is valid
         self.moved: list[int] = []
@@ -196,7 +198,7 @@ class OnsetDetector:
         onsets, history = self._onsets, self._history
         constant = onsets.constant.copy()
         for mark in np.flatnonzero(onsets.active & constant & ~onsets.small).tolist():
-            constant[mark] = not _swept(history, mark, history.bins_in(self._criteria.sweep_window)).steady
+            constant[mark] = not self._swept(mark, history.bins_in(self._criteria.sweep_window)).steady
         marks: list[int] = np.flatnonzero(onsets.active & (onsets.small | constant)).tolist()
         onsets.active[marks] = onsets.displaced[marks] = False
         onsets.began[marks] = onsets.time[marks] = math.nan
@@ -229,11 +231,11 @@ class OnsetDetector:
             return None
         since = history.appended - int(onsets.bin[mark]) + 1
         early = self._early(begun)
-        swept = _swept(history, mark, since, complex(separation.arm[mark]) if early else None)
+        swept = self._swept(mark, since, complex(separation.arm[mark]) if early else None)
         position = complex(separation.offset[mark]), complex(separation.synchronous[mark])
         valid_from = self._valid_from[mark]
         candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
-        if self._whirls(swept, mark, history):
+        if self._whirls(swept, mark, since):
             return _Displacement(*candidate, *position, valid_from)
         turns = swept.smallest >= criteria.least_swept_angle  # as yet too slowly
         if elapsed > (criteria.longest_sweep_window if turns else criteria.sweep_window):
@@ -263,8 +265,8 @@ class OnsetDetector:
             return None
         if whirling:
             return displaced
-        swept = SweptAngle(vector, history.angle[window], half)
-        return displaced if self._whirls(swept, mark, history) else None
+        swept = SweptAngle(vector, history.angle[window], half, carrier=self._carrier(mark, window))
+        return displaced if self._whirls(swept, mark, bins) else None
 
     def _start_whirl(self, mark: int, whirl: _Displacement) -> Crossing:
         """Mark the begin of a whirl and find the time of its crossing."""
@@ -284,7 +286,7 @@ class OnsetDetector:
             synchronous=whirl.synchronous,
             arm=complex(self._separation.arm[mark]) if self._early(whirl.revolutions) else None,
         )
-        since, rate = history.appended - whirl.bin + 1, float(self._orbit.rate[0, mark])
+        since, rate = history.appended - whirl.bin + 1, float(self._rate[mark]) or float(self._orbit.rate[0, mark])
         crossing = asynchronous_crossing(history, detection, rate, since, history.appended - whirl.valid_from)
         self._displaced.pop(mark, None)
         onsets.time[mark] = math.nan
@@ -293,27 +295,59 @@ class OnsetDetector:
         onsets.detected[mark] = history.revolutions[history.newest(1).start]
         return crossing
 
-    def _whirls(self, swept: SweptAngle, mark: int, history: History) -> bool:
-        """Check that the vector of a mark orbits, and does not settle at another place."""
-        criteria = self._criteria
+    def _whirls(self, swept: SweptAngle, mark: int, since: int) -> bool:
+        """Check that the vector of a mark orbits since so many bins: it does not settle, nor is it synchronous."""
+        criteria, history = self._criteria, self._history
         if swept.smallest < criteria.least_swept_angle:
             return False
         window = history.newest(history.bins_in(criteria.orbit_window))
         angle, time = history.angle[window], history.time[window]
         precession = abs(float(self._orbit.rate[0, mark])) * float(time[-1] - time[0])
         slow = precession < criteria.settling_ratio * abs(float(angle[-1] - angle[0]))
+        if self._synchronous(swept, mark, since):
+            return False
         return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.settling_angle
+
+    def _synchronous(self, swept: SweptAngle, mark: int, since: int) -> bool:
+        """Check, while the rotation changes, for a synchronous part that does too, or a vibration that dies away."""
+        criteria, history = self._criteria, self._history
+        rotation = _rates(history, history.bins_in(criteria.orbit_window))
+        before = _rates(history, history.bins_in(RUN_UP))
+        if abs(rotation - before) < 0.5 * criteria.speed_change * abs(rotation) or rotation == 0.0:
+            return False
+        near = abs(float(self._orbit.rate[0, mark]) / rotation - 1.0) < criteria.synchronous_band
+        if near and swept.in_string < criteria.synchronous_angle:
+            return True
+        n, last = min(since, history.length), history.bins_in(1.0)
+        if last >= n:
+            return False
+        radius = np.abs(history.vector[history.newest(n), ASYNCHRONOUS, mark])
+        means = np.convolve(radius, np.full(last, 1.0 / last), "valid")
+        return bool(means[-1] < criteria.dying_share * means.max())
 
     def _early(self, revolutions: float) -> bool:
         """True if a mark crossed, after these revolutions, before the string's steady position was known."""
         return revolutions < self._criteria.separation_memory
 
+    def _swept(self, mark: int, bins: int, arm: complex | None = None) -> SweptAngle:
+        """Angle swept over the newest `bins` by the asynchronous part or, with an `arm` [m], about the hole's axis."""
+        history = self._history
+        window = history.newest(min(bins, history.length))
+        rotation, half, carrier = history.angle[window], history.bins_in(0.5), self._carrier(mark, window)
+        if arm is not None:
+            centre = history.sample[window, 0, mark] - arm * history.sample[window, 1, mark]
+            return SweptAngle(centre, rotation, half, carrier=carrier)
+        vector, angle = history.vector[window, ASYNCHRONOUS, mark], history.unwrapped[window, ASYNCHRONOUS, mark]
+        return SweptAngle(vector, rotation, half, angle, carrier)
 
-def _swept(history: History, mark: int, bins: int, arm: complex | None = None) -> SweptAngle:
-    """Angle swept over the newest `bins` by the asynchronous part or, with an `arm` [m], about the hole's axis."""
-    window = history.newest(min(bins, history.length))
-    rotation, half = history.angle[window], history.bins_in(0.5)
-    if arm is not None:
-        return SweptAngle(history.sample[window, 0, mark] - arm * history.sample[window, 1, mark], rotation, half)
-    vector, angle = history.vector[window, ASYNCHRONOUS, mark], history.unwrapped[window, ASYNCHRONOUS, mark]
-    return SweptAngle(vector, rotation, half, angle)
+    def _carrier(self, mark: int, window: slice) -> Array | None:
+        """Angle of the carrier of a mark's orbit [rad]; None without one."""
+        rate, time = float(self._rate[mark]), self._history.time[window]
+        return rate * (time - time[-1]) if rate else None
+
+
+def _rates(history: History, bins: int) -> float:
+    """Mean rotation over the newest bins [rad/s]."""
+    window = history.newest(bins)
+    angle, time = history.angle[window], history.time[window]
+    return float((angle[-1] - angle[0]) / (time[-1] - time[0])) if bins > 1 else 0.0

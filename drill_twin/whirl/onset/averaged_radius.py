@@ -45,8 +45,10 @@ class AveragedRadius(NamedTuple):
 
 
 @exact_kernel
-def average_radius(averaged: AveragedRadius, history: History, criteria: Criteria, rate: Array, whirling: Mask) -> None:
-    """Average with the newest bin; `rate` of the asynchronous part [rad/s], shape (m,)."""
+def average_radius(
+    averaged: AveragedRadius, history: History, criteria: Criteria, rate: Array, carrier: Array, whirling: Mask
+) -> None:
+    """Average with the newest bin; `rate` of the asynchronous part, and of its `carrier` or 0 [rad/s], shape (m,)."""
     m, end = whirling.size, end_of(history)
     longest = min(LONGEST, max(1, bins_in(history, 0.5)))
     bins = max(4, longest)
@@ -57,7 +59,7 @@ def average_radius(averaged: AveragedRadius, history: History, criteria: Criteri
         since = history.clock[at, TIME] - history.clock[end - 1, TIME]
         row = averaged.demodulated[i]
         for k in range(m):
-            factor[k] = complex(0.0, -rate[k] * since)
+            factor[k] = complex(0.0, -(carrier[k] if carrier[k] != 0.0 else rate[k]) * since)
         complex_exp(factor, factor)
         product(history.complex_part[at, ASYNCHRONOUS], factor, row)
         quotient(row, divisor, row)

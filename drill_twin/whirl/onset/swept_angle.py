@@ -21,7 +21,14 @@ SLOWEST = math.radians(1.5)
 class SweptAngle:
     """Angle swept by a vector in the frame of the hole and in the rotating frame, by halves of the window."""
 
-    def __init__(self, vector: ComplexArray, rotation: Array, half: int, angle: Array | None = None) -> None:
+    def __init__(
+        self,
+        vector: ComplexArray,
+        rotation: Array,
+        half: int,
+        angle: Array | None = None,
+        carrier: Array | None = None,
+    ) -> None:
         """Measure the angles of `vector`.
 
         Args:
@@ -29,11 +36,19 @@ class SweptAngle:
             rotation: Angle of rotation [rad], shape (n,).
             half: Number of bins of half a revolution.
             angle: Unwrapped angle of the vector [rad], shape (n,), where it is known.
+            carrier: Angle of its carrier [rad], shape (n,), where it turns too fast for its bins (`orbit.carrier`).
         """
+        if carrier is not None:
+            vector, angle = vector * np.exp(-1j * carrier), None
         angle = np.unwrap(np.angle(vector)) if angle is None else angle
         half = max(1, min(vector.size // 2, half))
         self._hole = _by_halves(vector, angle, half)
-        self._string = _by_halves(vector * np.exp(-1j * rotation), angle - rotation, half)
+        if carrier is None:
+            self._string = _by_halves(vector * np.exp(-1j * rotation), angle - rotation, half)
+        else:
+            slow, in_hole, in_string = self._hole, _turns(carrier, half), _turns(carrier - rotation, half)
+            self._hole = slow[0] + in_hole[0], slow[1] + in_hole[1]
+            self._string = slow[0] + in_string[0], slow[1] + in_string[1]
 
     @property
     def in_hole(self) -> float:
@@ -41,9 +56,14 @@ class SweptAngle:
         return abs(self._hole[0] + self._hole[1])
 
     @property
+    def in_string(self) -> float:
+        """Angle swept in the frame of the string [rad]."""
+        return abs(self._string[0] + self._string[1])
+
+    @property
     def smallest(self) -> float:
         """Smaller one of the angles swept in the two frames [rad]."""
-        return min(self.in_hole, abs(self._string[0] + self._string[1]))
+        return min(self.in_hole, self.in_string)
 
     @property
     def steady(self) -> bool:
@@ -55,16 +75,19 @@ class SweptAngle:
 
 
 def _by_halves(vector: ComplexArray, angle: Array, half: int) -> tuple[float, float]:
-    """Angle swept in the first and in the second half of the bins [rad]."""
+    """Angle swept in the first and in the second half of the bins [rad], by both measures."""
+    first, second = _turns(angle, half)
+    cut = angle.size // 2
+    return _smaller(first, _from_area(vector[: cut + 1])), _smaller(second, _from_area(vector[cut:]))
+
+
+def _turns(angle: Array, half: int) -> tuple[float, float]:
+    """Change of the mean angle in the first and in the second half of the bins [rad]."""
     middle = (angle.size - half) // 2
     first = float(angle[:half].sum()) / half
     between = float(angle[middle : middle + half].sum()) / half
     last = float(angle[-half:].sum()) / half
-    cut = angle.size // 2
-    return (
-        _smaller(between - first, _from_area(vector[: cut + 1])),
-        _smaller(last - between, _from_area(vector[cut:])),
-    )
+    return between - first, last - between
 
 
 def _from_area(vector: ComplexArray) -> float:

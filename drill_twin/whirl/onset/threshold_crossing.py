@@ -26,6 +26,8 @@ SMALLEST_SWEEP = math.radians(70.0)
 """Smallest angle swept by an orbit that is refitted, in the frames of hole and string [rad]."""
 SWEEP_RADIUS = 0.4
 """Smallest radius, over the threshold, at which that angle is counted."""
+FAST = 2.0
+"""Ratio of precession to rotation beyond which an orbit leaks neither into the offset nor into the synchronous part."""
 STEADY_BEFORE = 4.0
 """Duration before the crossing that is left out of the steady position [rev]."""
 
@@ -84,8 +86,13 @@ def asynchronous_crossing(history: History, detection: Detection, rate: float, s
     n = min(history.bins_in(LONGEST), max(1, valid))
     window = history.newest(n)
     time, orbit = history.time[window], history.vector[window, ASYNCHRONOUS, mark]
-    refit = refit_orbit(time, history.sample[window, :, mark], orbit, min(n, since), rate, half)
-    if refit is not None and _plausible(refit, detection) and _sweeps_enough(refit, history, window, detection):
+    ratio = rate / (math.tau * rotation) if (rotation := _rotation(history, since)) else math.nan
+    # A fast orbit leaks into nothing, and seen once a bin it may pass for an offset or a synchronous part.
+    fast = abs(ratio) > FAST
+    refit = None if fast else refit_orbit(time, history.sample[window, :, mark], orbit, min(n, since), rate, half)
+    if fast:
+        pass
+    elif refit is not None and _plausible(refit, detection) and _sweeps_enough(refit, history, window, detection):
         orbit, rate = refit.orbit, refit.rate
     else:
         steady = steady_position(history, mark, since, valid)
@@ -99,7 +106,6 @@ def asynchronous_crossing(history: History, detection: Detection, rate: float, s
         position, phasor = history.sample[window, 0, mark], history.sample[window, 1, mark]
         centre: ComplexArray = (position - detection.arm * phasor) / detection.clearance * carrier
         radius = np.minimum(radius, smoothed_radius(centre, half, detection.noise))
-    ratio = rate / (math.tau * rotation) if (rotation := _rotation(history, since)) else math.nan
     return Crossing(
         _crossing_time(time, radius, detection, half),
         mark,

@@ -18,10 +18,13 @@ from drill_twin.base.exact_jit import exact_kernel
 from drill_twin.whirl.orbit.orbit import Orbit
 
 WIDTH = 0.02
-"""Width of a cell, in precession over rotation."""
-LARGEST_RATIO = 6.0
+"""Width of a cell, in precession over rotation, up to `EVEN`."""
+EVEN = 6.0
+"""Ratio from which cells keep their width over their ratio."""
+LARGEST_RATIO = 60.0
 """Largest ratio; larger ones are counted in the outermost cells."""
-CELLS = 2 * round(LARGEST_RATIO / WIDTH)
+EVEN_CELLS = round(EVEN / WIDTH)
+CELLS = 2 * (EVEN_CELLS + math.ceil(EVEN_CELLS * math.log(LARGEST_RATIO / EVEN)))
 PEAK_CELLS = 3
 """Cells on each side of the peak that belong to it."""
 
@@ -59,7 +62,9 @@ def add_power(dominant: DominantPrecession, orbit: Orbit, whirling: Mask, second
         radius, ratio = orbit.radius[0 if whirling[k] else 1, k], orbit.ratio[k]
         weight = radius * radius * seconds
         if math.isfinite(ratio) and weight > 0.0:
-            cell = min(max(int((ratio + LARGEST_RATIO) / WIDTH), 0), CELLS - 1)
+            size = abs(ratio)
+            place = size / WIDTH if size < EVEN else EVEN_CELLS * (1.0 + math.log(size / EVEN))
+            cell = min(max(int(CELLS // 2 + (place if ratio > 0.0 else -place)), 0), CELLS - 1)
             sums[0, k, cell] += weight
             sums[1, k, cell] += weight * ratio
             sums[2, k, cell] += weight * orbit.precession[k]

@@ -115,8 +115,13 @@ def hold(separation: RunoutSeparation, criteria: Criteria, candidates: Array, wh
 
 
 @exact_kernel
-def separate(separation: RunoutSeparation, full: Bin) -> None:
-    """Separate the parts of a bin: `vector` and `distance`; a mark without a valid sample keeps its last vectors."""
+def separate(separation: RunoutSeparation, full: Bin, left: ComplexArray, shift: ComplexArray) -> None:
+    """Separate the parts of a bin: `vector` and `distance`; a mark without a valid sample keeps its last vectors.
+
+    What is `left` of fast orbits in the mean position [m], shape (m,), is taken out for the fit of offset and
+    synchronous part, and the whole is given back then, by `shift` [m]: seen once a bin, an orbit of 16 or 15 turns in a
+    revolution would pass for one of them.
+    """
     last, work = separation.last, separation.work
     time, revolutions = full.numbers[TIME], full.numbers[REVOLUTIONS]
     elapsed = max(revolutions - last[1], SLOWEST * (time - last[0]))
@@ -125,7 +130,11 @@ def separate(separation: RunoutSeparation, full: Bin) -> None:
     for k in range(fade.size):
         fade[k] = -elapsed / separation.memory[k]
     exp(fade, fade)
+    for k in range(fade.size):
+        full.position[k] -= left[k]
     _fit(separation, full, fade)
+    for k in range(fade.size):
+        full.position[k] += shift[k]
     if not separation.flags[SPIN_GIVEN] and separation.flags[DIRECTED]:
         _update_direction(separation, elapsed)
     arm, bow, back, turned = work[0], work[1], work[2], work[3]

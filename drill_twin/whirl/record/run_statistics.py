@@ -11,7 +11,8 @@ import numpy as np
 
 from drill_twin.base.arrays import Array, Mask
 from drill_twin.base.exact_jit import Integers, copy, exact_kernel
-from drill_twin.whirl.criteria import MotionState
+from drill_twin.base.missing import number_or_none
+from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.lasting import lasting_motion, whirl_end
 from drill_twin.whirl.motion.stick_slip import StickSlip
@@ -19,13 +20,10 @@ from drill_twin.whirl.orbit.dominant_precession import DominantPrecession, add_p
 from drill_twin.whirl.orbit.orbit import RECENT_ROTATION, Orbit
 from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME, Bin
 from drill_twin.whirl.sample_bins import SAMPLES as BIN_SAMPLES
+from drill_twin.whirl.text import doubt
 
 if TYPE_CHECKING:
     from drill_twin.whirl.whirl_estimator import WhirlEstimator
-
-ALIASING_NOTE = 6.0
-"""Samples in a revolution below which a note states the limit set by aliasing."""
-
 
 SECONDS, TURNS, SAMPLES, REVOLUTIONS_SEEN, LAST_ESTIMATE, SAMPLE_RATE = range(6)
 """Indices into `RunStatistics.numbers`: time [s] and turns [rev] of rotation, since the onset if there was one; samples
@@ -74,12 +72,14 @@ class RunStatistics(NamedTuple):
             mark_motion={name: timeline.periods for name, timeline in zip(names, timelines[:-1], strict=True)},
             stick_slip=tuple(bit.periods),
             bit=bit.motion,
+            stick_slip_index=number_or_none(bit.index),
+            largest_stick_slip_index=number_or_none(bit.largest_index),
             quality=quality,
             lasting_motion=lasting,
             whirl_end_s=whirl_end(motion),
             mode_frequency_hz=precession,
             mode_ratio=ratio,
-            notes=_notes(quality, timelines[-1].dropped, estimator.criteria.fewest_samples, unseen),
+            notes=_notes(quality, timelines[-1].dropped, estimator.criteria, estimator.rolling_ratio, unseen),
         )
 
 
@@ -121,10 +121,12 @@ def add_bin(
     numbers[LAST_ESTIMATE] = now[TIME]
 
 
-def _notes(quality: Quality, dropped: int, fewest: float, unseen: list[str]) -> tuple[str, ...]:
+def _notes(
+    quality: Quality, dropped: int, criteria: Criteria, rolling_ratio: float, unseen: list[str]
+) -> tuple[str, ...]:
     """Limits of the findings, as sentences."""
     notes = []
-    rate = quality.samples_per_revolution
+    rate, fewest = quality.samples_per_revolution, criteria.fewest_samples
     if quality.accepted == 0:
         notes.append("no sample could be analysed")
     elif math.isnan(rate):
@@ -134,11 +136,8 @@ def _notes(quality: Quality, dropped: int, fewest: float, unseen: list[str]) -> 
             f"{rate:.1f} samples in a revolution: too few for the rotation, at least {fewest:g} are needed; the "
             "pace and the kind of a whirl would be another's (aliasing) and are not reported"
         )
-    elif rate < ALIASING_NOTE:
-        notes.append(
-            f"{rate:.1f} samples in a revolution: precession beyond {rate / 2:.1f} times the rotation "
-            "cannot be told from slower precession"
-        )
+    elif why := doubt(criteria, rate, rolling_ratio):
+        notes.append(why)
     counts = {
         "duplicate samples": quality.duplicate,
         "samples from before one already seen (time running backwards)": quality.late,

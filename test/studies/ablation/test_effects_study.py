@@ -8,8 +8,8 @@ from typer.testing import CliRunner
 
 from drill_twin.accuracy.trial import Trial
 from drill_twin.cli.app import app
-from drill_twin.studies.ablation import groups
-from drill_twin.studies.ablation.compare import differences, worst
+from drill_twin.studies.ablation import Change, groups
+from drill_twin.studies.ablation.compare import differences
 
 SWING = {
     "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",
@@ -45,15 +45,46 @@ def test_a_difference_counts_beyond_tolerance_and_chance():
     assert found["onset_s"].tolerances == pytest.approx(1.6)
     found = differences([trial(onset_s=2.0), trial(onset_s=8.0)], [trial(onset_s=5.4)] * 2, tolerance=0.05)
     assert not found["onset_s"].matters  # 5.0 against 5.4, but give or take 3
-    found = differences(steady, [trial(onset_s=None), trial(onset_s=None)], tolerance=0.05)
-    assert found["onset_s"].matters
-    assert worst(found) == float("inf")
 
 
-def study(tmp_path, monkeypatch, changes: dict[str, str], duration: str) -> dict:
+@pytest.mark.parametrize(
+    ("with_all", "without", "matters", "known"),
+    [
+        ([5.0] * 5, [None] * 5, True, True),
+        ([5.0] * 5, [5.0, *[None] * 4], True, True),  # in 1 of 5 against 5 of 5: Fisher's p is 0.048
+        ([5.0] * 5, [*[5.0] * 4, None], False, True),
+        ([5.0] * 2, [None] * 2, False, False),  # two of two against none of two come about in every third case
+        ([5.0, *[None] * 4], [9.0, *[None] * 4], False, False),  # one survivor each: their spread is not known
+        ([5.0, 5.1, 4.9, 5.0, 5.0], [9.0], False, False),
+    ],
+)
+def test_runs_without_whirl_are_counted(with_all, without, matters, known):
+    found = differences([trial(onset_s=t) for t in with_all], [trial(onset_s=t) for t in without], tolerance=0.05)
+    assert (found["onset_s"].matters, found["onset_s"].known) == (matters, known)
+
+
+def test_an_effect_of_which_the_runs_do_not_tell_is_kept():
+    few = differences([trial(onset_s=5.0)] * 2, [trial(onset_s=None)] * 2, tolerance=0.05)
+    change = Change(("bow",), few)
+    assert change.unknown
+    assert not change.needed
+
+
+def study(tmp_path, monkeypatch, changes: dict[str, str], duration: str, replicas: str = "2") -> dict:
     monkeypatch.chdir(tmp_path)
     words = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
-    command = ["effects", "pa6_bench", *words, "--duration", duration, "--replicas", "2", "--out", "made", "--json"]
+    command = [
+        "effects",
+        "pa6_bench",
+        *words,
+        "--duration",
+        duration,
+        "--replicas",
+        replicas,
+        "--out",
+        "made",
+        "--json",
+    ]
     made = CliRunner().invoke(app, command)
     assert made.exit_code == 0, made.output
     found = json.loads(made.stdout)
@@ -73,8 +104,9 @@ def test_the_command_finds_what_a_scene_calls_for(tmp_path, monkeypatch):
 
 @pytest.mark.long
 def test_whirl_calls_for_its_wall_and_its_damping(tmp_path, monkeypatch):
-    found = study(tmp_path, monkeypatch, LIVELY, "6 s")
+    found = study(tmp_path, monkeypatch, LIVELY, "6 s", "4")
     assert {"internal_damping", "wall"} <= set(found["kept"])
     assert "lateral_kick" not in found["kept"]
     damping = next(change for change in found["changes"] if change["left_out"] == ["internal_damping"])
-    assert damping["quantities"]["whirl_frequency_hz"]["matters"]
+    onset = damping["quantities"]["onset_s"]
+    assert onset["runs_before"] > onset["runs_after"] == 0

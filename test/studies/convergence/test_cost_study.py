@@ -31,7 +31,7 @@ def motion(**changes) -> Motion:
     whole = Motion(
         time=time, centre=centre, contact=np.zeros(1000), hookload=np.full(1000, 2e5), torque=np.zeros(1000),
         clearance=np.array([0.08]), onset=5.0, frequency=1.0, stick_slip_period=3.0,
-        cost=0.01, frame_p95=1e-4, spent=np.full(1000, 1e-4), compile_seconds=1.0, iterations=100.0,
+        cost=0.01, frame_p95=1e-4, iterations=np.ones(1000), compile_seconds=1.0,
         elements=16, step=1e-3, tolerance=1e-5,
     )  # fmt: skip
     return replace(whole, **changes)

@@ -3,6 +3,7 @@
 
 import json
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -32,7 +33,7 @@ from drill_twin.studies.paper.search.space import (
     scene_of_trial,
     trial_of_scene,
 )  # fmt: skip
-from drill_twin.studies.paper.search.text import habit_rows, value_rows
+from drill_twin.studies.paper.search.text import habit_rows, sought_rows, value_rows
 
 RADIUS, CLEARANCE = 8.25e-3, 81.75e-3
 BENCH = "pa6_calibrated"
@@ -193,6 +194,9 @@ def test_the_posterior_finds_what_the_numbers_determine(monkeypatch):
     assert found.weights.sum() == pytest.approx(1.0)
     assert found.width(known) < 0.3 < found.width(bow)
     assert all(one.error[1] < 0.1 for one in found.surrogates)
+    few = replace(found, weights=np.array([0.5, 0.5, *[0.0] * (found.weights.size - 2)]))
+    assert few.to_dict()["numbers"] == {}
+    assert {row[1] for row in sought_rows(few)} == {"not known"}
     assert found.checked.shape == (60, len(posterior.TIMED) + len(posterior.WHIRLED), 2)
     with pytest.raises(ArgumentError, match="expected a record with 100 runs at 20 N, 2 rev/s"):
         posterior.sample(bench, evaluated[:5], walkers=24, steps=1, seed=1)

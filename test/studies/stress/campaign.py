@@ -13,13 +13,12 @@ from __future__ import annotations
 import argparse
 import ast
 import hashlib
-import json
 import math
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from pydantic import ValidationError
@@ -32,6 +31,7 @@ from random_scenes import BYTES, Tape  # noqa: E402
 from random_scenes import scene as drawn  # noqa: E402
 
 import drill_twin  # noqa: E402
+from drill_twin.base.json_lines import JsonLines  # noqa: E402
 from drill_twin.ensemble.parts import frames_of, planned  # noqa: E402
 from drill_twin.errors import RunError  # noqa: E402
 from drill_twin.scene import Scene  # noqa: E402
@@ -47,6 +47,8 @@ TOLERANCES = ("auto", 1e-7, 1e-9)
 HALVINGS = 3
 """A scene whose energy balance does not close to a tenth of the energy in motion, or to which a dissipative effect adds
 energy, runs again with these tolerances of Newton's method, and then with the step halved, at most so often."""
+FOREIGN = "expected results of this campaign, found another file; give another by --results"
+OTHER = "expected results of the same {}, found others; remove the file, or give another by --results"
 ROUND = 1000
 """Scenes of a round: all sets take their turn in each, so that a part of the campaign holds every set."""
 REASONS = {
@@ -150,30 +152,19 @@ def order(scenes: int) -> Iterator[int]:
         yield from sorted(range(start, min(start + ROUND, scenes)), key=lambda number: (number % len(SETS), number))
 
 
-def read(path: Path) -> dict[int, Result]:
-    """Results of a file; a line that was cut by the end of its run is taken off."""
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps({"physics": physics(), "sets": len(SETS)}) + "\n", "utf-8")
-    text = path.read_text("utf-8")
-    whole = text[: text.rfind("\n") + 1]
-    if whole != text:
-        path.write_text(whole, "utf-8")
-    head, *lines = whole.splitlines()
-    if json.loads(head)["physics"] != physics():
-        sys.exit(f"error: {path} holds results of other physics; remove it, or give another file by --results")
-    return {result.number: result for result in (Result(*json.loads(line)) for line in lines)}
-
-
 def run(scenes: int, path: Path) -> list[Result]:
     """Run what the file does not hold yet; returns all results by number."""
-    known = read(path)
-    with path.open("a", encoding="utf-8") as file:
-        for number in order(scenes):
-            if number not in known:
-                known[number] = result_of(number)
-                file.write(json.dumps(list(known[number])) + "\n")
-                file.flush()
+    known: dict[int, Result] = {}
+
+    def read(line: list[Any]) -> None:
+        result = Result(*line)
+        known[int(result.number)] = result
+
+    file = JsonLines(path, "campaign", {"physics": physics(), "sets": len(SETS)}, read, foreign=FOREIGN, other=OTHER)
+    for number in order(scenes):
+        if number not in known:
+            known[number] = result_of(number)
+            file.add(list(known[number]))
     return [known[number] for number in sorted(known) if number < scenes]
 
 

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from drill_twin.ensemble.parts import frames_of, set_points
+from drill_twin.ensemble.parts import frames_of
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.studies.stress.bound import allowed_depth
@@ -53,7 +53,7 @@ def hour_of(number: int, twin: Twin, seconds: float) -> Hour:
     """Run an hour."""
     found, frames = RunStatistics(), round(seconds / PERIOD)
     schedule = Schedule.from_scene(twin.scene)
-    commands = set_points(schedule, [PERIOD * (k + 1) for k in range((number - 1) * frames, number * frames)])
+    commands = schedule.over(PERIOD * (k + 1) for k in range((number - 1) * frames, number * frames))
     for part in frames_of(twin, commands, PERIOD):
         found.add(part)
     case = HardCase("hard/steady_hour", "spatial", "", seconds)

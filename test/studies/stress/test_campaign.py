@@ -7,6 +7,7 @@ import math
 import campaign
 import pytest
 
+from drill_twin.errors import ArgumentError
 from drill_twin.studies.stress.run import RunStatistics
 from drill_twin.studies.verify.scenes import WALLED
 
@@ -36,8 +37,8 @@ def test_broken_off_and_continued_it_ends_with_the_same_table(tmp_path):
 @pytest.mark.usefixtures("one_set")
 def test_results_of_other_physics_are_not_continued(tmp_path):
     path = tmp_path / "results.jsonl"
-    path.write_text(json.dumps({"physics": "another", "sets": 1}) + "\n", "utf-8")
-    with pytest.raises(SystemExit, match="results of other physics"):
+    path.write_text(json.dumps({"campaign": {"physics": "another", "sets": 1}}) + "\n", "utf-8")
+    with pytest.raises(ArgumentError, match="expected results of the same physics"):
         campaign.run(1, path)
 
 

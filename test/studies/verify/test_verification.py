@@ -4,6 +4,7 @@
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,11 +13,14 @@ from typer.testing import CliRunner
 from drill_twin.cli.app import app
 from drill_twin.studies.json_io import json_text
 from drill_twin.studies.verify import Case, Row, all_cases, choose, run, scenes
-from drill_twin.studies.verify.page import to_page
+from drill_twin.studies.verify.page import summary, to_page
+from drill_twin.studies.verify.row import TWIN
 from drill_twin.studies.verify.run import CaseResult, run_cases
 from drill_twin.studies.verify.statics.airy import critical_bit_load
 
 QUICK = "lateral_frequencies.frequencies[free,lateral]"
+
+RECORD = json.loads((Path(__file__).resolve().parents[3] / "docs" / "verification.json").read_text("utf-8"))
 
 
 def row(computed: float, **fields: object) -> Row:
@@ -73,7 +77,7 @@ def test_the_command_runs_cases_and_writes_the_page(tmp_path: Path) -> None:
     assert [case["case"] for case in found["cases"]] == [QUICK]
     assert len(found["cases"][0]["rows"]) == 3
     text = page.read_text("utf-8")
-    assert "3 of 3 numbers of 1 cases" in text
+    assert "3 of 3 numbers beside formulas, zeros and tables, of 1 cases, are within their tolerance." in text
     assert f"drill-twin verify --only {QUICK} --page {page.as_posix()}" in text
     assert "Blevins 1979" in text
     assert "## Not validated" in text
@@ -92,6 +96,19 @@ def check() -> Callable[..., CaseResult]:
         return CaseResult(choose(QUICK)[0], rows, 0.1, failure)
 
     return make
+
+
+def test_the_twin_beside_itself_is_counted_apart(check: Callable[..., CaseResult]) -> None:
+    own = Row("hookload [N]", "balance", f"{TWIN}drill-twin statics", 1.0, 1.0, 0.1)
+    said = summary([check(row(-2.0), own, replace(own, computed=2.0))])
+    assert said.startswith(
+        "1 of 1 numbers beside formulas, zeros and tables and 1 of 2 of the twin beside itself, of 1"
+    )
+    assert [one["consistency"] for one in check(row(-2.0), own).to_dict()["rows"]] == [False, True]
+    sources = {line["source"] for case in RECORD["cases"] for line in case["rows"] if line["consistency"]}
+    assert {source.removeprefix(TWIN) for source in sources} >= {
+        "drill-twin statics", "the other formulation", "the time loop", "a run with more elements"
+    }  # fmt: skip
 
 
 def test_a_miss_ends_with_one(check: Callable[..., CaseResult], monkeypatch: pytest.MonkeyPatch) -> None:

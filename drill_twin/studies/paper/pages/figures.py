@@ -112,7 +112,7 @@ def spectra(done: Reproduction) -> Figure:
             range(len(cases)), [f"{c.speed:g} rev/s" if column == 0 else f"{c.weight_on_bit:g} N" for c in cases]
         )
         panel.set_xlim(0.0, widest)
-        panel.set_xlabel("frequency [Hz]; red: published, dotted: rotation")
+        panel.set_xlabel("frequency [Hz]; orange: published, dotted: rotation")
         panel.set_title("40 N" if column == 0 else "2 rev/s")
     return figure
 

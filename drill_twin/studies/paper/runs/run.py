@@ -99,7 +99,7 @@ def runs_of(
 ) -> Generator[tuple[Key, Result]]:
     """Runs of scenes on threads, as `on_threads`; their kernels are compiled or loaded first."""
     for scene in {kernel_of(scene): scene for scene in scenes.values()}.values():
-        compile_kernel(scene, 1.0 / scene.numerics.frame_rate, analysis=True)
+        compile_kernel(scene, scene.numerics.frame_period, analysis=True)
     yield from on_threads(function, scenes, workers)
 
 

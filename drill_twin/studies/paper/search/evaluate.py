@@ -120,7 +120,7 @@ class Bench:
         try:
             twin, schedule = Twin(scene), Schedule.from_scene(scene)
             times = np.arange(1, round(self.seconds * FRAME_RATE) + 1) / FRAME_RATE
-            commands = np.array([[schedule.weight_on_bit(t), schedule.rotation(t)] for t in times])
+            commands = schedule.over(times)
             rows = twin.rows(times.size)
             twin.advance_frames(commands, 1.0 / FRAME_RATE, rows)
         except DrillTwinError:

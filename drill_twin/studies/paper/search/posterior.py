@@ -35,6 +35,8 @@ SPREAD = {"Q13": 0.1, "Q1": 0.1, "Q15": 0.1, "Q11": 0.1, "Q12": 0.2}
 TIMED, WHIRLED = (
     tuple(one for one in NUMBERS if one.q in SPREAD and KINDS[one.what] == kind) for kind in ("time", "whirl")
 )
+ENOUGH = 40.0
+"""Draws of equal weight from which an interval is given: two of them lie outside each limit of 5 %."""
 SOUGHT = tuple(k for k, one in enumerate(FREE) if one.name not in (SHARE_LEFT, PLAY, SPRING))
 """Places in `FREE` of the numbers that a set with all assumptions kept uses."""
 SLOW = tuple(NUMBER[name] for name in ("ramp of the load", "start of the load", "bow"))
@@ -193,6 +195,11 @@ class Posterior:
         return (high - low) / 0.9
 
     @property
+    def has_intervals(self) -> bool:
+        """True if the draws are enough for limits of 5 % and 95 %; with fewer nothing is printed in their place."""
+        return self.effective >= ENOUGH
+
+    @property
     def effective(self) -> float:
         """Number of draws of equal weight that say as much."""
         return float(1.0 / (self.weights**2).sum())
@@ -207,7 +214,7 @@ class Posterior:
         return {
             "draws": len(self.shares), "effective": self.effective,
             "steps": self.steps, "autocorrelation": self.autocorrelation,
-            "numbers": {
+            "numbers": {} if not self.has_intervals else {
                 FREE[place].name: {"low": one[0], "median": one[1], "high": one[2], "unit": FREE[place].unit,
                                    "width": self.width(k)}
                 for k, place in enumerate(SOUGHT) for one in (self.interval(k),)

@@ -3,15 +3,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.resumable import resume
-from drill_twin.errors import ArgumentError, BagError
+from drill_twin.base.json_lines import JsonLines
 from drill_twin.studies.paper.runs.cases import Case
 from drill_twin.studies.paper.search.readings import READINGS, Readings, Results
 from drill_twin.studies.paper.search.space import Trial
@@ -45,7 +43,7 @@ class Record:
     """
 
     def __init__(self, file: Path, setup: dict[str, Any]) -> None:
-        """Open a record, and read what it has.
+        """Open a record, and read what it has, up to a line that is no generation.
 
         Args:
             file: The file; it need not exist.
@@ -55,22 +53,12 @@ class Record:
             ArgumentError: It is of another search, or no record.
             BagError: It cannot be read or written.
         """
-        self.file, self.generations = file, list[Generation]()
-        try:
-            resume(file, "paper search", setup, self._read, foreign=FOREIGN, other=OTHER)
-        except OSError as error:
-            raise self._not_writable(error) from error
+        self.generations = list[Generation]()
+        self._lines = JsonLines(file, "paper search", setup, self._read, foreign=FOREIGN, other=OTHER, ordered=True)
 
-    def _read(self, lines: list[str]) -> None:
-        for number, line in enumerate(lines, 2):
-            try:
-                grown, sets = json.loads(line)
-                self.generations.append(Generation(int(grown), tuple(_evaluated(row) for row in sets)))
-            except (ValueError, TypeError, KeyError, IndexError) as error:
-                raise ArgumentError(
-                    f"{self.file}, line {number}: expected a generation of a search, found {line[:60]!r}; "
-                    "remove the line and those after it"
-                ) from error
+    def _read(self, line: Any) -> None:
+        grown, sets = line
+        self.generations.append(Generation(int(grown), tuple(_evaluated(row) for row in sets)))
 
     def add(self, generation: Generation) -> Generation:
         """Append a generation, and return it as the record has it, rounded.
@@ -79,13 +67,9 @@ class Record:
             BagError: The file cannot be written.
         """
         rows = [[one.trial.shares, one.trial.choices, _runs(one.results)] for one in generation.evaluated]
-        line = json.dumps([generation.grown, rows], separators=(",", ":"), allow_nan=True)
-        try:
-            with self.file.open("ab") as stream:
-                stream.write(line.encode() + b"\n")
-        except OSError as error:
-            raise self._not_writable(error) from error
-        self._read([line])
+        line = [generation.grown, rows]
+        self._lines.add(line)
+        self._read(line)
         return self.generations[-1]
 
     @property
@@ -102,12 +86,6 @@ class Record:
     def sets(self) -> int:
         """Number of sets that were evaluated in one way or the other."""
         return sum(max(generation.grown, len(generation.evaluated)) for generation in self.generations)
-
-    def _not_writable(self, error: OSError) -> BagError:
-        return BagError(
-            f"{self.file}: expected a file for the record, found {error.strerror or error}; "
-            "choose another with --record"
-        )
 
 
 def _runs(results: Results) -> list[Any]:

@@ -124,6 +124,9 @@ def sought_rows(found: Posterior) -> Iterator[Cells]:
     for k, place in enumerate(PLACES):
         low, middle, high = found.interval(k)
         unit = f" {FREE[place].unit}".rstrip()
+        if not found.has_intervals:
+            yield FREE[place].name, "not known", "not known", "-"
+            continue
         yield FREE[place].name, f"{middle:.3g}{unit}", f"{low:.3g} to {high:.3g}{unit}", f"{found.width(k):.2f}"
 
 

@@ -9,9 +9,9 @@ from drill_twin.accuracy.trial import Trial, run_trial
 from drill_twin.base.missing import number_or_nan
 from drill_twin.scene import load_scene
 from drill_twin.studies.verify.case import case
-from drill_twin.studies.verify.row import Row
+from drill_twin.studies.verify.row import TWIN, Row
 
-SOURCE = "the other formulation of this twin"
+SOURCE = f"{TWIN}the other formulation"
 
 
 @case(forms=())

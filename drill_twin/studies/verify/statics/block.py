@@ -11,7 +11,7 @@ from drill_twin.scene import Scene
 from drill_twin.schedule import Schedule
 from drill_twin.schedule.command import Command
 from drill_twin.studies.verify.case import case
-from drill_twin.studies.verify.row import Row
+from drill_twin.studies.verify.row import TWIN, Row
 from drill_twin.studies.verify.scenes import DIAMETER, WALLED, quiet_scene
 from drill_twin.torque_drag.analysis import analyse
 from drill_twin.torque_drag.operations import Operation
@@ -66,7 +66,12 @@ def tripping(speed: float) -> Iterator[Row]:
         twin.advance(Command(0.0, 0.0, speed), 0.1)
     found = twin.advance(Command(0.0, 0.0, speed), 1.0).rig.hookload
     yield Row(
-        "hookload [N]", "balance of the string that slides at this speed", "drill-twin statics", still, found, 1e-3
+        "hookload [N]",
+        "balance of the string that slides at this speed",
+        f"{TWIN}drill-twin statics",
+        still,
+        found,
+        1e-3,
     )
 
 
