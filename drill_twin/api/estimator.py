@@ -37,6 +37,7 @@ class Estimator:
 
     Attributes:
         scene: The scene.
+        channels: Channels of the surface that correct.
         intake: Samples on their way to windows; has the troubles with them.
         filter: The ensemble.
     """
@@ -70,14 +71,15 @@ class Estimator:
         """
         self.scene = as_scene(scene, overrides)
         _check(channels, free)
+        self.channels = tuple(channels)
         ranges = {key: _ends(given) if key == LOAD else _range(self.scene, key, given) for key, given in free.items()}
         subs = (subs,) if isinstance(subs, str) else tuple(subs)
         self.filter = EnsembleFilter(self.scene, ranges, channels, options or EstimatorOptions(), subs)
         self.intake = Intake(self.filter.pace, self.scene, channels, self.filter.members.subs)
         self._subs = {name: number for number, name in enumerate(subs)}
 
-    def take(self, stamp: float, values: Mapping[str, float] = _NOTHING) -> None:
-        """Take a sample.
+    def take(self, stamp: float, values: Mapping[str, float] = _NOTHING) -> bool:
+        """Take a sample; returns False for one whose stamp cannot be used, as it is late, repeated or not finite.
 
         Args:
             stamp: Its time [s], of any clock.
@@ -94,7 +96,7 @@ class Estimator:
             )
         if odd := sorted(map(str, values.keys() - {*CHANNELS, *SET_POINTS})):
             raise ArgumentError(f"expected values of {', '.join((*CHANNELS, *SET_POINTS))}, found {', '.join(odd)}")
-        self.intake.take(stamp, values)
+        return self.intake.take(stamp, values)
 
     def take_readings(self, stamp: float, sub: str, values: Sequence[float] | Array) -> None:
         """Take a reading of a downhole sub.

@@ -107,6 +107,7 @@ class Estimate:
         misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
         absurd: Samples left out so far.
         replaced: Members that took the state of others so far, as they were on another branch of motion.
+        unmeasured: Time for which nothing sound has been measured [s]: the ensemble runs alone.
         frames: The window of the member that was nearest to the rig before; none unless they are asked for.
     """
 
@@ -119,6 +120,7 @@ class Estimate:
     misfit: Mapping[str, float]
     absurd: int
     replaced: int
+    unmeasured: float
     frames: Sequence[Frame]
 
     @property
@@ -172,7 +174,7 @@ class EnsembleFilter:
         self._branches = Branches(options.members, options.seed)
         self._divergence = Divergence(self.channels)
         self._phase = PhaseCorrection(self.members, options.error)
-        self._replaced = 0
+        self._replaced, self._unmeasured = 0, 0.0
         self._distance: Array = np.zeros(options.members)
 
     def advance(self, window: Window) -> Estimate:
@@ -194,6 +196,7 @@ class EnsembleFilter:
         self._forget()
         sensors = self._sensors(prediction, found, lateral)
         self._divergence.take(start, misfit)
+        self._unmeasured = 0.0 if np.isfinite(misfit).any() else self._unmeasured + self.pace.window
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
         measured = np.concatenate((measured, self._phase.measured))
         deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
@@ -209,6 +212,7 @@ class EnsembleFilter:
             misfit=dict(zip(self.channels, misfit.tolist(), strict=True)),
             absurd=self._errors.absurd + self._phase.errors.absurd,
             replaced=self._replaced,
+            unmeasured=self._unmeasured,
             frames=frames,
         )
 

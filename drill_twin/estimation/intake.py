@@ -66,8 +66,8 @@ class Intake:
         """Stamp [s] of time zero of the windows; 0 before the first sample."""
         return self._origin or 0.0
 
-    def take(self, stamp: float, values: Mapping[str, float]) -> None:
-        """Take a sample.
+    def take(self, stamp: float, values: Mapping[str, float]) -> bool:
+        """Take a sample; returns False for one whose stamp cannot be used, as it is late, repeated or not finite.
 
         Args:
             stamp: Its time [s], of any clock.
@@ -75,7 +75,7 @@ class Intake:
         """
         if not math.isfinite(stamp):
             self.troubles["stamp not finite"] += 1
-            return
+            return False
         if self._origin is None:
             self._origin = stamp
         time = round(stamp - self._origin, 6)
@@ -85,14 +85,15 @@ class Intake:
             time = self._newest
         elif abs(time - self._newest) < _ROUND_OFF and self._open:
             self.troubles["repeated"] += 1
-            return
+            return False
         while time > self._start + self._pace.window + _ROUND_OFF:
             self._close()
         if time <= self._start + _ROUND_OFF and self._start > 0.0:
             self.troubles["late"] += 1
-            return
+            return False
         self._newest = max(self._newest, time)
         self._open.append((time, values))
+        return True
 
     def take_readings(self, stamp: float, sub: int, values: Sequence[float]) -> None:
         """Take a reading of a downhole sub; the surface channels alone move the time of the windows.

@@ -12,6 +12,7 @@ import numpy as np
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.decode import JointState, JointStateReader, read_float64, read_pose_array
 from drill_twin.io.messages.diagnostics import decode_diagnostics
+from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import (
@@ -131,7 +132,7 @@ def measured_dimension(quantity: str) -> Dimension:
 
 
 class TwinQuantities:
-    """Latest value of each quantity [SI], and the time at which its topic was last heard."""
+    """Latest value of each quantity [SI], and the age of the last good sample of its topic."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         """Start without values.
@@ -139,15 +140,14 @@ class TwinQuantities:
         Args:
             clock: Monotonic time [s].
         """
-        self._clock = clock
         self._readers = {topic: JointStateReader() for topic in (RIG_STATE, MARKS_STATE, WHIRL_STATE)}
         self._marks: JointState | None = None
         self._bit: tuple[float, float] | None = None
         self._bit_motion = StickSlip()
         self.values: dict[str, float] = {}
         """Values by name [SI]; a quantity that does not exist in this run is missing."""
-        self.heard: dict[str, float] = {}
-        """Time of the last message of each topic [s]."""
+        self.samples = GoodSamples(clock, on_change=(WHIRL_ONSET,))
+        """Good and bad samples by topic."""
         self.stamp = 0
         """Stamp of the last `/rig/state` [ns]."""
         self._take: dict[str, Callable[[bytes], bool | None]] = {
@@ -166,14 +166,21 @@ class TwinQuantities:
         Raises:
             MessageError: It cannot be read.
         """
-        if self._take[topic](raw) is not False:
-            self.heard[topic] = self._clock()
+        try:
+            finite = self._take[topic](raw)
+        except MessageError:
+            self.samples.unreadable(topic)
+            raise
+        if finite is not None:
+            self.samples.take(topic, finite=finite)
 
     def age(self, name: str) -> float:
-        """Time since the topic of a quantity was heard [s]; infinite before."""
-        return self._clock() - self.heard.get(QUANTITIES[name].topic, -math.inf)
+        """Time since the last good sample of the topic of a quantity [s]; infinite before."""
+        return self.samples.age(QUANTITIES[name].topic)
 
-    def _on_rig(self, raw: bytes) -> None:
+    # Each returns whether the message has a finite number; None for one that is not for the gateway.
+
+    def _on_rig(self, raw: bytes) -> bool:
         message = self._readers[RIG_STATE].read(raw)
         state, time = read_rig_state(message), seconds(message.stamp)
         self.values.update({name: getattr(state, field) for name, field in _RIG.items()})
@@ -185,8 +192,9 @@ class TwinQuantities:
         if math.isnan(self._bit_motion.index):
             del self.values["stick_slip_severity"]
         self.values["simulated_time"] = time
+        return message.has_number
 
-    def _on_marks(self, raw: bytes) -> None:
+    def _on_marks(self, raw: bytes) -> bool:
         now, before = self._readers[MARKS_STATE].read(raw), self._marks
         if len(now.names) % 4 or now.velocity.size != len(now.names) or now.effort.size != len(now.names):
             raise MessageError("expected four joints a mark with velocity and effort on /marks/state")
@@ -194,36 +202,41 @@ class TwinQuantities:
         force = now.effort.reshape(-1, 4)[:, :2]
         self.values["wall_force"] = float(np.hypot(force[:, 0], force[:, 1]).max(initial=0.0))
         if before is None or before.names != now.names or not 0 < now.stamp - before.stamp < NANOSECONDS:
-            return
+            return now.has_number
         rate = (now.velocity - before.velocity).reshape(-1, 4) / seconds(now.stamp - before.stamp)
         lowest = int(now.position.reshape(-1, 4)[:, 2].argmin())
         self.values["axial_acceleration"] = float(rate[lowest, 2])
         self.values["lateral_acceleration"] = float(np.hypot(rate[:, 0], rate[:, 1]).max())
+        return now.has_number
 
-    def _on_poses(self, raw: bytes) -> None:
+    def _on_poses(self, raw: bytes) -> bool:
         position = read_pose_array(raw).position
         if position.size:
             self.values["bit_depth"] = -float(position[0, 2])
+        return bool(np.isfinite(position).any())
 
-    def _on_whirl(self, raw: bytes) -> None:
+    def _on_whirl(self, raw: bytes) -> bool:
         state = read_whirl_state(self._readers[WHIRL_STATE].read(raw))
         known = np.flatnonzero(np.isfinite(state.orbit_radius))
-        if not known.size:
-            return
+        if not known.size:  # no orbit yet, or none any more
+            return True
         mark = known[state.orbit_radius[known].argmax()]
         self.values["whirl_orbit_radius"] = float(state.orbit_radius[mark])
         self.values["whirl_precession"] = float(state.precession[mark]) * math.tau
         self.values["whirl_ratio"] = float(state.ratio[mark])
         self.values["whirl_confidence"] = float(state.confidence[mark])
+        return True
 
-    def _on_factor(self, raw: bytes) -> None:
+    def _on_factor(self, raw: bytes) -> bool:
         self.values["real_time_factor"] = read_float64(raw)
+        return math.isfinite(self.values["real_time_factor"])
 
-    def _on_onset(self, raw: bytes) -> None:
+    def _on_onset(self, raw: bytes) -> bool:
         self.values["whirl_detected"] = float(decode_onset(raw)[1] is not None)
+        return True
 
-    def _on_diagnostics(self, raw: bytes) -> bool:
-        """Rate of penetration in the diagnostics of a simulator; False for those of other nodes."""
+    def _on_diagnostics(self, raw: bytes) -> bool | None:
+        """Rate of penetration in the diagnostics of a simulator; None for those of other nodes."""
         for status in decode_diagnostics(raw)[1]:
             if found := status.values.get("rate_of_penetration_m_h"):
                 try:
@@ -231,4 +244,4 @@ class TwinQuantities:
                 except ValueError:
                     raise MessageError(f"expected a number as rate of penetration, found {found!r}") from None
                 return True
-        return False
+        return None

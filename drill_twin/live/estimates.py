@@ -7,10 +7,11 @@ import math
 from typing import Any
 
 from drill_twin.errors import MessageError, printable
-from drill_twin.io.messages.diagnostics import Status, decode_diagnostics
+from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics
 
 _MOST = 50
 _LONGEST_NAME, _LONGEST_TEXT = 60, 300
+_TRUST = {"good": Level.OK, "doubtful": Level.WARN, "unusable": Level.ERROR}
 _OWN, _BAND = "estimate", ("mean", "low", "high")
 _QUANTITIES = {
     "N": ("force", 1.0),
@@ -26,7 +27,8 @@ def shown_estimates(raw: bytes) -> dict[str, Any]:
     """Level and sentence of a `/estimate/state`, and rows of it for the page.
 
     A row has name and text; an estimate with a unit of `_QUANTITIES` also its quantity, and mean, low and high end of
-    its 90 % band in the page's own unit, which the page shows in the reader's.
+    its 90 % band in the page's own unit, which the page shows in the reader's. For doubtful estimates `trust` is the
+    level of a warning; of unusable ones there are no rows.
 
     Raises:
         MessageError: It cannot be read, or has no status of the whole.
@@ -36,11 +38,14 @@ def shown_estimates(raw: bytes) -> dict[str, Any]:
     if whole is None:
         raise MessageError(f"expected the status {_OWN!r} among the estimates, found none")
     chance = _number(whole, "chance_of_whirl")
-    rows = [_row(status) for status in statuses[: _MOST + 1] if status is not whole]
+    trust = _TRUST.get(whole.values.get("estimates", ""), Level.WARN if whole.level == Level.ERROR else Level.OK)
+    rows = [{"name": "chance of whirl", "text": "unknown" if chance is None else f"{chance:.0%}"}]
+    rows += [_row(status) for status in statuses[: _MOST + 1] if status is not whole]
     return {
         "level": int(whole.level),
         "text": _short(whole.text),
-        "rows": [{"name": "chance of whirl", "text": "unknown" if chance is None else f"{chance:.0%}"}, *rows],
+        "trust": int(trust),
+        "rows": [] if trust is Level.ERROR else rows,
     }
 
 

@@ -18,6 +18,7 @@ from drill_twin.io.findings_encoder import BIT
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array, read_string
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
 from drill_twin.io.messages.encode import MARK_AXES
+from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import (
@@ -37,7 +38,7 @@ from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion, dec
 from drill_twin.io.scene_geometry import string_steps
 from drill_twin.live.advice import shown_map, targets
 from drill_twin.live.estimates import shown_estimates
-from drill_twin.live.sources import GONE, Sources
+from drill_twin.live.sources import Sources
 from drill_twin.live.supervision import Supervision
 from drill_twin.maps.operating_map import digest_of
 from drill_twin.report.page.well_geometry import well_geometry
@@ -115,12 +116,13 @@ class PageState:
         try:
             with self._lock:
                 self._update(topic, raw)
+                if self._sources is not None:
+                    empty = topic == RIG_STATE and not any(map(math.isfinite, self._rig.values()))
+                    self._sources.message(topic, finite=not empty)
         except DrillTwinError as error:
             self.skipped.add(topic, self._time, error)
 
     def _update(self, topic: str, raw: bytes) -> None:
-        if self._sources is not None:
-            self._sources.message(topic)
         if topic == STRING_POSES:
             poses = read_pose_array(raw)
             _check_positions(poses.position)

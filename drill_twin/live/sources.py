@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -10,6 +11,7 @@ from typing import Any
 
 from drill_twin.errors import printable
 from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.good_samples import GONE, STALE, GoodSamples
 from drill_twin.io.messages.topics import (
     ADVICE_STATE,
     ESTIMATE_STATE,
@@ -19,8 +21,6 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 
-STALE, GONE = 1.0, 3.0
-"""Age above which a value is stale, and gone [s]."""
 _STREAMS = {
     **dict.fromkeys((STRING_POSES, MARKS_STATE, RIG_STATE), "simulator"),
     WHIRL_STATE: "analyzer",
@@ -43,13 +43,13 @@ class Sources:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._streams: dict[str, float] = {}
+        self._samples = GoodSamples(clock)
         self._reports: dict[str, _Report] = {}
 
-    def message(self, topic: str) -> None:
-        """Note a message on a topic."""
+    def message(self, topic: str, *, finite: bool = True) -> None:
+        """Note a message on a topic, that could be read; one without a finite number tells nothing."""
         if source := _STREAMS.get(topic):
-            self._streams[source] = self._clock()
+            self._samples.take(source, finite=finite)
 
     def report(self, status: Status) -> None:
         """Note the diagnostics of a node; those of a node that ends in order are its last."""
@@ -69,15 +69,14 @@ class Sources:
 
         While time stands still by intention, no frames come, and diagnostics show that the node is alive.
         """
-        stream = self._streams.get(source)
-        if stream is None:
+        stream, now = self._samples.age(source), self._clock()
+        if math.isinf(stream):
             return None
-        now = self._clock()
         simulator, own = self._report("simulator"), self._report(source)
         if simulator and own and simulator.status.values.get("state", "running") != "running":
             stands_still = now - simulator.time < STALE + _LATE
-            return min(now - stream, max(now - own.time - _LATE, 0.0)) if stands_still else now - stream
-        return now - stream
+            return min(stream, max(now - own.time - _LATE, 0.0)) if stands_still else stream
+        return stream
 
     def _report(self, node: str) -> _Report | None:
         return next((report for name, report in self._reports.items() if name.rpartition("/")[2] == node), None)

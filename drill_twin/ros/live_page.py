@@ -23,12 +23,13 @@ from std_srvs.srv import Trigger
 
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
 from drill_twin.live.foxglove_server import FoxgloveServer
 from drill_twin.live.limits import parse_limit
 from drill_twin.live.page_state import INPUTS, PageState
-from drill_twin.live.sources import GONE, Sources
+from drill_twin.live.sources import Sources
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest

@@ -223,7 +223,7 @@ def test_an_analyzer_reports_that_samples_stopped_coming(bench):
     simulator, analyzer = bench.start("simulator", wait_for_command=False), bench.start("analyzer")
     bench.until_status("analyzer", lambda status: int(status.values["samples"]) > 50)
     simulator.kill()
-    status = bench.until_status("analyzer", lambda status: "no sample for" in status.text)
+    status = bench.until_status("analyzer", lambda status: "no good sample of /marks/state for" in status.text)
     assert status.level == 3
     # It takes up a new run by itself.
     simulator = bench.start("simulator", wait_for_command=False)

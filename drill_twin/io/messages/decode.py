@@ -46,6 +46,11 @@ class JointState:
         except ValueError:
             raise MessageError(f"expected a joint {name!r}, found {', '.join(self.names) or 'none'}") from None
 
+    @property
+    def has_number(self) -> bool:
+        """True if one of the values at least is finite."""
+        return any(bool(np.isfinite(values).any()) for values in (self.velocity, self.effort, self.position))
+
 
 @dataclass(frozen=True, eq=False)
 class JointStates:

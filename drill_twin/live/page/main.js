@@ -32,6 +32,7 @@ function show(picture) {
   $("estimates").hidden = !estimates;
   $("estimate_text").textContent = estimates?.text ?? "";
   $("estimate_text").className = `level_${estimates?.level ?? 0}`;
+  $("estimate_rows").className = `level_${estimates?.trust ?? 0}`;
   const bands = (estimates?.rows ?? []).map(band);
   replace($("estimate_rows"), bands, () => bands.map((cells) => element("tr", {}, ...cells.map((textContent) => element("td", { textContent })))));
   replace($("values"), ROWS.map(([id, , quantity]) => text(picture.rig[id], quantity)), () => ROWS.map(([id, words, quantity]) => row(words, text(picture.rig[id], quantity))));

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -13,6 +14,7 @@ from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.decode import JointStateReader, read_string
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.good_samples import GONE, GoodSamples
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.topics import (
@@ -64,6 +66,7 @@ class Advisor(TwinNode):
         self._adviser: Adviser | None = None
         self._trouble = ""
         self._reader = JointStateReader()
+        self._samples = GoodSamples()
         self._clear()
 
     def _clear(self) -> None:
@@ -119,6 +122,11 @@ class Advisor(TwinNode):
             state = self._reader.read(bytes(raw))
             rig = read_rig_state(state)
         except DrillTwinError:
+            self._samples.unreadable(RIG_STATE)
+            return
+        finite = math.isfinite(rig.bit_force) and math.isfinite(rig.top_drive_speed)
+        self._samples.take(RIG_STATE, finite=finite)
+        if not finite:
             return
         if seconds(state.stamp) < self._tracker.time:  # a new run
             self._clear()
@@ -129,7 +137,9 @@ class Advisor(TwinNode):
         try:
             motions = decode_motion(bytes(raw))[1]
         except DrillTwinError:
+            self._samples.unreadable(WHIRL_MOTION)
             return
+        self._samples.take(WHIRL_MOTION)
         self._whirls = any(motion.subject == STRING_LEVEL and whirls_in(motion.state) for motion in motions)
 
     # --- advice ---------------------------------------------------------------------------------------------------
@@ -174,7 +184,10 @@ class Advisor(TwinNode):
     def _advise(self, adviser: Adviser) -> None:
         now: tuple[object, ...]
         advice = self._tracker.advise(adviser, whirls=self._whirls)
-        if advice is None:
+        if self._samples.age(RIG_STATE) > GONE:
+            level, text = self._samples.verdict()
+            status, now = Status("advice", max(level, Level.WARN), f"no advice: {text}"), (level,)
+        elif advice is None:
             status, now = Status("advice", Level.OK, self._tracker.waits_for), (self._tracker.waits_for,)
         else:
             status = status_of(advice, self._tracker.weight, self._tracker.speed, whirls=self._whirls)
@@ -200,11 +213,15 @@ class Advisor(TwinNode):
         self._drop_maker()
 
     def health(self) -> Status:
-        """Progress of the map, or the last advice."""
+        """What its inputs lack, progress of the map, or the last advice."""
+        values = self._samples.values()
         if self._trouble:
-            return Status(self.NAME, Level.ERROR, self._trouble)
+            return Status(self.NAME, Level.ERROR, self._trouble, values)
+        level, text = self._samples.verdict()
+        if level is not Level.OK:
+            return Status(self.NAME, level, text, values)
         if self._maker is not None:
-            return Status(self.NAME, Level.OK, self._maker.progress)
+            return Status(self.NAME, Level.OK, self._maker.progress, values)
         if self._adviser is None:
-            return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}")
-        return Status(self.NAME, Level.OK, self._said or f"waiting for {RIG_STATE}")
+            return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}", values)
+        return Status(self.NAME, Level.OK, self._said or f"waiting for {RIG_STATE}", values)

@@ -6,7 +6,7 @@ It uses the stamps of the messages alone, so a replay gives the findings of the 
 
 from __future__ import annotations
 
-import time
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from rclpy.context import Context
 
 from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import (
     MARKS_STATE,
     RIG_STATE,
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from drill_twin.io.whirl_pipeline import WhirlPipeline
 
 _DEPTH = 1000  # messages; 5 s at 200 Hz
-_STALE = 1.0  # s without a sample
 _QUIET = 0.1  # s
 
 
@@ -59,7 +59,7 @@ class Analyzer(TwinNode):
     ) -> None:
         super().__init__(context, values, other_parameters)
         self._pipeline: WhirlPipeline | None = None
-        self._last_sample: float | None = None
+        self._samples, self._counted = GoodSamples(), (0, 0, 0)
         self._onset_logged = False
         self._logged_problem = ""
 
@@ -86,10 +86,11 @@ class Analyzer(TwinNode):
 
     def _on_message(self, pipeline: WhirlPipeline, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
-        runs = pipeline.runs
+        runs, malformed = pipeline.runs, pipeline.malformed
         self._publish(pipeline.take(topic, bytes(raw)))
-        if topic == self._sampled or pipeline.bit_only is not None:
-            self._last_sample = time.monotonic()
+        if pipeline.malformed > malformed:
+            self._samples.unreadable(topic)
+        self._count_samples(pipeline)
         if pipeline.runs != runs and pipeline.scene is not None:
             self._onset_logged = False
             what = f"the sub {self.settings.sub}" if self.settings.sub else f"{len(pipeline.scene.string.marks)} marks"
@@ -101,6 +102,15 @@ class Analyzer(TwinNode):
         if onset is not None and not self._onset_logged:
             self._onset_logged = True
             self.get_logger().info(f"whirl began at {onset.time_s:.2f} s at {onset.mark}: {onset.criterion}")
+
+    def _count_samples(self, pipeline: WhirlPipeline) -> None:
+        """Note what became of the sample that the last message has completed, if it has."""
+        quality, before = pipeline.quality, self._counted
+        self._counted = quality.accepted, quality.incomplete, quality.late + quality.duplicate
+        accepted, incomplete, out_of_order = (now > then for now, then in zip(self._counted, before, strict=True))
+        if accepted or incomplete or out_of_order:
+            sampled = self._sampled if pipeline.bit_only is None else RIG_STATE
+            self._samples.take(sampled, finite=accepted or not incomplete, in_order=accepted)
 
     def _publish(self, messages: Iterable[tuple[str, bytes]]) -> None:
         for topic, raw in messages:
@@ -143,6 +153,7 @@ class Analyzer(TwinNode):
             "malformed": str(pipeline.malformed),
             "runs": str(pipeline.runs),
             "scenes_put_off": str(self._scenes.put_off),
+            **self._samples.values(),
         }
         if (sub := pipeline.sub_findings) is not None:
             values |= {"impacts": str(sub.impacts), "impact_rate": _known(sub.impact_rate_hz)}
@@ -151,12 +162,14 @@ class Analyzer(TwinNode):
             return Status(self.NAME, Level.ERROR, pipeline.trouble, values)
         if pipeline.scene is None:
             return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}", values)
-        if self._last_sample is None:
-            return Status(self.NAME, Level.OK, "waiting for the first sample", values)
-        silence = time.monotonic() - self._last_sample
-        if silence > _STALE:
-            return Status(self.NAME, Level.STALE, f"no sample for {silence:.1f} s", values)
-        return Status(self.NAME, Level.OK, f"motion: {pipeline.motion}", values)
+        level, text = self._samples.verdict()
+        waiting = math.isinf(self._samples.age(self._sampled)) and pipeline.bit_only is None
+        return Status(
+            self.NAME,
+            level,
+            text or ("waiting for the first sample" if waiting else f"motion: {pipeline.motion}"),
+            values,
+        )
 
 
 def _known(value: float | None) -> str:

@@ -15,6 +15,7 @@ from drill_twin.errors import BagError, RunError
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, sub_of
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
@@ -23,6 +24,7 @@ from drill_twin.ros.core.topics.raw_subscriptions import Received
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
 _QUIET = 0.3  # s
+_NOT_AT_A_RATE = {DIAGNOSTICS, *(name for name, topic in TOPICS.items() if topic.latched or topic.rate == "on change")}
 _SEARCH_PERIOD = 0.5  # s; topics of downhole subs appear during a run
 _BATCH_TIME = 0.01  # s; waking up for each message would cost as much as writing it
 
@@ -56,6 +58,7 @@ class Recorder(TwinNode):
         self._find_subs = False
         self._recorded: set[str] = set()
         self._search_due = Tick(_SEARCH_PERIOD)
+        self._samples = GoodSamples()
         self._broken = False  # a bag that failed once is not written to again, so that the first error is reported
 
     def open(self) -> None:
@@ -97,13 +100,15 @@ class Recorder(TwinNode):
         return topic if topic == DIAGNOSTICS else self._namespace + topic
 
     def _writer_of(self, bag: BagWriter, topic: str) -> Received:
-        name = self._recorded_name(topic)
+        name, at_a_rate = self._recorded_name(topic), topic not in _NOT_AT_A_RATE
 
         def write(raw: bytes, info: Mapping[str, Any]) -> None:
             if self._broken:
                 return
             with self._writing():
                 bag.write(name, info["received_timestamp"], raw)
+            if at_a_rate:
+                self._samples.take(topic)
 
         return write
 
@@ -167,9 +172,12 @@ class Recorder(TwinNode):
             "files": str(self._bag.files if self._bag else 0),
             "lost": str(lost),
             **{f"lost {topic}": str(number) for topic, number in self.topics.dropped.items()},
+            **self._samples.values(),
         }
         if self._bag and self._bag.damage:
             return Status(self.NAME, Level.ERROR, self._bag.damage[-1], values)
         if lost:
             return Status(self.NAME, Level.WARN, f"{lost} messages were lost", values)
-        return Status(self.NAME, Level.OK, f"{values['messages']} messages recorded", values)
+        level, text = self._samples.verdict()
+        said = f"{values['messages']} messages recorded"
+        return Status(self.NAME, level, f"{said}; {text}" if text else said, values)

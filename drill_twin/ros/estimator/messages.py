@@ -11,6 +11,7 @@ from drill_twin.estimation import Band, Estimate, unit_of
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, exact
 from drill_twin.io.messages.encode import TwinEncoder
+from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.io.scene_geometry import string_geometry
 from drill_twin.twin.frame import Frames
@@ -18,6 +19,7 @@ from drill_twin.twin.frame import Frames
 _NAME = "estimate"
 _LIKELY = 0.5
 """Share of the members from which a sentence speaks of whirl."""
+_TRUST = {Level.OK: "good", Level.WARN: "doubtful", Level.ERROR: "unusable"}
 _VALUES = {
     "torque": ("effort", "top_drive"),
     "motor_torque": ("effort", "top_drive"),
@@ -41,27 +43,41 @@ def values_of(state: JointState, *, set_points: bool) -> dict[str, float]:
 
 
 def statuses(found: Estimate, troubles: Mapping[str, int]) -> list[Status]:
-    """The estimate: its sentence with alarm and chance of whirl, then a status for each number and virtual sensor."""
-    level, text = Level.OK, "the model explains what is measured"
+    """The estimate: its sentence with alarm and chance of whirl, then a status for each number and virtual sensor.
+
+    These have the level of the trust in them: OK, WARN or ERROR; in words `estimates` of the first.
+    """
+    trust, doubt = trust_in(found)
+    level, text = trust, doubt or "the model explains what is measured"
     if found.alarm:
-        level, text = Level.ERROR, found.alarm
-    elif found.chance >= _LIKELY:
+        level = Level.ERROR
+    elif trust is Level.OK and found.chance >= _LIKELY:
         level, text = Level.WARN, "whirl is likely soon" if found.whirls <= _LIKELY else "the string whirls"
-    values = {"whirls": exact(found.whirls), "chance_of_whirl": exact(found.chance)}
+    values = {"estimates": _TRUST[trust], "whirls": exact(found.whirls), "chance_of_whirl": exact(found.chance)}
     values |= {f"misfit_{name}": exact(value) for name, value in found.misfit.items()}
     values |= {f"samples_{kind.replace(' ', '_')}": str(count) for kind, count in troubles.items()}
     values |= {"absurd_beside_the_model": str(found.absurd), "members_replaced": str(found.replaced)}
     return [
         Status(_NAME, level, text, values),
-        *(_status(f"{_NAME}: {key}", band, "") for key, band in found.numbers.items()),
-        *(_status(f"{_NAME}: {name}", band, unit_of(name)) for name, band in found.sensors.items()),
+        *(_status(f"{_NAME}: {key}", band, "", trust) for key, band in found.numbers.items()),
+        *(_status(f"{_NAME}: {name}", band, unit_of(name), trust) for name, band in found.sensors.items()),
     ]
 
 
-def _status(name: str, band: Band, unit: str) -> Status:
+def trust_in(found: Estimate) -> tuple[Level, str]:
+    """Trust in the numbers of an estimate, and the reason against it: WARN for doubtful ones, ERROR for unusable."""
+    if not all(math.isfinite(band.mean) for band in found.numbers.values()):
+        return Level.ERROR, "the filter has failed: an estimate is not finite"
+    if found.unmeasured > 0.0:
+        level = Level.WARN if found.unmeasured <= GONE else Level.ERROR
+        return level, f"nothing sound was measured for {found.unmeasured:g} s: the ensemble runs alone"
+    return (Level.WARN, found.alarm) if found.alarm else (Level.OK, "")
+
+
+def _status(name: str, band: Band, unit: str, trust: Level) -> Status:
     values = {"mean": band.mean, "deviation": band.deviation, "low": band.low, "high": band.high}
     text = f"{band.mean:.4g} ({band.low:.4g} to {band.high:.4g}) {unit}".rstrip()
-    return Status(name, Level.OK, text, {key: exact(value) for key, value in values.items()})
+    return Status(name, trust, text, {key: exact(value) for key, value in values.items()})
 
 
 class NearestTwin:

@@ -10,6 +10,8 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any, ClassVar
 
+import numpy as np
+
 from drill_twin.api.estimator import Estimator as Following
 from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.estimation import Estimate
@@ -17,6 +19,7 @@ from drill_twin.io.downhole import readings_topic
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.sensor_messages import read_imu
 from drill_twin.io.messages.stamps import seconds, stamp_ns
@@ -31,7 +34,7 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.scene_parameters import scene_of
-from drill_twin.ros.estimator.messages import NearestTwin, statuses, values_of
+from drill_twin.ros.estimator.messages import NearestTwin, statuses, trust_in, values_of
 from drill_twin.ros.estimator.parameters import PARAMETERS, make_estimator
 from drill_twin.runner import compile_kernel
 
@@ -57,7 +60,8 @@ class Estimator(TwinNode):
         self._following: Following | None = None
         self._nearest: NearestTwin | None = None
         self._found: Estimate | None = None
-        self._refused = 0
+        self._samples = GoodSamples(on_change=(RIG_COMMAND,))
+        self._channels = GoodSamples()
         self._making, self._closing = "making the ensemble", False
         self._thread = ThreadPoolExecutor(1, "ensemble")
         self._made: Future[Following] | None = self._thread.submit(self._make)
@@ -122,8 +126,9 @@ class Estimator(TwinNode):
         try:
             command = read_command(self._commands.read(bytes(raw)), absent_weight=math.nan)
         except DrillTwinError:
-            self._refused += 1
+            self._samples.unreadable(RIG_COMMAND)
             return
+        self._samples.take(RIG_COMMAND, finite=math.isfinite(command.rotation))
         self._set_points = asdict(command)
 
     def _on_measured(self, raw: bytes, info: Mapping[str, Any]) -> None:
@@ -134,9 +139,13 @@ class Estimator(TwinNode):
             state = self._reader.read(bytes(raw))
             values = values_of(state, set_points=self.settings.set_points == "measured")
         except (DrillTwinError, IndexError):
-            self._refused += 1
+            self._samples.unreadable(MEASURED_RIG_STATE)
             return
-        self._following.take(seconds(state.stamp), values | self._set_points)
+        in_order = self._following.take(seconds(state.stamp), values | self._set_points)
+        finite = {name: math.isfinite(values[name]) for name in self._following.channels}
+        self._samples.take(MEASURED_RIG_STATE, finite=any(finite.values()), in_order=in_order)
+        for name, known in finite.items():
+            self._channels.take(f"{name} of {MEASURED_RIG_STATE}", finite=known, in_order=in_order)
 
     def _on_readings(self, sub: str, raw: bytes, info: Mapping[str, Any]) -> None:
         del info
@@ -145,8 +154,9 @@ class Estimator(TwinNode):
         try:
             reading = read_imu(bytes(raw))
         except DrillTwinError:
-            self._refused += 1
+            self._samples.unreadable(readings_topic(sub))
             return
+        self._samples.take(readings_topic(sub), finite=bool(np.isfinite(reading.values).any()))
         self._following.take_readings(seconds(reading.stamp), sub, reading.values)
 
     def _publish(self, following: Following, found: Estimate | None) -> None:
@@ -164,12 +174,20 @@ class Estimator(TwinNode):
                 self.topics.publish(topic, raw)
 
     def health(self) -> Status:
-        """Samples that were not sound, and whether the machine keeps up."""
+        """What is measured and how soundly, whether model and measurements part, and whether the machine keeps up."""
         if self._following is None:
             return Status(self.NAME, Level.OK, self._making)
         intake = self._following.intake
         values = {kind.replace(" ", "_"): str(count) for kind, count in intake.troubles.items()}
-        values |= {"unreadable": str(self._refused), "windows_waiting": str(intake.waiting)}
+        values |= {**self._samples.values(), **self._channels.values(), "windows_waiting": str(intake.waiting)}
+        (level, text), (_, lacks) = self._samples.verdict(), self._channels.verdict()
+        if level is not Level.OK:
+            return Status(self.NAME, level, text, values)
+        level, text = (Level.OK, "") if self._found is None else trust_in(self._found)
+        if text:
+            return Status(self.NAME, level, text, values)
+        if lacks:
+            return Status(self.NAME, Level.WARN, lacks, values)
         if intake.frozen:
             return Status(self.NAME, Level.WARN, f"{', '.join(sorted(intake.frozen))}: frozen, left out", values)
         if intake.troubles["skipped window"]:
@@ -177,4 +195,4 @@ class Estimator(TwinNode):
             return Status(self.NAME, Level.WARN, text, values)
         if self._found is None:
             return Status(self.NAME, Level.OK, f"waiting for {MEASURED_RIG_STATE}", values)
-        return Status(self.NAME, Level.OK, self._found.alarm or "follows the rig", values)
+        return Status(self.NAME, Level.OK, "follows the rig", values)

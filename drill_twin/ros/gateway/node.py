@@ -213,6 +213,7 @@ class Gateway(TwinNode):
             "holder": self._control.holder,
             "commands_sent": str(self._output.sent),
             **{f"refused_{kind}": str(count) for kind, count in refused.items()},
+            **self._quantities.samples.values(),
         }
         if command is not None:
             values |= {
@@ -240,8 +241,11 @@ class Gateway(TwinNode):
         if self._unread:
             text, self._unread = f"a message could not be read: {self._unread}", ""
             return Level.WARN, text
-        if stale:
-            return Level.WARN, f"the twin is silent: {len(stale)} signals are marked uncertain"
+        level, text = self._quantities.samples.verdict()
+        if stale or level is not Level.OK:
+            silent = "the twin is silent" if level in {Level.OK, Level.STALE} else ""
+            said = [part for part in (silent, text, f"{len(stale)} signals are marked uncertain") if part]
+            return max(level, Level.WARN), ": ".join(said)
         return Level.OK, "showing the twin" if present else "waiting for the twin"
 
 

@@ -19,6 +19,7 @@ from drill_twin.base.frame_period import frame_period_ns
 from drill_twin.errors import MessageError
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
@@ -53,6 +54,7 @@ class RigDriver(TwinNode):
         self._sent = 0
         self._last: Command | None = None
         self._echo_due = 0
+        self._samples = GoodSamples()
 
     def open(self) -> None:
         """Load the schedule and create the topics."""
@@ -113,7 +115,9 @@ class RigDriver(TwinNode):
         try:
             stamp = read_clock(raw)
         except MessageError:
+            self._samples.unreadable(CLOCK_TOPIC)
             return
+        self._samples.take(CLOCK_TOPIC)
         if stamp < (self._clock_stamp or 0):  # the simulator was reset
             self._sent_stamp, self._echo_due = -1, 0
             self._plan = self._schedule.at  # as a launch with these set-points: a transition belongs to the run before
@@ -171,9 +175,11 @@ class RigDriver(TwinNode):
             "weight_on_bit": f"{command.weight_on_bit:g}",
             "speed_rev_s": f"{command.rotation / math.tau:g}",
             "commands_sent": str(self._sent),
+            **self._samples.values(),
         }
+        level, text = self._samples.verdict()
         if len(drivers) > 1:
             return Status(self.NAME, Level.WARN, f"more than one driver: {', '.join(drivers)}", values)
-        if self._clock_stamp is None:
+        if self._clock_stamp is None and level is Level.OK:
             return Status(self.NAME, Level.OK, f"waiting for {CLOCK_TOPIC}", values)
-        return Status(self.NAME, Level.OK, "the schedule is over; holding" if over else "driving", values)
+        return Status(self.NAME, level, text or ("the schedule is over; holding" if over else "driving"), values)

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Age of the last good sample of each input of a node, and the count of the bad ones since."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
+from statistics import median
+
+from drill_twin.io.messages.diagnostics import Level
+
+STALE, GONE = 1.0, 3.0
+"""Age above which a value is stale, and gone [s]; of an input that comes slowly, times its usual interval."""
+_FIRST = 5.0
+"""Age above which the first good sample is stale [s]: how often the input comes is not known yet."""
+_INTERVALS = 9
+_KINDS = {
+    "not_finite": "had no finite number",
+    "unreadable": "could not be read",
+    "out_of_order": "were late or repeated",
+}
+"""Kinds of bad samples, and in words."""
+
+
+@dataclass
+class _Input:
+    begun: float
+    last: float
+    good: float | None = None
+    intervals: deque[float] = field(default_factory=lambda: deque(maxlen=_INTERVALS))
+    bad: Counter[str] = field(default_factory=Counter)
+    since: Counter[str] = field(default_factory=Counter)  # of `bad`, those since the last good one
+
+    @property
+    def stale_after(self) -> float:
+        if self.good is None:
+            return STALE
+        return max(STALE, GONE * median(self.intervals)) if self.intervals else _FIRST
+
+
+class GoodSamples:
+    """Good and bad samples by input: a topic, or a channel of one.
+
+    An input of which nothing has come is waited for, and no fault. One that falls silent is STALE. One that goes on to
+    come without a good sample is a WARN, and an ERROR once it has lasted three times as long.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic, *, on_change: Collection[str] = ()) -> None:
+        """Start without samples.
+
+        Args:
+            clock: Monotonic time [s].
+            on_change: Inputs that come on change only, whose silence is no fault.
+        """
+        self._clock, self._on_change = clock, frozenset(on_change)
+        self._inputs: dict[str, _Input] = {}
+
+    def take(self, name: str, *, finite: bool = True, in_order: bool = True) -> None:
+        """Note a sample that could be read.
+
+        Args:
+            name: Input.
+            finite: Whether it has a finite number that is used.
+            in_order: Whether its stamp is a new one.
+        """
+        if not (finite and in_order):
+            self._bad(name, "out_of_order" if finite else "not_finite")
+            return
+        found = self._heard(name)
+        if found.good is not None:
+            found.intervals.append(found.last - found.good)
+        found.good = found.last
+        found.since.clear()
+
+    def unreadable(self, name: str) -> None:
+        """Note a sample that could not be read."""
+        self._bad(name, "unreadable")
+
+    def age(self, name: str) -> float:
+        """Time since the last good sample of an input [s]; infinite before the first."""
+        found = self._inputs.get(name)
+        return math.inf if found is None or found.good is None else self._clock() - found.good
+
+    def values(self) -> dict[str, str]:
+        """Values for the diagnostics: age [s] by input, infinite before the first good one, and bad samples in all."""
+        return {f"good_sample_age {name}": f"{self.age(name):.3f}" for name in self._inputs} | {
+            f"{kind} {name}": str(count) for name, found in self._inputs.items() for kind, count in found.bad.items()
+        }
+
+    def verdict(self) -> tuple[Level, str]:
+        """Level, and a sentence on the input without a good sample for longest; OK and empty where there is none."""
+        now, worst, level, text = self._clock(), 0.0, Level.OK, ""
+        for name, found in self._inputs.items():
+            age = now - (found.begun if found.good is None else found.good)
+            rests = name in self._on_change and not found.since
+            if rests or age <= found.stale_after or age <= worst:
+                continue
+            silent = now - found.last > found.stale_after and name not in self._on_change
+            level = Level.STALE if silent else Level.WARN if age <= GONE * found.stale_after else Level.ERROR
+            bad = ", ".join(f"{count} samples {_KINDS[kind]}" for kind, count in found.since.items())
+            worst, text = age, f"no good sample of {name} for {age:.1f} s{f' ({bad})' if bad else ''}"
+        return level, text
+
+    def _heard(self, name: str) -> _Input:
+        now = self._clock()
+        found = self._inputs.setdefault(name, _Input(now, now))
+        found.last = now
+        return found
+
+    def _bad(self, name: str, kind: str) -> None:
+        found = self._heard(name)
+        found.bad[kind] += 1
+        found.since[kind] += 1
