@@ -6,12 +6,12 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
 from drill_twin.errors import shortened
-from drill_twin.gateway.signals import Target
+from drill_twin.gateway.signals import Limits, Target, range_taken
 
 REQUEST, HEARTBEAT = "Request", "Heartbeat"
 """Names of the nodes that a client writes: true to request control and false to give it back; a number that changes."""
@@ -76,9 +76,9 @@ class Control:
         """Reason for which the last holder lost control; empty after an orderly end."""
         self.values: dict[str, float] = {}
         """Targets set by the holder, by quantity [SI]."""
-        self._limits: Mapping[str, tuple[float, float]] = {}
+        self._limits: Limits = {}
 
-    def set_limits(self, limits: Mapping[str, tuple[float, float]]) -> None:
+    def set_limits(self, limits: Limits) -> None:
         """Take no targets beyond these limits of a scene from now on, by quantity [SI]."""
         with self._lock:
             self._limits = limits
@@ -105,8 +105,7 @@ class Control:
             return None
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             return Refusal(f"{name}: expected a finite number, found {shortened(repr(value), 60)}", of_value=True)
-        low, high = (one / target.factor for one in self._limits.get(target.quantity, (-math.inf, math.inf)))
-        low, high = max(low, target.low), min(high, target.high)
+        low, high = range_taken(target, self._limits)
         if not (math.isfinite(low) and math.isfinite(high)):
             return Refusal(f"{name}: expected a scene of the twin, which limits it, found none so far", of_value=True)
         if not low <= value <= high:

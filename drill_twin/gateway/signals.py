@@ -91,6 +91,16 @@ class RigSignal:
     """Time without a change at which it is not used any more [s]; 0: none."""
 
 
+Limits = Mapping[str, tuple[float, float]]
+"""Lowest and highest set-point of a scene by quantity [SI]."""
+
+
+def range_taken(signal: Target | RigSignal, limits: Limits) -> tuple[float, float]:
+    """Range of a set-point in its unit: that of the file within that of the scene; infinite where neither says."""
+    low, high = (one / signal.factor for one in limits.get(signal.quantity, (-math.inf, math.inf)))
+    return max(low, signal.low), min(high, signal.high)
+
+
 @dataclass(frozen=True)
 class Signals:
     """Signals of a gateway."""

@@ -175,6 +175,48 @@ def test_the_ramp_to_the_safe_set_point_takes_its_time_and_ends_there(clock):
     assert arbiter.set_point(0.01) == Command(40.0, 12.0)
 
 
+@pytest.fixture
+def watched(clock):
+    """An arbiter that ramps where a source that sent at a rate is lost."""
+    silence = Silence(1.0, ramp_if_lost=True, safe=Command(10.0, 0.0), ramp_time=1.0)
+    return CommandArbiter(LIMITS, silence, Command(0.0, 0.0), clock=clock)
+
+
+def advance(arbiter, clock, frames, each):
+    for _ in range(frames):
+        clock.now += each
+        applied = arbiter.set_point(0.1)
+    return applied
+
+
+def test_a_source_that_sent_at_a_rate_and_is_lost_is_followed_by_the_ramp(watched, clock):
+    for stamp in range(3):
+        watched.both(stamp, Command(40.0, 12.0))
+        advance(watched, clock, 1, 0.1)
+    assert advance(watched, clock, 10, 0.1) == Command(40.0, 12.0)
+    assert advance(watched, clock, 25, 0.1) == Command(10.0, 0.0)
+    watched.weight_on_bit(20.0, driver_present=True)
+    assert watched.set_point(0.1) == Command(20.0, 0.0)  # not with the speed of who is gone
+
+
+def test_what_was_sent_once_or_by_hand_is_held(watched, clock):
+    """As `ros2 topic pub --once`: who sends one value wants it until the next."""
+    for stamp in range(4):
+        watched.both(stamp, Command(40.0, 12.0))
+        assert advance(watched, clock, 100, 0.1) == Command(40.0, 12.0)
+    for value in (30.0, 31.0, 32.0, 33.0):
+        watched.weight_on_bit(value, driver_present=False)
+    assert advance(watched, clock, 100, 0.1) == Command(33.0, 12.0)
+
+
+def test_neither_a_pause_nor_slow_frames_are_the_loss_of_a_source(watched, clock):
+    for stamp in range(50):
+        watched.both(stamp, Command(40.0, 12.0))
+        assert advance(watched, clock, 2, 3.0) == Command(40.0, 12.0)
+    clock.now += 100.0
+    assert advance(watched, clock, 5, 0.01) == Command(40.0, 12.0)
+
+
 def test_a_desk_that_heard_nothing_is_not_silent(arbiter, clock):
     clock.now += 1000.0
     assert not arbiter.heard

@@ -158,6 +158,28 @@ def test_silence_ramps_to_the_safe_set_point_when_asked(bench, joints):
     assert process.end() == 0
 
 
+@pytest.mark.fault("driver killed (-9) while the twin goes on", "after the age limit a ramp to the safe set-point")
+def test_the_set_point_of_a_driver_that_was_killed_does_not_stay(bench, joints):
+    process = bench.start("simulator", command_timeout=0.3, safe_ramp_time=0.5, safe_weight_on_bit=5.0)
+    state = bench.collect(RIG_STATE)
+    driver = bench.start("rig_driver", wait_for="simulator test", overrides="rig.weight_on_bit.duration=0.1 s")
+    bench.until(lambda: state and joints(state[-1:])[0].effort[1] == 40.0, what="the weight of the driver")
+    assert bench.call("/simulator/pause").success  # a pause is no silence
+    bench.spin(0.6)
+    assert bench.call("/simulator/resume").success
+    count = len(state)
+    bench.until(lambda: len(state) > count + 100)
+    assert {sample.effort[sample.index("bit")] for sample in joints(state[count:])} == {40.0}
+    driver.kill()
+    status = bench.until_status("simulator", lambda status: _set_points(status) == (5.0, 0.0))
+    assert status.level == Level.WARN
+    assert status.text.endswith("; ramping to the safe set-point")
+    driver = bench.start("rig_driver", overrides="rig.weight_on_bit.duration=0.1 s")
+    bench.until_status("simulator", lambda status: _set_points(status)[0] == 40.0 and status.level == Level.OK)
+    for one in (driver, process):
+        assert one.end() == 0, one.text
+
+
 def test_the_echo_of_the_rig_driver_is_no_second_source(bench, simulator):
     driver = bench.start("rig_driver")
     status = bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 2.5)

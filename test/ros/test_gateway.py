@@ -16,6 +16,7 @@ import pytest
 asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
 
 from drill_twin.gateway.dwis import PROPOSED, PROTOTYPES  # noqa: E402
+from drill_twin.gateway.opc_ua.server import MOST_CLIENTS  # noqa: E402
 
 HERE = Path(__file__).resolve().parent / "gateway"
 STEADY = "rig.weight_on_bit.duration=0.1 s; rig.rotation.duration=0.1 s"
@@ -120,6 +121,29 @@ def test_a_twin_that_falls_silent_leaves_uncertain_values_and_comes_back(twin):
     twin.until_status("gateway", lambda status: status.text == "showing the twin")
     time.sleep(0.3)
     assert client("read", twin.url)["WOB"]["status"] == GOOD
+
+
+@pytest.mark.fault("32 connections that say nothing", "the oldest are closed: a client is let in at once")
+def test_silent_connections_do_not_keep_a_client_out(twin):
+    silent = [socket.create_connection(("127.0.0.1", twin.port), 10.0) for _ in range(MOST_CLIENTS)]
+    try:
+        twin.until_status("gateway", lambda status: int(status.values.get("refused_silent", 0)) >= 8)
+        read = client("read", twin.url)
+        still_open = [_is_open(one) for one in silent]
+    finally:
+        for one in silent:
+            one.close()
+    assert read["SurfaceRPM"]["value"] == pytest.approx(120.0)
+    assert still_open[-1]
+    assert not any(still_open[:8])  # the oldest first
+
+
+def _is_open(connection):
+    connection.setblocking(False)
+    try:
+        return bool(connection.recv(1))
+    except BlockingIOError:
+        return True
 
 
 def test_a_taken_port_is_one_line(bench):

@@ -58,7 +58,7 @@ def rig(module_bench, tmp_path_factory):
         one.bind(("127.0.0.1", 0))
         port = one.getsockname()[1]
     bench.start("simulator", overrides=STEADY)
-    bench.start(
+    bench.gateway = bench.start(
         "gateway", port=port, keys=str(server), heartbeat_timeout=1.0, safe_weight_on_bit=5.0, safe_ramp_time=0.2
     )
     bench.until_status("gateway", bool)
@@ -199,3 +199,23 @@ def test_without_keys_this_host_may_be_called_by_any_of_its_names(bench, host):
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert process.end() == 0
+
+
+@pytest.mark.fault(
+    "gateway killed (-9) while its client has control", "a ramp to the safe set-point after the age limit"
+)
+def test_the_twin_goes_to_the_safe_set_point_when_a_gateway_in_control_is_killed(rig, joints):
+    """Last of this file: the gateway is gone."""
+    states, holder = rig.collect(RIG_STATE), rig.client()
+    rig.set_parameter("simulator", "safe_ramp_time", 0.5)
+    rig.set_parameter("gateway", "grant", "always")
+    assert holder.ask("write", "Request", True) == "Good"
+    holder.ask("beat", 0.2)
+    rig.until_status("gateway", lambda status: status.values["holder"] == "driller")
+    assert holder.ask("write", "WOBTarget", 25.0) == "Good"  # once; the gateway repeats it
+    rig.until(lambda: states and _applied(joints(states[-1:])[0])[0] == pytest.approx(25.0), what="the target")
+    rig.gateway.kill()
+    rig.until(lambda: _applied(joints(states[-1:])[0]) == pytest.approx((0.0, 0.0)), what="the safe set-point")
+    status = rig.until_status("simulator", lambda status: "no command for" in status.text)
+    assert status.text.endswith("; ramping to the safe set-point")
+    assert status.level == Level.WARN

@@ -143,12 +143,23 @@ def test_set_points_of_a_rig_are_followed_until_they_are_stale(bench, serve, joi
     rig.ask("set", "WOBSet", 35.0)
     rig.ask("set", "RPMSet", 90.0)
     _gateway(bench, port, FOLLOW, safe_weight_on_bit=4.0, safe_ramp_time=0.2)
+    status = bench.until_status("gateway", lambda one: "which limits it" in one.text)
+    assert status.level == Level.WARN
+    assert not commands
+    bench.start("simulator")  # its scene admits ten times its own set-points
 
     def last():
         state = joints(commands[-1:])[0]
         return float(state.effort[state.index("bit")]), float(state.velocity[state.index("top_drive")])
 
     bench.until(lambda: commands and last() == (35.0, pytest.approx(1.5 * math.tau)), what="the set-points")
+    rig.ask("set", "WOBSet", 401.0)
+    told = "control lost: weight_on_bit of the rig: expected 0 to 400 N, found 401; the safe set-point is in force"
+    bench.until_status("gateway", lambda one: (one.level, one.text) == (Level.ERROR, told))
+    bench.until(lambda: last() == (4.0, 0.0), what="the safe set-point")
+    assert all(one.effort[one.index("bit")] <= 35.0 for one in joints(commands))
+    rig.ask("set", "WOBSet", 35.0)
+    bench.until(lambda: last()[0] == 35.0, what="the set-points again")
     rig.kill()
     status = bench.until_status("gateway", lambda one: one.level == Level.ERROR)
     assert status.text.startswith("control lost: weight_on_bit of the rig: no connection")

@@ -7,6 +7,7 @@ Basic256Sha256 and a user with a password.
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import math
 from collections.abc import Mapping, Sequence
@@ -31,6 +32,8 @@ APPLICATION = "urn:drill_twin:gateway"
 """URI of the application, and of the namespace of its nodes."""
 MOST_CLIENTS = 32
 _PENDING = 10.0  # s that a connection may take to open a session
+_FREE = 8  # places that are kept free of connections without a session
+_LOOK = 0.1  # s between two looks at the places
 logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what a client does wrong is no error of this program
 
 
@@ -101,6 +104,17 @@ class OpcUaServer:
         server.subscribe_server_callback(CallbackType.PostWrite, self.sessions.after_write)
         self._server = server
         await server.start()
+        self._places = asyncio.get_running_loop().create_task(self._keep_places_free())
+
+    async def _keep_places_free(self) -> None:
+        """Close the oldest connections without a session while places are short; each would hold one for `_PENDING`."""
+        while True:
+            await asyncio.sleep(_LOOK)
+            clients = list(self._server.bserver.clients)  # the oldest first
+            silent = [one for one in clients if not _has_session(one)]
+            for one in silent[: max(len(clients) - (MOST_CLIENTS - _FREE), 0)]:
+                one.transport.close()
+                self.sessions.note_silent()
 
     async def _secure(self, server: Any) -> None:
         if self._keys is None:
@@ -155,6 +169,11 @@ class OpcUaServer:
         """End all sessions, and the thread."""
         self._thread.call(self._server.stop())
         self._thread.close()
+
+
+def _has_session(client: Any) -> bool:
+    session = client.processor.session
+    return session is not None and session.is_activated()
 
 
 def _status(sample: Sample) -> int:

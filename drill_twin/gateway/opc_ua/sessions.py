@@ -39,7 +39,7 @@ class Sessions:
         self._names: Mapping[Any, str] = {}
         self._last_refusal = ("", -_TOLD)
         self.refused: Counter[str] = Counter()
-        """Refused connections and writes, by kind: certificate, user, right, value."""
+        """Refused connections and writes, by kind: certificate, user, right, value, silent."""
 
     def watch(self, names: Mapping[Any, str]) -> None:
         """Name the nodes that are written through the control, by node id."""
@@ -50,6 +50,10 @@ class Sessions:
         """The last refusal, for some seconds; empty afterwards."""
         text, told = self._last_refusal
         return text if time.monotonic() - told < _TOLD else ""
+
+    def note_silent(self) -> None:
+        """Count a connection that was closed without a session, as places were short."""
+        self.refused["silent"] += 1
 
     def get_user(
         self, _server: Any, username: str | None = None, password: str | None = None, certificate: bytes | None = None

@@ -102,7 +102,10 @@ class Gateway(TwinNode):
         except DrillTwinError as error:
             self._unread = f"{TWIN_SCENE}: {error}"
             return
-        self._control.set_limits({"weight_on_bit": limits.weight_on_bit, "surface_rotation": limits.rotation})
+        of = {"weight_on_bit": limits.weight_on_bit, "surface_rotation": limits.rotation}
+        self._control.set_limits(of)
+        if self._rig is not None:
+            self._rig.limits = of
 
     def work(self) -> None:
         """Take messages, decide about control, and show the values once they are due."""

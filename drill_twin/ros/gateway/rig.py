@@ -14,7 +14,7 @@ import numpy as np
 from drill_twin.base.loopback import is_loopback
 from drill_twin.gateway.quantities import MEASURED, downhole
 from drill_twin.gateway.rig_reader import RigReader
-from drill_twin.gateway.signals import RigSignal, Signals
+from drill_twin.gateway.signals import Limits, RigSignal, Signals, range_taken
 from drill_twin.gateway.wits0 import WitsReader
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.rig_messages import RIG_JOINTS
@@ -56,6 +56,8 @@ class Rig:
             WitsReader(settings.rig_url, read) if wits else _opc_ua_client(settings, read, keys if secure else None)
         )
         self._judged = self._client.judged()
+        self.limits: Limits = {}
+        """Limits of the scene for the set-points that are followed."""
         self._published, self._withdrawn = dict[str, int](), False
         self._template = JointStateTemplate(RIG_JOINTS)
         node.topics.advertise(MEASURED_RIG_STATE)
@@ -100,7 +102,7 @@ class Rig:
         return stamp
 
     def _follow(self) -> None:
-        fault = self._fault_of(self._signals.follow)
+        fault = self._fault_of(self._signals.follow) or self._beyond_limits()
         free = self._output.command is None or bool(self.lost)  # no client has control, or lost it
         if not fault and (self.follows or (free and not self._output.others())):
             if not self.follows:
@@ -121,11 +123,21 @@ class Rig:
         found = ((one, self._judged[one]) for one in signals)
         return next((f"{one.quantity} of the rig: {judged.fault}" for one, judged in found if judged.fault), "")
 
+    def _beyond_limits(self) -> str:
+        """First set-point of the rig that the scene does not admit, in a sentence; empty if all are admitted."""
+        for one in self._signals.follow:
+            low, high = range_taken(one, self.limits)
+            if not (math.isfinite(low) and math.isfinite(high)):
+                return f"{one.quantity} of the rig: expected a scene of the twin, which limits it, found none so far"
+            if not low <= (value := self._judged[one].value / one.factor) <= high:
+                return f"{one.quantity} of the rig: expected {low:g} to {high:g} {one.unit}, found {value:g}"
+        return ""
+
     def fault(self) -> str:
         """First fault of all, as a sentence; empty if all is sound."""
         if self._client.fault:
             return f"no connection to the rig: {self._client.fault}"
-        return self._fault_of((*self._signals.measure, *self._signals.follow))
+        return self._fault_of((*self._signals.measure, *self._signals.follow)) or self._beyond_limits()
 
     def values(self) -> dict[str, str]:
         """Values for the diagnostics."""

@@ -21,6 +21,8 @@ from drill_twin.schedule.command import Command
 
 _RECENT = 5.0  # s; for so long a value of another source is reported
 _REFUSAL_TOLD = 10.0  # s; for so long a refusal is a warning
+_AT_A_RATE = 3  # commands in a row, from which their source is one that goes on to send
+_FRAMES = 20  # without a command, before its source is lost: after a pause, or where frames are slow, it needs a moment
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,8 @@ class Silence:
     """Wall time without a command after which it counts as silence [s]."""
     ramp: bool = False
     """True: ramp to the safe set-point; False: hold the last one."""
+    ramp_if_lost: bool = False
+    """True: ramp also where a source of `/rig/command` that sent at a rate is lost."""
     safe: Command = field(default_factory=lambda: Command(0.0, 0.0))
     """The safe set-point."""
     ramp_time: float = 5.0
@@ -79,6 +83,7 @@ class CommandArbiter:
         self._good = first
         self._applied = first
         self._last_time: float | None = None
+        self._in_a_row = self._frames = 0  # commands on /rig/command, and frames since the last of them
         self._both_time: float | None = None
         self._echoes = EchoFilter()
         self.last_stamp = -1
@@ -116,14 +121,14 @@ class CommandArbiter:
         if driver_present and not self._driver_is_silent():
             self._echoes.weight_on_bit(self._clock(), value)
         else:
-            self._judge(replace(self._good, weight_on_bit=value), by_hand=True)
+            self._judge(replace(self._in_force, weight_on_bit=value), by_hand=True)
 
     def speed(self, value: float, *, driver_present: bool) -> None:
         """Receive a `/rig/rps_command` [rev/s]."""
         if driver_present and not self._driver_is_silent():
             self._echoes.speed(self._clock(), value)
         else:
-            self._judge(replace(self._good, rotation=value * math.tau), by_hand=True)
+            self._judge(replace(self._in_force, rotation=value * math.tau), by_hand=True)
 
     def malformed(self, reason: str) -> None:
         """Count a message that holds no command."""
@@ -152,6 +157,8 @@ class CommandArbiter:
         if why := self._limits.why_refused(command):
             self._refuse(*why)
             return
+        follows = self.heard and (self.age <= self._silence.timeout or self._frames < _FRAMES)
+        self._in_a_row, self._frames = 0 if by_hand else self._in_a_row * follows + 1, 0
         self._good, self.by_hand = command, by_hand
         self._last_time = self._clock()
         self.accepted += 1
@@ -179,6 +186,21 @@ class CommandArbiter:
         return self.heard and self.age > self._silence.timeout
 
     @property
+    def source_lost(self) -> bool:
+        """True while a source of `/rig/command` that sent at a rate is silent: it ended, was killed or hangs."""
+        return self.silent and self._in_a_row >= _AT_A_RATE and self._frames >= _FRAMES
+
+    @property
+    def ramps(self) -> bool:
+        """True from a silence on that is followed by the ramp to the safe set-point."""
+        return (self.silent and self._silence.ramp) or (self._silence.ramp_if_lost and self.source_lost)
+
+    @property
+    def _in_force(self) -> Command:
+        """Set-points that a single value joins: not those of a source that is lost."""
+        return self._applied if self.ramps else self._good
+
+    @property
     def refused_recently(self) -> bool:
         """True for ten seconds after a command was refused."""
         return self._clock() - self._last_refusal_time < _REFUSAL_TOLD
@@ -190,7 +212,8 @@ class CommandArbiter:
 
     def set_point(self, seconds: float) -> Command:
         """Set-point to apply over the next `seconds` of simulated time."""
-        if self.silent and self._silence.ramp:
+        self._frames += 1
+        if self.ramps:
             share = min(seconds / self._silence.ramp_time, 1.0) if self._silence.ramp_time > 0.0 else 1.0
             self._applied = self._applied.towards(self._silence.safe, self._good, share)
         else:

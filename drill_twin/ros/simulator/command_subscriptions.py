@@ -90,7 +90,14 @@ class CommandSubscriptions:
             negative=settings.negative_commands,
         )
         safe = Command(settings.safe_weight_on_bit, settings.safe_speed * math.tau)
-        return limits, Silence(settings.command_timeout, settings.on_silence == "ramp", safe, settings.safe_ramp_time)
+        follows = settings.on_silence
+        return limits, Silence(
+            settings.command_timeout,
+            ramp=follows == "ramp",
+            ramp_if_lost=follows == "ramp_if_lost",
+            safe=safe,
+            ramp_time=settings.safe_ramp_time,
+        )
 
     def _on_command(self, raw: bytes, info: Mapping[str, Any]) -> None:
         if self._publishers.take(info["publication_sequence_number"]):

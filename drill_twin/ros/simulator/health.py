@@ -70,8 +70,8 @@ def verdict(settings: SimpleNamespace, simulation: Simulation, sources: Sequence
     if arbiter.refused_recently:
         return Level.WARN, f"commands were refused; the last: {arbiter.last_refusal}"
     # Single values are sent on change: who sends one has not fallen silent, unless time or a ramp depends on it.
-    if arbiter.silent and not (arbiter.by_hand and settings.on_silence == "hold" and settings.pace != "lockstep"):
-        held = "ramping to the safe set-point" if settings.on_silence == "ramp" else "the last one is held"
+    if arbiter.silent and not (arbiter.by_hand and settings.on_silence != "ramp" and settings.pace != "lockstep"):
+        held = "ramping to the safe set-point" if arbiter.ramps else "the last one is held"
         waits = "the lockstep waits" if settings.pace == "lockstep" else held
         return Level.WARN, f"no command for {arbiter.age:.1f} s; {waits}"
     if trouble:

@@ -39,9 +39,10 @@ PARAMETERS = (
     ),
     Parameter(
         "on_silence",
-        "hold",
-        "what follows silence: hold the last set-point, or ramp to the safe one",
-        choices=("hold", "ramp"),
+        "ramp_if_lost",
+        "what follows silence: hold the last set-point; ramp to the safe one; or ramp_if_lost: ramp where the "
+        "source sent at a rate on /rig/command, hold what was sent once",
+        choices=("ramp_if_lost", "hold", "ramp"),
         live=True,
     ),
     Parameter("safe_weight_on_bit", 0.0, "weight on bit of the safe set-point", "N", -1e7, 1e7, live=True),
