@@ -30,13 +30,14 @@ else
 endif
 PIP := $(CLEAN) $(PYTHON) -m pip install --disable-pip-version-check -qq -c $(STAMPS)/constraints.txt
 
-.PHONY: help setup setup-test demo docs test test-long faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage browser bench bag-window map-boundary advice-loop peers check clean
+.PHONY: help setup setup-test demo docs test test-long evidence faults faults-seeded kills soak fuzz day damage random-scenes fit-coverage browser bench bag-window map-boundary advice-loop peers check clean
 
 help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
 	@echo 'make docs       the documentation as a site in out/docs/html'
 	@echo 'make test       the test suite'
 	@echo 'make test-long  soaks and large random samples'
+	@echo 'make evidence   the tests of what shows that the twin is right (evidence/), the long ones too'
 	@echo 'make faults     faults of a rig, applied to real processes; prints a table of the results'
 	@echo 'make kills      kill -9 of each node, KILLS=50 times, while recording; needs a quiet machine'
 	@echo 'make faults-seeded  small faults put into a copy of the package: each is caught by a test of its room'
@@ -78,11 +79,11 @@ $(STAMPS)/venv-$(KIND):
 	[ -e $(PYTHON) ] || { echo "making $(VENV) with $$($$found --version)"; $(CLEAN) $$found -m venv $(VENV_FLAGS) $(VENV); }
 	@mkdir -p $(STAMPS) && touch $(VENV)/COLCON_IGNORE $@
 
-$(STAMPS)/run-$(KIND): $(STAMPS)/venv-$(KIND) requirements.txt constraints.txt setup.py setup.cfg
+$(STAMPS)/run-$(KIND): $(STAMPS)/venv-$(KIND) requirements.txt constraints.txt setup.py setup.cfg evidence/setup.py
 	@echo 'installing what the twin needs (0.9 GB, a minute or two)'
 	@grep -v $(NOT_PINNED) constraints.txt > $(STAMPS)/constraints.txt
 	@$(PIP) $(INSTEAD_OF_ROS)
-	@$(PIP) --no-build-isolation --editable .
+	@$(PIP) --no-build-isolation --editable . --editable evidence
 	@echo "compiling the physics of the paper's scene (half a minute)"
 	@$(PYTHON) -c "from drill_twin.scene import load_scene; from drill_twin.runner import Session; Session(load_scene('pa6_bench'))"
 	@touch $@
@@ -94,7 +95,7 @@ $(STAMPS)/test-$(KIND): $(STAMPS)/run-$(KIND)
 
 $(STAMPS)/bench-$(KIND): $(STAMPS)/run-$(KIND)
 	@echo 'installing what the benchmarks need, the peers included'
-	@$(PIP) --no-build-isolation --editable '.[bench]'
+	@$(PIP) --no-build-isolation --editable . --editable 'evidence[bench]'
 	@touch $@
 
 $(STAMPS)/docs-$(KIND): $(STAMPS)/run-$(KIND)
@@ -136,6 +137,9 @@ test-long: setup-test
 	$(ROS_PYTEST) test/ros -m long || found=$$?; \
 	exit $$found
 
+evidence: setup-test
+	@$(PYTEST) -n 2 --dist loadfile evidence/test -m 'long or not long'
+
 faults: setup-test
 	@DRILL_TWIN_FAULTS=1 $(PYTEST) test/ros -q -m 'fault and (long or not long)'
 
@@ -143,7 +147,7 @@ kills: setup-test
 	@DRILL_TWIN_KILLS=$(KILLS) $(PYTEST) test/ros/test_kills.py -q -s -m long
 
 faults-seeded: setup-test
-	@$(PYTHON) -m benchmarks.faults_seeded --page docs/faults_seeded.md
+	@$(PYTHON) -m drill_twin_evidence.benchmarks.faults_seeded --page docs/faults_seeded.md
 
 soak: setup-test
 	@DRILL_TWIN_SOAK=3600 $(PYTEST) test/ros/test_faults.py -q -s -m 'long' -k soak
@@ -155,34 +159,34 @@ damage: setup-test
 	@DRILL_TWIN_DAMAGE=12000 $(PYTHON) -m pytest test/fuzz/test_damage.py -q -s
 
 random-scenes: setup-test
-	@nice $(PYTHON) test/studies/stress/campaign.py --scenes 10000
+	@nice $(PYTHON) evidence/test/stress/campaign.py --scenes 10000
 
 day: setup-test
-	@nice $(PYTHON) test/studies/stress/day.py
+	@nice $(PYTHON) evidence/test/stress/day.py
 
 fit-coverage: setup-test
-	@nice $(PYTHON) test/fitting/interval_coverage.py 200 out/fit_coverage.jsonl
+	@nice $(PYTHON) -m drill_twin_evidence.fitting.interval_coverage 200 out/fit_coverage.jsonl
 
 browser: setup-test
 	@$(PYTEST) test/ros/test_live_page.py -q -m 'long or not long'
 
 bench: $(STAMPS)/bench-$(KIND)
-	@$(PYTHON) -m pytest benchmarks/test_kernel_speed.py -q --benchmark-autosave --benchmark-storage=file://.benchmarks
-	@$(PYTHON) -m benchmarks.kernel machine
-	@$(PYTHON) -m benchmarks.kernel growth
-	@$(PYTHON) -m benchmarks.kernel effects
+	@$(PYTHON) -m pytest evidence/test/benchmarks/kernel_speed.py -q --benchmark-autosave --benchmark-storage=file://.benchmarks
+	@$(PYTHON) -m drill_twin_evidence.benchmarks.kernel machine
+	@$(PYTHON) -m drill_twin_evidence.benchmarks.kernel growth
+	@$(PYTHON) -m drill_twin_evidence.benchmarks.kernel effects
 
 bag-window: setup
-	@$(PYTHON) -m benchmarks.bag_window
+	@$(PYTHON) -m drill_twin_evidence.benchmarks.bag_window
 
 map-boundary: setup
-	@nice $(PYTHON) -m benchmarks.map_boundary
+	@nice $(PYTHON) -m drill_twin_evidence.benchmarks.map_boundary
 
 advice-loop: setup
-	@nice $(PYTHON) -m benchmarks.advice_loop
+	@nice $(PYTHON) -m drill_twin_evidence.benchmarks.advice_loop
 
 peers: $(STAMPS)/bench-$(KIND)
-	@$(PYTHON) -m benchmarks.peers
+	@$(PYTHON) -m drill_twin_evidence.benchmarks.peers
 
 check: setup-test
 	@$(PYTHON) -m ruff check .
@@ -191,5 +195,5 @@ check: setup-test
 	@$(VENV)/bin/lint-imports
 
 clean:
-	@rm -rf build install log *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
-	@find drill_twin test config -name __pycache__ -type d -prune -exec rm -rf {} +
+	@rm -rf build install log *.egg-info evidence/*.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	@find drill_twin evidence test config -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -76,17 +76,6 @@ setup(
         "opcua": ["asyncua>=1.1", "cryptography"],
         "posterior": ["emcee>=3.1"],
         "xarray": ["xarray"],
-        "bench": [
-            "exudyn>=1.13.6",
-            "mujoco>=4.0",
-            "pylife>=2.2",
-            "pyelastica>=1.0",
-            "pytest",
-            "pytest-benchmark>=5",
-            "ross-rotordynamics>=2.3",  # imports with plotly<7
-            "torque_drag>=0.1.1",
-            "welleng>=0.30",
-        ],
     },
     zip_safe=False,
     author="The drill_twin contributors",

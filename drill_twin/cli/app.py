@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from drill_twin import __version__
+from drill_twin.cli.added import add_commands
 from drill_twin.cli.bags.analyze import analyze, report
 from drill_twin.cli.bags.drillbotics import drillbotics
 from drill_twin.cli.bags.export import export
@@ -26,18 +27,9 @@ from drill_twin.cli.scenes.scenes import check, scenes, schema
 from drill_twin.cli.steady_states.modes import modes
 from drill_twin.cli.steady_states.statics import statics
 from drill_twin.cli.steady_states.whirl_states import whirl_states
-from drill_twin.cli.studies.analyzer_score import analyzer_score
 from drill_twin.cli.studies.compare import compare
 from drill_twin.cli.studies.cost import cost
 from drill_twin.cli.studies.effects import effects
-from drill_twin.cli.studies.estimator_score import estimator_score
-from drill_twin.cli.studies.hard import hard
-from drill_twin.cli.studies.paper import calibrate, paper
-from drill_twin.cli.studies.paper_search import paper_search
-from drill_twin.cli.studies.validate import validate
-from drill_twin.cli.studies.verify import verify
-from drill_twin.cli.studies.whirl_compare import whirl_compare
-from drill_twin.cli.studies.whirl_cost import whirl_cost
 
 app = typer.Typer(
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]demo[/], "
@@ -82,16 +74,6 @@ app.command("map", rich_help_panel=_RUN)(operating_map)
 app.command(rich_help_panel=_RUN)(compare)
 app.command(rich_help_panel=_STUDY)(cost)
 app.command(rich_help_panel=_STUDY)(effects)
-app.command(rich_help_panel=_STUDY)(verify)
-app.command(rich_help_panel=_STUDY)(validate)
-app.command(rich_help_panel=_STUDY)(hard)
-app.command(rich_help_panel=_STUDY)(paper)
-app.command(rich_help_panel=_STUDY)(calibrate)
-app.command(rich_help_panel=_STUDY)(paper_search)
-app.command(rich_help_panel=_STUDY)(analyzer_score)
-app.command(rich_help_panel=_STUDY)(estimator_score)
-app.command(rich_help_panel=_STUDY)(whirl_compare)
-app.command(rich_help_panel=_STUDY)(whirl_cost)
 app.command(rich_help_panel=_SCENE)(scenes)
 app.command(rich_help_panel=_SCENE)(new)
 app.command(rich_help_panel=_SCENE)(check)
@@ -106,3 +88,4 @@ app.command(rich_help_panel=_ROS)(load)
 app.command(rich_help_panel=_ROS)(gateway_keys)
 app.command(rich_help_panel=_ROS)(doctor)
 app.command(rich_help_panel=_ROS)(topics)
+add_commands(app)

@@ -3,14 +3,14 @@
 
 from drill_twin.scene.json_schema import scene_json_schema
 from drill_twin.scene.load import load_scene, parse_scene
-from drill_twin.scene.paths import config_dir, hard_scenes, presets, scene_path, well_scenes
+from drill_twin.scene.paths import added_scenes, config_dir, presets, scene_path, well_scenes
 from drill_twin.scene.schema import MarkPlace, Scene
 
 __all__ = [
     "MarkPlace",
     "Scene",
+    "added_scenes",
     "config_dir",
-    "hard_scenes",
     "load_scene",
     "parse_scene",
     "presets",

@@ -4,10 +4,13 @@
 import site
 import sys
 from difflib import get_close_matches
+from importlib import metadata
 from pathlib import Path
 
 from drill_twin.errors import SceneError
 
+GROUP = "drill_twin.scenes"
+"""Entry-point group of folders of scenes in other packages."""
 _MARK = Path("scenes") / "pa6_bench.yaml"
 _SUFFIXES = (".yaml", ".yml")
 
@@ -31,14 +34,36 @@ def presets() -> dict[str, Path]:
     return {path.stem: path for path in sorted((config_dir() / "scenes").glob("*.yaml"))}
 
 
-def hard_scenes() -> dict[str, Path]:
-    """Names (`hard/...`) and files, sorted, of the scenes of `drill-twin hard`: the demanding ones."""
-    return {f"hard/{path.stem}": path for path in sorted((config_dir() / "hard").glob("*.yaml"))}
-
-
 def well_scenes() -> dict[str, Path]:
     """Names (`wells/...`) and files, sorted, of the scenes of wells."""
     return {f"wells/{path.stem}": path for path in sorted((config_dir() / "wells").glob("*.yaml"))}
+
+
+def added_scenes(folder: str) -> dict[str, Path]:
+    """Names (`folder/...`) and files, sorted, of the scenes of another package.
+
+    It adds them through the entry-point group ``drill_twin.scenes``: the entry's name is the first part of their names,
+    its value a `Path` of their folder (``field = my_package:SCENES``).
+
+    Args:
+        folder: First part of the names.
+
+    Returns:
+        Nothing if no package has scenes of this folder.
+
+    Raises:
+        SceneError: The entry point cannot be loaded.
+    """
+    for entry in metadata.entry_points(group=GROUP, name=folder):
+        try:
+            place = Path(entry.load())
+        except Exception as error:
+            raise SceneError(
+                f"{folder}/: expected the folder of scenes {entry.value} of another package, found "
+                f"{type(error).__name__}: {error}; reinstall that package, or remove it"
+            ) from error
+        return {f"{folder}/{path.stem}": path for path in sorted(place.glob("*.yaml"))}
+    return {}
 
 
 def scene_path(scene: str | Path) -> Path:
@@ -54,7 +79,7 @@ def scene_path(scene: str | Path) -> Path:
     except OSError as error:
         raise SceneError(f"{str(scene)[:100]}: cannot be read: {error.strerror}") from None
     known = presets()
-    for named in (known, well_scenes(), hard_scenes()):
+    for named in (known, well_scenes(), added_scenes(str(scene).partition("/")[0])):
         if str(scene) in named:
             return named[str(scene)]
     if path.is_dir():

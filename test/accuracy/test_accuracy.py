@@ -124,7 +124,7 @@ def test_the_key_is_of_what_moves_the_string() -> None:
 
 @pytest.mark.parametrize("path", sorted((config_dir() / "accuracy").glob("*.json")), ids=lambda path: path.stem)
 def test_a_shipped_curve_is_of_the_scene_as_it_is(path: Path) -> None:
-    """Key and errors; a scene that was changed needs a new one: python -m benchmarks.accuracy_cost --ship."""
+    """Key and errors; a scene that was changed needs a new one: benchmarks.accuracy_cost --ship of the evidence."""
     scene = presets()[path.stem]
     for changes in ({}, {"accuracy": "1 %"}, {"accuracy": "1 %", "duration": "9 s"}):
         found = load_model(load_scene(scene, overrides=changes))

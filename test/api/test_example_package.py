@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An effect, a bit law and a schedule of another package: found, right, and stale kernels never run."""
+"""Effect, bit law, schedule and command of another package: found, right, and stale kernels never run."""
 
 import json
 import math
@@ -122,3 +122,46 @@ def test_relative_imports_of_a_package_are_followed(tmp_path, monkeypatch):
     before = source_hash(text, packages)
     (package / "law.py").write_text("def force(x):\n    return 3.0 * x\n", "utf-8")
     assert source_hash(text, packages) != before
+
+
+def said(target: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """What the command line says with the folder on its path."""
+    return subprocess.run(
+        [sys.executable, "-m", "drill_twin.cli", *arguments],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join((str(target), str(ROOT))), "COLUMNS": "200"},
+        cwd=target, capture_output=True, text=True, timeout=300, check=False,
+    )  # fmt: skip
+
+
+def test_command_is_one_of_drill_twin(target):
+    done = said(target, "clearance", "pa6_bench")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "section 1: 81.75 mm\n", "")
+    listed = said(target, "--help").stdout
+    assert "Of the package drill_twin_example" in listed
+    assert "Print the radial clearance" in listed
+
+
+def test_a_broken_command_is_told_and_leaves_the_others(target, tmp_path):
+    site = shutil.copytree(target, tmp_path / "site")
+    broken = site / "broken-1.0.dist-info"
+    broken.mkdir()
+    (broken / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n", "utf-8")
+    (broken / "entry_points.txt").write_text(
+        "[drill_twin.commands]\nlost = no_such_module:lost\nodd = odd_module:odd\nrun = odd_module:odd\n"
+        "[drill_twin.scenes]\nlost = no_such_module:SCENES\n",
+        "utf-8",
+    )
+    (site / "odd_module.py").write_text("def odd(given: int | str): ...\n", "utf-8")
+    assert said(site, "clearance", "pa6_bench").stdout == "section 1: 81.75 mm\n"
+    lost = said(site, "lost")
+    assert lost.returncode == 2
+    assert 'error: expected the command "lost" of the package broken in no_such_module:lost' in lost.stderr
+    assert "of the package broken in odd_module:odd, found AssertionError" in said(site, "odd").stderr
+    listed = said(site, "--help")
+    assert "Cannot be loaded" in listed.stdout
+    assert listed.stderr.splitlines() == [
+        'drill-twin: the command "run" of the package broken is left out: there is one of that name in drill-twin'
+    ]
+    scene = said(site, "check", "lost/scene")
+    assert scene.returncode == 2
+    assert "error: lost/: expected the folder of scenes no_such_module:SCENES of another package" in scene.stderr

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,11 @@ def test_the_wheel_runs_a_scene_without_a_clone(tmp_path):
     run("-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", str(tmp_path), str(clone))
     shutil.rmtree(clone)
     (wheel,) = tmp_path.glob("drill_twin-*.whl")
+    contents = zipfile.ZipFile(wheel).namelist()
+    assert not [
+        name for name in contents if "evidence" in name or "/config/hard/" in name or "/share/drill_twin/hard" in name
+    ]
+    assert "drill_twin/scene/paths.py" in contents
     site = tmp_path / "site"
     run("-m", "pip", "install", "-q", "--no-deps", "--target", str(site), str(wheel))
     elsewhere = tmp_path / "elsewhere"

@@ -14,10 +14,10 @@ from drill_twin.audit.energy_ledger import FIRST_EFFECT, WORK
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.solver import kernel_codegen
-from drill_twin.studies.verify.scenes import WALLED, rod_scene
 from drill_twin.twin.checkpoint import Checkpoint
 from drill_twin.twin.frame import EnergyBalance
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.scenes import WALLED, rod_scene
 
 IDLE: dict[str, dict[str, Any]] = {**WALLED, "lateral_kick": {"velocity": 0.0, "shape": "half_wave"}}
 BOTH = ["lateral", pytest.param("spatial", marks=pytest.mark.long)]

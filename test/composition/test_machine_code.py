@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = """
 import hashlib, re, sys
 from drill_twin.effects import EFFECTS
-from drill_twin.studies.verify.scenes import rod_scene
+from drill_twin_evidence.verify.scenes import rod_scene
 from drill_twin.schedule.command import Command
 effects = {name: {"linear": 0.1} for name in sys.argv[2:]}
 scene = rod_scene(effects=effects, elements=8, step=1e-3, form=sys.argv[1], weight_on_bit=1.0)

@@ -10,8 +10,8 @@ from effect_sets import SWITCHES, Choice, covering, pairs_of
 from drill_twin.effects import EFFECTS
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.studies.verify.scenes import rod_scene
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.scenes import rod_scene
 
 
 def test_no_effect_is_forgotten():

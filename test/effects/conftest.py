@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Path of the scenes that test/studies/verify shares."""
+"""Path of the scenes that evidence/test/verify shares."""
 
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "studies" / "verify"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "evidence" / "test" / "verify"))

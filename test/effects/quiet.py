@@ -4,9 +4,9 @@
 from typing import Any
 
 from drill_twin.scene import Scene
-from drill_twin.studies.verify.case import FORMS
-from drill_twin.studies.verify.scenes import FIRST, QUIET, rod_scene
-from drill_twin.studies.verify.signals import AT_REST, first_mode, rates, rotating_frame_response
+from drill_twin_evidence.verify.case import FORMS
+from drill_twin_evidence.verify.scenes import FIRST, QUIET, rod_scene
+from drill_twin_evidence.verify.signals import AT_REST, first_mode, rates, rotating_frame_response
 
 __all__ = ["AT_REST", "FIRST", "FORMS", "QUIET", "first_mode", "quiet_scene", "rates", "rotating_frame_response"]
 

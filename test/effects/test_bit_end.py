@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from drill_twin.schedule.command import Command
-from drill_twin.studies.verify.scenes import EI, LENGTH, rod_scene
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.scenes import EI, LENGTH, rod_scene
 
 SPRING = 3.0 * EI / LENGTH**3  # of the rod's end, held at the top [N/m]
 HOLE, GAUGE = 0.1, 0.16

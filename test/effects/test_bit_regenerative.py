@@ -10,10 +10,10 @@ from pydantic import ValidationError
 from drill_twin.effects.bit_regenerative import CELLS, NEWEST
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.studies.verify.contact.regenerative import AXIAL, BLADES, DEPTH, drilling, scene
 from drill_twin.torque_drag.analysis import steady
 from drill_twin.twin.checkpoint import Checkpoint
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.contact.regenerative import AXIAL, BLADES, DEPTH, drilling, scene
 
 SPEED, STEP = 20.0, 1e-3
 

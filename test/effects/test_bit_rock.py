@@ -12,9 +12,9 @@ from drill_twin.effects.random_matrix import MOST_SCATTER, random_matrix
 from drill_twin.monitor.drilling_progress import DrillingProgress
 from drill_twin.scene import load_scene
 from drill_twin.schedule.command import Command
-from drill_twin.studies.verify.scenes import rod_scene
 from drill_twin.twin.frame import RigState
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.scenes import rod_scene
 
 SPEED = 100.0 * np.pi / 30.0
 A1, A2, A3, A4, A5, E = 3.429e-3, 5.672e-8, 1.374e-4, 9.537e6, 1.475e3, 2.0  # Ritto, Soize and Sampaio 2009

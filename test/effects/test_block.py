@@ -21,9 +21,9 @@ from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Schedule
 from drill_twin.schedule.command import Command
 from drill_twin.solver.boundary.rig import FEED
-from drill_twin.studies.verify.statics.block import rig
 from drill_twin.twin.checkpoint import Checkpoint
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.statics.block import rig
 
 RATE, WEIGHT = 0.02, 20e3
 

@@ -8,8 +8,8 @@ from quiet import quiet_scene
 from drill_twin.audit.energy import element_unknowns, energy
 from drill_twin.effects.eccentricity import Eccentricity, offsets
 from drill_twin.schedule.command import Command
-from drill_twin.studies.verify.scenes import LINE_MASS
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.scenes import LINE_MASS
 
 OFFSET, ANGLE, DRAG = 1e-3, -0.4, 0.25
 

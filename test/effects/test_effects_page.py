@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from drill_twin.effects import EFFECTS
-from drill_twin.studies.verify import all_cases
+from drill_twin_evidence.verify import all_cases
 
 HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "effects.md"

@@ -12,10 +12,10 @@ from drill_twin.model.steel import CURVES, GRADES, steel_of
 from drill_twin.runner.loop import RunLoop
 from drill_twin.scene import load_scene
 from drill_twin.schedule.command import Command
-from drill_twin.studies.verify.contact.fatigue import FATIGUE, STRESSED
-from drill_twin.studies.verify.scenes import ROLLING, WALLED, quiet_scene
 from drill_twin.twin.checkpoint import Checkpoint
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.contact.fatigue import FATIGUE, STRESSED
+from drill_twin_evidence.verify.scenes import ROLLING, WALLED, quiet_scene
 
 ADD, TURN = as_python(rainflow.add_stress), as_python(rainflow.add_turning_point)
 CUBIC = rainflow.Law(1.0, 1.0, 3.0, 3.0, 1e-9)

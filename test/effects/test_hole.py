@@ -7,9 +7,9 @@ from hole_scenes import ON_THE_WALL, SETTLING, bend, with_parts
 
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
-from drill_twin.studies.verify.scenes import DIAMETER, EA, EI, LINE_MASS
 from drill_twin.twin.frame import Frame
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.scenes import DIAMETER, EA, EI, LINE_MASS
 
 CLEARANCE = 0.01
 RADIUS = CLEARANCE + DIAMETER / 2

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from quiet import AT_REST, FIRST, FORMS, first_mode, quiet_scene
 
-from drill_twin.studies.verify.scenes import LENGTH, LINE_MASS
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.scenes import LENGTH, LINE_MASS
 
 
 def test_the_force_itself() -> None:

@@ -7,9 +7,9 @@ from end_scenes import with_rig
 from pydantic import ValidationError
 
 from drill_twin.schedule.command import Command
-from drill_twin.studies.verify.dynamics.torsion import IDLE
-from drill_twin.studies.verify.scenes import LENGTH, rod_scene
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.dynamics.torsion import IDLE
+from drill_twin_evidence.verify.scenes import LENGTH, rod_scene
 
 ROD_INERTIA = 1100.0 * np.pi / 32.0 * 0.0165**4 * LENGTH
 

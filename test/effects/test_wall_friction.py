@@ -17,8 +17,8 @@ from drill_twin.errors import SceneError
 from drill_twin.model.point import Point
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule.command import Command
-from drill_twin.studies.verify.scenes import DIAMETER, LINE_MASS
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.scenes import DIAMETER, LINE_MASS
 
 PLACE, H2, CLEARANCE = 17, 1e-3, 0.01
 

@@ -14,9 +14,9 @@ from drill_twin.equilibrium.static_start import static_scene
 from drill_twin.errors import RunError, SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.schedule import Command, Schedule
-from drill_twin.studies.verify.scenes import FIRST, WALLED, quiet_scene
-from drill_twin.studies.verify.statics.statics import EULER_LOAD, in_equilibrium
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.scenes import FIRST, WALLED, quiet_scene
+from drill_twin_evidence.verify.statics.statics import EULER_LOAD, in_equilibrium
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 STILL = {"rig.start": "equilibrium", "rps": "0"}

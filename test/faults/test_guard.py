@@ -19,13 +19,13 @@ from drill_twin.runner import Session
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
 from drill_twin.solver.state import HALVINGS
-from drill_twin.studies.verify.scenes import WALLED, rod_scene
 from drill_twin.twin import frame_kernel
 from drill_twin.twin.checkpoint import Checkpoint
 from drill_twin.twin.frame_loop import FrameLoop
 from drill_twin.twin.step_guard import GOOD_FRAMES_BEFORE_GROWTH, MAX_RETRIES, StepGuard
 from drill_twin.twin.twin import Twin
 from drill_twin.twin.violation import Violation
+from drill_twin_evidence.verify.scenes import WALLED, rod_scene
 
 NAN, EVER = math.nan, math.inf
 FRAME, STEP = 0.01, 5e-3

@@ -7,9 +7,9 @@ import numpy as np
 from coarse_map import COARSE
 
 import drill_twin as dt
-from benchmarks.many_runs_error import boundary_error
-from benchmarks.map_boundary import error
 from drill_twin.maps.runs import Key
+from drill_twin_evidence.benchmarks.many_runs_error import boundary_error
+from drill_twin_evidence.benchmarks.map_boundary import error
 
 
 def test_the_distance_to_a_dense_patch_is_that_of_the_boundaries(found, tmp_path):

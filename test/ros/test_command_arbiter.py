@@ -9,7 +9,7 @@ from drill_twin.ros.simulator.command_arbiter import CommandArbiter, Limits, Sil
 from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Command
-from drill_twin.studies.verify.statics.block import rig
+from drill_twin_evidence.verify.statics.block import rig
 
 TURN = 2.0 * math.pi
 LIMITS = Limits(weight_on_bit=(0.0, 400.0), rotation=(0.0, 20.0 * TURN))

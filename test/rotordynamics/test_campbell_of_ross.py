@@ -7,8 +7,8 @@ import pytest
 
 from drill_twin.rotordynamics.campbell import campbell
 from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.studies.verify.dynamics.modes import SET
-from drill_twin.studies.verify.scenes import DENSITY, DIAMETER, LENGTH, SHEAR, YOUNG, quiet_scene
+from drill_twin_evidence.verify.dynamics.modes import SET
+from drill_twin_evidence.verify.scenes import DENSITY, DIAMETER, LENGTH, SHEAR, YOUNG, quiet_scene
 
 try:
     import ross

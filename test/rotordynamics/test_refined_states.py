@@ -14,8 +14,8 @@ from drill_twin.rotordynamics.steady import refinement
 from drill_twin.rotordynamics.steady.refinement import refined, refined_states
 from drill_twin.rotordynamics.steady.whirl_states import search
 from drill_twin.schedule.command import Command
-from drill_twin.studies.verify.contact import whirling_rod
-from drill_twin.studies.verify.contact.whirl_states import guided, reference
+from drill_twin_evidence.verify.contact import whirling_rod
+from drill_twin_evidence.verify.contact.whirl_states import guided, reference
 
 FORM = {"effects.stretch": "off", "effects.torsion": "off"}
 

@@ -10,10 +10,10 @@ from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.rotordynamics.two_frequency.harmonic_balance import Series, TwoFrequencyEquations, TwoFrequencyWhirl
 from drill_twin.schedule.command import Command
-from drill_twin.studies.rotordynamics import comparison
-from drill_twin.studies.rotordynamics.motion import motion_of
 from drill_twin.studies.rotordynamics.simulated import with_command
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.whirl_compare import comparison
+from drill_twin_evidence.whirl_compare.motion import motion_of
 
 COMMAND = Command(90.0, 3.2 * math.tau)
 

@@ -89,7 +89,9 @@ def test_a_base_that_leads_nowhere_is_refused(tmp_path):
 
 
 def test_a_table_lies_beside_the_file_that_names_it(tmp_path):
-    assert load_scene("hard/weight_jumps").rig.table.file.endswith("config/hard/weight_jumps.csv")
+    assert load_scene("hard/weight_jumps").rig.table.file.endswith(
+        "evidence/drill_twin_evidence/config/hard/weight_jumps.csv"
+    )
     child = load_scene(written(tmp_path, "base: hard/weight_jumps\n"))
     assert child.rig.table.file == load_scene("hard/weight_jumps").rig.table.file
 

@@ -6,10 +6,10 @@ import pytest
 
 from drill_twin.scene import load_scene
 from drill_twin.schedule import Command
-from drill_twin.studies.verify.contact.fatigue import STRESSED
-from drill_twin.studies.verify.scenes import ROLLING, quiet_scene
 from drill_twin.twin.packed_arrays import named_arrays
 from drill_twin.twin.twin import Twin
+from drill_twin_evidence.verify.contact.fatigue import STRESSED
+from drill_twin_evidence.verify.scenes import ROLLING, quiet_scene
 
 
 def test_the_same_numbers_change_nothing():

@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Cost of a step of the twin, by effect and against the machine's limit: `python -m benchmarks.kernel --help`."""

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The faults: a text of a source file that occurs once, what replaces it, and the tests that must fail then."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault."""
+
+    name: str
+    """Description, unique."""
+    file: str
+    """Source file, relative to the package."""
+    old: str
+    """Text of the file, found exactly once."""
+    new: str
+    """Text that takes its place."""
+    test: str
+    """Test file, relative to `test/`, or of the evidence."""
+    only: str = ""
+    """Expression of pytest's `-k`; all tests of the file where it is empty."""
+
+    @property
+    def command(self) -> tuple[str, ...]:
+        """Arguments of pytest that select the tests."""
+        return (
+            self.test if self.test.startswith("evidence/") else f"test/{self.test}",
+            *(("-k", self.only) if self.only else ()),
+        )
+
+
+_CASES = "evidence/test/verify/test_cases.py"
+
+FAULTS = (
+    # Input and output
+    Fault("unit: pound-force mistyped in the fifth digit", "units/registry.py",
+          "4.4482216152605", "4.4428216152605", "scene/test_units.py", "oilfield"),
+    Fault("unit: single speed command in rad/s instead of rev/s", "io/messages/rig_messages.py",
+          "command.rotation) / math.tau)", "command.rotation))", "io/messages/test_frame_messages.py"),
+    Fault("swapped field: torque of the top drive and torque on the bit", "io/messages/encode.py",
+          "(rig.top_drive_torque, rig.bit_force, rig.hookload, rig.bit_torque)",
+          "(rig.bit_torque, rig.bit_force, rig.hookload, rig.top_drive_torque)", "io/messages/test_frame_messages.py"),
+    Fault("sign: the wall pulls the string outwards in /marks/state", "io/messages/encode.py",
+          "effort[:, :2] = -(", "effort[:, :2] = (", "io/messages/test_frame_messages.py"),
+    Fault("wrong frame id", "io/messages/topics.py",
+          'FRAME_ID = "hole"', 'FRAME_ID = "map"', "io/bag/test_bag_writer.py", "schemas_in_the_file"),
+    Fault("lost message: the first one of each further file of a bag", "io/bag/writer.py",
+          "                self._begin_next()\n", "                self._begin_next()\n                return\n",
+          "io/bag/test_bag_writer.py", "split_bag"),
+    Fault("chunk of a bag not flushed", "io/bag/writing/file_writer.py",
+          '        """Close the open chunk and pass it to the operating system."""\n        try:\n'
+          "            self._writer.flush()  # type: ignore[no-untyped-call]\n",
+          '        """Close the open chunk and pass it to the operating system."""\n        try:\n'
+          "            self._stream.flush()\n",
+          "io/bag/test_bag_killed.py", "flushed"),
+    Fault("swapped component: set-points of a checkpoint", "twin/checkpoint.py",
+          "Command(numbers[1], numbers[2])", "Command(numbers[2], numbers[1])", "checkpoint/test_checkpoint.py"),
+    # Analysis
+    Fault("off-by-one: mean of a bin over one sample too many", "whirl/sample_bins.py",
+          "found = n - bins.missed[k]", "found = n + 1 - bins.missed[k]", "whirl/test_precession.py"),
+    Fault("off-by-one: last cell of the window of a peak left out", "whirl/orbit/dominant_precession.py",
+          "centre + PEAK_CELLS + 1)", "centre + PEAK_CELLS)", "whirl/test_precession.py"),
+    Fault("sign: left-hand rotation counted as right-hand", "whirl/rotation.py",
+          "rotation[ANGLE] += increment", "rotation[ANGLE] += abs(increment)", "whirl/test_precession.py"),
+    # Run
+    Fault("formula: slope at the ends of the STEP set-point", "schedule/shapes.py",
+          "x * x * (3.0 - 2.0 * x)", "x * x * (2.0 - x)", "schedule/test_schedule_shapes.py"),
+    Fault("real-time factor over computing time instead of wall time", "monitor/run_timing.py",
+          "return _ratio(self._total[0], self._total[3])", "return _ratio(self._total[0], self._total[1])",
+          "monitor/test_run_timing.py"),
+    Fault("ignored limit: the largest speed of the parameters", "ros/simulator/command_limits.py",
+          "speed = max_speed or _largest", "speed = _largest", "ros/test_command_arbiter.py"),
+    Fault("quality of service: a latched topic is volatile", "ros/core/topics/rclpy_topics.py",
+          "keep = topic.latched if latched is None else latched", "keep = bool(latched)",
+          "ros/test_record_and_replay.py", "joins_late"),
+    Fault("stale kernel: the hash misses modules imported from a package", "solver/source_hash.py",
+          "names = [_module_of(origin, alias.name) for alias in node.names]", "names = [origin]",
+          "composition/test_machine_code.py", "named_by_every_source"),
+    # Physics: each costs a compilation of a kernel
+    Fault("dropped term: drag across the string in y", "effects/drag.py",
+          "    load[1] -= c * here.vy\n", "", "evidence/test/verify/test_conservation.py", "invariance and lateral"),
+    Fault("swapped component: the low side of an inclined hole", "effects/gravity.py",
+          "np.array([np.sin(model.inclination), 0.0,", "np.array([0.0, np.sin(model.inclination),",
+          _CASES, "weight_on_the_wall and lateral"),
+    Fault("mis-scaled torque of the bit, 2 %", "effects/bit_torque_tanh.py",
+          "scale, square = law.arm * weight,", "scale, square = 1.02 * law.arm * weight,", _CASES, "smooth_torque_law"),
+    Fault("sign: spin in the slip of the contact point", "effects/wall_friction.py",
+          "+ r * here.spin_rate", "- r * here.spin_rate", _CASES, "pure_rolling and lateral"),
+    Fault("sign: loss of the wall on approach", "effects/wall.py",
+          "factor = max(1.0 + wall.damping * closing, 0.0)", "factor = max(1.0 - wall.damping * closing, 0.0)",
+          _CASES, "restitution"),
+    Fault("dropped term: couple of internal damping on the spin", "effects/internal_damping.py",
+          "    resultants[COUPLE] += mx * strain.px + my * strain.py + mz * strain.pz\n", "",
+          "evidence/test/verify/test_conservation.py", "damped_conical_swing"),
+    Fault("ignored limit: torque of the motor", "solver/boundary/rig.py",
+          "return max(-drive.limit, min(drive.limit, torque))", "return torque", "effects/test_top_drive.py",
+          "keeps_to_its_limit"),
+)  # fmt: skip
+"""In the order of the table."""

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs that the search for an onset needs with and without growth rates.
+
+    python -m drill_twin_evidence.benchmarks.growth_prior MAP ...
+
+The search is repeated on `map.json` files: a run takes the regime of the map at its node. Printed are the runs of the
+search, and the share of the lattice whose label it gets wrong.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from drill_twin.ensemble import Threads
+from drill_twin.maps import read_map
+from drill_twin.maps.plane import Labels, filled
+from drill_twin.maps.prior import growth_of
+from drill_twin.maps.regimes import REGIMES
+from drill_twin.maps.runs import Key, Record, Runner
+from drill_twin.maps.search import Search
+from drill_twin.scene import parse_scene
+
+
+@dataclass(frozen=True)
+class Replayed(Runner):
+    """Runner that takes its runs from a map."""
+
+    regimes: Labels
+
+    def run(self, keys: Sequence[Key]) -> Generator[tuple[Key, Record]]:
+        """Regimes of the map."""
+        yield from ((key, Record(REGIMES[int(self.regimes[key.node])])) for key in keys)
+
+
+def main() -> None:
+    """Print a line a map."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("maps", nargs="+", type=Path)
+    print("| map | steps | runs without growth rates | wrong | with | wrong |\n| --- | --- | --- | --- | --- | --- |")
+    for file in parser.parse_args().maps:
+        found = read_map(file)
+        growth = growth_of(parse_scene(found.scene), found.plane)
+        whirls = np.array([regime.whirls for regime in REGIMES])[found.regimes]
+        runner = Replayed(
+            parse_scene(found.scene), found.plane, found.duration, found.asked, (), Threads(), found.regimes
+        )
+        cells = []
+        for given in (None, None if growth is None else growth.lateral):
+            search = Search(runner, None, 10**6, lambda *_: None, given)
+            search.onset()
+            labels = found.plane.labels()
+            for key, record in search.records.items():
+                labels[key.node] = record.whirls
+            cells.append(f"{len(search.records)} | {np.mean((filled(labels) == 1) != whirls):.1%}")
+        print(f"| {found.name} | {found.plane.steps} | {' | '.join(cells)} |")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin analyzer-score`: detection study of the analyzer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption, ReplaceOption, WorkersOption
+
+
+def analyzer_score(
+    quick: Annotated[bool, typer.Option("--quick", help="A tenth of the records, for a quick check.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Write the tables, the numbers and the confusion matrix here too."),
+    ] = None,
+    downhole: Annotated[
+        bool,
+        typer.Option("--downhole", help="Score whirl from one sub instead (docs/sensors.md)."),
+    ] = False,
+    hours: Annotated[float, typer.Option("--hours", min=0.0, max=1000.0, help="With --downhole: noise [h].")] = 24.0,
+    workers: WorkersOption = 2,
+    replace: ReplaceOption = False,
+    json: JsonOption = False,
+) -> None:
+    """Measure the analyzer: onset, false alarms and motion states, on kinematic signals and simulated runs.
+
+    Prints the tables of docs/analyzer.md; all of it takes a quarter of an hour on two processors.
+    """
+    from drill_twin.cli.folder import check_new, write_file
+    from drill_twin.cli.show import err, print_json
+    from drill_twin.studies.json_io import json_text
+    from drill_twin_evidence.detection.measure import QUICK, Plan, measure
+    from drill_twin_evidence.detection.text import markdown
+
+    if downhole:
+        from drill_twin_evidence.detection import downhole as one_sub
+        from drill_twin_evidence.detection.cases import BENCH
+
+        sizes = (4, 4, 1) if quick else (len(BENCH), Plan().drawn, 5)
+        found = one_sub.measure_sub(*sizes, hours)
+        if json:
+            print_json(found)
+        else:
+            print(one_sub.markdown(found), end="")
+        return
+    names = ("analyzer_score.md", "analyzer_score.json", "confusion.png")
+    if out is not None:
+        for name in names:
+            check_new(out / name, replace=replace)
+    with err().status("measuring") as status:
+        result = measure(QUICK if quick else Plan(), workers=workers, progress=status.update)
+    plain = result.to_dict()
+    text = markdown(plain)
+    if out is not None:
+        from drill_twin_evidence.detection.figure import confusion_figure
+
+        out.mkdir(parents=True, exist_ok=True)
+        write_file(out / names[0], text)
+        write_file(out / names[1], json_text(plain))
+        confusion_figure(result, out / names[2])
+    if json:
+        print_json(plain)
+    else:
+        print(text, end="")

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin hard`: stress study on hard scenes."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption, WorkersOption
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from drill_twin_evidence.stress import HardCase, Result
+    from drill_twin_evidence.verify.run import CaseResult
+
+NOT_IN_ORDER = 1
+"""Exit code when a case is not in order."""
+
+
+def hard(
+    only: Annotated[
+        str, typer.Option("--only", metavar="TEXT", help='Cases whose name contains this, as "wall_" or "[lateral]".')
+    ] = "",
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Leave out the runs of more than 100 simulated seconds.")
+    ] = False,
+    exact: Annotated[
+        bool, typer.Option("--exact", help="Run the exact checks of bounce, rolling, growth and stick-slip too.")
+    ] = False,
+    energy: Annotated[bool, typer.Option("--energy", help="Audit the energy; compiles further kernels.")] = False,
+    names: Annotated[bool, typer.Option("--list", help="Print the scenes and why they are hard.")] = False,
+    page: Annotated[
+        Path | None, typer.Option("--page", metavar="FILE", help="Write a page (.md), and the JSON beside it.")
+    ] = None,
+    region: Annotated[
+        Path | None,
+        typer.Option("--map", metavar="FILE", help="Only draw the stability map over stiffness and damping (.png)."),
+    ] = None,
+    workers: WorkersOption = 2,
+    json: JsonOption = False,
+) -> None:
+    """Run the hard scenes: loads far beyond buckling, jumps, hard walls, sticking, tiny and huge strings.
+
+    Ends with exit code 1 if one is not in order. `drill-twin run hard/NAME` runs one of them as any other scene.
+    """
+    from drill_twin.cli.show import err, grid, out, print_json
+    from drill_twin.errors import SceneError
+    from drill_twin_evidence.cli.output import write_page
+    from drill_twin_evidence.stress import choose_hard
+    from drill_twin_evidence.stress.page import ALLOWED, COLUMNS, cells, summary, to_data, to_page
+
+    if region is not None:
+        _draw_map(region)
+        return
+    cases = choose_hard(only, quick=quick)
+    if not cases:
+        raise SceneError(f'--only: expected a part of the name of a case, found "{only}"; see drill-twin hard --list')
+    if names:
+        reasons = {case.scene_name: case.why for case in cases}
+        out().print(grid(("scene", "why it is hard"), list(reasons.items())))
+        return
+    results = _run(cases, workers, energy=energy)
+    checks = _check(workers) if exact else []
+    if json:
+        print_json(to_data(results, checks))
+    else:
+        lines = [[line[0].replace("_", " "), *line[1:ALLOWED], *line[ALLOWED + 1 :]] for line in map(cells, results)]
+        out().print(grid((*COLUMNS[:ALLOWED], *COLUMNS[ALLOWED + 1 :]), lines, right=(2, 3, 4, 5, 6, 7)))
+        for result in results:
+            if result.verdict != "ok":
+                out().print(f"{result.name}: {result.verdict}", markup=False, soft_wrap=True)
+    err().print(summary(results), markup=False, soft_wrap=True)
+    if page is not None:
+        data, flags = to_data(results, checks), {"--quick": quick, "--exact": exact, "--energy": energy}
+        write_page(page, partial(to_page, results, checks), data, command="hard", only=only, flags=flags)
+    if not (all(result.ok for result in results) and all(check.ok for check in checks)):
+        raise typer.Exit(NOT_IN_ORDER)
+
+
+def _run(cases: Sequence[HardCase], workers: int, *, energy: bool) -> list[Result]:
+    from drill_twin_evidence.cli.output import counting_bar
+    from drill_twin_evidence.stress import run_hard
+
+    progress, task = counting_bar("hard scenes", len(cases))
+    with progress:
+
+        def done(result: Result) -> None:
+            progress.update(task, advance=1, description=result.name)
+            if not result.ok:
+                progress.console.print(f"{result.name}: {result.verdict}", style="red", markup=False, soft_wrap=True)
+
+        return run_hard(cases, workers=workers, energy=energy, progress=done)
+
+
+def _draw_map(path: Path) -> None:
+    from drill_twin.cli.show import err
+    from drill_twin_evidence.stability import draw, stability_map
+
+    with err().status("half a minute of runs over step, stiffness of the wall and damping"):
+        draw({what: stability_map(what) for what in ("wall", "damping_time")}, path)
+    err().print(f"{path}: see docs/stability.md", markup=False, soft_wrap=True)
+
+
+def _check(workers: int) -> list[CaseResult]:
+    from drill_twin_evidence.stress.page import EXACT
+    from drill_twin_evidence.verify import all_cases
+    from drill_twin_evidence.verify.run import run_cases
+
+    chosen = [case for case in all_cases() if case.name.partition("[")[0] in EXACT]
+    return run_cases(chosen, workers=workers)

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin validate`: records of rigs beside the twin."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from drill_twin_evidence.validation import Validation
+
+
+def validate(
+    data: Annotated[
+        Path | None,
+        typer.Option("--data", metavar="DIR", help="Folder with ufrj_rig/ or well_b/; else that of DRILL_TWIN_DATA."),
+    ] = None,
+    only: Annotated[str, typer.Option("--only", metavar="RECORD", help="ufrj_rig or well_b.")] = "",
+    refit: Annotated[
+        bool, typer.Option("--refit", help="Fit the numbers again instead of taking those of the scenes.")
+    ] = False,
+    page: Annotated[
+        Path | None, typer.Option("--page", metavar="FILE", help="Write a page (.md) and its figures.")
+    ] = None,
+    blind: Annotated[
+        Path | None,
+        typer.Option(
+            "--blind", metavar="DIR", help="Fit Well B at 1,714 m, predict its start-up at 2,235 m: CSV and figure."
+        ),
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Measured beside computed, and of each number whether it is a fit or a prediction."""
+    from drill_twin.cli.show import err, print_json
+    from drill_twin.errors import ArgumentError
+    from drill_twin_evidence.validation import RECORDS, data_folder
+
+    if only not in {"", *RECORDS}:
+        raise ArgumentError(f"--only: expected {' or '.join(RECORDS)}, found {only}")
+    folder = data_folder(data)
+    wanted = [name for name in RECORDS if only in {"", name}]
+    there = [name for name in wanted if (folder / name).is_dir()]
+    if not there:
+        raise ArgumentError(f"{folder}: expected a folder {' or '.join(wanted or RECORDS)}, found none; see --only")
+    for name in set(wanted) - set(there):
+        err().print(f"{name}: left out, no folder {folder / name}", markup=False, soft_wrap=True)
+    if blind is not None:
+        _predict(folder / "well_b", blind)
+        return
+    found = [RECORDS[name](folder / name, refit=refit) for name in there]
+    if json:
+        print_json([one.to_dict() for one in found])
+    else:
+        _show(found)
+    if page is not None:
+        _write(found, page)
+
+
+def _show(found: Sequence[Validation]) -> None:
+    from drill_twin.cli.show import grid, out
+    from drill_twin_evidence.validation.page import HEADING, cells
+
+    for one in found:
+        out().print(grid(HEADING, cells(one), title=f"{one.record} by scene {one.scene}", right=(2, 3, 4, 5)))
+        out().print(one.about, markup=False)
+
+
+def _write(found: Sequence[Validation], page: Path) -> None:
+    from drill_twin.cli.folder import make_folder, write_file
+    from drill_twin.report.figures.style import save
+    from drill_twin_evidence.validation.page import figure, to_page
+
+    make_folder(page.parent / "figures")
+    write_file(page, to_page(found, page.stem))
+    for one in found:
+        save(figure(one), page.parent / "figures" / f"{page.stem}_{one.record}.png")
+
+
+def _predict(record: Path, folder: Path) -> None:
+    from tempfile import TemporaryDirectory
+
+    from drill_twin.api import load_scene
+    from drill_twin.cli.folder import make_folder, write_file
+    from drill_twin.report.figures.style import save
+    from drill_twin_evidence.validation import blind_test, well_b
+
+    make_folder(folder)
+    with TemporaryDirectory() as place:
+        found = well_b.fitted(record, load_scene("well_b", well_b.set_point(record, Path(place))))
+        time, bands = blind_test.predict(record, found)
+    write_file(folder / "well_b_2235.csv", blind_test.csv_text(time, bands))
+    save(blind_test.figure(time, bands), folder / "well_b_2235.png")

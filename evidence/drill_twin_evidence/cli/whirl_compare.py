@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command `drill-twin whirl-compare`: steady whirl states against the simulation in time, on a grid."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, WorkersOption, overrides
+
+if TYPE_CHECKING:
+    from drill_twin_evidence.whirl_compare.points import Point
+
+GRID = "LOW:HIGH:N"
+
+
+def whirl_compare(
+    scene: SceneArgument,
+    loads: Annotated[str, typer.Option("--loads", metavar=GRID, help="Weights on bit [N].")],
+    speeds: Annotated[str, typer.Option("--speeds", metavar=GRID, help="Speeds in rev/s.")],
+    duration: Annotated[float, typer.Option("--duration", min=1.0, help="Simulated time of each run in s.")] = 60.0,
+    change: SetOption = [],  # noqa: B006  typer makes a new list of it
+    record: Annotated[
+        Path | None,
+        typer.Option("--record", metavar="FILE", help="Append each point to this file, and go on from it."),
+    ] = None,
+    workers: WorkersOption = 2,
+    json: JsonOption = False,
+) -> None:
+    """Compare the steady whirls found for each load and speed with a run in time that begins on the axis.
+
+    A run with two frequencies is compared with the motion that harmonic balance finds from it. On each stable state
+    that the run is not on, another run begins. About 7 s a point with 16 elements in the lateral form.
+    """
+    from dataclasses import asdict
+
+    from drill_twin.api.scenes import as_scene
+    from drill_twin.cli.show import grid, print_json
+    from drill_twin.cli.show import out as stdout
+    from drill_twin_evidence.cli.output import counting_bar
+    from drill_twin_evidence.whirl_compare.comparison import compare
+    from drill_twin_evidence.whirl_compare.points import sentences
+
+    weights, turns = _values("--loads", loads), [math.tau * value for value in _values("--speeds", speeds)]
+    own = as_scene(scene, overrides(change))
+    progress, task = counting_bar("points", len(weights) * len(turns))
+    with progress:
+        points = compare(
+            own, weights, turns, duration=duration, record=record, workers=workers,
+            progress=lambda count: progress.update(task, completed=count),
+        )  # fmt: skip
+    if json:
+        print_json([asdict(point) for point in points])
+        return
+    columns = ("load N", "rev/s", "simulated", "ratio", "second", "stable states", "verdict", "tested")
+    stdout().print(grid(columns, [_cells(point) for point in points], title=own.name, right=(0, 1, 3, 4)))
+    stdout().print(" ".join(sentences(points)), markup=False, soft_wrap=True)
+
+
+def _cells(point: Point) -> tuple[str, ...]:
+    second = "" if point.second is None or point.motion == "irregular" else f"{point.second:+.3f}"
+    stable = ", ".join(f"{ratio:+.3f}" for ratio in point.stable) or "none"
+    command = f"{point.weight_on_bit:.4g}", f"{point.rotation / math.tau:.3g}"
+    return (*command, point.motion, f"{point.ratio:+.4f}", second, stable, point.verdict, point.reason)
+
+
+def _values(option: str, text: str) -> list[float]:
+    """Equally spaced values from LOW:HIGH:N."""
+    import numpy as np
+
+    from drill_twin.errors import SceneError
+
+    try:
+        low, high, count = text.split(":")
+        values: list[float] = np.linspace(float(low), float(high), int(count)).tolist()
+    except ValueError:
+        values = []
+    if not values or not all(map(math.isfinite, values)) or values[0] > values[-1]:
+        raise SceneError(f'{option}: expected {GRID} such as "10:110:6" with LOW not above HIGH, found "{text}"')
+    return values

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Prediction of the start-up of Well B with the bit at 2,235 m, from the fit at 1,714 m, before anyone compares."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from drill_twin.api import Ensemble, Posterior
+from drill_twin.base.arrays import Array
+from drill_twin.fitting.posterior import full_key, predictive_band, weighted_quantile
+from drill_twin_evidence.validation.well_b import RATE, RPM, played, scene_at
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DEPTH = 2235.0
+"""Depth of the bit [m]."""
+DURATION = 60.0
+MOST = 8
+"""Draws that are run, those of the largest weight."""
+NAMES = {"motor_torque": "motor torque [kN m]", "bit_speed": "downhole speed [rpm]"}
+UNITS = {"motor_torque": 1e-3, "bit_speed": 1.0 / RPM}
+
+
+class Band(NamedTuple):
+    """Median and 90 % band of a channel, each of shape (T,)."""
+
+    low: Array
+    median: Array
+    high: Array
+
+
+def predict(folder: Path, found: Posterior) -> tuple[Array, Mapping[str, Band]]:
+    """Time [s] and bands of torque [kN m] and downhole speed [rpm] under the draws of a fit.
+
+    The band holds the draws and the error that the best of them had in the fit; that of the speed is the same share of
+    its deviation.
+
+    Args:
+        folder: Folder of the record with the set-point.
+        found: The fit at 1,714 m.
+    """
+    chosen = np.argsort(found.sampling.weights)[::-1][:MOST]
+    weights = found.sampling.weights[chosen] / found.sampling.weights[chosen].sum()
+    vary = {full_key(key, found.scene): found.values[chosen, i].tolist() for i, key in enumerate(found.keys)}
+    error = found.runs["motor_torque"][found.best_run] - found.measured["motor_torque"]
+    share = float(np.std(error) / np.std(found.measured["motor_torque"]))
+    stamps, speed = np.loadtxt(folder / "B2235_speed_set_point.csv", delimiter=",").T
+    time = np.arange(0.05, DURATION, 0.05)
+    with TemporaryDirectory() as place:
+        overrides = scene_at(DEPTH) | played(time, np.interp(time, stamps, speed) * RPM, Path(place))
+        runs = Ensemble("well_b", vary, zipped=True, overrides=overrides).run(
+            DURATION, outputs="channels", mark_rate=RATE
+        )
+    bands = {}
+    for channel, unit in UNITS.items():
+        alive = np.isfinite(runs[channel]).all(axis=1)
+        values, kept = unit * runs[channel][alive], weights[alive] / weights[alive].sum()
+        low, high = predictive_band(values, kept, share * float(values.std()), 0.9)
+        bands[channel] = Band(low, weighted_quantile(values, kept, 0.5), high)
+    return runs["time"], bands
+
+
+def csv_text(time: Array, bands: Mapping[str, Band]) -> str:
+    """Table of the bands: a row for each sample."""
+    header = ["time [s]", *(f"{NAMES[name]} {part}" for name in bands for part in ("5 %", "median", "95 %"))]
+    columns = [time, *(column for band in bands.values() for column in band)]
+    rows = [",".join(f"{value:.4g}" for value in row) for row in zip(*columns, strict=True)]
+    return "\n".join([",".join(header), *rows]) + "\n"
+
+
+def figure(time: Array, bands: Mapping[str, Band]) -> Figure:
+    """Bands over time."""
+    from drill_twin.report.figures.style import BLUE, laid_out, styled
+
+    with styled():
+        drawn = laid_out(6.0, f"Well B at {DEPTH:g} m: a prediction, before any comparison")
+        panels = drawn.subplots(len(bands), sharex=True)
+        for axes, (name, band) in zip(panels, bands.items(), strict=True):
+            axes.fill_between(time, band.low, band.high, color=BLUE, alpha=0.2, linewidth=0, label="90 % band")
+            axes.plot(time, band.median, color=BLUE, label="median")
+            axes.set_ylabel(NAMES[name])
+            axes.set_xlim(0.0, DURATION)
+        panels[0].legend(loc="upper left", ncols=2)
+        panels[-1].set_xlabel("time [s]")
+        return drawn

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Page and figures of the comparisons with records."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from drill_twin_evidence.validation.comparison import Validation
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_HEAD = """# Validation
+
+<!-- Written by `drill-twin validate --page docs/validation.md`; do not edit. -->
+
+The twin beside records of rigs. *Fit*: the numbers of the scene were fitted to this part of the record. *Prediction*:
+they were not. The records are not part of the package: `DRILL_TWIN_DATA` or `--data` names their folder, with
+`ufrj_rig/` (public repository thiagoritto/drillstring) and `well_b/` (Aarsnes and Shor 2018, Fig. 15).
+"""
+
+
+def cells(found: Validation) -> list[tuple[str, ...]]:
+    """Rows of the table."""
+    rows: list[tuple[str, ...]] = []
+    for row in found.comparisons:
+        measured = "" if row.measured is None else f"{row.measured:.4g}"
+        aim = (f"{row.aim:.0%}", "met" if row.met else "missed") if math.isfinite(row.aim) else ("", "")
+        rows.append((row.what, row.kind, measured, f"{row.computed:.4g}", f"{abs(row.difference):.1%}", *aim))
+    return rows
+
+
+HEADING = ("number", "kind", "measured", "computed", "difference", "aim", "")
+
+
+def to_page(found: Sequence[Validation], name: str) -> str:
+    """Markdown; figures are `NAME_RECORD.png` in `figures/` beside it."""
+    parts = [_HEAD]
+    for one in found:
+        table = "\n".join("| " + " | ".join(row) + " |" for row in (HEADING, ("---",) * len(HEADING), *cells(one)))
+        picture = f"![{one.record}: measured and computed](figures/{name}_{one.record}.png)"
+        parts.append(f"## {one.record}\n\nScene `{one.scene}`. {one.about}\n\n{table}\n\n{picture}\n")
+    return "\n".join(parts)
+
+
+def figure(found: Validation) -> Figure:
+    """Measured and computed channels over time."""
+    from drill_twin.report.figures.style import BLUE, VERMILION, laid_out, styled
+
+    with styled():
+        drawn = laid_out(1.0 + 2.4 * len(found.traces), f"{found.record}: measured and computed")
+        panels = drawn.subplots(len(found.traces), sharex=True, squeeze=False)[:, 0]
+        for axes, trace in zip(panels, found.traces, strict=True):
+            axes.plot(trace.time, trace.measured, color=BLUE, label="measured")
+            axes.plot(trace.time, trace.computed, color=VERMILION, label="computed")
+            axes.axvspan(trace.time[0], found.fitted_until, color="0.93", zorder=0, label="fitted")
+            axes.set_ylabel(trace.label)
+            axes.set_xlim(trace.time[0], trace.time[-1])
+        panels[0].legend(loc="upper right", ncols=3)
+        panels[-1].set_xlabel("time [s]")
+        return drawn

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measured beside computed: against records of rigs, where they are at hand, and against made-up ones."""
+
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from drill_twin.api import load_scene
+from drill_twin.cli.app import app
+from drill_twin.errors import ArgumentError
+from drill_twin.scene.keys import number_at
+from drill_twin_evidence.validation import Comparison, data_folder, ufrj, well_b
+from drill_twin_evidence.validation.comparison import VARIABLE, Trace, Validation, cycle_length
+from drill_twin_evidence.validation.page import cells, to_page
+
+FOLDER = Path(os.environ.get(VARIABLE, "no such folder"))
+NO_RECORD = f"the record is not part of the package; {VARIABLE} names the folder that has it"
+
+
+@pytest.mark.skipif(not (FOLDER / "ufrj_rig").is_dir(), reason=NO_RECORD)
+def test_the_bit_of_the_laboratory_rig_is_predicted_within_the_aims():
+    found = ufrj.validate(FOLDER / "ufrj_rig", refit=False)
+    fit, prediction, naive, *features = found.comparisons
+    assert fit.kind == "fit"
+    assert {row.kind for row in found.comparisons[1:]} == {"prediction"}
+    assert fit.met
+    assert prediction.met
+    assert prediction.computed < 0.2 * naive.computed
+    assert [row.what for row in features if not row.met] == []
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not (FOLDER / "well_b").is_dir(), reason=NO_RECORD)
+def test_the_start_up_of_well_b_sticks_and_slips_as_recorded():
+    found = well_b.validate(FOLDER / "well_b", refit=False).comparisons
+    assert {row.kind for row in found} == {"fit"}
+    assert [row.what for row in found if not row.met] == []
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not (FOLDER / "well_b").is_dir(), reason=NO_RECORD)
+def test_the_search_is_never_worse_than_the_numbers_it_begins_with(monkeypatch, tmp_path):
+    monkeypatch.setattr(well_b, "GENERATIONS", 0)
+    monkeypatch.setattr(well_b, "POPULATION", len(well_b.FREE))
+    played = well_b.set_point(FOLDER / "well_b", tmp_path)
+    scene = load_scene("well_b", played | {"effects.wall_friction.decay": 30.0})
+    before = {key: [number_at(scene, key)] for key in well_b.FREE}
+    found = well_b.search(FOLDER / "well_b", scene)
+    after = {key: [value] for key, value in found.items()}
+    old, new = (
+        well_b.misfit(FOLDER / "well_b", well_b.runs_of(FOLDER / "well_b", scene, vary)[0]) for vary in (before, after)
+    )
+    assert new <= old
+
+
+def test_the_length_of_a_cycle_is_found_between_two_lags():
+    time = np.arange(0.0, 40.0, 0.05)
+    values = 3.0 + np.sin(2.0 * np.pi * time / 3.95) + 0.1 * np.sin(2.0 * np.pi * time / 0.7)
+    assert cycle_length(values, 0.05, 2.5, 6.0) == pytest.approx(3.95, rel=0.01)
+
+
+def test_a_missed_aim_is_told_and_a_number_without_an_aim_is_not_judged():
+    rows = [
+        Comparison("peak [N m]", "prediction", 10.0, 10.4, 0.05),
+        Comparison("period [s]", "fit", 4.0, 5.0, 0.05),
+        Comparison("rms error", "fit", None, 0.6, 0.5),
+        Comparison("naive", "prediction", None, 0.9, math.inf),
+    ]
+    line = np.arange(3.0)
+    found = Validation("made_up", "a_scene", "About.", rows, [Trace("torque", line, line, line)], 1.0)
+    assert [row[-1] for row in cells(found)] == ["met", "missed", "missed", ""]
+    assert "| period [s] | fit | 4 | 5 | 25.0% | 5% | missed |" in to_page([found], "validation")
+
+
+def test_records_that_are_not_there_are_asked_for(tmp_path):
+    with pytest.raises(ArgumentError, match=f"expected a folder with ufrj_rig/ or well_b/, found none.*{VARIABLE}"):
+        data_folder(None, {})
+    assert data_folder(None, {VARIABLE: str(tmp_path)}) == tmp_path
+    done = CliRunner().invoke(app, ["validate", "--data", str(tmp_path)])
+    assert "expected a folder ufrj_rig or well_b, found none" in str(done.exception)
