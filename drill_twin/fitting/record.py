@@ -119,8 +119,7 @@ def read_record(
 
     Raises:
         TableError: No such file or column, or no unit or one of another dimension.
-        ArgumentError: No channel, one twice, a channel or sub that a bag does not hold, or subs of a file; or a LAS
-            file without the package lasio.
+        ArgumentError: No channel, one twice, a channel or sub that a bag does not hold, or subs of a file.
     """
     file = Path(path)
     items = [channel_column(item) if isinstance(item, str) else item for item in columns]

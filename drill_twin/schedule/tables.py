@@ -77,7 +77,6 @@ def read_table(
 
     Raises:
         TableError: No such file or column, an unknown unit, decreasing time, or a gap longer than `longest_gap`.
-        ArgumentError: A LAS file, and the package lasio is not installed.
     """
     file = Path(path)
     columns = read_columns(file)

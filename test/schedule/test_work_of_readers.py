@@ -114,9 +114,7 @@ LARGE = {
 
 @pytest.mark.parametrize("kind", LARGE)
 def test_eight_times_the_file_takes_less_than_thirty_times_the_work(tmp_path, kind):
-    if (ending := LARGE[kind][0]) == "las":
-        pytest.importorskip("lasio")
-    files = []
+    ending, files = LARGE[kind][0], []
     for count in (1, 8):
         files.append(tmp_path / f"{count}.{ending}")
         files[-1].write_text(LARGE[kind][1](count), "latin-1")
@@ -133,7 +131,6 @@ def test_memory_of_an_endless_line_is_bounded(tmp_path):
 
 
 def test_what_is_refused_for_its_size_is_told(tmp_path):
-    pytest.importorskip("lasio")
     for name, text, words in (
         ("curves.las", las(0, 1000), "expected at most 1000 curves, found 1001"),
         ("tag.xml", witsml(5_000_000), "expected tags of at most 1000000 characters"),

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 import numpy as np
 
 from drill_twin.errors import TableError
-from drill_twin.io.bag.memory import MemoryBag
+from drill_twin.io.bag.metadata import contract_topic
+from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.stamps import NANOSECONDS
@@ -18,6 +20,13 @@ from drill_twin.schedule.reading import CHANNELS, RECORDS, read_columns
 
 _SPEEDS = ("rotation", "bit_speed")
 _LATEST = 2.0**31  # s, of a stamp
+_AT_ONCE = 4096  # messages
+_JOINTS = (
+    ("", "", "block_position", ""),
+    ("rotation", "bit_speed", "", ""),
+    ("torque", "weight_on_bit", "hookload", "bit_torque"),
+)
+"""Channels that are positions, velocities and efforts of the joints of a rig."""
 
 
 def is_record(path: Path) -> bool:
@@ -25,8 +34,8 @@ def is_record(path: Path) -> bool:
     return path.suffix.lower() in RECORDS and not path.is_dir()
 
 
-class RecordBag(MemoryBag):
-    """Bag in memory with the channels of a record; those that it lacks are NaN.
+class RecordBag(Bag):
+    """Bag of the channels of a record; those that it lacks are NaN. Its messages are made as they are read.
 
     Attributes:
         read: The columns that were read and their units, for the user.
@@ -37,9 +46,8 @@ class RecordBag(MemoryBag):
 
         Raises:
             TableError: It cannot be read, or has no time or no speed.
-            ArgumentError: A LAS file, and the package lasio is not installed.
         """
-        super().__init__(str(path))
+        self.path, self.damage = path, list[str]()
         columns = read_columns(path)
         values, told = {}, []
         for name, channel in CHANNELS.items():
@@ -60,15 +68,26 @@ class RecordBag(MemoryBag):
             raise TableError(f"{path}: expected times from 0 s, found {np.nanmin(time):g} s; shift them")
         if not np.nanmax(time, initial=0.0) < _LATEST:
             raise TableError(f"{path}: expected times of at most {_LATEST:g} s, found {np.nanmax(time):g} s")
-        empty, template = np.full(time.size, math.nan), JointStateTemplate(RIG_JOINTS)
-        position, velocity, effort = (
-            np.column_stack([values.get(name, empty) for name in names])
-            for names in (
-                ("", "", "block_position", ""),
-                ("rotation", "bit_speed", "", ""),
-                ("torque", "weight_on_bit", "hookload", "bit_torque"),
+        dated = np.flatnonzero(np.isfinite(time))
+        self._stamps = np.round(time[dated] * NANOSECONDS).astype(np.int64)
+        self._values = {name: column[dated] for name, column in values.items() if name != "time"}
+        self.topics = {RIG_STATE: contract_topic(RIG_STATE)} if dated.size else {}
+        for topic in self.topics.values():
+            topic.count = dated.size
+        self.start, self.end = (int(self._stamps[0]), int(self._stamps.max())) if dated.size else (0, 0)
+
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
+        """As `Bag.messages`."""
+        if topics is not None and RIG_STATE not in topics:
+            return
+        template = JointStateTemplate(RIG_JOINTS)
+        for begin in range(0, self._stamps.size, _AT_ONCE):
+            part = slice(begin, begin + _AT_ONCE)
+            stamps = self._stamps[part].tolist()
+            empty = np.full(len(stamps), math.nan)
+            joints = (
+                np.column_stack([self._values[name][part] if name in self._values else empty for name in names])
+                for names in _JOINTS
             )
-        )
-        for k in np.flatnonzero(np.isfinite(time)):
-            stamp = round(time[k] * NANOSECONDS)
-            self.write(RIG_STATE, stamp, template.fill(stamp, position[k], velocity[k], effort[k]))
+            for stamp, raw in zip(stamps, template.rows(stamps, *joints), strict=True):
+                yield RIG_STATE, stamp, raw

@@ -3,23 +3,16 @@
 
 from __future__ import annotations
 
-import csv
-import math
-from array import array
 from collections import Counter
-from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TextIO
 
-import numpy as np
-
-from drill_twin.errors import TableError, encoding_problem
-from drill_twin.schedule.reading.cells import date, from_first, number
+from drill_twin.base.foreign_file import ForeignFile
+from drill_twin.errors import TableError
+from drill_twin.schedule.reading.cells import number
 from drill_twin.schedule.reading.columns import Columns
-from drill_twin.schedule.reading.mnemonics import null_values
+from drill_twin.schedule.reading.rows import LARGEST_FILE, MOST_COLUMNS, RowError, Rows, split
 
-MOST_COLUMNS = 10_000
-_LONGEST_LINE = 1_000_000  # characters
+CSV = ForeignFile("a CSV file", LARGEST_FILE, TableError, may_be_empty=False)
 _DELIMITERS = ",;\t|"
 
 
@@ -29,73 +22,40 @@ def read_csv(path: Path) -> Columns:
     Raises:
         TableError: It is none, or has a cell that is not a number (with its line).
     """
+    lines = ((place, line) for place, line in CSV.lines(path) if line.strip() and not line.startswith("#"))
+    place, header = next(lines, (0, ""))
     try:
-        with path.open(encoding="utf-8-sig") as stream:
-            return _columns(path, _lines(path, stream))
-    except UnicodeDecodeError as error:
-        raise TableError(f"{path}: expected a CSV file in UTF-8, found {encoding_problem(error)}") from None
-    except (OSError, csv.Error) as error:
-        raise TableError(f"{path}: expected a CSV file in UTF-8, found {error}") from None
+        names, rows = _begin(header)
+        for place, line in lines:  # noqa: B007  the place is told
+            rows.add(line)
+            if rows.texts:
+                column, text = next(iter(rows.texts.items()))
+                raise RowError(f'expected a number in column "{names[column][:40]}", found "{text.cell}"')
+    except RowError as error:
+        raise TableError(f"{path}:{place}: {error}") from None
+    if not rows.count:
+        raise TableError(f"{path}: expected a header and rows of numbers, found {1 if header else 0} lines")
+    return rows.columns(path, {})
 
 
-def _lines(path: Path, stream: TextIO) -> Iterator[str]:
-    """Lines of a file; one that is endless is not read to its end.
+def _begin(header: str) -> tuple[list[str], Rows]:
+    """Names of the columns, and their rows to be filled.
 
     Raises:
-        TableError: There is one.
+        RowError: The header is none.
     """
-    place = 0
-    while line := stream.readline(_LONGEST_LINE + 1):
-        place += 1
-        if len(line) > _LONGEST_LINE:
-            raise TableError(
-                f"{path}:{place}: expected a line of at most {_LONGEST_LINE} characters, found a longer one"
-            )
-        yield line
-
-
-def _columns(path: Path, stream: Iterable[str]) -> Columns:
-    rows = ((place, line) for place, line in enumerate(stream, 1) if line.strip() and not line.startswith("#"))
-    begun, first = next(rows, (0, ""))
-    delimiter = _delimiter(first)
-    header = _cells(path, first, delimiter)
-    if len(header) > MOST_COLUMNS:
-        raise TableError(f"{path}:{begun}: expected at most {MOST_COLUMNS} columns, found {len(header)}")
-    if header and all(_number(cell, delimiter) is not None for cell in header):
-        raise TableError(f"{path}:{begun}: expected a header with column names, found numbers")
-    if twice := sorted(name for name, count in Counter(header).items() if count > 1):
-        raise TableError(f"{path}:{begun}: expected each column once, found {', '.join(twice)[:100]} again")
-    numbers, nulls, dates = array("d"), null_values("", str(path)), set[str]()
-    for line, text in rows:
-        cells = _cells(path, text, delimiter)
-        if len(cells) != len(header):
-            raise TableError(f"{path}:{line}: expected {len(header)} values as in the header, found {len(cells)}")
-        if not numbers:  # the first row tells which columns are dates
-            dates = {name for name, cell in zip(header, cells, strict=True) if _number(cell, delimiter) is None}
-        for name, cell in zip(header, cells, strict=True):
-            value = date(cell) if name in dates else _number(cell, delimiter)
-            if value is None:
-                raise TableError(f'{path}:{line}: expected a number in column "{name[:40]}", found "{cell[:40]}"')
-            numbers.append(math.nan if value in nulls else value)
-    if not numbers:
-        raise TableError(f"{path}: expected a header and rows of numbers, found {1 if begun else 0} lines")
-    table = np.frombuffer(numbers).reshape(-1, len(header))
-    values = {name: table[:, column].copy() for column, name in enumerate(header)}
-    return Columns(path, values | {name: from_first(values[name]) for name in dates}, dict.fromkeys(dates, "s"))
-
-
-def _cells(path: Path, line: str, delimiter: str) -> list[str]:
-    if "\0" in line:
-        raise TableError(f"{path}: expected a table of text, found binary data")
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
+    delimiter = _delimiter(header)
+    names = [cell.strip() for cell in split(header, delimiter)]
+    if len(names) > MOST_COLUMNS:
+        raise RowError(f"expected at most {MOST_COLUMNS} columns, found {len(names)}")
+    if names and all(number(name if delimiter == "," else name.replace(",", ".")) is not None for name in names):
+        raise RowError("expected a header with column names, found numbers")
+    if twice := sorted(name for name, count in Counter(names).items() if count > 1):
+        raise RowError(f"expected each column once, found {', '.join(twice)[:100]} again")
+    return names, Rows(names, delimiter)
 
 
 def _delimiter(header: str) -> str:
     """Most frequent delimiter of the header; a space if there is no other."""
     best = max(_DELIMITERS, key=header.count)
     return best if header.count(best) else " "
-
-
-def _number(cell: str, delimiter: str) -> float | None:
-    """As `number`; decimal commas are read where the delimiter is another."""
-    return number(cell.replace(",", ".") if delimiter != "," else cell)

@@ -1,121 +1,111 @@
 # SPDX-License-Identifier: Apache-2.0
-"""LAS 2.0 file over time (Canadian Well Logging Society 1992), read by lasio."""
+"""LAS 2.0 file over time (Canadian Well Logging Society 1992), with or without wrapped rows."""
 
 from __future__ import annotations
 
-import io
-import logging
-import math
-import re
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from drill_twin.base.arrays import Array
-from drill_twin.base.extras import import_lasio
+from drill_twin.base.foreign_file import ForeignFile
 from drill_twin.errors import TableError
-from drill_twin.schedule.reading.cells import date, from_first, number
 from drill_twin.schedule.reading.columns import Columns
-from drill_twin.schedule.reading.mnemonics import null_values
+from drill_twin.schedule.reading.rows import LARGEST_FILE, RowError, Rows
 
-_LONGEST_HEADER, _LONGEST_LINE = 1_000_000, 100_000  # characters
-logging.getLogger("lasio").addHandler(logging.NullHandler())  # else it tells of each column of text on stderr
-_MOST_CURVES = 1000
-_USED = ("STRT", "STOP", "STEP", "NULL")
-"""Lines of the section ~Well that decide how data are read."""
+LAS = ForeignFile("a LAS file", LARGEST_FILE, TableError, may_be_empty=False)
+_LONGEST_LINE, _MOST_CURVES = 100_000, 1000
 _DEPTH = ("DEPT", "DEPTH", "MD", "TVD")
+_DELIMITERS = {"COMMA": ",", "TAB": "\t"}
 
 
 def read_las(path: Path) -> Columns:
-    """Read a LAS file over time; its NULL and -999.25 are missing values.
+    """Read a LAS file over time; its NULL and -999.25 are missing values, columns of text are left out.
 
     Raises:
         TableError: It is no such file, or one over depth.
-        ArgumentError: The package lasio is not installed.
     """
-    lasio = import_lasio()
-    text = _lean(path, _text(path))
-    try:
-        engine = "normal" if re.search(r"(?im)^[ \t]*WRAP[ \t]*\.[ \t]*YES", text[:_LONGEST_HEADER]) else "numpy"
-        las = lasio.read(io.StringIO(text), engine=engine)
-        curves = [(str(curve.mnemonic), str(curve.unit), np.asarray(curve.data)) for curve in las.curves]
-        null = str(las.well["NULL"].value) if "NULL" in las.well else ""
-    except Exception as error:  # noqa: BLE001  lasio raises many kinds, KeyError and IndexError among them
-        found = " ".join(str(error).split())[:200] or type(error).__name__
-        raise TableError(f"{path}: expected a LAS 2.0 file, found a damaged one ({found}); export it again") from None
-    if not curves or not curves[0][2].size:
+    lines = _used(path)
+    version, well, curves = _header(path, lines)
+    count = Counter(name for name, _ in curves)
+    place, names, units = dict.fromkeys(count, 0), list[str](), dict[str, str]()
+    for name, unit in curves:  # those of one name are numbered
+        place[name] += 1
+        names.append(name if count[name] == 1 else f"{name}:{place[name]}")
+        units[names[-1]] = unit
+    rows = Rows(names, _DELIMITERS.get(version.get("DLM", "").upper(), " "))
+    if version.get("WRAP", "").upper() == "YES":
+        lines = _unwrapped(lines, len(names))
+    for number, line in lines:
+        try:
+            rows.add(line)
+        except RowError as error:
+            raise TableError(f"{path}:{number}: {error}; export it again") from None
+    if not names or not rows.count:
         raise TableError(
-            f"{path}: expected curves and rows of data, found {len(curves)} curves without; export it again"
+            f"{path}: expected curves and rows of data, found {len(names)} curves without; export it again"
         )
-    if curves[0][0].upper() in _DEPTH:
-        raise TableError(f"{path}: expected a log over time, found one over {curves[0][0]}; export the log over time")
-    nulls = list(null_values(null, f"{path}: NULL"))
-    values, units, texts = {}, {}, {}
-    for name, given, data in curves:
-        column, unit, odd = _numbers(data)
-        units[name] = unit or given
-        if odd:
-            texts[name] = odd
-        else:
-            values[name] = np.where(np.isin(column, nulls), math.nan, column)
-    return Columns(path, values, units, texts)
+    return rows.columns(path, units, well.get("NULL", ""))
 
 
-def _text(path: Path) -> str:
-    """Text of the file; lasio is not asked to open it, since it takes a text without line ends for an address.
-
-    Raises:
-        TableError: It is not readable, has no data, or a line that is too long.
-    """
-    try:
-        text = path.read_bytes().decode("latin-1")  # ASCII by the standard; writers put degree signs in
-    except OSError as error:
-        raise TableError(f"{path}: expected a LAS file, found {error.strerror or error}") from None
-    if text[:2] in {"\xff\xfe", "\xfe\xff"}:
-        raise TableError(f"{path}: expected a LAS file in ASCII, found UTF-16; save it as UTF-8")
-    begin = text.upper().find("\n~A")
-    if "~V" not in text[:_LONGEST_HEADER].upper() or not 0 < begin < _LONGEST_HEADER:
-        raise TableError(f"{path}: expected a LAS 2.0 file with ~V and ~A sections, found none; export it again")
-    if longest := next((k for k, line in enumerate(text.splitlines(), 1) if len(line) > _LONGEST_LINE), 0):
-        raise TableError(f"{path}:{longest}: expected a line of at most {_LONGEST_LINE} characters, found a longer one")
-    return text
-
-
-def _lean(path: Path, text: str) -> str:
-    """The file without the lines of its header that are not used: lasio compares each line with all before it.
-
-    Raises:
-        TableError: It has more than `_MOST_CURVES` curves.
-    """
-    begin = min(place for mark in ("\n~A", "\n~a") if (place := text.find(mark)) >= 0)
-    kept, section, curves = [], "", 0
-    for line in text[:begin].splitlines():
+def _used(path: Path) -> Iterator[tuple[int, str]]:
+    """Lines that are neither empty nor a comment, with their numbers."""
+    for number, line in LAS.lines(path, longest=_LONGEST_LINE, latin=True):  # ASCII by the standard; not all keep it
         bare = line.strip()
-        if bare.startswith("~"):
-            section = bare[1:2].upper()
-        elif bare.startswith("#") or not bare:
+        if bare and not bare.startswith("#"):
+            yield number, bare
+
+
+def _header(
+    path: Path, lines: Iterator[tuple[int, str]]
+) -> tuple[dict[str, str], dict[str, str], list[tuple[str, str]]]:
+    """Values of ~Version, the null value of ~Well, and names and units of ~Curve: all up to ~A.
+
+    Raises:
+        TableError: There is no ~V or ~A, too many curves, or the log is over depth.
+    """
+    version, well, curves, section, seen = dict[str, str](), dict[str, str](), list[tuple[str, str]](), "", set[str]()
+    for _, line in lines:
+        if line.startswith("~"):
+            section = line[1:2].upper()
+            seen.add(section)
+            if section == "A":
+                break
             continue
+        name, unit, value = _parts(line)
+        if section == "V":
+            version[name] = value
+        elif section == "W" and name == "NULL":
+            well[name] = value
         elif section == "C":
-            curves += 1
-        elif section == "W" and not bare.upper().startswith(_USED):
-            continue
-        if section in {"V", "W", "C"}:
-            kept.append(line)
-    if curves > _MOST_CURVES:
-        raise TableError(f"{path}: expected at most {_MOST_CURVES} curves, found {curves}; export fewer")
-    return "\n".join(kept) + text[begin:]
+            curves.append((name, unit))
+    if not {"V", "A"} <= seen:
+        raise TableError(f"{path}: expected a LAS 2.0 file with ~V and ~A sections, found none; export it again")
+    if len(curves) > _MOST_CURVES:
+        raise TableError(f"{path}: expected at most {_MOST_CURVES} curves, found {len(curves)}; export fewer")
+    if curves and curves[0][0] in _DEPTH:
+        raise TableError(f"{path}: expected a log over time, found one over {curves[0][0]}; export the log over time")
+    return version, well, curves
 
 
-def _numbers(data: Any) -> tuple[Array, str, str]:
-    """Numbers of a curve; the unit s where they were dates; the first text where it is neither."""
-    if data.dtype.kind in "fiu":
-        return data.astype(np.float64), "", ""
-    cells = [str(cell).strip() for cell in data.tolist()]
-    for read, unit in ((date, "s"), (number, "")):
-        found = [read(cell) for cell in cells]
-        if None not in found:
-            column = np.array(found, np.float64)
-            return from_first(column) if unit else column, unit, ""
-    row = found.index(None)
-    return np.empty(0), "", f'"{cells[row][:40]}" in row {row + 1}'
+def _parts(line: str) -> tuple[str, str, str]:
+    """Mnemonic, unit and value of a line of the header: `MNEM.UNIT VALUE : DESCRIPTION`."""
+    name, _, rest = line.partition(".")
+    body = rest.rpartition(":")[0] or rest
+    unit, *value = body.split(None, 1) if body[:1].strip() else ("", body)
+    if unit.isdecimal() and value:  # of the unit 1000 lbf
+        more, *value = value[0].split(None, 1)
+        unit = f"{unit} {more}"
+    return name.strip().upper() or "UNKNOWN", unit, "".join(value).strip()
+
+
+def _unwrapped(lines: Iterator[tuple[int, str]], count: int) -> Iterator[tuple[int, str]]:
+    """Rows of so many values, which the file has on several lines each."""
+    parts, found = list[str](), 0
+    for number, line in lines:
+        parts.append(line)
+        found += len(line.split())
+        if found >= count:
+            yield number, " ".join(parts)
+            parts, found = [], 0
+    if parts:
+        yield number, " ".join(parts)

@@ -10,11 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
+from drill_twin.base.foreign_file import ForeignFile
 from drill_twin.base.json_reader import read_json
 from drill_twin.base.process.child_environment import child_environment
 from drill_twin.errors import TableError
 from drill_twin.schedule.reading.columns import Columns
+from drill_twin.schedule.reading.rows import LARGEST_FILE
 
+MATLAB = ForeignFile("a MAT file", LARGEST_FILE, TableError, may_be_empty=False)
 _MOST_BYTES = 200_000_000  # of all columns
 _PATIENCE = 60  # s
 _NOT_SUPPORTED = 3
@@ -26,7 +29,7 @@ with open("/proc/self/statm") as statm:
     size = int(statm.read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + (1 << 30),) * 2)
 try:
-    content = loadmat(sys.argv[1])
+    content = loadmat(sys.stdin.buffer)
     columns = {}
     for name, value in content.items():
         array = np.asarray(value)
@@ -56,13 +59,15 @@ def read_matlab(path: Path) -> Columns:
         TableError: It is no such file, or a damaged one.
     """
     try:
-        done = subprocess.run(
-            [sys.executable, "-c", _LOAD_MATLAB, str(path)],
-            capture_output=True,
-            timeout=_PATIENCE,
-            check=False,
-            env=child_environment(),
-        )
+        with MATLAB.open(path) as stream:
+            done = subprocess.run(
+                [sys.executable, "-c", _LOAD_MATLAB],
+                stdin=stream,
+                capture_output=True,
+                timeout=_PATIENCE,
+                check=False,
+                env=child_environment(),
+            )
     except subprocess.TimeoutExpired:
         raise TableError(f"{path}: expected a MAT file, found one not read within {_PATIENCE} s") from None
     said = " ".join(done.stderr.decode("utf-8", "replace").split())

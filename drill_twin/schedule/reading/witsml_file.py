@@ -8,24 +8,21 @@ one. So the standard library is as safe here as defusedxml, which refuses the sa
 
 from __future__ import annotations
 
-import csv
-from array import array
 from collections import Counter
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 
-import numpy as np
-
+from drill_twin.base.foreign_file import ForeignFile
 from drill_twin.errors import TableError
-from drill_twin.schedule.reading.cells import date, from_first, number
 from drill_twin.schedule.reading.columns import Columns
-from drill_twin.schedule.reading.mnemonics import null_values
+from drill_twin.schedule.reading.rows import LARGEST_FILE, MOST_COLUMNS, RowError, Rows
 
+WITSML = ForeignFile("a WITSML log", LARGEST_FILE, TableError, may_be_empty=False)
 _VERSION = "1.4.1"
 _TIME = ("date time", "elapsed time")
 _TEXTS = ("indexType", "indexCurve", "nullValue", "dataDelimiter", "mnemonicList", "unitList", "data")
-_DEEPEST, _LONGEST, _MOST_COLUMNS, _CHUNK = 20, 1_000_000, 10_000, 2**18
+_DEEPEST, _LONGEST, _CHUNK = 20, 1_000_000, 2**18
 _NONE = ("unitless", "none", "euc", "----")
 """Units of WITSML that say that there is none."""
 
@@ -40,12 +37,10 @@ class _LogReader:
     def __init__(self) -> None:
         self.header: dict[str, str] = {}
         self.names: list[str] = []
-        self.numbers = array("d")
-        self._texts: dict[int, str] = {}
-        self._dates: set[int] = set()
+        self.rows: Rows | None = None
         self._open: list[str] = []
         self._text: list[str] = []
-        self._length = self._logs = self._rows = 0
+        self._length = self._logs = 0
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
         name = name.rpartition(" ")[2]
@@ -83,23 +78,15 @@ class _LogReader:
         raise _RefusedError("expected no document type (<!DOCTYPE>), found one; no log of WITSML has it")
 
     def _row(self, content: str) -> None:
-        self._rows += 1
-        if not self.names:
-            self._begin()
-        cells = next(csv.reader([content], delimiter=self.header.get("dataDelimiter") or ","), [])
-        if len(cells) != len(self.names):
-            raise _RefusedError(f"expected {len(self.names)} values in row {self._rows}, found {len(cells)}")
-        for k, cell in enumerate(map(str.strip, cells)):
-            value = date(cell) if k in self._dates else number(cell)
-            if value is None and self._rows == 1 and (value := date(cell)) is not None:
-                self._dates.add(k)
-            if value is None:
-                if k == 0:
-                    raise _RefusedError(f'expected a time in row {self._rows}, found "{cell[:40]}"')
-                self._texts.setdefault(k, f'"{cell[:40]}" in row {self._rows}')
-            self.numbers.append(np.nan if value is None else value)
+        self.rows = rows = self.rows or self._begin()
+        try:
+            rows.add(content)
+        except RowError as error:
+            raise _RefusedError(f"row {rows.count + 1}: {error}") from None
+        if 0 in rows.texts:
+            raise _RefusedError(f'expected a time in row {rows.count}, found "{rows.texts[0].cell}"')
 
-    def _begin(self) -> None:
+    def _begin(self) -> Rows:
         kind = self.header.get("indexType", "none")
         if kind not in _TIME:
             raise _RefusedError(
@@ -111,25 +98,18 @@ class _LogReader:
             )
         self.names = [name.strip() for name in self.header.get("mnemonicList", "").split(",")]
         twice = [name for name, count in Counter(self.names).items() if count > 1]
-        if not 1 < len(self.names) <= _MOST_COLUMNS or twice:
+        if not 1 < len(self.names) <= MOST_COLUMNS or twice:
             found = f"{', '.join(twice)[:100]} again" if twice else f"{len(self.names)} names"
-            raise _RefusedError(f"expected 2 to {_MOST_COLUMNS} names in mnemonicList, each once, found {found}")
+            raise _RefusedError(f"expected 2 to {MOST_COLUMNS} names in mnemonicList, each once, found {found}")
+        return Rows(self.names, self.header.get("dataDelimiter") or ",")
 
     def columns(self, path: Path) -> Columns:
         """The columns of numbers, the index first and in s."""
-        if not self._rows:
+        if self.rows is None:
             raise _RefusedError("expected <data> in the log, found none: a header only; export the log with its data")
-        nulls = list(null_values(self.header.get("nullValue", ""), f"{path}: nullValue"))
-        table = np.frombuffer(self.numbers).reshape(-1, len(self.names))
         units = dict(zip(self.names, map(str.strip, self.header.get("unitList", "").split(",")), strict=False))
-        values = {}
-        for k, name in enumerate(self.names):
-            if k in self._dates:
-                values[name], units[name] = from_first(table[:, k]), "s"
-            elif k not in self._texts:
-                values[name] = np.where(np.isin(table[:, k], nulls), np.nan, table[:, k])
         units = {name: unit for name, unit in units.items() if unit not in _NONE}
-        return Columns(path, values, units, {self.names[k]: text for k, text in self._texts.items()})
+        return self.rows.columns(path, units, self.header.get("nullValue", ""))
 
 
 def read_witsml(path: Path) -> Columns:
@@ -143,7 +123,7 @@ def read_witsml(path: Path) -> Columns:
     parser.StartElementHandler, parser.EndElementHandler = reader.start, reader.end
     parser.CharacterDataHandler, parser.StartDoctypeDeclHandler = reader.text, reader.refuse
     try:
-        with path.open("rb") as stream:
+        with WITSML.open(path) as stream:
             fed = 0
             while chunk := stream.read(_CHUNK):
                 parser.Parse(chunk, False)
@@ -152,7 +132,7 @@ def read_witsml(path: Path) -> Columns:
                     raise _RefusedError(f"expected tags of at most {_LONGEST} characters, found a longer one")
             parser.Parse(b"", True)
         return reader.columns(path)
-    except (expat.ExpatError, _RefusedError, OSError, csv.Error, ValueError, LookupError) as error:
+    except (expat.ExpatError, _RefusedError, OSError, ValueError, LookupError) as error:
         line = parser.CurrentLineNumber
         raise TableError(f"{path}:{line}: {_sentence(error)}") from None
 
