@@ -14,7 +14,6 @@ COMMANDS = {
     "validate": "validate:validate",
     "verify": "verify:verify",
     "whirl-compare": "whirl_compare:whirl_compare",
-    "whirl-cost": "whirl_cost:whirl_cost",
 }
 
 setup(

@@ -34,15 +34,6 @@ def import_distributed() -> Any:
     return _import("distributed", "--dask", "dask")
 
 
-def import_emcee() -> Any:
-    """Import emcee, for the posterior of `paper-search`.
-
-    Raises:
-        ArgumentError: It is not installed.
-    """
-    return _import("emcee", "--posterior", "posterior")
-
-
 def _import(package: str, purpose: str, extra: str) -> Any:
     try:
         return import_module(package)

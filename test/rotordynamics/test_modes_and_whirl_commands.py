@@ -55,14 +55,3 @@ def test_a_record_has_no_final_set_points(bench):
         SceneError, match=r"found a recorded rotation, which changes; --set rig.rotation.shape=constant"
     ):
         dt.modes(recorded)
-
-
-def test_errors_of_a_state_over_elements():
-    """A coarse mesh is off, a finer one less; the string on the axis converges faster than the contact."""
-    arguments = ["whirl-cost", "pa6_bench", "--elements", "8,12", "--no-runs", "--json", *FORM]
-    said = CliRunner().invoke(app, [*arguments, "--set", "rig.rotation.value=6.5 rev/s"])
-    assert said.exit_code == 0, said.output
-    coarse, finer = json.loads(said.stdout)
-    assert 0.0 < finer["ratio_error"] < 0.02
-    assert finer["axis_error"] < 0.5 * coarse["axis_error"]
-    assert finer["run_ms"] is None

@@ -14,10 +14,8 @@ if TYPE_CHECKING:
     from drill_twin_evidence.paper.search.evaluate import Bench
     from drill_twin_evidence.paper.search.exclusion import Exclusion
     from drill_twin_evidence.paper.search.habits import Habit
-    from drill_twin_evidence.paper.search.posterior import Posterior
     from drill_twin_evidence.paper.search.record import Record
 
-POSTERIOR, WALKERS = ("posterior.json", "paper_posterior.png"), 48
 TABLE, DATA, FIGURE = "exclusion.csv", "exclusion.json", "paper_exclusion.png"
 
 
@@ -39,10 +37,6 @@ def paper_search(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder of the result; left out: that of the record.")
     ] = None,
-    posterior: Annotated[
-        int,
-        typer.Option("--posterior", metavar="STEPS", min=0, help="Steps of the walkers of a posterior; 0: none."),
-    ] = 0,
     show_habits: Annotated[
         bool, typer.Option("--habits", help="Run the bench with each habit of multibody codes too: friction, contact.")
     ] = False,
@@ -85,17 +79,13 @@ def paper_search(
     for name, one in zip(scenes, found.finalists, strict=True):
         own = scene_of_trial(described, one.trial).model_copy(update={"name": f"paper_{name.removesuffix('.yaml')}"})
         write_file(folder / name, own.to_yaml())
-    sampled = _posterior(on, kept, folder, posterior, seed, threads) if posterior else None
     habitual = habits(on) if show_habits else []
     if json:
-        more = {"posterior": sampled.to_dict()} if sampled else {}
-        print_json(found.to_dict() | more | ({"habits": [one.to_dict() for one in habitual]} if habitual else {}))
+        print_json(found.to_dict() | ({"habits": [one.to_dict() for one in habitual]} if habitual else {}))
     else:
         _print(found)
         if habitual:
             _print_habits(habitual)
-        if sampled:
-            _print_posterior(sampled)
     err().print(f"{folder}: {', '.join((TABLE, DATA, FIGURE, *scenes))}", markup=False, soft_wrap=True)
 
 
@@ -111,40 +101,12 @@ def _search(bench: Bench, record: Record, sets: int, seed: int, threads: int) ->
         )  # fmt: skip
 
 
-def _posterior(bench: Bench, record: Record, folder: Path, steps: int, seed: int, threads: int) -> Posterior:
-    from drill_twin.cli.folder import write_file
-    from drill_twin.cli.show import err
-    from drill_twin.report.figures.style import save, styled
-    from drill_twin.studies.json_io import json_text
-    from drill_twin_evidence.paper.search.figure import draw_posterior
-    from drill_twin_evidence.paper.search.posterior import sample
-
-    with err().status("posterior"):
-        found = sample(bench, list(record.evaluated), walkers=WALKERS, steps=steps, seed=seed, threads=threads)
-        write_file(folder / POSTERIOR[0], json_text(found.to_dict()))
-        with styled():
-            save(draw_posterior(found), folder / POSTERIOR[1])
-    return found
-
-
 def _print_habits(found: list[Habit]) -> None:
     from drill_twin.cli.show import grid, out
     from drill_twin_evidence.paper.search import text
 
     title = "The bench as calibrated, with a habit of multibody codes"
     out().print(grid(text.HABITS, text.habit_rows(found), title=title, right=(1, 2, 3)))
-
-
-def _print_posterior(found: Posterior) -> None:
-    from drill_twin.cli.show import grid, out
-    from drill_twin_evidence.paper.search import text
-
-    screen = out()
-    screen.print(text.posterior_lead(found), markup=False, soft_wrap=True)
-    screen.print(grid(text.SOUGHT, text.sought_rows(found), title="What the numbers determine", right=(1, 2, 3)))
-    screen.print(
-        grid(text.MODEL, text.model_rows(found), title="Model of the posterior against runs", right=(1, 2, 3, 4))
-    )
 
 
 def _print(found: Exclusion) -> None:

@@ -3,7 +3,6 @@
 
 import json
 import math
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,8 +13,8 @@ from drill_twin.cli.app import app
 from drill_twin.errors import ArgumentError
 from drill_twin.scene import load_scene, parse_scene
 from drill_twin_evidence.paper.runs.cases import Case, changed
-from drill_twin_evidence.paper.search import posterior, space
 from drill_twin_evidence.paper.search import search as module
+from drill_twin_evidence.paper.search import space
 from drill_twin_evidence.paper.search.assumptions import ASSUMPTIONS, LOOSE, STRICT, pair_misfits, score
 from drill_twin_evidence.paper.search.evaluate import Bench, failed
 from drill_twin_evidence.paper.search.exclusion import examined, exclusion_of, finalists_of, numbers_of
@@ -25,7 +24,6 @@ from drill_twin_evidence.paper.search.record import Evaluated, Record
 from drill_twin_evidence.paper.search.short_spectra import short_spectra
 from drill_twin_evidence.paper.search.space import (
     FREE,
-    NUMBER,
     SLIP,
     known_trials,
     mutated,
@@ -33,7 +31,7 @@ from drill_twin_evidence.paper.search.space import (
     scene_of_trial,
     trial_of_scene,
 )  # fmt: skip
-from drill_twin_evidence.paper.search.text import habit_rows, sought_rows, value_rows
+from drill_twin_evidence.paper.search.text import habit_rows, value_rows
 
 RADIUS, CLEARANCE = 8.25e-3, 81.75e-3
 BENCH = "pa6_calibrated"
@@ -154,52 +152,6 @@ def test_a_set_of_joined_friction_has_two_numbers_more():
     assert any(mutated(random, one, drawn).shares[-2:] != one.shares[-2:] for _ in range(9))
     plain = random_trial(np.random.default_rng(4))
     assert (len(plain.shares), plain.shares) == (len(FREE), drawn.shares[: len(FREE)])
-
-
-def test_the_posterior_finds_what_the_numbers_determine(monkeypatch):
-    """Whirls that depend on the friction alone: its posterior is narrow about the value that meets them all."""
-    bench = Bench(load_scene(BENCH), SECONDS)
-    random, friction = np.random.default_rng(2), NUMBER["friction at the wall"]
-    cases = {Case(number.weight_on_bit, number.speed): number for number in posterior.WHIRLED}
-
-    def whirl_of(one, number):  # the published one at a half
-        return (1.6 - 1.2 * one.shares[friction]) * number.value * (number.speed if number.unit == "" else 1.0)
-
-    evaluated = []
-    for _ in range(150):
-        one = ASSUMPTIONS[STRICT].applied(random_trial(random))
-        results = {case: failed() for case in cases}
-        for case, number in cases.items():
-            results[case].whirl[BASE["whirl"]] = whirl_of(one, number)
-        evaluated.append(Evaluated(one, results))
-    monkeypatch.setattr(posterior, "ROUNDS", 1)
-    monkeypatch.setattr(posterior, "DRAWN", 1)
-    monkeypatch.setattr(posterior, "WEIGHED", 60)
-
-    def run(_bench, one, case):
-        found = failed()
-        if case in cases:
-            found.whirl[BASE["whirl"]] = whirl_of(one, cases[case])
-        found.time[BASE["time"]] = begins[case.weight_on_bit]
-        return found
-
-    begins = {20.0: 7.24, 40.0: 6.12}
-    monkeypatch.setattr(posterior, "critical_times", lambda _string, start, *_: np.array([begins[start.load]]))
-
-    monkeypatch.setattr(Bench, "run", run)
-    found = posterior.sample(bench, evaluated, walkers=24, steps=60, seed=1)
-    known, bow = (posterior.SOUGHT.index(k) for k in (friction, NUMBER["bow"]))
-    assert found.interval(known)[1] == pytest.approx(FREE[friction].value(0.5), rel=0.4)
-    assert 1.0 < found.effective <= 60.0
-    assert found.weights.sum() == pytest.approx(1.0)
-    assert found.width(known) < 0.3 < found.width(bow)
-    assert all(one.error[1] < 0.1 for one in found.surrogates)
-    few = replace(found, weights=np.array([0.5, 0.5, *[0.0] * (found.weights.size - 2)]))
-    assert few.to_dict()["numbers"] == {}
-    assert {row[1] for row in sought_rows(few)} == {"not known"}
-    assert found.checked.shape == (60, len(posterior.TIMED) + len(posterior.WHIRLED), 2)
-    with pytest.raises(ArgumentError, match="expected a record with 100 runs at 20 N, 2 rev/s"):
-        posterior.sample(bench, evaluated[:5], walkers=24, steps=1, seed=1)
 
 
 def test_a_habit_of_multibody_codes_is_a_change_of_the_bench():

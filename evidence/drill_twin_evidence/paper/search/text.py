@@ -5,24 +5,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
-from drill_twin_evidence.paper.runs.table import NEAR
 from drill_twin_evidence.paper.search.assumptions import ASSUMPTIONS, LOOSE, STRICT
 from drill_twin_evidence.paper.search.exclusion import Exclusion, choices_of
 from drill_twin_evidence.paper.search.habits import Habit
-from drill_twin_evidence.paper.search.posterior import SOUGHT as PLACES
-from drill_twin_evidence.paper.search.posterior import TIMED, WHIRLED, Posterior
 from drill_twin_evidence.paper.search.readings import NUMBERS
 from drill_twin_evidence.paper.search.search import PAIRS
-from drill_twin_evidence.paper.search.space import CHOICES, FREE
+from drill_twin_evidence.paper.search.space import CHOICES
 
 UNDER = ("assumptions", "pairs excluded", "of")
 ALONE = ("number", "published", "least misfit, all kept", "none kept")
 OPENED = ("number", "and", "all kept", "opened alone by", "none kept")
 VALUES = ("number", "published", "set 1", "off by, in 20 %", "")
-SOUGHT = ("number", "median", "90 %", "of the prior's width")
-MODEL = ("number", "runs", "left out: median, 9th decile", "draws run: median error", "within 20 %, weighed")
 HABITS = ("habit", "critical times, s", "whirl at 20, 40, 150, 300 N, Hz", "mark-3, -2, -1 at 40 N, mm")
 SHORT = ("set", "reading", "20 N", "150 N", "300 N", "lines at high load")
 BEST = ("set", "met of 15", "in steady whirl", "assumptions", "readings", "choices that differ")
@@ -108,36 +101,4 @@ def habit_rows(found: list[Habit]) -> Iterator[Cells]:
             ", ".join(f"{value:.2f}" for value in one.times),
             ", ".join(f"{value:+.2f}" for value in one.whirls),
             ", ".join(f"{value:.0f}" for value in one.sizes[::-1]),
-        )  # fmt: skip
-
-
-def posterior_lead(found: Posterior) -> str:
-    """Size of the sampling."""
-    return (
-        f"Posterior with all assumptions kept: {len(found.shares)} draws, run and weighed, worth {found.effective:.0f} "
-        f"of equal weight; from {found.steps} steps a walker, autocorrelated over {found.autocorrelation:.0f} at most."
-    )
-
-
-def sought_rows(found: Posterior) -> Iterator[Cells]:
-    """Cells under `SOUGHT`."""
-    for k, place in enumerate(PLACES):
-        low, middle, high = found.interval(k)
-        unit = f" {FREE[place].unit}".rstrip()
-        if not found.has_intervals:
-            yield FREE[place].name, "not known", "not known", "-"
-            continue
-        yield FREE[place].name, f"{middle:.3g}{unit}", f"{low:.3g} to {high:.3g}{unit}", f"{found.width(k):.2f}"
-
-
-def model_rows(found: Posterior) -> Iterator[Cells]:
-    """Cells under `MODEL`."""
-    errors = {one.number: one for one in found.surrogates}
-    for k, number in enumerate((*TIMED, *WHIRLED)):
-        model, run = found.checked[:, k].T
-        own = errors.get(number)
-        yield (
-            f"{number.q} {number.name}", str(own.count) if own else "growth",
-            f"{own.error[0]:.1%}, {own.error[1]:.1%}" if own else "-",
-            f"{np.nanmedian(np.abs(model - run)):.1%}", f"{found.weights @ (np.abs(run - 1.0) <= NEAR):.0%}",
         )  # fmt: skip
