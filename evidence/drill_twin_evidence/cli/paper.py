@@ -70,7 +70,7 @@ def calibrate(
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the search.")] = 1,
     population: Annotated[int, typer.Option("--population", min=5, max=512, help="Members of a generation.")] = 16,
     generations: Annotated[
-        int, typer.Option("--generations", min=0, help="Generations after the first; 0: only examine the scene.")
+        int, typer.Option("--generations", min=0, help="Generations after the first; 0: only the scene as it is.")
     ] = 30,
     workers: WorkersOption = 1,
     replace: ReplaceOption = False,
@@ -78,7 +78,7 @@ def calibrate(
 ) -> None:
     """Calibrate the parameters that the paper does not give (ramps, imperfections, damping, friction).
 
-    Prints values, uncertainties and residuals. The fit starts from the scene and uses a part of the table; the rest
+    Prints values, bounds and residuals. The fit starts from the scene and uses a part of the table; the rest
     validates it (`drill-twin paper`). A figure shows which numbers contradict each other. The search is differential
     evolution; the same seed gives the same result.
     """
@@ -96,7 +96,7 @@ def calibrate(
     with _bar("calibration") as show:
         done = search(
             described, seed=seed, population=population, generations=generations, processes=workers,
-            progress=lambda what, count, of, best: show(f"{what}, least loss {best:.3f}", count, of),
+            progress=lambda count, of, best: show(f"least loss {best:.3f}", count, of),
         )  # fmt: skip
     write_file(out / CALIBRATION, json_text(text.to_dict(done)))
     with err().status("drawing"):
@@ -109,9 +109,8 @@ def calibrate(
         print_json(text.to_dict(done))
     else:
         screen().print(text.title(done), markup=False)
-        screen().print(grid(text.FOUND, text.found_rows(done), title="Numbers found", right=(1,)))
+        screen().print(grid(text.FOUND, text.found_rows(done), title="Values found", right=(1,)))
         screen().print(grid(text.RESIDUALS, text.residual_rows(done), title="Residuals", right=(1, 2, 3)))
-        screen().print(grid(text.BOUNDS, text.bound_rows(), title="Bounds"))
     err().print(f"{out}: {CALIBRATION} and {TRADE_OFF}", markup=False)
 
 

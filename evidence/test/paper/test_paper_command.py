@@ -48,12 +48,11 @@ def test_calibrate_examines_a_scene(quick_file, tmp_path):
     out = tmp_path / "calibration"
     done = command("calibrate", "--scene", quick_file, "--generations", "0", "--out", out)
     assert done.exit_code == 0, done.output
-    for words in ("Numbers found", "retardation time of the material", "Residuals", "loss factor of polyamide"):
+    for words in ("Values found", "retardation time of the material", "Residuals", "loss factor of polyamide"):
         assert words in done.output
     data = json.loads((out / "calibration.json").read_text())
     assert data["evaluations"] == 1
     assert data["loss"] == data["loss_at_start"] > 0.0
-    assert len(data["found"]) == 10
     assert len(data["changes"]) == 12  # stretch and twist are damped as bending is
     assert (out / "paper_trade_off.png").stat().st_size > 10_000
     assert len(data["deviations"]) + len(data["judged"]) == 15

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
 from drill_twin.studies.json_io import json_text
+from drill_twin_evidence.cli import output
 from drill_twin_evidence.verify import Case, Row, all_cases, choose, run, scenes
 from drill_twin_evidence.verify.page import summary, to_page
 from drill_twin_evidence.verify.row import TWIN
@@ -141,3 +142,16 @@ def test_the_page_has_each_reference_and_the_number_nearest_to_its_tolerance(che
     ]
     missed = to_page([check(row(-2.0), row(-3.0), row(-4.0))], "this")
     assert missed.count("**miss**") == 2
+
+
+def test_the_data_of_a_page_of_the_documentation_are_evidence(tmp_path, monkeypatch):
+    monkeypatch.setattr(output, "EVIDENCE", tmp_path / "evidence")
+    for folder in ("docs", "evidence/pages"):
+        (tmp_path / folder).mkdir(parents=True)
+    for page, data in (("docs/hard.md", "evidence/pages/hard.json"), ("hard.md", "hard.json")):
+        output.write_page(
+            tmp_path / page, lambda line: f"by {line}\n", {}, command="hard", only="", flags={"--quick": True}
+        )
+        assert (tmp_path / page).read_text() == f"by drill-twin hard --quick --page {(tmp_path / page).as_posix()}\n"
+        assert (tmp_path / data).read_text() == "{}\n"
+    assert not (tmp_path / "docs" / "hard.json").exists()

@@ -19,32 +19,32 @@ SHARE_LEFT = "share of friction left at high slip"
 STATIC, DYNAMIC = "slip speed of static friction", "slip speed of dynamic friction over it"
 PLAY, SPRING = "play of the bit", "stiffness of the bit's guide"
 FREE = (
-    FreeParameter("rig.weight_on_bit.duration", "ramp of the load", "s", 1.0, 0.5, 15.0, None, "not given"),
-    FreeParameter("rig.weight_on_bit.start", "start of the load", "s", 1.0, 0.01, 4.0, None, "not given"),
-    FreeParameter("rig.rotation.duration", "ramp of the rotation", "s", 1.0, 0.1, 14.0, None, "not given"),
-    FreeParameter("effects.bow.amplitude", "bow", "mm", 1e-3, 0.01, 5.0, None,
+    FreeParameter("rig.weight_on_bit.duration", "ramp of the load", "s", 1.0, 0.5, 15.0, "not given"),
+    FreeParameter("rig.weight_on_bit.start", "start of the load", "s", 1.0, 0.01, 4.0, "not given"),
+    FreeParameter("rig.rotation.duration", "ramp of the rotation", "s", 1.0, 0.1, 14.0, "not given"),
+    FreeParameter("effects.bow.amplitude", "bow", "mm", 1e-3, 0.01, 5.0,
                   "straight to the eye, or hung on two supports"),
-    FreeParameter("effects.eccentricity.offset", "eccentricity", "mm", 1e-3, 0.01, 4.0, None,
+    FreeParameter("effects.eccentricity.offset", "eccentricity", "mm", 1e-3, 0.01, 4.0,
                   "up to half the radius"),
-    FreeParameter("effects.internal_damping.bending_time", "retardation time", "ms", 1e-3, 1.0, 60.0, None,
+    FreeParameter("effects.internal_damping.bending_time", "retardation time", "ms", 1e-3, 1.0, 60.0,
                   "loss factor 0.006 to 0.4 at 1 Hz", DAMPING[1:]),
-    FreeParameter("effects.drag.linear", "drag", "N s/m^2", 1.0, 0.001, 0.3, None, "air, and a bench that rubs"),
-    FreeParameter("effects.wall_friction.coefficient", "friction at the wall", "", 1.0, 0.01, 0.8, None,
+    FreeParameter("effects.drag.linear", "drag", "N s/m^2", 1.0, 0.001, 0.3, "air, and a bench that rubs"),
+    FreeParameter("effects.wall_friction.coefficient", "friction at the wall", "", 1.0, 0.01, 0.8,
                   "oiled to dry"),
-    FreeParameter("effects.wall_friction.decay", "fall of friction with slip", "s/m", 1.0, 0.01, 30.0, None,
+    FreeParameter("effects.wall_friction.decay", "fall of friction with slip", "s/m", 1.0, 0.01, 30.0,
                   "Coulomb to a film at 0.03 m/s"),
-    FreeParameter("", SHARE_LEFT, "", 1.0, 0.02, 1.0, None, "static and dynamic friction"),
-    FreeParameter("effects.bit_friction.coefficient", "friction at the bit", "", 1.0, 0.002, 0.5, None,
+    FreeParameter("", SHARE_LEFT, "", 1.0, 0.02, 1.0, "static and dynamic friction"),
+    FreeParameter("effects.bit_friction.coefficient", "friction at the bit", "", 1.0, 0.002, 0.5,
                   "ball to flat end"),
-    FreeParameter("effects.bit_friction.radius", "radius at which the bit rubs", "mm", 1e-3, 1.0, 8.2, None,
+    FreeParameter("effects.bit_friction.radius", "radius at which the bit rubs", "mm", 1e-3, 1.0, 8.2,
                   "tip to rim"),
-    FreeParameter("", PLAY, "", 1.0, 0.01, 0.95, None, "share of the hole's radius in which the bit moves freely"),
-    FreeParameter("", SPRING, "N/m", 1.0, 5.0, 1e4, None, "rubber to steel"),
+    FreeParameter("", PLAY, "", 1.0, 0.01, 0.95, "share of the hole's radius in which the bit moves freely"),
+    FreeParameter("", SPRING, "N/m", 1.0, 5.0, 1e4, "rubber to steel"),
 )  # fmt: skip
 """Numbers of a set, on a logarithmic scale."""
 SLIP = (
-    FreeParameter("", STATIC, "m/s", 1.0, 0.003, 0.5, None, "a film to five times the default of ADAMS, 0.1"),
-    FreeParameter("", DYNAMIC, "", 1.0, 1.1, 50.0, None, "a fall at once to one over metres a second"),
+    FreeParameter("", STATIC, "m/s", 1.0, 0.003, 0.5, "a film to five times the default of ADAMS, 0.1"),
+    FreeParameter("", DYNAMIC, "", 1.0, 1.1, 50.0, "a fall at once to one over metres a second"),
 )
 """Numbers of a set whose static and dynamic friction are joined by STEPs, after those of `FREE`."""
 NUMBER = {parameter.name: k for k, parameter in enumerate((*FREE, *SLIP))}
