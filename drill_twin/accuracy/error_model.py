@@ -161,7 +161,8 @@ def content_key(scene: Scene) -> str:
     if not data.get("numerics"):
         data.pop("numerics", None)  # as in a scene that names none
     if scene.rig.table is not None and (record := Path(scene.rig.table.file)).is_file():
-        data["record"] = hashlib.sha256(record.read_bytes()).hexdigest()
+        with record.open("rb") as stream:
+            data["record"] = hashlib.file_digest(stream, "sha256").hexdigest()
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 
 

@@ -10,8 +10,9 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from drill_twin.base.yaml_reader import Place, read_yaml
-from drill_twin.errors import DrillTwinError, encoding_problem
+from drill_twin.base.foreign_file import ForeignFile
+from drill_twin.base.yaml_reader import LARGEST_TEXT, Place, read_yaml
+from drill_twin.errors import DrillTwinError
 from drill_twin.gateway.dwis import PROPOSED, PROTOTYPES
 from drill_twin.gateway.quantities import MEASURED, QUANTITIES, downhole, measured_dimension
 from drill_twin.scene.paths import config_dir
@@ -33,6 +34,9 @@ SET_POINTS = ("weight_on_bit", "surface_rotation")
 
 class SignalsError(DrillTwinError):
     """A file of signals that cannot be used; the message has file and line."""
+
+
+_FILE = ForeignFile("a file of signals", LARGEST_TEXT, SignalsError)
 
 
 @dataclass(frozen=True)
@@ -135,12 +139,7 @@ def read_signals(path: Path) -> Signals:
     Raises:
         SignalsError: It cannot be read, or a line is not valid.
     """
-    try:
-        data, lines = read_yaml(path.read_text("utf-8"), str(path))
-    except UnicodeDecodeError as error:
-        raise SignalsError(f"{path}: expected text in UTF-8, found {encoding_problem(error)}") from error
-    except OSError as error:
-        raise SignalsError(f"{path}: expected a readable file of signals, found: {error}") from error
+    data, lines = read_yaml(_FILE.text(path), str(path))
     return _Reader(path, lines).signals(data)
 
 

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Mask
+from drill_twin.base.foreign_file import ForeignFile
 from drill_twin.base.json_reader import ODD_DATA, read_json
 from drill_twin.base.proportions import proportion_interval
 from drill_twin.errors import ArgumentError, DrillTwinError
@@ -25,8 +26,7 @@ from drill_twin.maps.window import CONFIDENCE, Window, basis, cells_of, known_an
 from drill_twin.scene import Scene
 
 FORMAT = 2
-LARGEST_FILE = 256_000_000
-"""Bytes of a file of a map."""
+_FILE = ForeignFile("the map.json of `drill-twin map`", 256_000_000, ArgumentError)
 LIKELY = 0.05
 """Largest upper limit (95 %) of the chance of whirl at a calm set-point, once there are draws enough to show it."""
 _SET_BY_MAP = ("weight_on_bit", "rotation", "duration", "start", "table")
@@ -375,10 +375,9 @@ def read_map(file: str | Path) -> OperatingMap:
     Raises:
         ArgumentError: No such file, or not a map.
     """
+    content = _FILE.read(file)
     try:
-        return OperatingMap.from_dict(read_json(Path(file).read_bytes(), largest=LARGEST_FILE))
-    except OSError as error:
-        raise ArgumentError(f"{file}: cannot be read: {error.strerror or error}") from error
+        return OperatingMap.from_dict(read_json(content, largest=_FILE.largest))
     except (*ODD_DATA, DrillTwinError) as error:
         raise ArgumentError(
             f"{file}: expected the map.json of `drill-twin map`, found another file ({type(error).__name__}: {error})"

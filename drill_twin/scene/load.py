@@ -7,9 +7,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from drill_twin.base.foreign_file import ForeignFile
 from drill_twin.base.process.standard_streams import error_text
 from drill_twin.base.yaml_reader import LARGEST_TEXT
-from drill_twin.errors import SceneError, encoding_problem
+from drill_twin.errors import SceneError
 from drill_twin.scene.lines import Lines, copy_plain, read_lines
 from drill_twin.scene.overrides import apply_overrides
 from drill_twin.scene.partial import contradictions_of_valid_parts
@@ -17,6 +18,7 @@ from drill_twin.scene.paths import scene_path
 from drill_twin.scene.problems import scene_error
 from drill_twin.scene.schema import Scene
 
+_FILE = ForeignFile("text", LARGEST_TEXT, SceneError)
 _TABLE_FILE = ("rig", "table", "file")
 DEEPEST_BASE = 8
 """Longest chain of scenes based on one another."""
@@ -35,7 +37,7 @@ def load_scene(scene: str | Path, *, overrides: Mapping[str, str] | None = None)
         SceneError: No such file, not YAML, or not a scene; with file, line, key, expected and found.
     """
     path = scene_path(scene)
-    return _build(read_lines(_read(path), str(path)), overrides, folder=path.parent)
+    return _build(read_lines(_FILE.text(path), str(path)), overrides, folder=path.parent)
 
 
 def parse_scene(text: str, *, name: str = "scene", overrides: Mapping[str, str] | None = None) -> Scene:
@@ -65,18 +67,6 @@ def build_scene(
     return _build(Lines(name, copy_plain(data)), overrides, folder=Path(), text=False)
 
 
-def _read(path: Path) -> str:
-    try:
-        size = path.stat().st_size
-        if size > LARGEST_TEXT:
-            raise SceneError(f"{path}: expected a scene of at most {LARGEST_TEXT} bytes, found {size}")
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{path}: expected text in UTF-8, found {encoding_problem(error)}") from None
-    except (OSError, ValueError) as error:
-        raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
-
-
 def _build(lines: Lines, overrides: Mapping[str, float | str] | None, *, folder: Path, text: bool = True) -> Scene:
     _inherit(lines, folder)
     apply_overrides(lines, overrides or {})
@@ -102,7 +92,7 @@ def _inherit(lines: Lines, folder: Path, depth: int = 0) -> None:
         path = scene_path(folder / name if _is_file(folder / name) else name)
     except SceneError as error:
         raise SceneError(f"{place}: base: {error}") from None
-    base = read_lines(_read(path), str(path))
+    base = read_lines(_FILE.text(path), str(path))
     _inherit(base, path.parent, depth + 1)
     _anchor_table(base, path.parent)
     lines.inherit(base)

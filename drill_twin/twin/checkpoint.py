@@ -25,6 +25,7 @@ import numpy as np
 
 from drill_twin import __version__
 from drill_twin.base.arrays import Array
+from drill_twin.base.foreign_file import ForeignFile
 from drill_twin.base.json_reader import read_json
 from drill_twin.errors import CheckpointError, DrillTwinError
 from drill_twin.scene import Scene, parse_scene
@@ -37,6 +38,7 @@ _HEADER = "head"
 _ZIP = b"PK\x03\x04"
 _LARGEST_HEADER = 2_000_000  # bytes; the scene takes most of it
 _LARGEST_SIZE = 128 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
+_FILE = ForeignFile("a checkpoint", _LARGEST_SIZE, CheckpointError)
 _RENAMED = {f"effects.ledger.{old}": f"effects.ledger.{new}" for old, new in (
     ("books", "entries"), ("course", "gauss"), ("loose", "constrained"),
 )}  # fmt: skip
@@ -106,8 +108,7 @@ class Checkpoint:
             CheckpointError: No such file, a damaged one, or one of another version.
         """
         try:
-            _check_file(Path(path))
-            with zipfile.ZipFile(path) as archive:
+            with _FILE.open(path) as stream, zipfile.ZipFile(stream) as archive:
                 members = _members(archive)
             members = {_RENAMED.get(name, name): array for name, array in members.items()}
             head = read_json(members.pop(_HEADER).tobytes(), largest=_LARGEST_HEADER)
@@ -118,8 +119,6 @@ class Checkpoint:
                 )
             time, command = float(head["time"]), Command(*map(float, head["set_points"]))
             scene = head["scene"]
-        except FileNotFoundError:
-            raise CheckpointError(f"{path}: expected a checkpoint, found nothing there; check the path") from None
         except _DAMAGED as error:
             raise CheckpointError(
                 f"{path}: expected a whole checkpoint of drill_twin, found {_error_text(error)}; start the run afresh"
@@ -182,15 +181,6 @@ def _refuse_other_file(path: Path) -> None:
         start = stream.read(len(_ZIP))
     if start and start != _ZIP:
         raise ValueError("another file there, which is not replaced")
-
-
-def _check_file(path: Path) -> None:
-    """Refuse what is no file, which reading may wait for without end, and one that is too large."""
-    status = path.stat()
-    if not stat.S_ISREG(status.st_mode):
-        raise ValueError("a folder, a pipe or a device")
-    if status.st_size > _LARGEST_SIZE:
-        raise ValueError(f"{status.st_size} bytes where at most {_LARGEST_SIZE} can be meant")
 
 
 def _members(archive: zipfile.ZipFile) -> dict[str, Array]:

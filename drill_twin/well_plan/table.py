@@ -9,12 +9,14 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-from drill_twin.errors import SceneError, encoding_problem
+from drill_twin.base.foreign_file import ForeignFile
+from drill_twin.errors import SceneError
 from drill_twin.units import UnitError, factor_of, parse
 from drill_twin.units.dimension import ANGLE, LENGTH, LINEAR_MASS, Dimension
 from drill_twin.units.heading import name_and_unit
 
-LARGEST_FILE, MOST_ROWS = 4_000_000, 10_000
+MOST_ROWS = 10_000
+TABLE = ForeignFile("a CSV table", 4_000_000, SceneError)
 UNITS = {
     "si": {"depth": "m", "diameter": "mm", "mass": "kg/m", "angle": "deg"},
     "field": {"depth": "ft", "diameter": "in", "mass": "lb/ft", "angle": "deg"},
@@ -88,19 +90,8 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
     Raises:
         SceneError: The file cannot be read, or a column is missing.
     """
-    try:
-        if not file.is_file():  # a device has no end, and a pipe may not begin
-            found = "a folder" if file.is_dir() else "a pipe or a device" if file.exists() else "nothing there"
-            raise SceneError(f"{file}: expected a CSV table, found {found}")
-        if file.stat().st_size > LARGEST_FILE:
-            raise SceneError(f"{file}: expected a table of at most {LARGEST_FILE // 1_000_000} MB, found a larger one")
-        text = file.read_text("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{file}: expected a CSV table in UTF-8, found {encoding_problem(error)}") from None
-    except OSError as error:
-        raise SceneError(f"{file}: expected a CSV table, found {error.strerror or error}") from None
-    numbered = enumerate(text.splitlines(), 1)
-    lines = [(number, line) for number, line in numbered if line.strip(" ,;\t") and not line.startswith("#")]
+    lines = [(number, line.rstrip("\n")) for number, line in TABLE.lines(file)
+             if line.strip(" ,;\t\n") and not line.startswith("#")]  # fmt: skip
     if not lines or len(lines) - 1 > MOST_ROWS:
         raise SceneError(f"{file}: expected a heading and at most {MOST_ROWS} rows, found {len(lines)} lines")
     heading = lines[0][1]

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drill_twin.base.extras import import_lasio
-from drill_twin.errors import TableError, encoding_problem
+from drill_twin.errors import TableError
 from drill_twin.gateway.drillbotics.files import LOWEST_RATE, SUGGESTED, TIMESERIES
+from drill_twin.schedule.reading.csv_file import CSV
 
 _NEEDED_OF_VIRTUAL_TEAMS = {"flow_in_lpm": "flow in", "flow_out_lpm": "flow out", "spp_MPa": "standpipe pressure"}
 _STAMP = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z")
@@ -37,11 +38,8 @@ def check_timeseries(path: Path) -> Iterator[Rule]:
         TableError: It cannot be read as CSV.
     """
     try:
-        with path.open(encoding="utf-8", newline="") as stream:
-            header, *rows = list(csv.reader(stream)) or [[]]
-    except UnicodeDecodeError as error:
-        raise TableError(f"{path}: expected a CSV file in UTF-8, found {encoding_problem(error)}") from None
-    except (OSError, csv.Error) as error:
+        header, *rows = list(csv.reader(line for _, line in CSV.lines(path))) or [[]]
+    except csv.Error as error:
         raise TableError(f"{path}: expected a CSV file in UTF-8, found {error}") from None
     yield Rule("name", path.name == TIMESERIES, path.name)
     missing = [column for column in SUGGESTED if column not in header]

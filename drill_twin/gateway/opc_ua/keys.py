@@ -16,6 +16,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
+from drill_twin.base.foreign_file import ForeignFile
 from drill_twin.gateway.opc_ua.passwords import (
     KeysError,
     PasswordHash,
@@ -28,6 +29,7 @@ from drill_twin.gateway.opc_ua.passwords import (
 
 CERTIFICATE, PRIVATE_KEY, TRUSTED, USERS = "certificate.der", "private_key.pem", "trusted", "users.yaml"
 _DAYS = 3650
+_FILE = ForeignFile("a certificate (DER or PEM)", 100_000, KeysError)
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ def read_keys(folder: Path) -> Keys:
 
 
 def _certificate(path: Path) -> bytes:
-    data = path.read_bytes()
+    data = _FILE.read(path)
     try:
         load = x509.load_pem_x509_certificate if data.startswith(b"-----") else x509.load_der_x509_certificate
         return load(data).public_bytes(serialization.Encoding.DER)

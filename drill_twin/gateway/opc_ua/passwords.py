@@ -15,7 +15,8 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Final
 
-from drill_twin.base.yaml_reader import plain_yaml
+from drill_twin.base.foreign_file import ForeignFile
+from drill_twin.base.yaml_reader import LARGEST_TEXT, plain_yaml
 from drill_twin.errors import DrillTwinError
 
 LEAST_LENGTH: Final = 8
@@ -30,6 +31,9 @@ _REMEDY = "make it with drill-twin gateway-keys"
 
 class KeysError(DrillTwinError):
     """A folder of keys that cannot be used."""
+
+
+_FILE = ForeignFile("a file of users", LARGEST_TEXT, KeysError)
 
 
 @dataclass(frozen=True)
@@ -98,8 +102,9 @@ def read_users(path: Path) -> dict[str, PasswordHash]:
     Raises:
         KeysError: It cannot be read, or others than its owner can read or write it.
     """
+    text = _FILE.text(path)
     check_private(path)
-    lines = plain_yaml(path.read_text("utf-8"), str(path)) or {}
+    lines = plain_yaml(text, str(path)) or {}
     try:
         return {str(name): PasswordHash.parsed(text) for name, text in lines.items()}
     except (AttributeError, TypeError, ValueError):

@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
+from drill_twin.base.foreign_file import ForeignFile
 from drill_twin.base.loopback import is_loopback
 from drill_twin.gateway.quantities import MEASURED, downhole
 from drill_twin.gateway.rig_reader import RigReader
@@ -189,7 +190,7 @@ def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | Non
         if not file.is_file():
             raise ParameterError(f"parameter rig_user: expected the password in {file}, found no such file")
         check_private(file)
-        password = file.read_text("utf-8").strip()
+        password = ForeignFile("a password", 10_000, ParameterError).text(file).strip()
     access = Access(settings.rig_url, keys, APPLICATION, settings.rig_user, password)
     return RigClient(access, signals, 1.0 / settings.rig_rate)
 

@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from drill_twin.base.foreign_file import ForeignFile
 from drill_twin.base.yaml_reader import LARGEST_TEXT, YamlError, plain_yaml
 from drill_twin.errors import BagError
 from drill_twin.io.bag.reading.decompression import DAMAGED, decompress_stream
@@ -19,6 +20,7 @@ _SUFFIXES = (".mcap", ".db3", ".zstd")
 _EXPANSION, _EXPANSION_OF_ANY = 50, 64_000_000  # bytes of a decompressed file: per byte, and beyond it
 
 _MOST_LISTED = 1000
+_METADATA = ForeignFile("metadata.yaml", LARGEST_TEXT, BagError)
 
 BagFile = McapFile | SqliteFile
 Window = tuple[float, float] | None
@@ -105,10 +107,8 @@ def _information(folder: Path) -> dict[str, Any]:
     """Content of `metadata.yaml`; empty if it is missing or damaged, since the files describe themselves."""
     metadata = folder / "metadata.yaml"
     try:
-        if not metadata.is_file() or metadata.stat().st_size > LARGEST_TEXT:
-            return {}
-        content = plain_yaml(metadata.read_text("utf-8"), metadata.name)
-    except (OSError, UnicodeError, YamlError):
+        content = plain_yaml(_METADATA.text(metadata), metadata.name)
+    except (BagError, YamlError):
         return {}
     information = content.get("rosbag2_bagfile_information") if isinstance(content, dict) else None
     return information if isinstance(information, dict) else {}
