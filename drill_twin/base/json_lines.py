@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 import stat
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from drill_twin.base.json_reader import ODD_DATA, read_json
 from drill_twin.errors import ArgumentError, BagError
 
+_LOG = logging.getLogger(__name__)
 LONGEST_LINE = 64_000_000
 """Bytes of a line; a longer one is a bad one."""
 _OPEN = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | os.O_NONBLOCK  # a pipe is refused, not waited for
@@ -30,7 +34,7 @@ class JsonLines:
 
     def __init__(
         self, file: Path, key: str, setup: Mapping[str, Any], read: Callable[[Any], None], *,
-        foreign: str, other: str, ordered: bool = False,
+        foreign: str, other: str, of: Any = Any, ordered: bool = False,
     ) -> None:  # fmt: skip
         """Open a file, begin it if it is new or empty, and read what it has.
 
@@ -38,16 +42,17 @@ class JsonLines:
             file: The file; neither it nor its folder need exist.
             key: Name of the setup in the first line.
             setup: All that the results depend on, in plain types.
-            read: Takes a result as it was added; raises a ValueError, TypeError or LookupError for one that is none.
+            read: Takes a result, as the type `of`; raises a ValueError, TypeError or LookupError for one that is none.
             foreign: Message if the first line is no setup.
             other: Message if it is another one; `{}` stands for the names that differ.
+            of: Type of a result, for pydantic: a line with a field that is missing or of another type is a bad one.
             ordered: Each result depends on those before: those behind a bad line are taken off with it.
 
         Raises:
             ArgumentError: The file is of another setup, or none of these files.
             BagError: It cannot be read or written, or is no regular file.
         """
-        self.file, self.bad = file, 0
+        self.file, self.bad, self._type = file, 0, TypeAdapter[Any](of)
         head = (json.dumps({key: setup}) + "\n").encode()
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
@@ -62,6 +67,9 @@ class JsonLines:
                 self._check(first, key, setup, foreign, other)
                 kept = len(first) + 1 + self._read_lines(rest, read, ordered=ordered)
                 stream.truncate(kept)
+            if self.bad:
+                lines = "1 line that is no result is" if self.bad == 1 else f"{self.bad} lines that are no results are"
+                _LOG.warning("%s: %s left out; what it was of is computed again", file, lines)
         except OSError as error:
             raise self._unusable(error) from error
 
@@ -91,7 +99,9 @@ class JsonLines:
         kept = 0
         for line in lines:
             try:
-                read(read_json(line, largest=LONGEST_LINE))
+                if len(line) > LONGEST_LINE:
+                    raise ValueError("a line that is too long")
+                read(self._type.validate_json(line, strict=True))
             except ODD_DATA:
                 self.bad += 1
                 if ordered:

@@ -35,12 +35,10 @@ class Journal:
             BagError: It cannot be read or written.
         """
         self.records = dict[Key, Record]()
-        self._lines = JsonLines(file, "map", setup, self._read, foreign=FOREIGN, other=OTHER)
+        self._lines = JsonLines(file, "map", setup, self._read, foreign=FOREIGN, other=OTHER, of=tuple[Key, Record])
 
-    def _read(self, line: Any) -> None:
-        (i, j, draw, origin, finer), data = line
-        key = Key(i, j, draw, None if origin is None else (origin[0], origin[1]), finer)
-        self.records[key] = Record.from_dict(data)
+    def _read(self, run: tuple[Key, Record]) -> None:
+        self.records.update([run])
 
     def kept(self, runs: Generator[tuple[Key, Record]]) -> Generator[tuple[Key, Record]]:
         """The same runs, each appended as it ends.

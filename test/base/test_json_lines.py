@@ -6,11 +6,15 @@ import signal
 import subprocess
 import sys
 import textwrap
+from typing import NamedTuple
 
 import pytest
 
 from drill_twin.base.json_lines import JsonLines
 from drill_twin.errors import ArgumentError, BagError
+from drill_twin.maps.journal import Journal
+from drill_twin.maps.regimes import Regime
+from drill_twin.maps.runs import Key, Record
 
 SETUP = {"scene": "bench", "duration": 30.0}
 
@@ -123,3 +127,40 @@ def test_a_kill_loses_no_result_that_was_added(tmp_path):
                 break
         told = [int(line) for line in process.stdout.read().splitlines()] or [500]
     assert opened(tmp_path / "a.jsonl")[1][: told[-1] + 1] == list(range(told[-1] + 1))
+
+
+class Run(NamedTuple):
+    """Result with types."""
+
+    place: tuple[int, int]
+    radius: float
+    end: str | None = None
+
+
+@pytest.mark.parametrize("damage", [
+    b'[[1,"2"],0.5]', b"[[1,2,3],0.5]", b"[[1,2],null]", b'[[1,2],"0.5"]', b"[[1,2]]", b"[[1,2],[0.5]]",
+    b"[[1,2],0.5,7]", b"[[1.5,2],0.5]", b"[[true,2],0.5]", b"[null,0.5]", b"7",
+])  # fmt: skip
+def test_a_line_of_the_right_shape_and_a_wrong_type_is_left_out(tmp_path, damage):
+    file, found = tmp_path / "a.jsonl", []
+
+    def opened_again():
+        return JsonLines(file, "study", SETUP, found.append, foreign="another", other="another {}", of=Run)
+
+    lines = opened_again()
+    for radius in (1, float("nan"), 0.25):
+        lines.add([[1, 2], radius])
+    head, *rows = file.read_bytes().splitlines(keepends=True)
+    file.write_bytes(head + rows[0] + damage + b"\n" + rows[1] + rows[2])
+    assert opened_again().bad == 1
+    assert [(run.place, str(run.radius)) for run in found] == [((1, 2), "1.0"), ((1, 2), "nan"), ((1, 2), "0.25")]
+
+
+def test_a_run_of_a_map_with_a_wrong_number_is_left_out_and_told(tmp_path, caplog):
+    file, key, record = tmp_path / "runs.jsonl", Key(1, 2, origin=(0, 3)), Record(Regime.SMOOTH, radius=0.5)
+    list(Journal(file, SETUP).kept(one for one in [(key, record), (Key(4, 4), record)]))
+    assert Journal(file, SETUP).records.keys() == {key, Key(4, 4)}
+    file.write_bytes(file.read_bytes().replace(b'"radius":0.5', b'"radius":"0.5"', 1))
+    assert not caplog.messages
+    assert Journal(file, SETUP).records.keys() == {Key(4, 4)}
+    assert caplog.messages == [f"{file}: 1 line that is no result is left out; what it was of is computed again"]

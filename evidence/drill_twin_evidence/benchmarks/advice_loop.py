@@ -15,9 +15,10 @@ import argparse
 import math
 from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import Any, NotRequired
 
 import numpy as np
+from typing_extensions import TypedDict
 
 import drill_twin as dt
 from drill_twin.base.json_lines import JsonLines
@@ -39,6 +40,16 @@ FOREIGN, OTHER = "expected results of this benchmark, found another file", "expe
 TOLD, NOT_TOLD = "told that it cannot", "not told"
 
 
+class Found(TypedDict):
+    """Result of a scene."""
+
+    scene: int
+    numbers: dict[str, float]
+    end: str
+    runs: NotRequired[int]
+    advice: NotRequired[list[str]]
+
+
 def main() -> None:
     """Run the scenes that are missing, and print the counts."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -51,6 +62,7 @@ def main() -> None:
     file = JsonLines(
         given.out / "results.jsonl", "advice loop", {"lowest": given.lowest, "duration": DURATION},
         lambda result: known.update({int(result["scene"]): result}), foreign=FOREIGN, other=OTHER,
+        of=Found,
     )  # fmt: skip
     results: list[dict[str, Any]] = []
     while sum(result["end"] != NO_WHIRL for result in results) < given.scenes:

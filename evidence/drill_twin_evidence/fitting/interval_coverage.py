@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from scipy import stats
+from typing_extensions import TypedDict
 
 import drill_twin as dt
 from drill_twin.base.json_lines import JsonLines
@@ -19,6 +20,16 @@ OVERRIDES: dict[str, float | str] = {"wob": 55e3, "numerics.step": "20 ms", "num
 RANGES = {"bit_torque_stribeck.sticking": (0.55, 0.95), "bit_torque_stribeck.decay": (0.2, 6.0)}
 FOREIGN, OTHER = "expected results of this campaign, found another file", "expected the same {}; give another file"
 LENGTH, NOISE, LEVEL = 15.0, 0.05, 0.9
+
+
+class Twin(TypedDict):
+    """Fit to one twin."""
+
+    seed: int
+    hidden: dict[str, float]
+    inside: dict[str, bool]
+    runs: int
+    power: float
 
 
 def cover(seed: int) -> dict[str, Any]:
@@ -43,7 +54,7 @@ def cover(seed: int) -> dict[str, Any]:
 def main(twins: int, journal: Path) -> None:
     """Fit the twins that the journal lacks, and print the shares."""
     lines: list[dict[str, Any]] = []
-    file = JsonLines(journal, "fit coverage", {"ranges": RANGES}, lines.append, foreign=FOREIGN, other=OTHER)
+    file = JsonLines(journal, "fit coverage", {"ranges": RANGES}, lines.append, foreign=FOREIGN, other=OTHER, of=Twin)
     for seed in sorted(set(range(twins)) - {line["seed"] for line in lines}):
         lines.append(cover(seed))
         file.add(lines[-1])

@@ -110,10 +110,9 @@ class PointsFile:
         self.points: dict[tuple[float, float], Point] = {}
         self._lines = None
         if path is not None:
-            self._lines = JsonLines(path, "whirl comparison", setup, self._read, foreign=FOREIGN, other=OTHER)
+            self._lines = JsonLines(path, "whirl comparison", setup, self._read, foreign=FOREIGN, other=OTHER, of=Point)
 
-    def _read(self, line: Any) -> None:
-        point = _point(line)
+    def _read(self, point: Point) -> None:
         self.points[point.weight_on_bit, point.rotation] = point
 
     def add(self, point: Point) -> None:
@@ -121,14 +120,6 @@ class PointsFile:
         self.points[point.weight_on_bit, point.rotation] = point
         if self._lines is not None:
             self._lines.add(asdict(point))
-
-
-def _point(data: dict[str, Any]) -> Point:
-    for key in ("states", "held"):
-        data[key] = tuple(tuple(one) for one in data[key])
-    data["stable"] = tuple(data["stable"])
-    data["two"] = TwoFrequencies(**data["two"]) if data["two"] else None
-    return Point(**data)
 
 
 def sentences(points: Sequence[Point]) -> list[str]:

@@ -18,7 +18,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from pydantic import ValidationError
@@ -156,11 +156,12 @@ def run(scenes: int, path: Path) -> list[Result]:
     """Run what the file does not hold yet; returns all results by number."""
     known: dict[int, Result] = {}
 
-    def read(line: list[Any]) -> None:
-        result = Result(*line)
-        known[int(result.number)] = result
+    def read(result: Result) -> None:
+        known[result.number] = result
 
-    file = JsonLines(path, "campaign", {"physics": physics(), "sets": len(SETS)}, read, foreign=FOREIGN, other=OTHER)
+    file = JsonLines(
+        path, "campaign", {"physics": physics(), "sets": len(SETS)}, read, foreign=FOREIGN, other=OTHER, of=Result
+    )
     for number in order(scenes):
         if number not in known:
             known[number] = result_of(number)

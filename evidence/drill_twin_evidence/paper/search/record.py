@@ -19,6 +19,12 @@ OTHER = "expected a record of this search, found one of another {}; choose anoth
 """Messages about the file of something else."""
 
 
+_Run = tuple[float, float, list[float], list[float], list[float], float]
+"""Load, speed, then times, whirl and sizes as `Readings` has them, and the spread."""
+_Line = tuple[int, list[tuple[list[float], list[int], list[_Run]]]]
+"""Number of sets by growth; shares, choices and runs of each set."""
+
+
 class Evaluated(NamedTuple):
     """A set and the runs made for it."""
 
@@ -54,7 +60,9 @@ class Record:
             BagError: It cannot be read or written.
         """
         self.generations = list[Generation]()
-        self._lines = JsonLines(file, "paper search", setup, self._read, foreign=FOREIGN, other=OTHER, ordered=True)
+        self._lines = JsonLines(
+            file, "paper search", setup, self._read, foreign=FOREIGN, other=OTHER, of=_Line, ordered=True
+        )
 
     def _read(self, line: Any) -> None:
         grown, sets = line
