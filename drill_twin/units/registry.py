@@ -77,7 +77,7 @@ Dimensionality = tuple[tuple[str, float], ...]
 """Base dimensions and their powers, sorted; empty for a number."""
 
 _LONGEST_UNIT = 40
-_UNIT = re.compile(r"(?:\s*1?\s*/)?(?:[A-Za-zµμ%°()·*/\s]|(?<=[A-Za-zµμ%)])\^\(?-?\d(?:\.\d{1,2})?(?![\d.]))*")
+_UNIT = re.compile(r"(?:\s*(?:1\s*)?/)?(?:[A-Za-zµμ%°()·*/\s]|(?<=[A-Za-zµμ%)])\^\(?-?\d(?:\.\d{1,2})?(?![\d.]))*")
 _POWER = re.compile(r"(?<=[A-Za-z])(?=[23](?![\d.]))")
 """Place of the sign of a power in `cm3`."""
 _COURSE = re.compile(r"(deg|°|rad)\s*/\s*(30|10|100)\s*(m|ft)")

@@ -100,11 +100,16 @@ def witsml(attribute=0, rows=2, delimiter=","):
 
 LARGE = {
     "header of LAS": ("las", lambda n: las(250 * n, 2)),
+    "curves of LAS": ("las", lambda n: las(0, 100 * n)),
+    "rows of LAS": ("las", lambda n: las(0, 2) + "1 1 1\n" * (2000 * n)),
+    "dates and texts of LAS": ("las", lambda n: las(0, 2) + "1 2026-05-14 on\n" * (2000 * n)),
+    "wrapped rows of LAS": ("las", lambda n: las(0, 2).replace("WRAP. NO", "WRAP. YES") + "1\n1\n1\n" * (1000 * n)),
     "blank lines of LAS": ("las", lambda n: las(0, 2, 2000 * n)),
     "attribute of WITSML": ("xml", lambda n: witsml(200_000 * n)),
     "rows of WITSML": ("xml", lambda n: witsml(rows=1000 * n)),
     "line of CSV": ("csv", lambda n: "t,a" * (100_000 * n)),
     "rows of CSV": ("csv", lambda n: "t,a\n" + "0,1\n" * (2000 * n)),
+    "gaps and quotes of CSV": ("csv", lambda n: "t,a\n" + '0,\n"1","2"\n' * (1000 * n)),
     "columns of CSV": (
         "csv",
         lambda n: ",".join(f"c{k}" for k in range(500 * n)) + "\n" + ",".join(["1"] * 500 * n) + "\n",

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Texts of one repeat at every regular expression that sees text of others: the work grows as the text does.
+
+A pattern is tried on two sizes, and the processor time of both is compared: eight times the text takes 64 times the
+time where a pattern is quadratic.
+"""
+
+import importlib
+import re
+import time
+
+import pytest
+
+PATTERNS = {
+    "gateway.drillbotics.rules": ("_STAMP", "_UNIT"), "scene.overrides": ("_BARE", "_INDEX"),
+    "scene.write": ("_LINE_BREAKS_OF_UNICODE",), "well_plan.table": ("_BARE", "_DECIMAL_COMMA"),
+    "units.parse": ("_QUANTITY",), "units.registry": ("_UNIT", "_POWER", "_COURSE", "_WORD"),
+    "io.messages.topics": ("_NAMED",),
+}  # fmt: skip
+"""Compiled patterns by module."""
+MATCHED_WHOLE = {"units.parse._QUANTITY", "units.registry._UNIT"}
+"""Those that are never searched for in a text; a search for them would take a time that grows as its square."""
+INLINE = (
+    r"(?m)^[ \t]*started: ['\"]?([0-9T:.+-]+)", r"\S{201,}", r"[-+\d.]+", r", at [^,\s]+:\d+",
+    r"^(\[[^]]*\] ?)+: |, at \S+:\d+$", r"[^\w.-]+", r"(\d+)", r"_\d+$", r"(?i)(time|t_|t$)",
+    r"(?:(\d{1,2})-(\d{1,2})-(\d{1,2}):)?([0-9a-f]{8,128}):([0-9a-f]{32,256})",
+    r"(?i)(^|[^a-z])(wob|weight[ _-]?on[ _-]?bit)([^a-z]|$)", r"(?<=[.:]) ", r",\s*(?=[A-Za-z_][\w.]*=)",
+)  # fmt: skip
+"""Patterns where they are used."""
+REPEATS = (
+    " ", "\t", "\n", "0", "a", "A", "_", "-", ".", ",", ":", ";", "/", "^", "(", ")", "[", "]", "[]", "[] ", "{", "1 ",
+    "1/", "1.", "1e", "a.", "a=", ", ", ", a", ", at ", "[a] ", "m^2", "deg", "\u00b5", "\u2028", "\u0661", "\0", "0-",
+)  # fmt: skip
+ALL = {
+    **{f"{place}.{name}": getattr(importlib.import_module(f"drill_twin.{place}"), name)
+       for place, names in PATTERNS.items() for name in names},
+    **{pattern: re.compile(pattern) for pattern in INLINE},
+}  # fmt: skip
+
+
+def work(name, text):
+    """Processor time of a match and, where it is used so, of a search for all places [s], the least of three."""
+    pattern = ALL[name]
+    least = float("inf")
+    for _ in range(3):
+        begin = time.process_time()
+        pattern.fullmatch(text)
+        if name not in MATCHED_WHOLE:
+            pattern.sub("", text)
+        least = min(least, time.process_time() - begin)
+    return least
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_the_work_of_a_pattern_grows_as_the_text(name):
+    for repeat in REPEATS:
+        for begin, end in (("", ""), ("1", "x"), ("a", "="), ("x [", "!")):
+            small, large = (begin + repeat * count + end for count in (2000, 16_000))
+            assert work(name, large) < 24.0 * work(name, small) + 0.01, (repeat, begin, end)
