@@ -77,6 +77,10 @@ class RunError(DrillTwinError):
     """A run that cannot continue; the message names time, place and likely remedy."""
 
 
+class RunStopped(BaseException):
+    """A request to stop in the middle of a frame; the twin is back at the end of the last whole one."""
+
+
 class StoppedError(RunError):
     """A run stopped by the step guard after several retries; the twin is back at the last good frame.
 

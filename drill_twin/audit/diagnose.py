@@ -29,7 +29,9 @@ class EvaluationPoint(NamedTuple):
     command: Array  # weight on bit [N], rotation [rad/s]
 
 
-def diagnose(parameters: Any, rod: Rod, effects: Sequence[str], moments: Sequence[EvaluationPoint]) -> tuple[str, str]:
+def diagnose(
+    parameters: Any, rod: Rod, effects: Sequence[str], moments: Sequence[EvaluationPoint], node: int | None = None
+) -> tuple[str, str]:
     """The effect that most likely caused a failure, and a sentence about it; two empty texts where none acts.
 
     The first whose load is not a number, else the strongest by force [N], a couple divided by the string's radius and a
@@ -40,13 +42,16 @@ def diagnose(parameters: Any, rod: Rod, effects: Sequence[str], moments: Sequenc
         rod: The string.
         effects: Keys of the effects.
         moments: States and times to evaluate at.
+        node: The node at which to evaluate; all, where it is None.
     """
-    strongest, size, place = "", 0.0, 0.0
+    strongest, size, place, last = "", 0.0, 0.0, rod.length.size - 1
+    elements = range(last + 1) if node is None else range(max(node - 1, 0), min(node, last) + 1)
     with np.errstate(all="ignore"):
         for name in effects:
             for moment in moments:
-                loads = np.array([_load_on_element(parameters, rod, name, e, moment) for e in range(rod.length.size)])
-                loads[[0, -1]] += _load_at_ends(parameters, rod, name, moment)
+                loads = np.zeros(last + 1)
+                loads[elements] = [_load_on_element(parameters, rod, name, e, moment) for e in elements]
+                loads[[0, -1]] += _load_at_ends(parameters, rod, name, moment) * [0 in elements, last in elements]
                 if not np.isfinite(loads).all():
                     return (
                         name,

@@ -17,6 +17,7 @@ from drill_twin.errors import DrillTwinError
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.scene import Scene
 from drill_twin.schedule import Schedule
+from drill_twin.solver.slices import checked
 from drill_twin.twin.twin import Twin
 
 Key = TypeVar("Key", bound=Hashable)
@@ -94,12 +95,16 @@ def on_threads(
     """
     pool, stop = ThreadPoolExecutor(max(1, min(workers, len(items))), "member"), Event()
 
-    def goes_on(_time: float) -> None:
+    def goes_on(_time: float = 0.0) -> None:
         if stop.is_set():
             raise CancelledError
 
+    def call(item: Item) -> Result:
+        with checked(goes_on):
+            return function(item, goes_on)
+
     try:
-        waiting = {pool.submit(function, item, goes_on): key for key, item in items.items()}
+        waiting = {pool.submit(call, item): key for key, item in items.items()}
         for future in as_completed(waiting):
             yield waiting.pop(future), future.result()
     finally:

@@ -15,8 +15,10 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 from drill_twin.base.process.child_environment import child_environment
+from drill_twin.errors import RunStopped
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.monitor.run_timing import EffectTiming
 from drill_twin.runner.compile_share import CompileShare
@@ -24,6 +26,7 @@ from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
 from drill_twin.solver.compile_events import NotCachedError, from_cache_only
 from drill_twin.solver.kernel_cache import permanent_folder
+from drill_twin.solver.slices import checked
 from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer
 
@@ -68,10 +71,15 @@ def compile_kernel(
 
 
 def first_frame(scene: Scene, period: float, *, time_effects: bool, analysis: bool = False) -> None:
-    """Call everything that a run of the scene calls, once."""
+    """Call everything that a run of the scene calls, once; of a long frame the first slice."""
+
+    def end() -> None:
+        raise RunStopped
+
     twin = Twin(scene)
     twin.load()
-    twin.advance(Command(*scene.rig.first), period)
+    with checked(end), suppress(RunStopped):
+        twin.advance(Command(*scene.rig.first), period)
     if time_effects:
         EffectTiming(twin)
     if analysis and scene.string.marks:

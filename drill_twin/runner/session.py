@@ -13,12 +13,13 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
 from typing import Protocol
 
-from drill_twin.errors import MessageError, RunError, StoppedError
+from drill_twin.errors import MessageError, RunError, RunStopped, StoppedError
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.rig_messages import CommandEncoder
@@ -38,6 +39,7 @@ from drill_twin.runner.compilation import compile_kernel
 from drill_twin.runner.loop import RunLoop, topics_of
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command, Schedule
+from drill_twin.solver.slices import checked
 from drill_twin.twin.frame import Frames
 from drill_twin.whirl import Findings, Summary
 
@@ -160,6 +162,8 @@ class Run:
         self.loop.count(frames, time.perf_counter() - filled)
         if count:
             self.last = frames.part(slice(-1, None))
+        if error is not None and not isinstance(error, Exception):  # a request to stop, no fault of the next command
+            raise error
         if count < len(commands):  # what the driver sent before it failed
             batch: list[Recorded] = []
             after, command = self.stamp + self._period, commands[count]
@@ -293,23 +297,32 @@ class Session:
         Args:
             folder: New folder of the bag.
             progress: Called each time some frames are recorded, after `BLOCK_SECONDS` or a simulated second.
-            stop: Called before the next frames.
+            stop: Called before the next frames, and several times a second within a long one.
 
         Raises:
             BagError: The folder exists or cannot be written.
+            RunStopped: `stop()` while the state to start from was sought.
             RunError: The motion could not be followed to the end; the bag holds what came before, and the folder
                 with `_stop` behind its name the last good state.
         """
+
+        def check() -> None:
+            if stop():
+                raise RunStopped
+
         began = time.monotonic()
         frames = max(1, math.ceil(self.schedule.duration * NANOSECONDS / self._period - 0.5))
         with BagWriter(folder, topics=dict.fromkeys((*OF_EVERY_RUN, *topics_of(self.scene)))) as bag:
-            run = Run(self.scene, bag)
+            with checked(check):
+                run = Run(self.scene, bag)
             try:
-                while (left := frames - run.loop.frames) > 0 and not stop():
-                    run.follow(self.schedule.at, min(left, run.most_frames))
-                    if progress is not None:
-                        factor = run.loop.timing.realtime_factor
-                        progress(Progress(seconds(run.stamp), seconds(frames * self._period), run.findings, factor))
+                with checked(check), suppress(RunStopped):
+                    while (left := frames - run.loop.frames) > 0 and not stop():
+                        run.follow(self.schedule.at, min(left, run.most_frames))
+                        if progress is not None:
+                            factor = run.loop.timing.realtime_factor
+                            end = seconds(frames * self._period)
+                            progress(Progress(seconds(run.stamp), end, run.findings, factor))
             except RunError as error:
                 run.report_diagnostics()
                 text = f"{error}; what came before is recorded in {bag.folder}{_saved(run, bag.folder, error)}"

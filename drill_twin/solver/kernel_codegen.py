@@ -100,8 +100,8 @@ def source(effects: Sequence[str], form: str, *, audit: bool = False) -> str:
 
 
 @entry_kernel
-def advance(parameters, rod, work, constrained, state, control, command0, command1, start, end, counters):
-    return loop(parameters, rod, work, constrained, state, control, command0, command1, start, end, counters)
+def advance(parameters, rod, work, constrained, state, control, command0, command1, start, end, counters, progress):
+    return loop(parameters, rod, work, constrained, state, control, command0, command1, start, end, counters, progress)
 """
 
 

@@ -27,7 +27,12 @@ from drill_twin.solver.state import (
     FAILED,
     HALVINGS,
     ITERATIONS,
+    ITERATIONS_LEFT,
     LOOSE_STEPS,
+    MOST_HALVINGS,
+    NEXT_STEP,
+    PAUSED,
+    REACHED,
     STEPS,
     TIME,
     TOO_MANY_HALVINGS,
@@ -117,12 +122,15 @@ def bind(
         start: float,
         end: float,
         counters: Array,
+        progress: Array,
     ) -> int:
         """Move the string from time `start` to `end`; the set-points go linearly from `command0` to `command1`.
 
+        Called again with the same arguments after a pause, it goes on from there (`drill_twin.solver.slices`).
+
         Returns:
-            CONVERGED; FAILED if a step below 1/4096 of the nominal one was needed; TOO_MANY_HALVINGS if it was halved
-            more often than the control allows.
+            CONVERGED; PAUSED at the end of the slice; FAILED if a step below 1/4096 of the nominal one was needed;
+            TOO_MANY_HALVINGS if it was halved more often than the control allows.
         """
         count = max(1, int(np.ceil((end - start) / control.step - 1e-9 - ROUNDING * end / control.step)))
         nominal = (end - start) / count
@@ -130,8 +138,15 @@ def bind(
         step = nominal
         time = start
         most_halvings = counters[HALVINGS] + control.max_halvings
-        begin(work)
+        if progress[NEXT_STEP] > 0.0:
+            time, step, most_halvings = progress[REACHED], progress[NEXT_STEP], progress[MOST_HALVINGS]
+            progress[NEXT_STEP] = 0.0
+        else:
+            begin(work)
         while time < last:
+            if progress[ITERATIONS_LEFT] <= 0.0:
+                progress[REACHED], progress[NEXT_STEP], progress[MOST_HALVINGS] = time, step, most_halvings
+                return PAUSED
             step = min(step, end - time)
             h2 = 0.5 * step
             set_points(command0, command1, (time + h2 - start) / (end - start), work.command)
@@ -139,6 +154,7 @@ def bind(
             prescribed_motion(parameters, rod, time + h2, state.trial)
             iterations = newton(parameters, rod, work, constrained, state, control, time + h2, h2, counters)
             counters[ITERATIONS] += abs(iterations)
+            progress[ITERATIONS_LEFT] -= abs(iterations)
             if iterations < 0:
                 counters[HALVINGS] += 1
                 record_failure(state.clock)

@@ -8,7 +8,7 @@ import numpy as np
 from drill_twin.base.arrays import Array, Triple
 from drill_twin.base.jit import kernel
 
-CONVERGED, FAILED, TOO_MANY_HALVINGS = 0, 1, 2
+CONVERGED, FAILED, TOO_MANY_HALVINGS, PAUSED = 0, 1, 2, -1
 
 # Indices into State.clock: time [s], last step and the one before it [s], how many of `middle` and `earlier` are known,
 # next Newton change per power of a change.
@@ -17,6 +17,10 @@ TIME, LAST_STEP, STEP_BEFORE, KNOWN, FACTOR = 0, 1, 2, 3, 4
 # Indices into the array of counters; impulses of the reactions at the ends [N m s], [N s].
 STEPS, ITERATIONS, HALVINGS, TORQUE_IMPULSE, HOOK_IMPULSE, BIT_IMPULSE, LOOSE_STEPS = 0, 1, 2, 3, 4, 5, 6
 COUNTERS = 7
+
+# Indices into the progress of an advance: Newton iterations left in this slice, and where it is paused the time reached
+# [s], the next step [s] (0 where it is not), the largest number of halvings; 1 from the start of a frame to its end.
+ITERATIONS_LEFT, REACHED, NEXT_STEP, MOST_HALVINGS, UNFINISHED = 0, 1, 2, 3, 4
 
 
 class State(NamedTuple):

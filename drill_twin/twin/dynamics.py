@@ -20,7 +20,7 @@ from drill_twin.equilibrium.static_start import start_in_equilibrium
 from drill_twin.model.mesh import Rod
 from drill_twin.scene import Scene
 from drill_twin.schedule import Command
-from drill_twin.solver import state
+from drill_twin.solver import slices, state
 from drill_twin.solver.kernel_codegen import build_kernel, entry_point
 from drill_twin.solver.lateral.workspace import make_workspace as make_lateral_workspace
 from drill_twin.solver.spatial.workspace import make_workspace
@@ -49,6 +49,7 @@ class Dynamics:
         counters: See `drill_twin.solver.state`.
         too_many_halvings: True if the last advance ended at the largest number of step halvings.
         memory_block: Bytes of all arrays of the state, shape (size,).
+        progress: Progress of an advance, see `drill_twin.solver.state`.
     """
 
     def __init__(self, scene: Scene, rod: Rod | None = None) -> None:
@@ -74,12 +75,19 @@ class Dynamics:
         ledger = [make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_constrained)] if audit else []
         parameters = parameters_of(self.kernel, scene, self.model, *ledger)
         self._constrained = self.boundary_conditions.constrained(scene.string.bit_end)
-        self._work: Any = (make_workspace if self.form == SPATIAL else make_lateral_workspace)(rod.length.size)
+        make: Any = make_workspace if self.form == SPATIAL else make_lateral_workspace
+        self._work = make(rod.length.size)
         self._advance: Callable[..., int] | None = None  # once compiled
         command, counters = np.zeros(3), np.zeros(state.COUNTERS)
         command[0] = scene.rig.first[0]
-        memory, self.memory_block = pack_arrays((parameters, state.make_state(rod.length.size), command, counters))
-        self.parameters, self._state, self.command, self.counters = memory
+        axial = getattr(self._work, "axial", ())  # the last sum of weights is used in the next step
+        memory, self.memory_block = pack_arrays(
+            (parameters, state.make_state(rod.length.size), command, counters, axial)
+        )
+        self.parameters, self._state, self.command, self.counters, axial = memory
+        if self.form == LATERAL:
+            self._work = self._work._replace(axial=axial)
+        self.progress = slices.make_progress()
         self.too_many_halvings = False
         self._state.bit_frame[:] = self.model.bit_frame
         self.set_parameters(self.parameters)
@@ -141,7 +149,7 @@ class Dynamics:
         yield from named_arrays("effects", self.parameters)  # some have a state
         yield from (("command", self.command), ("counters", self.counters))
         if self.form == LATERAL:
-            yield AXIAL, self._work.axial  # the last sum of weights is used in the next step
+            yield AXIAL, self._work.axial
 
     def advance(
         self, target: Array, seconds: float, step: float | None = None, max_halvings: int = DEFAULT_HALVINGS
@@ -159,8 +167,10 @@ class Dynamics:
             set.
         """
         control = self._control._replace(step=self.step if step is None else step, max_halvings=max_halvings)
-        advance = self._advance or self.kernel.advance
-        status = advance(*self.arguments(target, self.time, seconds, control))
+        advance, arguments = self._advance or self.kernel.advance, self.arguments(target, self.time, seconds, control)
+        iterations = slices.iterations_of(self.rod.length.size)
+        slices.call_check()  # between the many short ones of a search for an equilibrium
+        status = slices.in_slices(lambda: advance(*arguments), self.progress, lambda: iterations)
         self._advance = self._advance or entry_point(self.kernel)
         self.too_many_halvings = status == state.TOO_MANY_HALVINGS
         return status == state.CONVERGED
@@ -171,7 +181,7 @@ class Dynamics:
         """Arguments of the kernel's `advance`, to move from a time [s] on by `seconds`; see `advance`."""
         return (
             self.parameters, self.rod, self._work, self._constrained, self._state, control or self._control,
-            self.command, target, start, start + seconds, self.counters,
+            self.command, target, start, start + seconds, self.counters, self.progress,
         )  # fmt: skip
 
     @property
@@ -179,6 +189,13 @@ class Dynamics:
         """Simulated time and history of the steps, see `drill_twin.solver.state`."""
         clock: Array = self._state.clock
         return clock
+
+    def largest_change(self) -> int:
+        """Node with the largest change, in tolerances, of the last Newton iteration."""
+        changes = np.abs(self._work.diagonal[:, :, 7] if self.form == SPATIAL else self._work.right)
+        places = 3 if self.form == SPATIAL else 2
+        sizes = np.hstack((changes[:, :places] / self._control.position, changes[:, places:] / self._control.angle))
+        return int(np.nan_to_num(sizes, nan=np.inf).max(axis=1).argmax())
 
     def begin(self, u: Array, v: Array, command: Command) -> None:
         """Set the state, node rows and their velocities, shape (n + 1, 7) each, and the set-points in force."""

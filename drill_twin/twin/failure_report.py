@@ -30,13 +30,18 @@ def failure_report(
         for time, command in ((dynamics.time + 0.5 * step, dynamics.command), (dynamics.time + seconds, target))
     ]
     kept = dynamics.memory_block.copy()  # evaluation may change the state of an effect
-    effect, doing = diagnose(dynamics.parameters, dynamics.rod, dynamics.variants, moments)
+    late = found.kind in {"slow", "long"}
+    place = found.node if late else None
+    effect, doing = diagnose(dynamics.parameters, dynamics.rod, dynamics.variants, moments, place)
+    if found.kind == "long":  # no place and no effect is to blame
+        effect, doing = "", ""
     dynamics.memory_block[:] = kept
     kind = "finite" if "no number" in doing else found.kind
     remedy = REMEDIES["fold in a hole" if kind == "fold" and dynamics.wall is not None else kind]
+    tried = f", however often it was taken back and the step halved, down to {step:.2g} s"
     return StoppedError(
-        f"the motion could not be followed past t = {dynamics.time:.6g} s, however often it was "
-        f"taken back and the step halved, down to {step:.2g} s: {found.text}, under {target[0]:.6g} N and "
+        f"the motion could not be followed past t = {dynamics.time:.6g} s{'' if late else tried}: {found.text}, under "
+        f"{target[0]:.6g} N and "
         f"{target[1]:.6g} rad/s{f'; {doing}' if doing else ''}. "
         f"{remedy.capitalize()}",
         dynamics.time, found.kind, found.node, effect,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -12,19 +13,28 @@ import numpy as np
 from drill_twin.audit import state_check
 from drill_twin.base.arrays import Array
 from drill_twin.model.section_stress import SCALARS
+from drill_twin.solver import slices
 from drill_twin.solver.native_call import Bound, bind, unbox
+from drill_twin.solver.state import HALVINGS, NEXT_STEP, UNFINISHED
 from drill_twin.twin import frame_kernel, observation
 from drill_twin.twin.dynamics import Dynamics
 from drill_twin.twin.frame_kernel import Frames, Past, Places, Rows, States
 from drill_twin.twin.observer import Observer
 from drill_twin.twin.step_guard import StepGuard
 
+LONGEST_FRAME = 60.0
+"""Most processor time of a frame unless `numerics.processor_time` says another [s]."""
+LAST_STEPS = 100
+"""Attempts of a step, beyond that time, until one is cut, which shows where Newton's method fails."""
+
 
 class FrameLoop:
     """Advances a twin frame by frame in compiled code.
 
     Attributes:
-        outcome: Outcome of the last frame, see `drill_twin.twin.frame_kernel`.
+        outcome: Outcome of the last frame, see `drill_twin.twin.frame_kernel`; PAUSED for one that took longer than
+            `longest`.
+        longest: Most processor time of a frame, its repetitions included [s].
     """
 
     def __init__(self, dynamics: Dynamics, guard: StepGuard, observer: Observer, past: Past) -> None:
@@ -33,6 +43,13 @@ class FrameLoop:
         self.target = np.zeros_like(dynamics.command)
         """Set-points at the end of the frame: weight on bit [N], rotation [rad/s], speed of a block [m/s]."""
         self.outcome = frame_kernel.GOOD
+        given = dynamics.scene.numerics.processor_time
+        self.longest = LONGEST_FRAME if given is None else given
+        self._recorded = np.zeros(1, np.int64)
+        self._iterations = slices.iterations_of(dynamics.rod.length.size)
+        self._begun: tuple[float, float] | None = None  # simulated time of a frame that was paused, and clock then [s]
+        self._halvings = 0.0  # when that frame was last within `longest`
+        self._late = 0  # attempts of a step beyond `longest`
         self._parameters: Any = None
         self._frames: Any = None
         self._called: list[tuple[Bound, Callable[[], tuple[Any, ...]]]] = []
@@ -47,23 +64,22 @@ class FrameLoop:
         if self._parameters is not self._dynamics.parameters:
             self._bind()
         self._seconds[0], self._save[0] = seconds, save
-        self.outcome = self._attempt()
-        return self.outcome
+        return self._run(self._attempt, fresh=save)
 
     def advance_frame(self, seconds: float) -> int:
         """Advance by a frame of a length [s] to `target`, and show it if it is good; returns its outcome."""
         if self._parameters is not self._dynamics.parameters:
             self._bind()
         self._seconds_shown[0] = seconds
-        self.outcome = self._advance_frame()
-        return self.outcome
+        return self._run(self._advance_frame)
 
     def show(self) -> None:
         """Show the frame that was observed last."""
         frame_kernel.compiled().show(self._frames, *self._dynamics.unknowns, self._shown)
+        self._take()
 
     def advance(self, commands: Array, seconds: float, row: int, rows: Rows, states: States) -> int:
-        """Advance by frames while they are good; returns the first that was not, and sets `outcome`.
+        """Advance by frames while they are good; returns the first that was not, as `recorded`, and sets `outcome`.
 
         Args:
             commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
@@ -74,15 +90,59 @@ class FrameLoop:
         """
         if self._parameters is not self._dynamics.parameters:
             self._bind()
-        outcome = np.zeros(1, np.int64)
-        arguments = (self._frames, *self._dynamics.unknowns, commands, seconds, row, rows, states, outcome)
-        stopped = int(frame_kernel.compiled().advance_frames(*arguments))
-        self.outcome = int(outcome[0])
-        return stopped
+        self._recorded[0] = row
+        function, unknowns, recorded = frame_kernel.compiled().advance_frames, self._dynamics.unknowns, self._recorded
+        self._run(
+            lambda: function(self._frames, *unknowns, commands, seconds, int(recorded[0]), rows, states, recorded)
+        )
+        return self.recorded
+
+    @property
+    def recorded(self) -> int:
+        """Number of rows that hold a frame, of those given last."""
+        return int(self._recorded[0])
 
     def record(self, rows: Rows, states: States, row: int) -> None:
         """Record the frame that was observed last."""
         frame_kernel.compiled().record(self._frames, *self._dynamics.unknowns, rows, states, row)
+        self._recorded[0] = row + 1
+        self._take()
+
+    def begin_rows(self) -> int:
+        """Begin with the first of other rows, and return it."""
+        self._recorded[0] = 0
+        return 0
+
+    def _take(self) -> None:
+        """Take the frame that was attempted last: its end is the state to go back to from now on."""
+        self._dynamics.progress[UNFINISHED] = 0.0
+
+    def abandon(self) -> None:
+        """Go back to the end of the last whole frame, if one has been begun since."""
+        if self._dynamics.progress[UNFINISHED] != 0.0:
+            self._guard.rollback(*self._dynamics.unknowns)
+            self._take()
+
+    def _run(self, function: Callable[[], int], *, fresh: bool = True) -> int:
+        """Call a function of the loop, for a frame that is not a repetition or for one that is; sets `outcome`."""
+        if fresh:
+            self._begun = None
+        self.outcome = int(slices.in_slices(function, self._dynamics.progress, self._next_slice))
+        return self.outcome
+
+    def _next_slice(self) -> float:
+        """Newton iterations of the next slice; 0 if the frame takes too long, once it is seen where it is cut."""
+        dynamics = self._dynamics
+        if dynamics.progress[NEXT_STEP] == 0.0:
+            return self._iterations
+        now = time.thread_time()
+        if self._begun is None or self._begun[0] != dynamics.time:
+            self._begun, self._late = (dynamics.time, now), 0
+        if now - self._begun[1] <= self.longest:
+            self._halvings = dynamics.counters[HALVINGS]
+            return self._iterations
+        self._late += 1
+        return 0.0 if self._late > LAST_STEPS or dynamics.counters[HALVINGS] > self._halvings else 1.0
 
     def rows(self, frames: int) -> Rows:
         """Make an empty record of a number of frames."""
@@ -123,6 +183,7 @@ class FrameLoop:
             advance=kernel.call, observe=observe.call, check=check.call,
             places=_places(kernel.arguments), limits=guard.limits(dynamics.step),
             memory=dynamics.memory_block.view(np.int64), saved=guard.saved.view(np.int64), clock=dynamics.clock,
+            progress=dynamics.progress,
             command=dynamics.command, target=self.target, guard=guard.memory,
             extremes=guard.extremes, before=guard.before,
             counters=dynamics.counters, counters_before=observer.counters_before,

@@ -91,7 +91,7 @@ class StepGuard:
 
     def exhausted(self, found: Violation, tries: int) -> bool:
         """True if a frame with this violation is not to be retried after so many tries."""
-        return tries >= (1 if found.kind in NOT_RETRIED else MAX_RETRIES) or self.share <= SMALLEST_STEP
+        return tries >= NOT_RETRIED.get(found.kind, MAX_RETRIES) or self.share <= SMALLEST_STEP
 
     def rollback(self, u: Array, v: Array) -> None:
         """Restore the saved state, and store the rejected one as `suspect`."""
@@ -181,6 +181,30 @@ class StepGuard:
             "newton", node,
             f"{why}; fastest was {self._at(node)}, {np.hypot(u[node, 0], u[node, 1]):.3g} m off the axis at "
             f"{np.linalg.norm(v[node, :3]):.3g} m/s{self._folding()}",
+        )  # fmt: skip
+
+    def too_slow(
+        self, allowed: float, seconds: float, reached: float, steps: int, halvings: int, node: int
+    ) -> Violation:
+        """Violation of a frame that took more processor time than it may.
+
+        Args:
+            allowed: That time [s].
+            seconds: Length of the frame [s].
+            reached: Simulated time of it that was computed [s].
+            steps: Steps taken.
+            halvings: How often one was cut.
+            node: Node at which Newton's method failed last.
+        """
+        cut = (
+            f"{halvings} attempts of a step failed and were cut; Newton's method failed last at {self._at(node)}"
+            if halvings
+            else "none was cut"
+        )
+        return Violation(
+            "slow" if halvings else "long", node,
+            f"a frame of {seconds:.6g} s took more than {allowed:.6g} s of processor time (numerics.processor_time): "
+            f"{steps} steps of {self._model.rod.length.size} elements led {reached:.3g} s into it, {cut}",
         )  # fmt: skip
 
     def _folding(self) -> str:

@@ -13,6 +13,7 @@ from drill_twin.model.discrete_model import DiscreteModel
 from drill_twin.model.mesh import Rod
 from drill_twin.scene import Scene
 from drill_twin.schedule.command import Command
+from drill_twin.solver.state import HALVINGS, PAUSED, REACHED, STEPS
 from drill_twin.twin.dynamics import Dynamics, restore_arrays
 from drill_twin.twin.energy_balance import EnergyAudit
 from drill_twin.twin.failure_report import failure_report
@@ -148,9 +149,13 @@ class Twin:
         target = self._loop.target
         target[:] = command.values
         intervention = None
-        if self.energy_audit is not None or self._loop.advance_frame(seconds) != GOOD:
-            intervention = self._complete(target, seconds)
-            self._loop.show()
+        try:
+            if self.energy_audit is not None or self._loop.advance_frame(seconds) != GOOD:
+                intervention = self._complete(target, seconds)
+                self._loop.show()
+        except BaseException:
+            self._loop.abandon()
+            raise
         return self._observer.frame(seconds, time.perf_counter() - began, intervention, self._energy)
 
     def load(self) -> None:
@@ -201,34 +206,40 @@ class Twin:
             the end of the last of them.
         """
         error: BaseException | None = None
-        began, count, energy = time.perf_counter(), 0, self._energy
+        began, energy = time.perf_counter(), self._energy
         record.interventions.clear()
         try:
-            for row in self._good_rows(commands, seconds, record):
-                count, energy = row, self._energy
+            for _ in self._good_rows(commands, seconds, record):
+                energy = self._energy
         except BaseException as ended:  # noqa: BLE001 - raised by the caller, once the frames before are recorded
             error = ended
+        count = self._loop.recorded
         self._history.extend(record.rows.time[:count], record.states.u[:count], record.states.v[:count])
         return self._observer.frames(record, count, seconds, time.perf_counter() - began, energy), error
 
     def _good_rows(self, commands: Array, seconds: float, record: Record) -> Iterator[int]:
         """Advance; yield the number of rows recorded so far, whenever Python takes over and at the end."""
-        row, loop = 0, self._loop
+        loop = self._loop
         rows, states, interventions = record
-        while row < len(commands):
-            if self.energy_audit is None:
-                row = loop.advance(commands, seconds, row, rows, states)
+        row = loop.begin_rows()
+        try:
+            while row < len(commands):
+                if self.energy_audit is None:
+                    row = loop.advance(commands, seconds, row, rows, states)
+                    yield row
+                    if row == len(commands):
+                        return
+                else:
+                    loop.target[:] = commands[row]
+                found = self._complete(loop.target, seconds)
+                if found is not None:
+                    interventions[row] = found
+                loop.record(rows, states, row)
+                row += 1
                 yield row
-                if row == len(commands):
-                    return
-            else:
-                loop.target[:] = commands[row]
-            found = self._complete(loop.target, seconds)
-            if found is not None:
-                interventions[row] = found
-            loop.record(rows, states, row)
-            row += 1
-            yield row
+        except BaseException:
+            loop.abandon()
+            raise
 
     def energy(self) -> EnergyBalance | None:
         """Energy balance at the end of the last frame, if the scene asks for an audit."""
@@ -250,6 +261,8 @@ class Twin:
     def _violation(self, outcome: int, target: Array, seconds: float) -> Violation | None:
         """Violation of a frame with an outcome of the frame loop, if any."""
         guard, step, found = self._guard, self._step_now(seconds), None
+        if outcome == PAUSED:
+            return self._too_slow(seconds)
         if outcome in {DIVERGED, HALVED_TOO_OFTEN}:
             halvings = max_halvings(seconds, self.step_size) if outcome == HALVED_TOO_OFTEN else None
             return guard.diverged(*self.unknowns, step, halvings)
@@ -264,7 +277,7 @@ class Twin:
     def retry_with_smaller_step(self, first: Violation, target: Array, seconds: float) -> Intervention:
         """Roll back and repeat the frame with half the step until no violation is found."""
         found: Violation | None = first
-        tries = 0
+        tries, before = 0, self._guard.memory.copy()
         while found is not None:
             self._guard.rollback(*self.unknowns)
             start = self.time
@@ -274,8 +287,21 @@ class Twin:
                 )
             tries += 1
             self._guard.halve_step()
-            found = self._violation(self._loop.attempt(seconds, save=False), target, seconds)
+            try:
+                outcome = self._loop.attempt(seconds, save=False)
+            except BaseException:  # of a signal or of what is called between slices
+                self._guard.memory[:] = before
+                raise
+            found = self._violation(outcome, target, seconds)
         return self._guard.intervention(start, first, tries, self._step_now(seconds))
+
+    def _too_slow(self, seconds: float) -> Violation:
+        """Violation of a frame that took more processor time than it may."""
+        progress, counted = self.dynamics.progress, self.dynamics.counters - self._observer.counters_before
+        return self._guard.too_slow(
+            self._loop.longest, seconds, float(progress[REACHED]) - self.time, int(counted[STEPS]),
+            int(counted[HALVINGS]), self.dynamics.largest_change(),
+        )  # fmt: skip
 
     def _step_now(self, seconds: float) -> float:
         """Current time step for a frame of `seconds` [s]."""

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-NOT_RETRIED = {"fold", "slope"}
-"""Kinds that do not depend on the time step: retried once only."""
+NOT_RETRIED = {"slow": 0, "long": 0, "fold": 1, "slope": 1}
+"""Retries of the kinds that a smaller step does not mend."""
 REMEDIES = {
     "finite": "look at the parameters of the effect that is named",
     "newton": "try a lower load (the string may have folded), a smaller numerics.step, more elements, or a softer wall",
+    "slow": "try a softer contact or one with damping, fewer elements, or a longer numerics.processor_time",
+    "long": "try a longer numerics.step, fewer elements, or a longer numerics.processor_time",
     "speed": "try a smaller numerics.step, or look at the parameters of the effect that is named",
     "strain": "try a lower load; no drillstring is meant to be stretched or squeezed so far",
     "fold": "try a lower load, or list `wall`, which keeps the string from folding",
@@ -25,7 +27,7 @@ class Violation:
     """Violation of a bound by a state."""
 
     kind: str
-    """finite, newton, speed, strain, fold, slope, penetration or energy."""
+    """finite, newton, slow (steps are cut), long (many steps), speed, strain, fold, slope, penetration or energy."""
     node: int
     """Node at which it is largest."""
     text: str

@@ -39,6 +39,19 @@ def test_a_running_node_ends_when_asked(bench, small_bag, node, number):
     assert "rror" not in process.text
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+def test_a_simulator_in_an_endless_frame_ends_when_asked(bench, number):
+    """Ten million steps a frame: compiled code returns to Python in between."""
+    scene = bench.folder / "endless.yaml"
+    scene.write_text("base: pa6_bench\nname: endless\nnumerics: {step: 1 ns}\n", "utf-8")
+    process = bench.start("simulator", scene=str(scene))
+    bench.until(lambda: (process.code is not None) or "ns steps" in process.text or "us steps" in process.text,
+                what="the simulator's configuration")  # fmt: skip
+    time.sleep(1.0)  # within the first frame
+    assert process.end(number) == 0, process.text
+    assert "Traceback" not in process.text
+
+
 def test_a_signal_in_the_middle_of_an_import_waits_for_its_end(bench):
     """An exception there would be swallowed, or leave the lock of all imports locked: no thread could end any more."""
     (bench.folder / "slow_module.py").write_text(

@@ -131,22 +131,27 @@ def _shown(first: str) -> Iterator[Callable[[str], None]]:
     with _stop_request() as asked, console.status(first) as status:
         printed = -_LINE_PERIOD
 
-        def show(text: str) -> None:
-            nonlocal printed
+        def check() -> None:
             if asked:
                 raise Interrupted(asked[0])
+
+        def show(text: str) -> None:
+            nonlocal printed
+            check()
             status.update(text)
             if not console.is_terminal and time.monotonic() - printed >= _LINE_PERIOD:
                 printed = time.monotonic()
                 console.print(text, markup=False, soft_wrap=True)
 
-        yield show
-    if asked:
-        raise Interrupted(asked[0])
+        from drill_twin.solver.slices import checked
+
+        with checked(check):
+            yield show
+    check()
 
 
 def _drill(session: Session, bag: Path) -> tuple[Outcome, int]:
-    """Run with a progress bar; SIGINT and SIGTERM end the run after the current frame.
+    """Run with a progress bar; SIGINT and SIGTERM end the run, and a frame that takes long is taken back.
 
     Returns:
         The outcome, and the number of the signal; 0 without one.
@@ -154,6 +159,7 @@ def _drill(session: Session, bag: Path) -> tuple[Outcome, int]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from drill_twin.cli.show import err
+    from drill_twin.errors import RunStopped
     from drill_twin.runner import Progress as State
 
     columns = (
@@ -181,7 +187,10 @@ def _drill(session: Session, bag: Path) -> tuple[Outcome, int]:
                     soft_wrap=True,
                 )
 
-        outcome = session.run(bag, progress=show, stop=lambda: bool(asked))
+        try:
+            outcome = session.run(bag, progress=show, stop=lambda: bool(asked))
+        except RunStopped:
+            raise Interrupted(asked[0]) from None
     return outcome, asked[0] if asked else 0
 
 

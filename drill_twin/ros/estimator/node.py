@@ -4,16 +4,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import asdict
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from drill_twin.api.estimator import Estimator as Following
-from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.errors import DrillTwinError, RunError, RunStopped
 from drill_twin.estimation import Estimate
 from drill_twin.io.downhole import readings_topic
 from drill_twin.io.messages.decode import JointStateReader
@@ -37,9 +37,12 @@ from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.ros.estimator.messages import NearestTwin, statuses, trust_in, values_of
 from drill_twin.ros.estimator.parameters import PARAMETERS, make_estimator
 from drill_twin.runner import compile_kernel
+from drill_twin.solver.slices import checked
 
 _DEPTH = 1000  # messages that wait while another thread has the processor
 _BEHIND = 10  # windows that wait before the oldest is left out
+
+Result = TypeVar("Result")
 
 
 class Estimator(TwinNode):
@@ -64,7 +67,7 @@ class Estimator(TwinNode):
         self._channels = GoodSamples()
         self._making, self._closing = "making the ensemble", False
         self._thread = ThreadPoolExecutor(1, "ensemble")
-        self._made: Future[Following] | None = self._thread.submit(self._make)
+        self._made: Future[Following] | None = self._thread.submit(self._stoppable, self._make)
         self._step: Future[Estimate | None] | None = None
         self.topics.advertise(ESTIMATE_STATE)
         if self.settings.show:
@@ -96,12 +99,22 @@ class Estimator(TwinNode):
         while self._following.intake.waiting > _BEHIND:
             self._following.intake.skip()
         if self._step is None and self._following.intake.waiting:
-            self._step = self._thread.submit(self._following.step)
+            self._step = self._thread.submit(self._stoppable, self._following.step)
 
     def close(self) -> None:
-        """End a compilation, and wait for the window that is being computed."""
+        """End a compilation, or the window that is being computed."""
         self._closing = True
         self._thread.shutdown(cancel_futures=True)
+
+    def _stoppable(self, function: Callable[[], Result]) -> Result:
+        """Call a function on the thread; `close` ends what it computes."""
+
+        def check() -> None:
+            if self._closing:
+                raise RunStopped
+
+        with checked(check):
+            return function()
 
     def _make(self) -> Following:
         """Make the ensemble; its kernels are compiled by a child process, which `close` ends at once."""

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
@@ -21,7 +22,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.lifecycle.node import LifecycleNodeMixin
 
 from drill_twin.base.frame_period import frame_period
-from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.errors import DrillTwinError, RunError, RunStopped
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, STRING_POSES, WOB_COMMAND
 from drill_twin.ros.core.lifecycle import answer_any_transition
@@ -34,6 +35,7 @@ from drill_twin.ros.core.topics.rclpy_topics import relative
 from drill_twin.ros.simulator.parameters import PARAMETERS
 from drill_twin.ros.simulator.simulation_interfaces import offer_where_installed
 from drill_twin.ros.simulator.trigger_services import offer
+from drill_twin.solver.slices import checked
 
 if TYPE_CHECKING:
     from drill_twin.ros.simulator.run_control import RunControl
@@ -218,7 +220,13 @@ class Simulator(LifecycleNodeMixin, TwinNode):
     def run(self, stop: StopRequest) -> None:
         """Work until the run is over or asked to stop."""
         self._stop = stop
-        super().run(stop)
+
+        def check() -> None:
+            if stop:
+                raise RunStopped
+
+        with checked(check), suppress(RunStopped):
+            super().run(stop)
 
     def work(self) -> None:
         """Advance by a frame, or wait for what the run needs."""

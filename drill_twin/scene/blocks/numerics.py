@@ -62,6 +62,8 @@ class Numerics(Part):
     """Frames published per second of simulated time [Hz]."""
     seed: Annotated[int, _Whole(0, 2**63 - 1, "a whole number")] = 1
     """Seed of everything random."""
+    processor_time: Annotated[float, Quantity(TIME), Within(at_least="1 ms", at_most="1e6 s")] | None = None
+    """Most processor time of a frame, after which the run ends with the reason [s]; 60 s unless given."""
     scheme: Literal["midpoint"] = "midpoint"
     """Time scheme."""
     audit: Literal["none", "energy"] = "none"
