@@ -21,6 +21,7 @@ from typing import Any, TypeVar, cast
 
 from numba import config, njit
 from numba.core.dispatcher import Dispatcher
+from numpy.typing import NDArray
 
 from drill_twin.base.inlined_compiler import EntryCompiler, InlinedCompiler
 
@@ -36,19 +37,41 @@ FLAGS: dict[str, Any] = {
 }
 
 
-_WITHOUT_ALLOCATION = re.compile(r"drill_twin\.(model|effects|solver|audit)\.|drill_twin_(kernel|linear)_")
+_WITHOUT_ALLOCATION = re.compile(
+    r"drill_twin\.(base|model|effects|solver|audit|whirl)\.|drill_twin_(kernel|linear|analysis)_"
+)
+
+
+def _compiled(function: Function, pipeline: Any, **more: Any) -> Function:
+    flags = FLAGS | {"_nrt": not _WITHOUT_ALLOCATION.match(function.__module__)} | more
+    return cast("Function", njit(**flags, pipeline_class=pipeline)(function))
 
 
 def kernel(function: Function) -> Function:
     """Compile a function that other kernels call, lazily; Python calls it through `as_python`."""
-    flags = FLAGS | {"_nrt": not _WITHOUT_ALLOCATION.match(function.__module__)}
-    return cast("Function", njit(**flags, pipeline_class=InlinedCompiler)(function))
+    return _compiled(function, InlinedCompiler)
 
 
 def entry_kernel(function: Function) -> Function:
     """Compile a function that Python calls, lazily."""
-    flags = FLAGS | {"_nrt": not _WITHOUT_ALLOCATION.match(function.__module__)}
-    return cast("Function", njit(**flags, pipeline_class=EntryCompiler)(function))
+    return _compiled(function, EntryCompiler)
+
+
+def strict_kernel(function: Function) -> Function:
+    """As `kernel`, without ``fastmath``: samples may be NaN, and `isfinite` computes x - x, which is then 0."""
+    return _compiled(function, InlinedCompiler, fastmath=False)
+
+
+def strict_entry_kernel(function: Function) -> Function:
+    """As `entry_kernel`, without ``fastmath``."""
+    return _compiled(function, EntryCompiler, fastmath=False)
+
+
+@strict_kernel
+def copy(values: NDArray[Any], out: NDArray[Any]) -> None:
+    """Copy an array of one dimension; an assignment to a slice would allocate."""
+    for k in range(out.size):
+        out[k] = values[k]
 
 
 def is_inlined(dispatcher: Any) -> bool:

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Mask
-from drill_twin.base.exact_jit import Integers
+from drill_twin.base.arrays import Array, ComplexArray, Integers, Mask
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import History
 from drill_twin.whirl.marks import MarkArrays
@@ -77,8 +76,7 @@ class Samples(NamedTuple):
     plausible: Array  # (m,) largest plausible distance of a marked point [m]
     seen: Mask  # (m,) marks seen in the sample
     distance: Array  # (m,) of the centre line from the hole's axis [m]
-    point: ComplexArray  # (3, m) position [m], unit vector of the spin, centre line [m]
-    angle: Array  # (2, m) work
+    point: ComplexArray  # (2, m) position [m], unit vector of the spin
 
     @classmethod
     def of(cls, plausible: Array) -> Samples:
@@ -87,7 +85,7 @@ class Samples(NamedTuple):
         radius, largest = np.full((2, m), math.nan)
         return cls(
             np.zeros(4, np.int64), np.zeros(1), radius, largest, plausible, np.zeros(m, bool), np.zeros(m),
-            np.zeros((3, m), complex), np.zeros((2, m)),
+            np.zeros((2, m), complex),
         )  # fmt: skip
 
 

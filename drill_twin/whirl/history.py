@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.base.exact_jit import Integers, copy, exact_kernel
-from drill_twin.base.numpy_loops import arctan2, product
+from drill_twin.base.arrays import Array, ComplexArray, Integers
+from drill_twin.base.jit import copy, strict_kernel
 from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME, Bin
 
 CAPACITY = 32 * BINS
@@ -19,6 +18,8 @@ LARGEST_STEP = 0.75
 """Bins farther apart than this [rev] are separated by a gap."""
 LONGEST_PAUSE = 1.0
 """Bins farther apart than this [s] are, too."""
+NEGLIGIBLE = 1e-9
+"""A part of a motion below this share of the position is round-off, and has no direction."""
 LEADING = 0.7
 """Least share of the asynchronous part in a motion that is expected to advance with it."""
 
@@ -40,17 +41,13 @@ class History(NamedTuple):
     real_part: Array  # (2 CAPACITY, 4, m)
     counts: Integers
     angle_now: Array  # (2, m) work: unwrapped angle of the newest bin
-    step: ComplexArray  # (2, m) work
-    back: ComplexArray  # (2, m) work
-    turn: Array  # (3, m) work
 
     @classmethod
     def of(cls, m: int) -> History:
         """Empty history of m marks."""
-        step, back = np.zeros((2, 2, m), complex)
         return cls(
             np.zeros((2 * CAPACITY, 3)), np.zeros((2 * CAPACITY, 5, m), complex), np.zeros((2 * CAPACITY, 4, m)),
-            np.zeros(2, np.int64), np.zeros((2, m)), step, back, np.zeros((3, m)),
+            np.zeros(2, np.int64), np.zeros((2, m)),
         )  # fmt: skip
 
     @property
@@ -105,13 +102,13 @@ class History(NamedTuple):
         return bins - int(np.searchsorted(elapsed, elapsed[-1] - revolutions + 0.5 / BINS))
 
 
-@exact_kernel
+@strict_kernel
 def end_of(history: History) -> int:
     """Index after the newest bin."""
     return int((history.counts[APPENDED] - 1) % CAPACITY + CAPACITY + 1)
 
 
-@exact_kernel
+@strict_kernel
 def bins_in(history: History, revolutions: float) -> int:
     """As `History.bins_in`."""
     clock, end = history.clock, end_of(history)
@@ -127,37 +124,28 @@ def bins_in(history: History, revolutions: float) -> int:
     return int(end - low)
 
 
-@exact_kernel
+@strict_kernel
 def append(history: History, full: Bin, vector: ComplexArray, contact: Array, rate: Array) -> bool:
     """Append a bin, its `vector`, shape (3, m), and `contact`, shape (m,); return whether it follows a gap.
 
     An orbit of a known `rate` [rad/s], shape (m,), is expected to advance with it, be it by whole turns; 0 where not.
     """
     counts, clock, parts, angle = history.counts, history.clock, history.complex_part, history.angle_now
-    step, back, turn = history.step, history.back, history.turn
-    gap = False
-    copy(vector[0], step[0])
-    copy(vector[1], step[1])
-    last = end_of(history) - 1 if counts[APPENDED] else 0
+    gap, last, elapsed = False, end_of(history) - 1, 0.0
     if counts[APPENDED]:
-        gap = (
-            full.numbers[REVOLUTIONS] - clock[last, REVOLUTIONS] > LARGEST_STEP
-            or full.numbers[TIME] - clock[last, TIME] > LONGEST_PAUSE
-        )
-        for row in range(2):
-            for k in range(contact.size):
-                back[row, k] = parts[last, row, k].conjugate()
-        product(step, back, step)
+        elapsed = full.numbers[TIME] - clock[last, TIME]
+        gap = full.numbers[REVOLUTIONS] - clock[last, REVOLUTIONS] > LARGEST_STEP or elapsed > LONGEST_PAUSE
     for row in range(2):
         for k in range(contact.size):
-            turn[2, k] = 0.0
-            if rate[k] != 0.0 and counts[APPENDED] and abs(vector[0, k]) > LEADING * abs(vector[row, k]):
-                turn[2, k] = rate[k] * (full.numbers[TIME] - clock[last, TIME])
-                step[row, k] *= complex(math.cos(turn[2, k]), -math.sin(turn[2, k]))
-        arctan2(step[row].imag, step[row].real, turn[row])
-        for k in range(contact.size):
-            turn[row, k] += turn[2, k]
-            angle[row, k] = angle[row, k] + turn[row, k] if counts[APPENDED] else turn[row, k]
+            step, expected = vector[row, k], 0.0
+            if abs(step) <= NEGLIGIBLE * abs(full.position[k]):
+                step = 0j
+            elif counts[APPENDED]:
+                step *= parts[last, row, k].conjugate()
+                if rate[k] != 0.0 and abs(vector[0, k]) > LEADING * abs(vector[row, k]):
+                    expected = rate[k] * elapsed
+                    step *= complex(math.cos(expected), -math.sin(expected))
+            angle[row, k] = math.atan2(step.imag, step.real) + (angle[row, k] + expected if counts[APPENDED] else 0.0)
     slot = counts[APPENDED] % CAPACITY
     for half in range(2):
         at = slot + half * CAPACITY

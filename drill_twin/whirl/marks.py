@@ -10,8 +10,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Mask
-from drill_twin.base.exact_jit import Integers
+from drill_twin.base.arrays import Array, Integers, Mask
 from drill_twin.errors import DrillTwinError
 
 

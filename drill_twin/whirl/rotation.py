@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.base.exact_jit import Integers, exact_kernel
-from drill_twin.base.numpy_loops import remainder, total
+from drill_twin.base.arrays import Array, Integers
+from drill_twin.base.jit import strict_kernel
 
 STARTED, FIRST, LAST, DUPLICATE, LATE = range(5)
 """Indices into `Clock.stamps`: 1 after the first sample; first and last stamp accepted [ns]; samples skipped since
@@ -26,16 +25,12 @@ class Clock(NamedTuple):
     stamps: Integers
     rotation: Array
     spin: Array  # (m,) spin of the marks at the last sample without a speed [rad]
-    turn: Array  # (m,) work
-    known: Array  # (m,) work
-    full_turn: Array  # (m,) of 2 pi
-    sum: Array  # (1,) work
 
     @classmethod
     def of(cls, m: int) -> Clock:
         """Clock before the first sample."""
         rotation, spin = np.array([0.0, 0.0, math.nan]), np.full(m, math.nan)
-        return cls(np.zeros(5, np.int64), rotation, spin, np.zeros(m), np.zeros(m), np.full(m, math.tau), np.zeros(1))
+        return cls(np.zeros(5, np.int64), rotation, spin)
 
     @property
     def seconds(self) -> float:
@@ -43,7 +38,7 @@ class Clock(NamedTuple):
         return int(self.stamps[LAST] - self.stamps[FIRST]) * 1e-9
 
 
-@exact_kernel
+@strict_kernel
 def is_new(stamps: Integers, stamp: int) -> bool:
     """Check that a stamp [ns] is after the last one accepted; count it as duplicate or late if not."""
     if not stamps[STARTED] or stamp > stamps[LAST]:
@@ -52,7 +47,7 @@ def is_new(stamps: Integers, stamp: int) -> bool:
     return False
 
 
-@exact_kernel
+@strict_kernel
 def accept(stamps: Integers, stamp: int) -> float:
     """Accept a new stamp [ns]; return the time since the one before [s], 0 for the first."""
     if not stamps[STARTED]:
@@ -63,7 +58,7 @@ def accept(stamps: Integers, stamp: int) -> float:
     return float(step)
 
 
-@exact_kernel
+@strict_kernel
 def rotate(clock: Clock, step: float, top_speed: float, spin: Array, has_spin: bool) -> None:
     """Add the rotation over a sample interval; nothing where neither speed nor spin is known.
 
@@ -88,17 +83,14 @@ def rotate(clock: Clock, step: float, top_speed: float, spin: Array, has_spin: b
     rotation[REVOLUTIONS] += abs(increment) / math.tau
 
 
-@exact_kernel
+@strict_kernel
 def _mean_increment(clock: Clock, spin: Array) -> float:
     """Mean change of the spin since the last sample [rad], each wrapped to -pi..pi."""
-    turn, count = clock.turn, 0
+    total, count = 0.0, 0
     for k in range(spin.size):
-        turn[k] = spin[k] - clock.spin[k] + math.pi
+        wrapped = (spin[k] - clock.spin[k] + math.pi) % math.tau - math.pi
         clock.spin[k] = spin[k]
-    remainder(turn, clock.full_turn, turn)
-    for k in range(spin.size):
-        wrapped = turn[k] - math.pi
         if math.isfinite(wrapped):
-            clock.known[count] = wrapped
+            total += wrapped
             count += 1
-    return total(clock.known[:count], clock.sum) / count if count else 0.0
+    return total / count if count else 0.0

@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Mask
-from drill_twin.base.exact_jit import Integers, exact_kernel
-from drill_twin.base.numpy_loops import quotient
+from drill_twin.base.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.base.jit import strict_kernel
 
 BINS = 16
 """Bins in a revolution."""
@@ -55,23 +54,22 @@ class SampleBins(NamedTuple):
     phasor: ComplexArray  # (m,)
     missed: Array  # (m,) samples without the mark
     touching: Array  # (m,) samples with a wall force
-    divisor: ComplexArray  # (m,) work
 
     @classmethod
     def of(cls, m: int) -> SampleBins:
         """Empty sums of m marks."""
-        work = np.zeros((3, m), complex)
-        return cls(np.zeros(4), np.zeros(3, np.int64), work[0], work[1], np.zeros(m), np.zeros(m), work[2])
+        position, phasor = np.zeros((2, m), complex)
+        return cls(np.zeros(4), np.zeros(3, np.int64), position, phasor, np.zeros(m), np.zeros(m))
 
 
-@exact_kernel
+@strict_kernel
 def is_full(bins: SampleBins, time: float, revolutions: float) -> bool:
     """Check whether a sample at `time` [s] and `revolutions` [rev] lies beyond the present bin."""
     beyond = math.floor(revolutions * BINS) != bins.counts[CELL] or time - bins.numbers[START] > LONGEST
     return bool(bins.counts[SAMPLES] > 0 and beyond)
 
 
-@exact_kernel
+@strict_kernel
 def add(
     bins: SampleBins,
     at: tuple[float, float, float],
@@ -111,7 +109,7 @@ def add(
             bins.touching[k] += 1.0
 
 
-@exact_kernel
+@strict_kernel
 def close(bins: SampleBins, full: Bin) -> None:
     """Write the means of the present bin to `full` and start a new one."""
     numbers, counts = bins.numbers, bins.counts
@@ -122,11 +120,10 @@ def close(bins: SampleBins, full: Bin) -> None:
         numbers[k] = 0.0
     for k in range(full.valid.size):
         found = n - bins.missed[k]
-        bins.divisor[k] = max(found, 1.0)
+        full.position[k] = bins.position[k] / max(found, 1.0)
+        full.phasor[k] = bins.phasor[k] / max(found, 1.0)
         full.valid[k] = found > 0.0
         full.contact[k] = bins.touching[k] / counts[FORCES] if counts[FORCES] else 0.0
-    quotient(bins.position, bins.divisor, full.position)
-    quotient(bins.phasor, bins.divisor, full.phasor)
     bins.position[:] = 0.0
     bins.phasor[:] = 0.0
     bins.missed[:] = 0.0

@@ -102,7 +102,8 @@ class WhirlEstimator:
 
     def _decide_onset(self) -> None:
         """Set the onset to the earliest crossing, once no undecided mark may have crossed earlier."""
-        first, synchronous = min(self._candidates, key=lambda candidate: candidate[0].time)
+        # To the microsecond: of marks that cross together the first is named, whatever the round-off.
+        first, synchronous = min(self._candidates, key=lambda candidate: round(candidate[0].time, 6))
         if self._detector.earliest_candidate(exclude=self._state.synchronous.active) < first.time:
             return
         at_start, why = self._at_start(first.time), self.doubt(first.mark)

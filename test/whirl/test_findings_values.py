@@ -8,7 +8,6 @@ import pytest
 from findings_values import FILE, bits, cases, difference, values
 
 from drill_twin.whirl import AnalysisError, Analyzer
-from drill_twin.whirl.analyzer_kernel import compiled
 
 KNOWN = json.loads(FILE.read_text("utf-8"))
 
@@ -38,9 +37,3 @@ def test_a_stamp_beyond_64_bits_is_refused():
     _, *rest = next(samples())
     with pytest.raises(AnalysisError, match=r"at most \d+ ns"):
         Analyzer(marks).push(1 << 63, *rest)
-
-
-def test_a_step_called_from_python_is_refused():
-    analyse = Analyzer(cases()["one mark"][0])._analyse.__self__
-    with pytest.raises(TypeError, match="called by address only"):
-        compiled().analyse(*analyse.arguments)

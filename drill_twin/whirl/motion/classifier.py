@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Mask
-from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.arrays import Array, Integers, Mask
+from drill_twin.base.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.motion.irregularity import Irregularity, update_irregularity
 from drill_twin.whirl.motion.state_hysteresis import (
@@ -65,7 +65,7 @@ class MotionClassifier(NamedTuple):
         )  # fmt: skip
 
 
-@exact_kernel
+@strict_kernel
 def classify(
     motion: MotionClassifier,
     orbit: Orbit,
@@ -113,7 +113,7 @@ def classify(
     return any_event
 
 
-@exact_kernel
+@strict_kernel
 def _reference_mark(orbit: Orbit, shape: StringShape, whirling: Mask, synchronous: Mask) -> int:
     """Mark whose state the string takes: the whirling mark with the largest motion, if any whirls."""
     reference, largest = -1, 0.0
@@ -130,7 +130,7 @@ def _reference_mark(orbit: Orbit, shape: StringShape, whirling: Mask, synchronou
     return reference
 
 
-@exact_kernel
+@strict_kernel
 def _start(motion: MotionClassifier, subject: int, lag: float, time: float) -> float:
     """Start of the estimated state [s], where it is known better than from the hysteresis; else nan."""
     held, estimate = motion.hysteresis.held[subject], motion.hysteresis.estimate[subject]
@@ -146,7 +146,7 @@ def _start(motion: MotionClassifier, subject: int, lag: float, time: float) -> f
     return math.nan
 
 
-@exact_kernel
+@strict_kernel
 def _update_flags(
     motion: MotionClassifier, orbit: Orbit, criteria: Criteria, whirling: Mask, rolling_ratio: Array
 ) -> None:
@@ -164,7 +164,7 @@ def _update_flags(
         motion.rolls[k] = slip < criteria.rolling_slip or (motion.rolls[k] and not slides)
 
 
-@exact_kernel
+@strict_kernel
 def _update_shape(flags: Mask, shape: StringShape, criteria: Criteria) -> None:
     """Update the criteria of the string that have a hysteresis of their own."""
     several = shape.levels.size > 1
@@ -174,7 +174,7 @@ def _update_shape(flags: Mask, shape: StringShape, criteria: Criteria) -> None:
     flags[TWO_SIDED] = several and shape.numbers[SECOND_LOBE] > lobe
 
 
-@exact_kernel
+@strict_kernel
 def _slip(ratio: float, rolling_ratio: float) -> float:
     """Slip of the contact point over the rim speed; 0 for any backward whirl where the rim is not known."""
     if not ratio < 0.0:
@@ -182,7 +182,7 @@ def _slip(ratio: float, rolling_ratio: float) -> float:
     return abs(1.0 - ratio / rolling_ratio) if rolling_ratio < 0.0 else 0.0
 
 
-@exact_kernel
+@strict_kernel
 def _of_mark(
     motion: MotionClassifier, orbit: Orbit, criteria: Criteria, k: int, whirls: bool, synchronous: bool
 ) -> int:
@@ -203,7 +203,7 @@ def _of_mark(
     return FORWARD if ratio > 0.0 else REVERSE
 
 
-@exact_kernel
+@strict_kernel
 def _of_string(shape: Mask, reference: int) -> int:
     """Estimated state of the string, from that of its reference mark."""
     if not is_whirl(reference) or reference == IRREGULAR:

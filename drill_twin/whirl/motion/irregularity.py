@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array, Mask
-from drill_twin.base.exact_jit import exact_kernel
+from drill_twin.base.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.orbit.orbit import Orbit
 
@@ -32,7 +32,7 @@ class Irregularity(NamedTuple):
         return cls(np.zeros(m, bool), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros(1))
 
 
-@exact_kernel
+@strict_kernel
 def update_irregularity(
     irregularity: Irregularity,
     orbit: Orbit,

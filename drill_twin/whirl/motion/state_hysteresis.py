@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.arrays import Array, Integers
+from drill_twin.base.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.motion.timeline import extend, needs_description, no_periods
 
@@ -63,7 +63,7 @@ class StateHysteresis(NamedTuple):
         return share
 
 
-@exact_kernel
+@strict_kernel
 def update_states(hysteresis: StateHysteresis, criteria: Criteria, lag: float, time: float, revolutions: float) -> bool:
     """Add an estimate of the state of each subject.
 
@@ -110,7 +110,7 @@ def update_states(hysteresis: StateHysteresis, criteria: Criteria, lag: float, t
     return any_event
 
 
-@exact_kernel
+@strict_kernel
 def is_whirl(state: int) -> bool:
     """Check that a state, by its index, is one of a string that whirls."""
     return state not in (HIDDEN, AT_REST, FIXED_AXIS)

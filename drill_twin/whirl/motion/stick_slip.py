@@ -17,9 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.base.exact_jit import Integers, copy, exact_kernel
-from drill_twin.base.jit import as_python
+from drill_twin.base.arrays import Array, Integers
+from drill_twin.base.jit import as_python, copy, strict_kernel
 from drill_twin.whirl.motion.stick_slip_index import (
     CYCLES as WINDOW_CYCLES,
 )
@@ -149,7 +148,7 @@ class BitSpeed(NamedTuple):
         return cls(numbers, counts, cycle, complete, SpeedWindow.empty())
 
 
-@exact_kernel
+@strict_kernel
 def add_bit_speed(bit: BitSpeed, time: float, bit_speed: float, top_speed: float) -> int:
     """Add the speeds of bit and top drive [rad/s] at a time [s]; a bit's that is not finite or not later is ignored.
 
@@ -187,7 +186,7 @@ def add_bit_speed(bit: BitSpeed, time: float, bit_speed: float, top_speed: float
     return JUDGED if changed and outcome == NOTHING else outcome
 
 
-@exact_kernel
+@strict_kernel
 def _track_cycle(bit: BitSpeed, before: float, now: float, step: float) -> int:
     """Check the low-passed speed [rad/s], before and now, for the start and end of a cycle."""
     cycle, counts, time, mean = bit.cycle, bit.counts, bit.numbers[LAST], abs(bit.numbers[MEAN])

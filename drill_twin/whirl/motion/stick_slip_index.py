@@ -17,9 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.base.exact_jit import Integers, copy, exact_kernel
-from drill_twin.base.jit import as_python
+from drill_twin.base.arrays import Array, Integers
+from drill_twin.base.jit import as_python, copy, strict_kernel
 
 TIME_BASE = 20
 """Length of the window [s]; two periods of the slowest string, 0.1 Hz."""
@@ -73,12 +72,12 @@ def stick_slip_index(speed: Array) -> float:
     return as_python(_index)(slowest, fastest, mean) if mean else math.inf
 
 
-@exact_kernel
+@strict_kernel
 def _index(slowest: float, fastest: float, mean: float) -> float:
     return (fastest - slowest) / (2.0 * mean)
 
 
-@exact_kernel
+@strict_kernel
 def restart(window: SpeedWindow) -> None:
     """Begin anew, after a gap."""
     window.present[SAMPLES] = 0.0
@@ -87,7 +86,7 @@ def restart(window: SpeedWindow) -> None:
     window.counts[TURNING] = window.counts[SECONDS] = window.counts[RESTING] = 0
 
 
-@exact_kernel
+@strict_kernel
 def add_speeds(window: SpeedWindow, time: float, bit: float, top: float) -> bool:
     """Add the speeds of bit and top drive [rad/s], nan for an unknown one of the top drive, at a time [s].
 
@@ -106,7 +105,7 @@ def add_speeds(window: SpeedWindow, time: float, bit: float, top: float) -> bool
     return changed
 
 
-@exact_kernel
+@strict_kernel
 def _close(window: SpeedWindow) -> bool:
     """Judge the motion at the end of a second; return whether it has changed."""
     now, counts, before = window.present, window.counts, window.counts[MOTION]
@@ -131,7 +130,7 @@ def _close(window: SpeedWindow) -> bool:
     return bool(counts[MOTION] != before)
 
 
-@exact_kernel
+@strict_kernel
 def _judge(window: SpeedWindow, known: bool) -> None:
     """Compute index and motion from the seconds of the window."""
     rows, numbers, counts = window.rows, window.numbers, window.counts
@@ -151,7 +150,7 @@ def _judge(window: SpeedWindow, known: bool) -> None:
         counts[MOTION] = STICK_SLIP if index >= FULL else VIBRATION if index >= MODERATE else STEADY
 
 
-@exact_kernel
+@strict_kernel
 def _mean(window: SpeedWindow, column: int) -> float:
     """Mean speed over the window, without its sign [rad/s]."""
     total = samples = 0.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.base.arrays import Array
-from drill_twin.base.exact_jit import exact_kernel
+from drill_twin.base.jit import strict_kernel
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import MotionPeriod
 
@@ -26,7 +26,7 @@ def no_periods(subjects: int) -> Array:
     return np.zeros((subjects, 5))
 
 
-@exact_kernel
+@strict_kernel
 def extend(present: Array, share: float, elapsed: float) -> None:
     """Extend a present period, shape (5,), by `elapsed` [rev], with this share of the estimates."""
     if present[OPEN]:
@@ -34,7 +34,7 @@ def extend(present: Array, share: float, elapsed: float) -> None:
         present[WEIGHTED_SHARE] += elapsed * share
 
 
-@exact_kernel
+@strict_kernel
 def needs_description(present: Array, revolutions: float, after: float) -> bool:
     """Check whether a present period started `after` revolutions ago and has not been described since."""
     return bool(present[OPEN] and not present[DESCRIBED] and revolutions - present[ENTERED] > after)

@@ -30,9 +30,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Mask
-from drill_twin.base.exact_jit import Integers, exact_kernel
-from drill_twin.base.jit import as_python
+from drill_twin.base.arrays import Array, Integers, Mask
+from drill_twin.base.jit import as_python, strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import APPENDED, ASYNCHRONOUS, History, bins_in, end_of
 from drill_twin.whirl.onset.averaged_radius import AveragedRadius, width_for
@@ -77,7 +76,7 @@ class Onsets(NamedTuple):
         )  # fmt: skip
 
 
-@exact_kernel
+@strict_kernel
 def watch(onsets: Onsets, averaged: AveragedRadius, history: History, criteria: Criteria) -> bool:
     """Check the newest bin for marks that begin to whirl; return whether `OnsetDetector.check` must decide."""
     m, now = onsets.began.size, history.clock[end_of(history) - 1, REVOLUTIONS]
@@ -97,7 +96,7 @@ def watch(onsets: Onsets, averaged: AveragedRadius, history: History, criteria: 
     return False
 
 
-@exact_kernel
+@strict_kernel
 def update_candidate(onsets: Onsets, averaged: AveragedRadius, history: History, k: int) -> bool:
     """Start or drop the candidate of a mark; return whether it has one that was not dropped."""
     if not (math.isnan(onsets.time[k]) or averaged.radius[k] < averaged.release[k]):
@@ -110,14 +109,14 @@ def update_candidate(onsets: Onsets, averaged: AveragedRadius, history: History,
     return False
 
 
-@exact_kernel
+@strict_kernel
 def drop_candidates(onsets: Onsets) -> None:
     """Forget what was seen before a gap."""
     onsets.time[:] = math.nan
     onsets.displaced[:] = False
 
 
-@exact_kernel
+@strict_kernel
 def ends(onsets: Onsets, averaged: AveragedRadius, orbit: Orbit, history: History, criteria: Criteria) -> bool:
     """Find the orbits that have become `small` or `constant`; return whether `OnsetDetector.release` must decide."""
     if not onsets.active.any():

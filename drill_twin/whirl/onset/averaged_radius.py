@@ -8,13 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Mask
-from drill_twin.base.exact_jit import Integers, copy, exact_kernel
-from drill_twin.base.numpy_loops import absolute, complex_exp, product, quotient
+from drill_twin.base.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.base.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import ASYNCHRONOUS, History, bins_in, end_of
 from drill_twin.whirl.orbit.noise import Noise, update_noise
-from drill_twin.whirl.row_sums import complex_sum_rows
 from drill_twin.whirl.sample_bins import BINS, TIME
 
 LONGEST = BINS // 2
@@ -31,7 +29,6 @@ class AveragedRadius(NamedTuple):
     width: Integers  # (1,) bins averaged
     clearance: Array  # (m,) [m]
     demodulated: ComplexArray  # (LONGEST, m) work
-    work: ComplexArray  # (2, m)
 
     @classmethod
     def of(cls, clearance: Array, criteria: Criteria) -> AveragedRadius:
@@ -40,11 +37,11 @@ class AveragedRadius(NamedTuple):
         threshold = np.full(m, criteria.onset_radius)
         return cls(
             np.zeros(m), threshold, threshold.copy(), Noise.of(m), np.ones(1, np.int64), clearance,
-            np.zeros((LONGEST, m), complex), np.zeros((2, m), complex),
+            np.zeros((LONGEST, m), complex),
         )  # fmt: skip
 
 
-@exact_kernel
+@strict_kernel
 def average_radius(
     averaged: AveragedRadius, history: History, criteria: Criteria, rate: Array, carrier: Array, whirling: Mask
 ) -> None:
@@ -52,33 +49,29 @@ def average_radius(
     m, end = whirling.size, end_of(history)
     longest = min(LONGEST, max(1, bins_in(history, 0.5)))
     bins = max(4, longest)
-    divisor, factor = averaged.work[0], averaged.work[1]
-    copy(averaged.clearance, divisor)
     for i in range(bins):
         at = end - bins + i
         since = history.clock[at, TIME] - history.clock[end - 1, TIME]
-        row = averaged.demodulated[i]
         for k in range(m):
-            factor[k] = complex(0.0, -(carrier[k] if carrier[k] != 0.0 else rate[k]) * since)
-        complex_exp(factor, factor)
-        product(history.complex_part[at, ASYNCHRONOUS], factor, row)
-        quotient(row, divisor, row)
+            angle = -(carrier[k] if carrier[k] != 0.0 else rate[k]) * since
+            turned = history.complex_part[at, ASYNCHRONOUS, k] * complex(math.cos(angle), math.sin(angle))
+            averaged.demodulated[i, k] = turned / averaged.clearance[k]
     update_noise(averaged.noise, averaged.demodulated[bins - 4 : bins], whirling)
     level = averaged.noise.level
     largest = level[0]
     for k in range(1, m):
         largest = np.maximum(largest, level[k])
     width = averaged.width[0] = width_for(criteria, largest, longest)
-    complex_sum_rows(averaged.demodulated[bins - width : bins], factor)
-    absolute(factor, averaged.radius)
     for k in range(m):
-        remaining = level[k] / math.sqrt(width)
-        averaged.radius[k] /= width
+        total, remaining = 0j, level[k] / math.sqrt(width)
+        for i in range(bins - width, bins):
+            total += averaged.demodulated[i, k]
+        averaged.radius[k] = abs(total) / width
         averaged.threshold[k] = np.maximum(criteria.onset_radius, criteria.false_alarm_factor * remaining)
         averaged.release[k] = averaged.threshold[k] - remaining
 
 
-@exact_kernel
+@strict_kernel
 def width_for(criteria: Criteria, noise: float, longest: int) -> int:
     """Fewest bins, a power of 2 up to `longest`, that reduce the noise of a bin below the onset's threshold."""
     factor, radius = criteria.false_alarm_factor, criteria.onset_radius

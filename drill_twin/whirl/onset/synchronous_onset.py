@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array, Mask
-from drill_twin.base.exact_jit import exact_kernel
+from drill_twin.base.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import LENGTH, History, end_of
 from drill_twin.whirl.onset.threshold_crossing import Crossing, Detection, synchronous_crossing
@@ -63,7 +63,7 @@ class SynchronousOnsets(NamedTuple):
         return found
 
 
-@exact_kernel
+@strict_kernel
 def watch_synchronous(onsets: SynchronousOnsets, history: History, orbit: Orbit, criteria: Criteria) -> bool:
     """Check the newest orbit; return whether a mark began to whirl."""
     end = end_of(history)

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array, ComplexArray, Mask
-from drill_twin.base.exact_jit import exact_kernel
+from drill_twin.base.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.orbit.runout_separation import CALIBRATED_FROM, RunoutSeparation
 from drill_twin.whirl.sample_bins import ANGLE, REVOLUTIONS, TIME, Bin
@@ -75,13 +75,13 @@ class Carrier(NamedTuple):
         )  # fmt: skip
 
 
-@exact_kernel
+@strict_kernel
 def turn_by(angle: float) -> complex:
     """Unit vector at an angle [rad]."""
     return complex(math.cos(angle), math.sin(angle))
 
 
-@exact_kernel
+@strict_kernel
 def follow(
     carrier: Carrier,
     separation: RunoutSeparation,
@@ -122,7 +122,7 @@ def follow(
             carrier.in_bin[k] += 1.0
 
 
-@exact_kernel
+@strict_kernel
 def restore(carrier: Carrier, full: Bin, criteria: Criteria) -> None:
     """Find what the mean of a full bin lacks of the orbits, then the rates for the next."""
     clock, now = carrier.clock, full.numbers
@@ -148,7 +148,7 @@ def restore(carrier: Carrier, full: Bin, criteria: Criteria) -> None:
     clock[3] = math.nan
 
 
-@exact_kernel
+@strict_kernel
 def _find_orbit(carrier: Carrier, k: int, middle: float) -> bool:
     """Find the orbit at the mean time of the bin, `middle` after its first sample [s]; tell if slow motion is apart."""
     n, sums = carrier.in_bin[k], carrier.bin_sums
@@ -167,7 +167,7 @@ def _find_orbit(carrier: Carrier, k: int, middle: float) -> bool:
     return apart
 
 
-@exact_kernel
+@strict_kernel
 def _update_rate(carrier: Carrier, k: int, rotation: float, seconds: float, criteria: Criteria) -> None:
     """Estimate the rate of the orbit of a mark, at a rotation [rad/s], with a bin `seconds` after the one before.
 
@@ -201,7 +201,7 @@ def _update_rate(carrier: Carrier, k: int, rotation: float, seconds: float, crit
     carrier.pairs[k] = pair * turn_by((before - carrier.rate[k]) * interval)
 
 
-@exact_kernel
+@strict_kernel
 def judge(carrier: Carrier, seen: Mask, rotation: float, rolling_ratio: Array, criteria: Criteria) -> None:
     """Judge what the samples show.
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.base.arrays import Array, Mask
-from drill_twin.base.exact_jit import exact_kernel
+from drill_twin.base.jit import strict_kernel
 from drill_twin.whirl.orbit.orbit import Orbit
 
 WIDTH = 0.02
@@ -54,7 +54,7 @@ class DominantPrecession(NamedTuple):
         return mark, ratio, float(self.sums[2, mark, around].sum()) / power
 
 
-@exact_kernel
+@strict_kernel
 def add_power(dominant: DominantPrecession, orbit: Orbit, whirling: Mask, seconds: float) -> None:
     """Add the orbits of a bin of a length [s]; nan ratios add nothing."""
     sums = dominant.sums

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Mask
-from drill_twin.base.exact_jit import Integers, exact_kernel
+from drill_twin.base.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.base.jit import strict_kernel
 
 GAIN = 20.0
 """Power gain of a third difference on white noise."""
@@ -40,7 +40,7 @@ class Noise(NamedTuple):
         return bool(self.bins[0] >= MEMORY // 4)
 
 
-@exact_kernel
+@strict_kernel
 def update_noise(noise: Noise, vector: ComplexArray, whirling: Mask) -> None:
     """Add the newest four bins over the clearance, demodulated with the precession, shape (4, m).
 

@@ -13,12 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Mask
-from drill_twin.base.exact_jit import exact_kernel
-from drill_twin.base.numpy_loops import absolute, cos, hypot, sin, total
+from drill_twin.base.arrays import Array, Mask
+from drill_twin.base.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import APPENDED, CONTACT, LENGTH, SEEN, SYNCHRONOUS, History, bins_in, end_of
-from drill_twin.whirl.row_sums import complex_sum_rows, sum_rows
 from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME
 
 FEWEST = 4
@@ -54,14 +52,8 @@ class Orbit(NamedTuple):
     confidence: Array  # (m,) in both
     numbers: Array
     clearance: Array  # (m,) [m]
-    size: Array  # (WINDOW, 2, m) work
-    power: Array  # (WINDOW, 2, m) work
-    angle: Array  # (WINDOW, 2, m) work
-    wave: Array  # (WINDOW, 2, m) work
-    time: Array  # (2, WINDOW) work
-    sums: Array  # (4, 2 m) work
-    complex_sum: ComplexArray  # (m,) work
-    single: Array  # (1,) work
+    size: Array  # (WINDOW, 2, m) work: radius in each bin, over the clearance
+    time: Array  # (WINDOW,) work: time less its mean [s]
 
     @classmethod
     def of(cls, clearance: Array) -> Orbit:
@@ -69,12 +61,10 @@ class Orbit(NamedTuple):
         m = clearance.size
         rate, radius, coherence, unevenness = np.zeros((4, 2, m))
         window_radius, synchronous, share, contact, confidence = np.zeros((5, m))
-        size, power, angle, wave = np.zeros((4, WINDOW, 2, m))
         return cls(
             rate, radius, window_radius, coherence, unevenness, synchronous, share, contact, np.ones(m, bool),
             np.full(m, math.nan), np.full(m, math.nan), confidence, np.array([0.0, math.inf, 0.0, 0.0, 0.0]), clearance,
-            size, power, angle, wave, np.zeros((2, WINDOW)), np.zeros((4, 2 * m)), np.zeros(m, complex),
-            np.zeros(1),
+            np.zeros((WINDOW, 2, m)), np.zeros(WINDOW),
         )  # fmt: skip
 
     @property
@@ -103,11 +93,11 @@ class Orbit(NamedTuple):
         return bool(self.numbers[COMPLETE])
 
 
-@exact_kernel
+@strict_kernel
 def fit_orbit(orbit: Orbit, history: History, criteria: Criteria, noise: Array) -> None:
     """Estimate with the newest bin; `noise` of a bin per axis over the clearance, shape (m,)."""
     numbers, clock, m, end = orbit.numbers, history.clock, noise.size, end_of(history)
-    n = bins_in(history, criteria.orbit_window)
+    n, last = bins_in(history, criteria.orbit_window), bins_in(history, 1.0)
     first = end - n
     # Across gaps too: samples may be so rare that each follows a gap.
     bins = max(n, 2)
@@ -115,123 +105,73 @@ def fit_orbit(orbit: Orbit, history: History, criteria: Criteria, noise: Array) 
     numbers[COMPLETE] = 1.0 if n > 1 and span > SHORTEST_WINDOW else 0.0
     numbers[SAMPLE_RATE] = (bins - 1) / span if span > 0.0 else math.inf
     numbers[LAG] = 0.5 * (clock[end - 1, TIME] - clock[first, TIME])
-    sum_rows(history.real_part[first:end, CONTACT], orbit.contact)
     numbers[ROTATION] = mean_rate(history, n)
     recent = min(history.counts[APPENDED], max(2, min(history.counts[LENGTH], RECENT)))
     numbers[RECENT_ROTATION] = mean_rate(history, recent)
-    size, power = orbit.size, orbit.power
-    for i in range(n):
-        for row in range(2):
-            absolute(history.complex_part[first + i, row], size[i, row])
-            for k in range(m):
-                size[i, row, k] /= orbit.clearance[k]
-                power[i, row, k] = size[i, row, k] * size[i, row, k]
-    complex_sum_rows(history.complex_part[first:end, SYNCHRONOUS], orbit.complex_sum)
-    absolute(orbit.complex_sum, orbit.synchronous)
-    powers = orbit.sums[0]
-    _sum_pairs(power[:n], powers)
-    last = bins_in(history, 1.0)
     for k in range(m):
-        orbit.contact[k] /= n
-        orbit.synchronous[k] /= n * orbit.clearance[k]
-        orbit.synchronous_share[k] = orbit.synchronous[k] / math.sqrt(powers[m + k] / n + 1e-300)
-        squared = noise[k] * noise[k]
-        orbit.window_radius[k] = math.sqrt(np.maximum(powers[k] / n - 2.0 * squared, 0.0))
-        bins = 0
-        for i in range(end - last, end):
-            bins += history.real_part[i, SEEN, k] > 0.0
-        orbit.seen[k] = 2 * bins >= last
-    _sum_pairs(power[n - last : n], powers)
-    for row in range(2):
-        for k in range(m):
-            mean = powers[row * m + k] / last
-            orbit.radius[row, k] = math.sqrt(np.maximum(mean - 2.0 * (noise[k] * noise[k]), 0.0))
+        clearance, variance = orbit.clearance[k], 2.0 * noise[k] * noise[k]
+        contact, seen, synchronous = 0.0, 0, 0j
+        for i in range(first, end):
+            contact += history.real_part[i, CONTACT, k]
+            synchronous += history.complex_part[i, SYNCHRONOUS, k]
+            seen += i >= end - last and history.real_part[i, SEEN, k] > 0.0
+        orbit.contact[k] = contact / n
+        orbit.seen[k] = 2 * seen >= last
+        orbit.synchronous[k] = abs(synchronous) / (n * clearance)
+        for row in range(2):
+            power, newest = 0.0, 0.0
+            for i in range(n):
+                size = abs(history.complex_part[first + i, row, k]) / clearance
+                orbit.size[i, row, k] = size
+                power += size * size
+                newest += size * size if i >= n - last else 0.0
+            orbit.radius[row, k] = math.sqrt(max(newest / last - variance, 0.0))
+            if row == 0:
+                orbit.window_radius[k] = math.sqrt(max(power / n - variance, 0.0))
+            else:
+                orbit.synchronous_share[k] = orbit.synchronous[k] / math.sqrt(power / n + 1e-300)
     if n >= FEWEST:
         _regress(orbit, history, n, noise)
 
 
-@exact_kernel
+@strict_kernel
 def _regress(orbit: Orbit, history: History, n: int, noise: Array) -> None:
     """Fit straight lines to angle and radius over time, of the newest n bins."""
-    m, first = noise.size, end_of(history) - n
-    size, angle, wave, work = orbit.size[:n], orbit.angle[:n], orbit.wave[:n], orbit.power[:n]
-    centred, weight = orbit.time[0, :n], orbit.time[1, :n]
-    time = history.clock[first : first + n, TIME]
-    mean_time = total(time, orbit.single) / n
+    first = end_of(history) - n
+    time, centred = history.clock[first : first + n, TIME], orbit.time[:n]
+    mean, spread = 0.0, 0.0
     for i in range(n):
-        centred[i] = time[i] - mean_time
-        weight[i] = centred[i] * centred[i]
-    spread = total(weight, orbit.single)
-    sums, other, sizes, rate = orbit.sums[0], orbit.sums[1], orbit.sums[2], orbit.rate
-    _sum_pairs(history.real_part[first : first + n, :CONTACT], sums)
+        mean += time[i] / n
     for i in range(n):
-        weight[i] = centred[i] / spread
-        for row in range(2):
-            for k in range(m):
-                angle[i, row, k] = history.real_part[first + i, row, k] - sums[row * m + k] / n
-                wave[i, row, k] = weight[i] * angle[i, row, k]
-    _sum_pairs(wave, sums)
+        centred[i] = time[i] - mean
+        spread += centred[i] * centred[i]
     for row in range(2):
-        for k in range(m):
-            rate[row, k] = sums[row * m + k]
-    for i in range(n):
-        for row in range(2):
-            for k in range(m):
-                angle[i, row, k] -= centred[i] * rate[row, k]
-    _sum_pairs(size, sizes)
-    cos(angle, wave)
-    for i in range(n):
-        for row in range(2):
-            for k in range(m):
-                wave[i, row, k] *= size[i, row, k]
-    _sum_pairs(wave, sums)
-    sin(angle, wave)
-    for i in range(n):
-        for row in range(2):
-            for k in range(m):
-                wave[i, row, k] *= size[i, row, k]
-    _sum_pairs(wave, other)
-    hypot(sums, other, sums)
-    for row in range(2):
-        for k in range(m):
-            sizes[row * m + k] += 1e-300
-            orbit.coherence[row, k] = sums[row * m + k] / sizes[row * m + k]
-    for i in range(n):
-        for row in range(2):
-            for k in range(m):
-                work[i, row, k] = size[i, row, k] - sizes[row * m + k] / n
-                wave[i, row, k] = weight[i] * work[i, row, k]
-    _sum_pairs(wave, sums)
-    for i in range(n):
-        for row in range(2):
-            for k in range(m):
-                work[i, row, k] -= centred[i] * sums[row * m + k]
-                work[i, row, k] *= work[i, row, k]
-    _sum_pairs(work, sums)
-    for row in range(2):
-        for k in range(m):
-            rough = sums[row * m + k] / n - noise[k] * noise[k]
-            orbit.unevenness[row, k] = math.sqrt(np.maximum(rough, 0.0)) / (sizes[row * m + k] / n)
+        for k in range(noise.size):
+            mean_angle, rate, radius, growth = 0.0, 0.0, 1e-300, 0.0
+            for i in range(n):
+                mean_angle += history.real_part[first + i, row, k] / n
+                radius += orbit.size[i, row, k]
+            for i in range(n):
+                rate += centred[i] / spread * (history.real_part[first + i, row, k] - mean_angle)
+                growth += centred[i] / spread * (orbit.size[i, row, k] - radius / n)
+            mean_vector, rough = 0j, 0.0
+            for i in range(n):
+                angle = history.real_part[first + i, row, k] - mean_angle - centred[i] * rate
+                mean_vector += orbit.size[i, row, k] * complex(math.cos(angle), math.sin(angle))
+                deviation = orbit.size[i, row, k] - radius / n - centred[i] * growth
+                rough += deviation * deviation
+            orbit.rate[row, k] = rate
+            orbit.coherence[row, k] = abs(mean_vector) / radius
+            orbit.unevenness[row, k] = math.sqrt(max(rough / n - noise[k] * noise[k], 0.0)) / (radius / n)
 
 
-@exact_kernel
-def _sum_pairs(rows: Array, out: Array) -> None:
-    """Sum over the first axis of an array, shape (n, 2, m), to `out`, shape (2 m,)."""
-    m = rows.shape[2]
-    out[:] = 0.0
-    for i in range(rows.shape[0]):
-        for row in range(2):
-            for k in range(m):
-                out[row * m + k] += rows[i, row, k]
-
-
-@exact_kernel
+@strict_kernel
 def is_aliased(orbit: Orbit, criteria: Criteria) -> bool:
     """Check for too few samples in a revolution to distinguish whirls."""
     return bool(orbit.numbers[SAMPLE_RATE] < criteria.fewest_samples)
 
 
-@exact_kernel
+@strict_kernel
 def find_precession(orbit: Orbit, criteria: Criteria, whirling: Mask, noise: Array) -> None:
     """Find precession, its ratio to rotation and the confidence in both."""
     rotation, aliased = orbit.numbers[ROTATION], is_aliased(orbit, criteria)
@@ -250,7 +190,7 @@ def find_precession(orbit: Orbit, criteria: Criteria, whirling: Mask, noise: Arr
                 orbit.ratio[k] = orbit.precession[k] / abs(rotation)
 
 
-@exact_kernel
+@strict_kernel
 def mean_rate(history: History, bins: int) -> float:
     """Mean rotation over the newest bins [rev/s]."""
     if bins < 2:

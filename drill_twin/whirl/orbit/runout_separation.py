@@ -21,9 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Mask
-from drill_twin.base.exact_jit import Integers, copy, exact_kernel
-from drill_twin.base.numpy_loops import absolute, exp, product, quotient
+from drill_twin.base.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.base.jit import copy, strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.orbit.orbit_refit import OrbitRefit
 from drill_twin.whirl.sample_bins import REVOLUTIONS, TIME, Bin
@@ -60,8 +59,6 @@ class RunoutSeparation(NamedTuple):
     radius: Array  # (m,) of wall marks r_o, else 0 [m]
     last: Array  # (2,) time [s] and revolutions of the last bin
     flags: Integers
-    work: ComplexArray  # (9, m)
-    numbers: Array  # (m,) work
 
     @classmethod
     def of(cls, radius: Array, criteria: Criteria) -> RunoutSeparation:
@@ -72,7 +69,6 @@ class RunoutSeparation(NamedTuple):
         return cls(
             offset, synchronous, arm, np.zeros((3, m), complex), np.zeros(m), np.zeros((5, m), complex),
             np.full(m, criteria.separation_memory), np.zeros(m, bool), np.zeros(m), radius, np.zeros(2), flags,
-            np.zeros((9, m), complex), np.zeros(m),
         )  # fmt: skip
 
     def correct(self, mark: int, refit: OrbitRefit) -> None:
@@ -88,7 +84,7 @@ class RunoutSeparation(NamedTuple):
         self.sums[:, mark] = [complex(row.sum()) for row in rows]
 
 
-@exact_kernel
+@strict_kernel
 def start(separation: RunoutSeparation, spin_given: bool) -> None:
     """Set, with the first sample, whether the samples contain the spin."""
     flags = separation.flags
@@ -98,7 +94,7 @@ def start(separation: RunoutSeparation, spin_given: bool) -> None:
         copy(separation.radius, separation.arm)
 
 
-@exact_kernel
+@strict_kernel
 def hold(separation: RunoutSeparation, criteria: Criteria, candidates: Array, whirling: Mask) -> None:
     """Hold the fit of marks that may have begun to whirl, slow the fading of those that do.
 
@@ -114,7 +110,7 @@ def hold(separation: RunoutSeparation, criteria: Criteria, candidates: Array, wh
         separation.memory[k] = criteria.separation_memory_in_whirl if whirling[k] else criteria.separation_memory
 
 
-@exact_kernel
+@strict_kernel
 def separate(separation: RunoutSeparation, full: Bin, left: ComplexArray, shift: ComplexArray) -> None:
     """Separate the parts of a bin: `vector` and `distance`; a mark without a valid sample keeps its last vectors.
 
@@ -122,134 +118,86 @@ def separate(separation: RunoutSeparation, full: Bin, left: ComplexArray, shift:
     synchronous part, and the whole is given back then, by `shift` [m]: seen once a bin, an orbit of 16 or 15 turns in a
     revolution would pass for one of them.
     """
-    last, work = separation.last, separation.work
+    last, flags = separation.last, separation.flags
     time, revolutions = full.numbers[TIME], full.numbers[REVOLUTIONS]
     elapsed = max(revolutions - last[1], SLOWEST * (time - last[0]))
     last[0], last[1] = time, revolutions
-    fade = separation.numbers
-    for k in range(fade.size):
-        fade[k] = -elapsed / separation.memory[k]
-    exp(fade, fade)
-    for k in range(fade.size):
+    for k in range(left.size):
         full.position[k] -= left[k]
-    _fit(separation, full, fade)
-    for k in range(fade.size):
+        _add_bin(separation, full, k, math.exp(-elapsed / separation.memory[k]))
+        _fit(separation, k)
         full.position[k] += shift[k]
-    if not separation.flags[SPIN_GIVEN] and separation.flags[DIRECTED]:
-        _update_direction(separation, elapsed)
-    arm, bow, back, turned = work[0], work[1], work[2], work[3]
-    product(separation.arm, full.phasor, arm)
-    product(separation.synchronous, full.phasor, bow)
-    for k in range(fade.size):
-        back[k] = full.phasor[k].conjugate()
-        bow[k] = full.position[k] - separation.offset[k] - bow[k]
-        turned[k] = full.position[k] - separation.offset[k] - arm[k]
-        arm[k] = full.position[k] - arm[k]
-    absolute(arm, separation.distance)
-    product(turned, back, back)
-    for k in range(fade.size):
+    if not flags[SPIN_GIVEN] and flags[DIRECTED]:
+        if flags[CALIBRATED]:
+            _update_direction(separation, elapsed)
+        else:
+            _find_direction(separation)
+    for k in range(left.size):
+        phasor, position = full.phasor[k], full.position[k]
+        centre = position - separation.arm[k] * phasor
+        separation.distance[k] = abs(centre)
         if full.valid[k]:
-            separation.vector[0, k], separation.vector[1, k], separation.vector[2, k] = bow[k], turned[k], back[k]
+            moving = centre - separation.offset[k]
+            separation.vector[0, k] = position - separation.offset[k] - separation.synchronous[k] * phasor
+            separation.vector[1, k] = moving
+            separation.vector[2, k] = moving * phasor.conjugate()
 
 
-@exact_kernel
-def _fit(separation: RunoutSeparation, full: Bin, fade: Array) -> None:
-    """Fit offset and synchronous part of the marked point, shape (m,)."""
-    sums, held, work = separation.sums, separation.held, separation.work
-    row, back, factor = work[:5], work[5], work[6]
-    copy(full.phasor, row[2])
-    copy(full.position, row[3])
-    for k in range(fade.size):
-        row[0, k] = 1.0 if full.valid[k] else 0.0
-        back[k] = full.phasor[k].conjugate()
-    product(full.phasor, back, row[1])
-    product(full.position, back, row[4])
-    if held.any():
-        for k in range(fade.size):
-            if held[k]:
-                fade[k] = 1.0
-            factor[k] = 0.0 if held[k] else 1.0
-        for i in range(5):
-            product(row[i], factor, row[i])
-    copy(fade, factor)
-    for i in range(5):
-        product(sums[i], factor, sums[i])
-        for k in range(fade.size):
-            sums[i, k] += row[i, k]
-    weight, power, cross, position, rotated = sums[0], sums[1], sums[2], sums[3], sums[4]
-    divisor, one, two, other = work[0], work[1], work[2], work[3]
-    regular = True
-    for k in range(fade.size):
-        count = weight[k].real + 1e-300
-        scale = np.maximum(count * power[k].real, 1e-300)
-        determinant = scale - (cross[k].real * cross[k].real + cross[k].imag * cross[k].imag)
-        separation.determinant[k] = determinant / scale
-        fits = separation.determinant[k] > SMALLEST_DETERMINANT
-        regular = regular and fits
-        divisor[k] = determinant if fits else 1.0
-        back[k] = cross[k].conjugate()
-    product(power, position, one)
-    product(cross, rotated, two)
-    product(weight, rotated, other)
-    product(back, position, back)
-    for k in range(fade.size):
-        one[k] -= two[k]
-        other[k] -= back[k]
-    offset, synchronous = separation.offset, separation.synchronous
-    quotient(one, divisor, offset)
-    quotient(other, divisor, synchronous)
-    if regular:
+@strict_kernel
+def _add_bin(separation: RunoutSeparation, full: Bin, k: int, fade: float) -> None:
+    """Let the sums of a mark fade and add the bin, unless the fit is held."""
+    sums = separation.sums
+    if separation.held[k]:
         return
-    product(separation.arm, cross, two)
-    for k in range(fade.size):
-        one[k] = position[k] - two[k]
-        divisor[k] = weight[k].real + 1e-300
-    quotient(one, divisor, one)
-    for k in range(fade.size):
-        if not separation.determinant[k] > SMALLEST_DETERMINANT:
-            offset[k], synchronous[k] = one[k], separation.arm[k]
+    phasor, position = full.phasor[k], full.position[k]
+    sums[0, k] = fade * sums[0, k] + (1.0 if full.valid[k] else 0.0)
+    sums[1, k] = fade * sums[1, k] + phasor * phasor.conjugate()
+    sums[2, k] = fade * sums[2, k] + phasor
+    sums[3, k] = fade * sums[3, k] + position
+    sums[4, k] = fade * sums[4, k] + position * phasor.conjugate()
 
 
-@exact_kernel
+@strict_kernel
+def _fit(separation: RunoutSeparation, k: int) -> None:
+    """Fit offset and synchronous part of a marked point; before a short arc is turned the latter is the arm."""
+    sums = separation.sums
+    count, power = sums[0, k].real + 1e-300, sums[1, k].real
+    cross, position, rotated = sums[2, k], sums[3, k], sums[4, k]
+    scale = max(count * power, 1e-300)
+    determinant = scale - (cross.real * cross.real + cross.imag * cross.imag)
+    separation.determinant[k] = determinant / scale
+    if separation.determinant[k] > SMALLEST_DETERMINANT:
+        separation.offset[k] = (power * position - cross * rotated) / determinant
+        separation.synchronous[k] = (count * rotated - cross.conjugate() * position) / determinant
+    else:
+        separation.offset[k] = (position - separation.arm[k] * cross) / count
+        separation.synchronous[k] = separation.arm[k]
+
+
+@strict_kernel
+def _find_direction(separation: RunoutSeparation) -> None:
+    """Take the first direction of the wall marks, for samples without spin.
+
+    Before 2/3 of a revolution, the string is assumed to be near the axis.
+    """
+    flags = separation.flags
+    flags[CALIBRATED] = True
+    for k in range(separation.radius.size):
+        flags[CALIBRATED] &= separation.determinant[k] > CALIBRATED_FROM
+    source = separation.synchronous if flags[CALIBRATED] else separation.sums[4]
+    for k in range(separation.radius.size):
+        length = abs(source[k])
+        separation.arm[k] = separation.radius[k] * source[k] / length if length > 0.0 else 0.0
+    flags[KNOWN] = True
+
+
+@strict_kernel
 def _update_direction(separation: RunoutSeparation, elapsed: float) -> None:
     """Rotate the arms of wall marks towards their synchronous part, for samples without spin."""
-    arm, radius, flags, work = separation.arm, separation.radius, separation.flags, separation.work
-    length, long, whole, new = separation.numbers, work[0], work[1], work[2]
-    copy(radius, whole)
-    if not flags[CALIBRATED]:
-        # Before 2/3 of a revolution, the string is assumed to be near the axis.
-        flags[CALIBRATED] = True
-        for k in range(length.size):
-            flags[CALIBRATED] &= separation.determinant[k] > CALIBRATED_FROM
-        source = separation.synchronous if flags[CALIBRATED] else separation.sums[4]
-        absolute(source, length)
-        for k in range(length.size):
-            long[k] = length[k] if length[k] > 0.0 else 1.0
-        product(whole, source, new)
-        quotient(new, long, new)
-        for k in range(length.size):
-            arm[k] = new[k] if length[k] > 0.0 else 0.0
-        flags[KNOWN] = True
-        return
-    absolute(separation.synchronous, length)
     gain = min(1.0, elapsed / DIRECTION_MEMORY)
-    for k in range(length.size):
-        long[k] = np.maximum(length[k], 1e-300)
-    product(whole, separation.synchronous, new)
-    quotient(new, long, new)
-    long[:] = gain
-    for k in range(length.size):
-        new[k] -= arm[k]
-    product(long, new, new)
-    for k in range(length.size):
-        new[k] += arm[k]
-    trusted = work[3]
-    for k in range(length.size):
-        trusted[k] = 1.0 if abs(length[k] - radius[k]) < DIRECTION_GATE * radius[k] else 0.0
-    absolute(new, length)
-    for k in range(length.size):
-        long[k] = radius[k] / np.maximum(length[k], 1e-300)
-    product(new, long, new)
-    for k in range(length.size):
-        if trusted[k].real > 0.0:
-            arm[k] = new[k]
+    for k in range(separation.radius.size):
+        arm, radius, synchronous = separation.arm[k], separation.radius[k], separation.synchronous[k]
+        length = abs(synchronous)
+        if abs(length - radius) < DIRECTION_GATE * radius:
+            new = arm + gain * (radius * synchronous / max(length, 1e-300) - arm)
+            separation.arm[k] = radius * new / max(abs(new), 1e-300)

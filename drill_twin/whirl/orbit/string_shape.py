@@ -16,13 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.base.exact_jit import Integers, exact_kernel
-from drill_twin.base.numpy_loops import absolute, arctan2, complex_total, product, quotient, square, total
+from drill_twin.base.arrays import Array, ComplexArray, Integers
+from drill_twin.base.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.history import MOVING, History, bins_in, end_of
-from drill_twin.whirl.orbit.orbit import WINDOW
-from drill_twin.whirl.row_sums import complex_sum_rows, sum_rows
+from drill_twin.whirl.history import MOVING, NEGLIGIBLE, POSITION, History, bins_in, end_of
 
 PLANARITY, SECOND_LOBE = 0, 1
 """Indices into `StringShape.numbers`."""
@@ -36,20 +33,14 @@ class StringShape(NamedTuple):
     phase: Array  # (m,) relative to the reference mark [rad]
     numbers: Array
     levels: Integers  # one mark at each distance from the bit, from the bit up
-    powers: Array  # (WINDOW, m) work
-    turned: ComplexArray  # (WINDOW, m) work
-    row: ComplexArray  # (m,) work
-    work: ComplexArray  # (2, levels)
-    size: Array  # (levels,) work
-    single: ComplexArray  # (1,) work
+    relative: ComplexArray  # (m,) work: motion of the marks over that of the reference
 
     @classmethod
     def of(cls, m: int, levels: Integers) -> StringShape:
         """Shape before the first bin."""
         return cls(
             np.zeros(1, np.int64), np.zeros(m), np.full(m, math.nan), np.array([math.nan, 0.0]), levels,
-            np.zeros((WINDOW, m)), np.zeros((WINDOW, m), complex), np.zeros(m, complex),
-            np.zeros((2, levels.size), complex), np.zeros(levels.size), np.zeros(1, complex),
+            np.zeros(m, complex),
         )  # fmt: skip
 
     @property
@@ -63,43 +54,37 @@ class StringShape(NamedTuple):
         return float(self.numbers[SECOND_LOBE])
 
 
-@exact_kernel
+@strict_kernel
 def find_shape(shape: StringShape, history: History, criteria: Criteria) -> None:
     """Estimate the shape with the newest bin."""
     n, end = bins_in(history, criteria.orbit_window), end_of(history)
-    m, parts, row, work, size = shape.power.size, history.complex_part, shape.row, shape.work, shape.size
-    for i in range(n):
-        for k in range(m):
-            moving = parts[end - n + i, MOVING, k]
-            shape.powers[i, k] = moving.real * moving.real + moving.imag * moving.imag
-    sum_rows(shape.powers[:n], shape.power)
-    reference = 0
-    for k in range(1, m):
-        if not shape.power[k] <= shape.power[reference] and not math.isnan(shape.power[reference]):
+    moving, position = history.complex_part[end - n : end, MOVING], history.complex_part[end - n : end, POSITION]
+    reference, negligible = 0, 0.0
+    for k in range(shape.power.size):
+        shape.power[k] = 0.0
+        for i in range(n):
+            shape.power[k] += abs(moving[i, k]) ** 2
+            negligible = max(negligible, n * (NEGLIGIBLE * abs(position[i, k])) ** 2)
+        # Of marks that move alike the first is the reference, whatever the round-off.
+        if not shape.power[k] <= (1.0 + NEGLIGIBLE) * shape.power[reference] and not math.isnan(shape.power[reference]):
             reference = k
     shape.reference[0] = reference
     largest = shape.power[reference]
-    if largest <= 0.0:
+    if largest <= negligible:
         shape.phase[:] = math.nan
         shape.numbers[PLANARITY], shape.numbers[SECOND_LOBE] = math.nan, 0.0
         return
-    for i in range(n):
-        row[:] = parts[end - n + i, MOVING, reference].conjugate()
-        product(row, parts[end - n + i, MOVING], shape.turned[i])
-    complex_sum_rows(shape.turned[:n], row)
-    shape.turned[0, :] = largest
-    quotient(row, shape.turned[0], row)
-    arctan2(row.imag, row.real, shape.phase)
-    this, other = 0.0, 0.0
-    for i in range(size.size):
-        work[0, i] = row[shape.levels[i]]
-        this, other = max(this, work[0, i].real), max(other, -work[0, i].real)
-    square(work[0], work[1])
-    work[1, 0] = complex_total(work[1], shape.single)
-    absolute(work[0], size)
-    for i in range(size.size):
-        size[i] *= size[i]
-    powers = total(size, shape.single.real)
-    absolute(work[1, :1], size[:1])
-    shape.numbers[PLANARITY] = size[0] / powers
+    for k in range(shape.power.size):
+        relative = 0j
+        for i in range(n):
+            relative += moving[i, reference].conjugate() * moving[i, k]
+        shape.relative[k] = relative / largest
+        shape.phase[k] = math.atan2(relative.imag, relative.real)
+    this, other, squares, powers = 0.0, 0.0, 0j, 0.0
+    for level in shape.levels:
+        relative = shape.relative[level]
+        this, other = max(this, relative.real), max(other, -relative.real)
+        squares += relative * relative
+        powers += abs(relative) ** 2
+    shape.numbers[PLANARITY] = abs(squares) / powers
     shape.numbers[SECOND_LOBE] = min(this, other) / max(this, other, 1e-300)

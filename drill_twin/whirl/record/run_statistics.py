@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Mask
-from drill_twin.base.exact_jit import Integers, copy, exact_kernel
+from drill_twin.base.arrays import Array, Integers, Mask
+from drill_twin.base.jit import copy, strict_kernel
 from drill_twin.base.missing import number_or_none
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.findings import Quality, Summary
@@ -83,7 +83,7 @@ class RunStatistics(NamedTuple):
         )
 
 
-@exact_kernel
+@strict_kernel
 def add_bin(
     statistics: RunStatistics, orbit: Orbit, whirling: Mask, full: Bin, length: int, least_rotation: float
 ) -> None:
