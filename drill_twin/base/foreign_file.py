@@ -35,7 +35,7 @@ class ForeignFile:
     """Kind of file, its bounds, and the error that refuses another."""
 
     what: str
-    """What is expected, for messages: `a CSV table`."""
+    """Name of what is expected, for messages: `a CSV table`."""
     largest: int
     """Bytes of a file."""
     error: type[DrillTwinError]

@@ -213,7 +213,7 @@ class Advisor(TwinNode):
         self._drop_maker()
 
     def health(self) -> Status:
-        """What its inputs lack, progress of the map, or the last advice."""
+        """Level and sentence: gaps of its inputs, progress of the map, or the last advice."""
         values = self._samples.values()
         if self._trouble:
             return Status(self.NAME, Level.ERROR, self._trouble, values)
