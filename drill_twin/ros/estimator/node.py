@@ -187,7 +187,7 @@ class Estimator(TwinNode):
                 self.topics.publish(topic, raw)
 
     def health(self) -> Status:
-        """Level and sentence: what is measured and how soundly, whether model and measurements part, and whether the machine keeps up."""
+        """Level and sentence: what is measured, whether the model parts from it, whether the machine keeps up."""
         if self._following is None:
             return Status(self.NAME, Level.OK, self._making)
         intake = self._following.intake
