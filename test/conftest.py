@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What several rooms of the test house share: runs of the bench, a drawn string, pages in a browser."""
+"""What several rooms of the test house share: runs of the bench, a drawn string, small disks, pages in a browser."""
 
-from collections.abc import Callable
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 from browser import Browser
@@ -57,3 +59,23 @@ def browse(tmp_path):
     yield begin
     for browser in browsers:
         browser.close()
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Callable[[int], Path]]:
+    """Mount a filesystem of a size [bytes], so that a full disk is one; needs the right to mount."""
+    mounted: list[Path] = []
+
+    def make(size: int) -> Path:
+        folder = tmp_path / f"disk_{len(mounted)}"
+        folder.mkdir()
+        command = ["mount", "-t", "tmpfs", "-o", f"size={size},mode=777", "none", str(folder)]
+        said = subprocess.run(command, capture_output=True, text=True, check=False)
+        if said.returncode:
+            pytest.skip(f"cannot mount a small filesystem here: {said.stderr.strip()}")
+        mounted.append(folder)
+        return folder
+
+    yield make
+    for folder in mounted:
+        subprocess.run(["umount", "--lazy", str(folder)], check=True)

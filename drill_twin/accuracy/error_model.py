@@ -13,19 +13,21 @@ import logging
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field, TypeAdapter
 
 from drill_twin import __version__
 from drill_twin.accuracy.errors import errors_before
 from drill_twin.accuracy.motion_run import Motion
-from drill_twin.base.json_reader import read_json
+from drill_twin.base.json_reader import LARGEST_TEXT
 from drill_twin.base.missing import number_or_none
+from drill_twin.base.whole_file import PRIVATE, write_whole
 from drill_twin.scene import Scene
 from drill_twin.scene.paths import config_dir
-from drill_twin.solver.kernel_cache import cache_folder
-from drill_twin.solver.machine_code import read_own, write_own
+from drill_twin.solver.kernel_cache import cache_folder, cached_file
+from drill_twin.solver.machine_code import read_own
 
 _LOG = logging.getLogger(__name__)
 
@@ -39,23 +41,28 @@ COARSER = 1.5
 """Least elements and steps of the converged run over those of a resolution that is compared with it."""
 FOLDER = "accuracy"
 
+_Elements = Annotated[int, Field(gt=0, le=100_000)]
+_Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+_Number = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+_Error = Annotated[float, Field(ge=0.0)]  # infinite for a run without an onset that there is
+
 
 @dataclass(frozen=True)
 class Point:
     """Errors and effort of a resolution."""
 
-    elements: int
-    step: float
+    elements: _Elements
+    step: _Positive
     """[s]"""
-    tolerance: float
+    tolerance: _Positive
     """Tolerance of Newton's method."""
-    path: float
+    path: _Error
     """Error of the path before the onset [-]."""
-    onset: float
+    onset: _Error
     """Error of the onset time [-]; 0 where there is no onset."""
-    before: float
+    before: _Number
     """Newton iterations per simulated second before the onset [1/s]."""
-    after: float
+    after: _Number
     """Newton iterations per simulated second after it; as `before` where there is no onset [1/s]."""
 
     @property
@@ -70,13 +77,13 @@ class ErrorModel:
 
     key: str
     """Hash of the parts of the scene that its motion depends on (`content_key`)."""
-    onset_s: float | None
+    onset_s: _Number | None
     """Onset of the converged run [s]."""
-    covered_s: float
+    covered_s: _Number
     """Simulated time that the runs cover [s]."""
-    elements: int
+    elements: _Elements
     """Elements of the converged run."""
-    step: float
+    step: _Positive
     """Time step of the converged run [s]."""
     ended: str
     """End of the measurement: `reached`, `budget`, or `finest`."""
@@ -130,9 +137,9 @@ class ErrorModel:
         return self.iterations(point, duration) * (point.elements + OVERHEAD)
 
     def save(self, path: Path) -> None:
-        """Write the model as JSON, then rename the file, so that no reader finds half of it."""
+        """Write the model as JSON, as a whole or not at all."""
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_own(path, (json.dumps(asdict(self), indent=1) + "\n").encode())
+        write_whole(path, json.dumps(asdict(self), indent=1) + "\n", PRIVATE)
 
     @staticmethod
     def load(path: Path) -> ErrorModel:
@@ -144,10 +151,11 @@ class ErrorModel:
         """Model of a file's content.
 
         Raises:
-            ValueError, TypeError, KeyError: It is damaged.
+            ValueError: It is damaged.
         """
-        data: dict[str, Any] = read_json(content)
-        return ErrorModel(**{**data, "points": tuple(Point(**point) for point in data["points"])})
+        if len(content) > LARGEST_TEXT:
+            raise ValueError(f"{len(content)} bytes where at most {LARGEST_TEXT} can be meant")
+        return TypeAdapter(ErrorModel).validate_json(content, strict=True)
 
 
 def content_key(scene: Scene) -> str:
@@ -204,15 +212,19 @@ def rates(motion: Motion, onset: float | None, end: float = np.inf) -> tuple[flo
 def load_model(scene: Scene) -> tuple[ErrorModel, str] | None:
     """Error model of a scene and its origin, `cached` on this machine or `shipped`; None if there is none."""
     key = content_key(scene)
-    here = _cache_path(key)
+    here = cached_file(_cache_name(key))
     content = read_own(here)
     if content is not None:
         try:
             return ErrorModel.parse(content), "cached"
-        except (ValueError, TypeError, KeyError, RecursionError):
+        except ValueError:
             _LOG.warning("%s: damaged, measured again", here)
     for path in sorted((config_dir() / FOLDER).glob("*.json")):
-        shipped = ErrorModel.load(path)
+        try:
+            shipped = ErrorModel.load(path)
+        except (OSError, ValueError):
+            _LOG.warning("%s: no accuracy of a scene, left out", path)
+            continue
         if shipped.key == key:
             return shipped, "shipped"
     return None
@@ -220,8 +232,12 @@ def load_model(scene: Scene) -> tuple[ErrorModel, str] | None:
 
 def save_model(model: ErrorModel) -> None:
     """Save a model in the user's cache folder; the version is part of its file name."""
-    model.save(_cache_path(model.key))
+    path = cache_folder() / _cache_name(model.key)
+    try:
+        model.save(path)
+    except OSError as error:
+        _LOG.warning("%s: not kept: %s", path, error.strerror or error)
 
 
-def _cache_path(key: str) -> Path:
-    return cache_folder() / FOLDER / f"{key}-{__version__}.json"
+def _cache_name(key: str) -> str:
+    return f"{FOLDER}/{key}-{__version__}.json"

@@ -18,6 +18,7 @@ from drill_twin import __version__
 from drill_twin.accuracy.replicas import perturb
 from drill_twin.base.arrays import Array
 from drill_twin.base.missing import number_or_nan
+from drill_twin.base.whole_file import whole_file
 from drill_twin.ensemble.parts import parts_of, planned
 from drill_twin.errors import DrillTwinError
 from drill_twin.io.scene_geometry import mark_infos
@@ -80,11 +81,10 @@ class Motion:
         return float(self.iterations.sum() / self.time[-1])
 
     def save(self, path: Path) -> None:
-        """Write the motion as .npz, then rename the file, so that no reader finds half of it."""
-        part = path.with_suffix(".part.npz")
+        """Write the motion as .npz, as a whole or not at all."""
         arrays: dict[str, Any] = {name: np.asarray(value) for name, value in self.__dict__.items()}
-        np.savez(part, **arrays)
-        part.replace(path)
+        with whole_file(path) as stream:
+            np.savez(stream, **arrays)
 
     @staticmethod
     def load(path: Path) -> Motion:

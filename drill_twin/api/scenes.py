@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from drill_twin.base.whole_file import write_whole
 from drill_twin.errors import DrillTwinError, SceneError
 from drill_twin.scene import Scene, load, presets
 
@@ -108,11 +109,10 @@ def write_scene(scene: Scene, path: str | Path) -> Path:
         SceneError: The file exists or cannot be written.
     """
     file = Path(path)
+    if file.exists():
+        raise SceneError(f"{file}: expected a new file, found one that exists; choose another or remove it")
     try:
-        with file.open("x", encoding="utf-8") as stream:
-            stream.write(scene.to_yaml())
-    except FileExistsError:
-        raise SceneError(f"{file}: expected a new file, found one that exists; choose another or remove it") from None
+        write_whole(file, scene.to_yaml())
     except OSError as error:
         raise SceneError(f"{file}: expected a place to write the scene, found {error.strerror or error}") from error
     return file

@@ -7,6 +7,7 @@ import re
 from itertools import count
 from pathlib import Path
 
+from drill_twin.base.whole_file import write_whole
 from drill_twin.errors import BagError
 
 _RESULTS = ("bag_0", "summary.json", "report.html", "compare.json")
@@ -59,14 +60,14 @@ def check_new(file: Path, *, replace: bool) -> None:
 
 
 def write_file(file: Path, text: str) -> None:
-    """Write a text file, and its folders.
+    """Write a text file as a whole or not at all, and its folders.
 
     Raises:
         BagError: The file cannot be written.
     """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text, "utf-8")
+        write_whole(file, text)
     except OSError as error:
         raise BagError(f"{file}: cannot be written: {error.strerror or error}; choose another place") from error
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from drill_twin.base.whole_file import whole_file, write_whole
 from drill_twin.errors import CheckpointError, StoppedError
 from drill_twin.schedule.command import Command
 from drill_twin.twin.checkpoint import Checkpoint
@@ -32,8 +33,9 @@ def save_failure(folder: str | Path, twin: Twin, command: Command, error: Stoppe
     try:
         Checkpoint.of(twin, command).save(target / CHECKPOINT)
         time, u, v = twin.last_second()
-        np.savez(target / LAST_SECOND, time=time, u=u, v=v, distance_from_bit=twin.rod.arc)
-        (target / REASON).write_text(f"{error}\n", encoding="utf-8")
+        with whole_file(target / LAST_SECOND) as stream:
+            np.savez(stream, time=time, u=u, v=v, distance_from_bit=twin.rod.arc)
+        write_whole(target / REASON, f"{error}\n")
     except (CheckpointError, OSError) as trouble:
         return f"the state could not be kept: {trouble}"
     return f"the last good state and the last second before it are kept in {target}"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drill_twin.base.whole_file import write_whole
 from drill_twin.errors import BagError
 from drill_twin.report.figures import FIGURES, left_out
 from drill_twin.report.recording import Recording, read_recording
@@ -67,7 +68,7 @@ def build_report(
     )
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        files.summary.write_text(to_json(summary), "utf-8")
+        write_whole(files.summary, to_json(summary))
         from drill_twin.report.page.charts import CHARTS, chart
         from drill_twin.report.page.page import build_page
 
@@ -78,7 +79,7 @@ def build_report(
             if name in CHARTS:
                 charts[name] = chart(figure)
         progress("page")
-        files.page.write_text(build_page(recording, summary, files.figures, charts), "utf-8")
+        write_whole(files.page, build_page(recording, summary, files.figures, charts))
     except OSError as error:
         raise BagError(
             f"{folder}: expected a place to write the report, found {error.strerror or error}; choose another folder"

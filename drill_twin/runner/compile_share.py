@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from drill_twin.base.json_reader import read_json
-from drill_twin.solver.machine_code import read_own, write_own
+from drill_twin.base.whole_file import PRIVATE, write_whole
+from drill_twin.solver.machine_code import read_own
 from drill_twin.twin import frame_kernel
 
 _LOG = logging.getLogger(__name__)
@@ -73,6 +74,6 @@ class CompileShare:
         if self._seen:
             chosen = self._seen[:: max(1, len(self._seen) // _POINTS)]
             try:
-                write_own(self._path, json.dumps([*chosen, (self._seen[-1][0], seconds)]).encode())
+                write_whole(self._path, json.dumps([*chosen, (self._seen[-1][0], seconds)]), PRIVATE)
             except OSError as error:
                 _LOG.warning("%s: not kept: %s", self._path, error.strerror or error)

@@ -13,6 +13,7 @@ import platform
 import stat
 import sys
 import tempfile
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from threading import RLock
@@ -25,9 +26,10 @@ from numba.core.dispatcher import Dispatcher
 
 from drill_twin.base.jit import is_inlined
 from drill_twin.base.numba_without_scipy import import_array_functions
+from drill_twin.base.whole_file import PRIVATE, write_whole
 from drill_twin.errors import RunError
 from drill_twin.solver.kept_parts import keep_parts
-from drill_twin.solver.machine_code import keep_machine_code, write_own
+from drill_twin.solver.machine_code import is_open, keep_machine_code
 from drill_twin.solver.source_hash import modules_reached, source_hash
 
 _LOG = logging.getLogger(__name__)
@@ -45,27 +47,48 @@ def cache_folder() -> Path:
     return permanent_folder() or _temporary_folder()
 
 
-def permanent_folder() -> Path | None:
-    """Folder shared by the processes of this user: ``$DRILL_TWIN_CACHE``, else that in the user's cache folder.
-
-    Only this user may write to it, since its files are run as programs; None where there is no such folder.
+def cached_file(name: str) -> Path:
+    """A file of the cache: the one that is kept, in a folder that cannot be written to too, else where it can be put.
 
     Raises:
-        RunError: The named folder cannot be made, or belongs to another user.
+        RunError: As `cache_folder`.
+    """
+    kept = _kept_folder()
+    return kept / name if kept and (kept / name).is_file() else cache_folder() / name
+
+
+def permanent_folder() -> Path | None:
+    """Folder shared by the processes of this user, if it can be written to.
+
+    Raises:
+        RunError: As `cache_folder`.
+    """
+    kept = _kept_folder()
+    return kept if kept and os.access(kept, os.W_OK) else None
+
+
+def _kept_folder() -> Path | None:
+    """``$DRILL_TWIN_CACHE``, else the folder in the user's cache folder; None where there is none to be trusted.
+
+    Its files are run as programs: only this user may write to it, or only root.
     """
     named = os.environ.get("DRILL_TWIN_CACHE")
     folder = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "drill_twin"
     try:
         folder.mkdir(mode=stat.S_IRWXU, parents=True, exist_ok=True)
+        if folder.stat().st_uid == os.geteuid() and stat.S_IMODE(folder.stat().st_mode) & ~stat.S_IRWXU:
+            with suppress(OSError):  # on a disk that is mounted read-only
+                folder.chmod(folder.stat().st_mode & stat.S_IRWXU)
         found = folder.stat()
-        if found.st_uid == os.geteuid() and stat.S_IMODE(found.st_mode) & ~stat.S_IRWXU:
-            folder.chmod(stat.S_IRWXU)
-        reason = "" if found.st_uid == os.geteuid() else f"one of user {found.st_uid}, who could put programs there"
-        if not reason and os.access(folder, os.W_OK):
+        if found.st_uid not in {os.geteuid(), 0}:
+            reason = f"one of user {found.st_uid}, who could put programs there"
+        elif is_open(found):
+            reason = "one that others can write to, who could put programs there"
+        else:
             return folder
     except OSError as error:
         reason = error.strerror or str(error)
-    if named and reason:
+    if named:
         raise RunError(
             f"DRILL_TWIN_CACHE: expected a folder of your own that can be written to, found {named}: {reason}; "
             "name another, or unset it"
@@ -109,10 +132,10 @@ def _load(name: str, text: str, packages: tuple[str, ...]) -> ModuleType:
     if name in sys.modules:
         return sys.modules[name]
     import_array_functions()
-    path = cache_folder() / f"{name}.py"
+    path = cached_file(f"{name}.py")
     try:
         if not path.is_file() or path.read_bytes() != text.encode():
-            write_own(path, text.encode())
+            write_whole(path, text, PRIVATE)
     except OSError as error:
         _LOG.warning("%s: not kept: %s", path, error.strerror or error)
     module = ModuleType(name)

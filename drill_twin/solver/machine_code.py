@@ -17,17 +17,24 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from drill_twin.base.whole_file import PRIVATE, write_whole
+
 _CACHING: Any = import_module("numba.core.caching")
 _HASH = hashlib.sha256().digest_size
 _LOG = logging.getLogger(__name__)
 
 
+def is_open(found: os.stat_result) -> bool:
+    """True for a file or folder that others than its owner can write to."""
+    return bool(found.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
+
+
 def read_own(path: Path) -> bytes | None:
-    """Content of a file of this user that no other can write; None if there is none, which is logged."""
+    """Content of a file that only this user, or only root, can write; None if there is none, which is logged."""
     try:
         with path.open("rb") as stream:
             found = os.fstat(stream.fileno())
-            if found.st_uid == os.geteuid() and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+            if found.st_uid in {os.geteuid(), 0} and not is_open(found):
                 return stream.read()
     except FileNotFoundError:
         return None
@@ -36,23 +43,6 @@ def read_own(path: Path) -> bytes | None:
         return None
     _LOG.warning("%s: of another user, or writable by others; not used, made again", path)
     return None
-
-
-def write_own(path: Path, content: bytes) -> None:
-    """Write a file as a whole or not at all; only this user can read or write it.
-
-    Raises:
-        OSError: It cannot be written.
-    """
-    part = path.with_name(f"{path.name}.{os.getpid()}.{os.urandom(4).hex()}.part")
-    try:
-        with os.fdopen(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as stream:
-            stream.write(content)
-        part.replace(path)
-    except BaseException:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
-        raise
 
 
 def keep_machine_code(dispatcher: Any, before_compilation: Callable[[], None]) -> None:
@@ -119,7 +109,7 @@ class CheckedFiles:
         content = _CACHING.dumps((key, data))
         path = self.path(key)
         try:
-            write_own(path, hashlib.sha256(content).digest() + content)
+            write_whole(path, hashlib.sha256(content).digest() + content, PRIVATE)
         except OSError as error:
             _LOG.warning("%s: compiled, but not kept: %s", path, error.strerror or error)
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import lzma
 import math
-import os
 import stat
 import struct
 import zipfile
@@ -27,6 +26,7 @@ from drill_twin import __version__
 from drill_twin.base.arrays import Array
 from drill_twin.base.foreign_file import ForeignFile
 from drill_twin.base.json_reader import read_json
+from drill_twin.base.whole_file import whole_file
 from drill_twin.errors import CheckpointError, DrillTwinError
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.schedule.command import Command
@@ -87,13 +87,9 @@ class Checkpoint:
         content: dict[str, Any] = {_HEADER: np.frombuffer(json.dumps(head).encode(), np.uint8), **self.arrays}
         try:
             _refuse_other_file(target)
-            unfinished = target.with_name(f"{target.name}.tmp")
             target.parent.mkdir(parents=True, exist_ok=True)
-            with unfinished.open("wb") as stream:
+            with whole_file(target) as stream:
                 np.savez(stream, **content)
-                stream.flush()
-                os.fsync(stream.fileno())
-            unfinished.replace(target)
         except (OSError, ValueError) as error:
             found = getattr(error, "strerror", None) or error
             raise CheckpointError(

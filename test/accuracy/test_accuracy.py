@@ -39,6 +39,7 @@ WHIRL = {"wob": "55 N", "rps": "2.5", "duration": "9 s", "rig.weight_on_bit.dura
 @pytest.fixture(autouse=True)
 def own_curves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(error_model, "cache_folder", lambda: tmp_path / "cache")
+    monkeypatch.setattr(error_model, "cached_file", lambda name: tmp_path / "cache" / name)
 
 
 def asking(accuracy: str, changes: dict[str, str], scene: str = "pa6_bench") -> Scene:

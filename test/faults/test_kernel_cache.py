@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cache of compiled kernels: damaged, cut, planted, full, read-only, or cold for two processes at once."""
 
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -21,7 +24,9 @@ ROOT = Path(__file__).parents[2]
 USE = '''
 import sys, numpy as np
 from drill_twin.solver.kernel_cache import load_generated
-module = load_generated("probe", """
+FACTOR = 3.0 if "other" in sys.argv else 2.0
+module = load_generated("probe", f"""
+factor = {FACTOR}
 from drill_twin.base.jit import entry_kernel
 @entry_kernel
 def total(values, factor):
@@ -34,21 +39,26 @@ if "limited" in sys.argv:
     import resource, signal
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-print(module.total(np.arange(3.0), 2.0), "hit" if module.total.stats.cache_hits else "compiled")
+print(module.total(np.arange(3.0), FACTOR), "hit" if module.total.stats.cache_hits else "compiled")
 '''
 
 
-def use(folder, *arguments):
+STRANGER = 65534
+
+
+def use(folder, *arguments, stranger=False):
     """Result of the kernel in a new process, and the lines on stderr."""
-    done = start(folder, *arguments)
+    done = start(folder, *arguments, stranger=stranger)
     out, err = done.communicate(timeout=120)
     assert done.returncode == 0, err
     return out.strip(), err.splitlines()
 
 
-def start(folder, *arguments):
+def start(folder, *arguments, stranger=False):
     environment = dict(os.environ, DRILL_TWIN_CACHE=str(folder), PYTHONPATH=str(ROOT))
-    command = [sys.executable, "-c", USE, *arguments]
+    # Another user may read all here, so that he can run the Python of root.
+    become = [*f"setpriv --reuid {STRANGER} --inh-caps +dac_read_search --ambient-caps +dac_read_search".split()]
+    command = [*(become if stranger else []), sys.executable, "-c", USE, *arguments]
     return subprocess.Popen(command, env=environment, stdout=-1, stderr=-1, text=True)
 
 
@@ -147,9 +157,32 @@ def test_what_another_user_made_is_refused(folder, monkeypatch, tmp_path):
     assert kernel_cache.cache_folder().stat().st_uid == 0
 
 
-@pytest.mark.parametrize("content", [b"", b"{", b"[]", b"\xff\xfe", b'{"points": 3}', b"[" * 100_000])
+GOOD_MODEL = {
+    "key": "a", "onset_s": None, "covered_s": 1.0, "elements": 8, "step": 0.01, "ended": "reached",
+    "points": [
+        {"elements": 8, "step": 0.01, "tolerance": 1e-4, "path": 0.1, "onset": 0.0, "before": 1.0, "after": 1.0},
+    ],
+}  # fmt: skip
+
+
+def _model(*point: object, **changes: object) -> bytes:
+    points = [{**GOOD_MODEL["points"][0], **dict([point])}] if point else GOOD_MODEL["points"]
+    return json.dumps({**GOOD_MODEL, "points": points, **changes}).encode()
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"", b"{", b"[]", b"\xff\xfe", b'{"points": 3}', b"[" * 100_000, b'{"points": ' * 100_000, b"\x00" * 3_000_000,
+        b"null", "{\u202e}".encode(), _model(elements="8"), _model(elements=10**400), _model(elements=0),
+        _model(step=float("nan")), _model(step=0.0), _model(covered_s=None), _model(points={}), _model(points=[None]),
+        _model("elements", 1e9), _model("before", float("nan")), _model("before", float("inf")), _model("path", "0.1"),
+        _model("tolerance", -1.0), _model("after", True), _model(key=["a"]),
+    ],
+)  # fmt: skip
 def test_a_damaged_error_model_counts_as_none(content, bench_scene, monkeypatch, tmp_path):
     monkeypatch.setattr(error_model, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(error_model, "cached_file", lambda name: tmp_path / name)
     key = error_model.content_key(bench_scene)
     save_model(ErrorModel(key, None, 1.0, 8, 0.01, "reached", ()))
     assert load_model(bench_scene) == (ErrorModel(key, None, 1.0, 8, 0.01, "reached", ()), "cached")
@@ -162,6 +195,13 @@ def test_a_damaged_error_model_counts_as_none(content, bench_scene, monkeypatch,
     assert machine_code.read_own(file) is None
 
 
+def test_an_error_model_is_read_as_it_was_written(tmp_path):
+    infinite = ErrorModel.parse(_model("path", float("inf")))
+    assert infinite.points[0].path == float("inf")
+    infinite.save(tmp_path / "model.json")
+    assert ErrorModel.load(tmp_path / "model.json") == infinite
+
+
 def test_threads_that_ask_for_one_module_get_it_whole(tmp_path, monkeypatch):
     """Members of an ensemble are built by threads, each of which loads the kernel."""
     monkeypatch.setenv("DRILL_TWIN_CACHE", str(tmp_path))
@@ -169,3 +209,69 @@ def test_threads_that_ask_for_one_module_get_it_whole(tmp_path, monkeypatch):
     with ThreadPoolExecutor(8) as pool:
         lasts = list(pool.map(lambda k: load_generated("test", text.format(k // 4)).last, range(40)))
     assert lasts == [k // 4 for k in range(40)]
+
+
+READ_ONLY = {
+    "taken away": "the right to write is taken away",
+    "mounted": "the disk is mounted read-only",
+    "of root": "root has made it for all",
+}
+
+
+@pytest.fixture(params=READ_ONLY)
+def read_only(request, filled):
+    """A warm cache that cannot be written to; True if the process is that of another user than this one."""
+    place = Path(tempfile.mkdtemp(prefix="drill_twin_test_"))
+    place.chmod(0o755)
+    cache = shutil.copytree(filled, place / "kernels")
+    stranger = os.geteuid() == 0
+    if request.param == "taken away":
+        if stranger:
+            for file in (cache, *cache.iterdir()):
+                os.chown(file, STRANGER, STRANGER)
+        for file in cache.iterdir():
+            file.chmod(0o400)
+        cache.chmod(0o500)
+    elif os.geteuid() != 0:
+        pytest.skip("only root can mount, and make a folder of root")
+    elif request.param == "mounted":
+        stranger = False
+        for options in (["--bind", str(cache), str(cache)], ["-o", "remount,bind,ro", str(cache)]):
+            if subprocess.run(["mount", *options], capture_output=True, check=False).returncode:
+                pytest.skip("cannot mount here")
+    else:
+        for file in cache.iterdir():
+            file.chmod(0o644)
+        cache.chmod(0o755)
+    yield cache, stranger
+    if request.param == "mounted":
+        subprocess.run(["umount", str(cache)], check=True)
+    cache.chmod(0o700)
+    shutil.rmtree(place)
+
+
+def test_a_warm_cache_that_cannot_be_written_to_is_used_and_left_as_it_is(read_only):
+    cache, stranger = read_only
+
+    def content():
+        return {file: (file.stat().st_mtime_ns, file.stat().st_mode) for file in (cache, *cache.rglob("*"))}
+
+    before = content()
+    assert use(cache, stranger=stranger) == ("6.0 hit", [])
+    assert content() == before
+    # What is not in it is compiled, in every process.
+    assert use(cache, "other", stranger=stranger) == ("9.0 compiled", [])
+    assert content() == before
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can make a folder of root")
+def test_a_folder_of_root_that_others_can_write_to_is_refused():
+    place = Path(tempfile.mkdtemp(prefix="drill_twin_test_"))
+    place.chmod(0o777)
+    try:
+        process = start(place, stranger=True)
+        said = process.communicate(timeout=120)[1]
+    finally:
+        place.rmdir()
+    assert process.returncode == 1
+    assert "one that others can write to, who could put programs there" in said

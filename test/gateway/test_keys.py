@@ -20,7 +20,6 @@ from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 
 from drill_twin.gateway.control import Control
-from drill_twin.gateway.opc_ua import passwords
 from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, Keys, make_keys, read_keys
 from drill_twin.gateway.opc_ua.passwords import KeysError, PasswordHash, read_users, set_password
 from drill_twin.gateway.opc_ua.server import APPLICATION, OpcUaServer
@@ -142,7 +141,7 @@ def test_an_unknown_user_costs_as_much_as_a_known_one(folder):
 
 def test_a_write_that_fails_leaves_the_users_of_before(folder, monkeypatch):
     before = (folder / "users.yaml").read_bytes()
-    monkeypatch.setattr(passwords.os, "fsync", lambda _: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    monkeypatch.setattr(os, "fsync", lambda _: (_ for _ in ()).throw(OSError(28, "No space left on device")))
     with pytest.raises(KeysError, match="No space left"):
         make_keys(folder, APPLICATION, "localhost", {"driller": OTHER})
     assert (folder / "users.yaml").read_bytes() == before

@@ -218,6 +218,28 @@ def test_a_recorder_that_cannot_write_any_more_says_so_and_keeps_what_it_has(ben
     assert Bag(bag).topics[RIG_STATE].count > 100
 
 
+@pytest.mark.fault("disk full while recording", "the recorder's status says what is lost, and from when on")
+def test_a_recorder_on_a_full_disk_reports_what_is_lost(bench, small_disk):
+    bag = small_disk(400 * 1024) / "bag_0"
+    recorder = bench.start("recorder", bag=str(bag))
+    simulator = bench.start("simulator", wait_for_command=False)
+    status = bench.until_status("recorder", lambda status: status.level == 2)
+    assert recorder.wait() == 1, recorder.text
+    assert simulator.end() == 0
+    said = re.search(
+        r"found No space left on device; messages from \d+\.\d+ s on are lost, (\d+) so far; the (\d+) ", status.text
+    )
+    assert said, status.text
+    lost, kept = map(int, said.groups())
+    assert int(status.values["lost"]) == lost > 0
+    assert int(status.values["messages"]) == kept
+    assert f"{kept} messages recorded, lost: {lost} in the bag and all that came after" in recorder.text
+    assert "Traceback" not in recorder.text
+    read = Bag(bag)
+    assert sum(1 for _ in read.messages()) == kept > 100
+    assert "name: pa6_bench" in read.scene()
+
+
 @pytest.mark.fault("simulator gone", "the analyzer says so within seconds and takes up the next run")
 def test_an_analyzer_reports_that_samples_stopped_coming(bench):
     simulator, analyzer = bench.start("simulator", wait_for_command=False), bench.start("analyzer")

@@ -46,6 +46,7 @@ def rerun(
     from drill_twin.cli.folder import new_folder, write_file
     from drill_twin.cli.show import err, grid, print_json
     from drill_twin.cli.show import out as console
+    from drill_twin.report.figures.style import save
     from drill_twin.studies.json_io import json_text
 
     changes = overrides(change)
@@ -63,7 +64,7 @@ def rerun(
         )
         status.update("drawing")
         both.computed.to_bag(folder / "bag_0")
-        both.plot().savefig(folder / "comparison.png", dpi=130)
+        save(both.plot(), folder / "comparison.png")
     found = content(both, changes)
     write_file(folder / "rerun.json", json_text(found))
     if json:

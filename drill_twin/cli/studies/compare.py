@@ -42,6 +42,7 @@ def compare(
     from drill_twin.cli.show import err, grid, print_json
     from drill_twin.cli.show import out as stdout
     from drill_twin.report.comparison import draw_runs
+    from drill_twin.report.figures.style import save
     from drill_twin.studies.compare.case import finish, prepare
     from drill_twin.studies.compare.page import page
     from drill_twin.studies.compare.quantities import quantities
@@ -70,9 +71,7 @@ def compare(
         "quantities": [{**row._asdict(), "differs": row.differs(tolerance)} for row in rows],
     }  # fmt: skip
     write_file(out / "compare.json", json_text(content))
-    draw_runs([(case.name, case.result.recording) for case in found], "Runs over time").savefig(
-        out / "compare.png", dpi=130
-    )
+    save(draw_runs([(case.name, case.result.recording) for case in found], "Runs over time"), out / "compare.png")
     write_file(out / "compare.html", page(cases, rows, tolerance, notes, out / "compare.png"))
     if json:
         print_json(content)

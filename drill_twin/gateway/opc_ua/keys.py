@@ -17,6 +17,7 @@ from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from drill_twin.base.foreign_file import ForeignFile
+from drill_twin.base.whole_file import PRIVATE, write_whole
 from drill_twin.gateway.opc_ua.passwords import (
     KeysError,
     PasswordHash,
@@ -24,7 +25,6 @@ from drill_twin.gateway.opc_ua.passwords import (
     fitting,
     read_users,
     set_password,
-    write_private,
 )
 
 CERTIFICATE, PRIVATE_KEY, TRUSTED, USERS = "certificate.der", "private_key.pem", "trusted", "users.yaml"
@@ -135,8 +135,9 @@ def _make_certificate(folder: Path, application: str, host: str) -> None:
         .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
         .sign(key, hashes.SHA256())
     )
-    write_private(
+    write_whole(
         folder / PRIVATE_KEY,
         key.private_bytes(serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()),
+        PRIVATE,
     )
-    (folder / CERTIFICATE).write_bytes(certificate.public_bytes(serialization.Encoding.DER))
+    write_whole(folder / CERTIFICATE, certificate.public_bytes(serialization.Encoding.DER))

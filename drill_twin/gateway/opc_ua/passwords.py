@@ -6,16 +6,15 @@ from __future__ import annotations
 import hashlib
 import hmac
 import json
-import os
 import re
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 from typing import Final
 
 from drill_twin.base.foreign_file import ForeignFile
+from drill_twin.base.whole_file import PRIVATE, write_whole
 from drill_twin.base.yaml_reader import LARGEST_TEXT, plain_yaml
 from drill_twin.errors import DrillTwinError
 
@@ -125,25 +124,8 @@ def set_password(path: Path, name: str, password: str) -> bool:
     users = read_users(path) if path.exists() else {}
     is_new = name not in users
     users[name] = PasswordHash.of(password)
-    write_private(path, "".join(f"{json.dumps(one)}: {json.dumps(str(users[one]))}\n" for one in users).encode())
+    write_whole(path, "".join(f"{json.dumps(one)}: {json.dumps(str(users[one]))}\n" for one in users), PRIVATE)
     return is_new
-
-
-def write_private(path: Path, content: bytes) -> None:
-    """Write a file that its owner alone reads, in place of the one of before.
-
-    Raises:
-        OSError: It cannot be written.
-    """
-    with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:  # with mode 600
-        try:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-            Path(file.name).replace(path)
-        except OSError:
-            Path(file.name).unlink()
-            raise
 
 
 def check_private(path: Path) -> None:

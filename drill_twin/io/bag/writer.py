@@ -16,6 +16,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from drill_twin import __version__
+from drill_twin.base.whole_file import write_whole
 from drill_twin.errors import BagError
 from drill_twin.io.bag.metadata import RecordedTopic, bag_information, contract_topic, to_yaml
 from drill_twin.io.bag.writing.file_writer import FileWriter
@@ -79,6 +80,11 @@ class BagWriter:
     def files(self) -> int:
         """Number of files so far."""
         return len(self._files)
+
+    @property
+    def lost(self) -> int:
+        """Messages written that are not in the bag, or may not be: the disk failed, or another program changed it."""
+        return sum(file.lost for file in self._files)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -193,9 +199,7 @@ class BagWriter:
         information = self._information()
         self._files[-1].finish(information)
         try:
-            unfinished = self.folder / "metadata.yaml.tmp"
-            unfinished.write_text(to_yaml({"rosbag2_bagfile_information": information}), "utf-8")
-            unfinished.replace(self.folder / "metadata.yaml")
+            write_whole(self.folder / "metadata.yaml", to_yaml({"rosbag2_bagfile_information": information}))
         except OSError as error:
             raise self._files[-1].broken(error) from error
 
@@ -204,7 +208,9 @@ class BagWriter:
         found = f"{file.path}: expected the bag that is being recorded, {change}"
         file.abandon()
         if not self.folder.is_dir():
-            raise BagError(f"{found}; record again")
+            for one in self._files:
+                one.lost = one.count
+            raise BagError(f"{found}; record again: its folder is gone with {self.lost} messages")
         self.damage.append(f"{found}: up to {file.count} messages are lost")
         self._open_next()
         for topic, (stamp, raw) in self._latched.items():

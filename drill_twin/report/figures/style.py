@@ -16,6 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from drill_twin.base.whole_file import whole_file
+from drill_twin.errors import BagError
 from drill_twin.report.recording import Recording
 from drill_twin.whirl import MotionState
 
@@ -178,5 +180,13 @@ def mark_style(mark: int) -> dict[str, Any]:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG."""
-    figure.savefig(path, dpi=DPI, facecolor="white", metadata={"Software": None})
+    """Write a figure as PNG, as a whole or not at all.
+
+    Raises:
+        BagError: It cannot be written.
+    """
+    try:
+        with whole_file(path) as stream:
+            figure.savefig(stream, format="png", dpi=DPI, facecolor="white", metadata={"Software": None})
+    except OSError as error:
+        raise BagError(f"{path}: cannot be written: {error.strerror or error}; choose another place") from error

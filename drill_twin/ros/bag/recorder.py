@@ -59,7 +59,7 @@ class Recorder(TwinNode):
         self._recorded: set[str] = set()
         self._search_due = Tick(_SEARCH_PERIOD)
         self._samples = GoodSamples()
-        self._broken = False  # a bag that failed once is not written to again, so that the first error is reported
+        self._failure = ""  # a bag that failed once is not written to again, so that the first error is reported
 
     def open(self) -> None:
         """Create the bag and subscribe."""
@@ -103,7 +103,7 @@ class Recorder(TwinNode):
         name, at_a_rate = self._recorded_name(topic), topic not in _NOT_AT_A_RATE
 
         def write(raw: bytes, info: Mapping[str, Any]) -> None:
-            if self._broken:
+            if self._failure:
                 return
             with self._writing():
                 bag.write(name, info["received_timestamp"], raw)
@@ -118,7 +118,7 @@ class Recorder(TwinNode):
         try:
             yield
         except BagError as error:
-            self._broken = True
+            self._failure = str(error)
             raise RunError(str(error)) from error
 
     def work(self) -> None:
@@ -140,17 +140,20 @@ class Recorder(TwinNode):
         if self._bag is None:
             return
         try:
-            if not self._broken:
+            if not self._failure:
                 self.drain(_QUIET)
                 self.publish_diagnostics()
-        finally:
-            if not self._broken:
                 with self._writing():
                     self._bag.close()
-        count = sum(self._bag.counts.values())
-        lost = ", ".join(f"{number} of {topic}" for topic, number in self.topics.dropped.items())
-        log = self.get_logger().warning if lost else self.get_logger().info
-        log(f"{self._bag.folder}: {count} messages recorded, lost: {lost or 'none'}")
+        finally:
+            if self._failure:
+                self.publish_diagnostics()
+            lost = [f"{number} of {topic}" for topic, number in self.topics.dropped.items()]
+            if self._bag.lost or self._failure:
+                lost.append(f"{self._bag.lost} in the bag{' and all that came after' * bool(self._failure)}")
+            log = self.get_logger().warning if lost else self.get_logger().info
+            count = sum(self._bag.counts.values()) - self._bag.lost
+            log(f"{self._bag.folder}: {count} messages recorded, lost: {', '.join(lost) or 'none'}")
 
     def not_ready(self) -> str:
         """Publishers of its topics that it is not connected to yet, in a sentence; empty when there are none."""
@@ -165,15 +168,18 @@ class Recorder(TwinNode):
     def health(self) -> Status:
         """Messages recorded and lost."""
         counts = self._bag.counts if self._bag else {}
-        lost = sum(self.topics.dropped.values())
+        in_bag = self._bag.lost if self._bag else 0
+        lost = sum(self.topics.dropped.values()) + in_bag
         values = {
             "bag": str(self._bag.folder) if self._bag else "",
-            "messages": str(sum(counts.values())),
+            "messages": str(sum(counts.values()) - in_bag),
             "files": str(self._bag.files if self._bag else 0),
             "lost": str(lost),
             **{f"lost {topic}": str(number) for topic, number in self.topics.dropped.items()},
             **self._samples.values(),
         }
+        if self._failure:
+            return Status(self.NAME, Level.ERROR, self._failure, values)
         if self._bag and self._bag.damage:
             return Status(self.NAME, Level.ERROR, self._bag.damage[-1], values)
         if lost:

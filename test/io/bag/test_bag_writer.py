@@ -276,6 +276,29 @@ def test_a_full_disk_is_one_clear_error_and_loses_nothing_before_it(tmp_path):
     assert len(stamps) > 100
 
 
+def test_a_full_disk_leaves_whole_messages_and_the_number_of_those_lost(small_disk):
+    folder = small_disk(256 * 1024) / "run_0"
+    writer, done = BagWriter(folder, flush_interval=0.0), []
+    stamps = [1_000_000_000 + k * 1_000_000 for k in range(200)]
+
+    def write_until_full():
+        for written, stamp in enumerate(stamps):
+            writer.write("/twin/scene", stamp, os.urandom(5000))  # which cannot be compressed
+            done.append(written)
+
+    with pytest.raises(BagError, match="expected to go on writing the bag, found No space left on device") as failed:
+        write_until_full()
+    bag = Bag(folder)
+    written = len(done)
+    assert [stamp for _, stamp, _ in bag.messages()] == stamps[:written]
+    assert written > 20
+    assert writer.lost == 1
+    said = str(failed.value)
+    assert f"messages from {1.0 + written * 1e-3:.3f} s on are lost, 1 so far; the {written} before can be read" in said
+    assert not [text for text in bag.damage if "cut" in text or "damaged" in text], bag.damage
+    writer.close()  # a second end has no effect
+
+
 def test_topics_of_another_bag_can_be_given(write_bag, messages, tmp_path):
     """Their counts are those of the new bag, and the other bag keeps its own."""
     bag = Bag(write_bag())

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -36,6 +37,14 @@ class CheckedStream:
     def close(self) -> None:
         """Close the file."""
         self._stream.close()
+
+    def close_at(self, size: int) -> None:
+        """Close the file after an error of the disk, without what was begun after a size [bytes]."""
+        with suppress(OSError), os.fdopen(os.dup(self._stream.fileno()), "ab", buffering=0) as file:
+            with suppress(OSError):  # fails for the same reason, or puts a part there
+                self._stream.close()
+            if file.tell() > size:
+                file.truncate(size)
 
     def change(self) -> str:
         """Another program's change of the flushed file, as `found it removed`; empty if there is none."""

@@ -28,6 +28,7 @@ class FileWriter:
         start: Earliest time of recording [ns]; None before the first message.
         end: Latest time of recording [ns].
         count: Messages so far.
+        lost: Messages not in the file after an error of the disk, or perhaps not after another program's change.
 
     Raises:
         OSError: Raised by the constructor if the file cannot be created.
@@ -38,7 +39,9 @@ class FileWriter:
         self.path = path
         self.start: int | None = None
         self.end = 0
-        self.count = 0
+        self.count = self.lost = 0
+        self._kept = self._kept_size = 0  # messages and bytes that the operating system has
+        self._open_since: int | None = None  # ns; earliest message that it does not have
         self._stream = CheckedStream(path)
         self._writer = Writer(cast("Any", self._stream), chunk_size=_CHUNK_SIZE, compression=CompressionType.ZSTD)
         pack_indices(self._writer)
@@ -70,12 +73,18 @@ class FileWriter:
     def write(self, messages: Sequence[tuple[str, int, bytes, int]]) -> None:
         """Append messages: topic, time of recording [ns], bytes and number on the topic of each."""
         stamps = [stamp for _, stamp, _, _ in messages]
-        self.start = min(stamps) if self.start is None else min(self.start, *stamps)
+        earliest = min(stamps)
+        self.start = earliest if self.start is None else min(self.start, earliest)
+        self._open_since = earliest if self._open_since is None else min(self._open_since, earliest)
         self.end = max(self.end, *stamps)
         self.count += len(messages)
         channels = self._channels
         try:
-            self._append((channels[topic], stamp, raw, number) for topic, stamp, raw, number in messages)
+            opened = self._append((channels[topic], stamp, raw, number) for topic, stamp, raw, number in messages)
+            if opened is not None and self._stream.tell() > self._kept_size:  # a chunk was full
+                self._stream.flush()
+                self._kept, self._kept_size = self.count - opened, self._stream.tell()
+                self._open_since = min(stamps[-opened:]) if opened else None
         except OSError as error:
             raise self.broken(error) from error
 
@@ -86,20 +95,22 @@ class FileWriter:
             self._stream.flush()
         except OSError as error:
             raise self.broken(error) from error
+        self._kept, self._kept_size, self._open_since = self.count, self._stream.tell(), None
 
     def change(self) -> str:
         """Another program's change of the file since its last flush, in words; empty if there is none."""
         return self._stream.change()
 
     def abandon(self) -> None:
-        """Close the file as it is; it can be read as far as it goes."""
+        """Close the file as another program has left it; it can be read as far as it goes."""
+        self.lost = self.count
         with suppress(OSError):
             self._stream.close()
 
     def finish(self, information: Mapping[str, Any]) -> None:
         """Close the file; `information` is rosbag2's metadata of the bag."""
+        self.flush()
         try:
-            self._writer.flush()  # type: ignore[no-untyped-call]
             self._writer.add_metadata("rosbag2", {"serialized_metadata": to_yaml(information).strip()})
             self._writer.finish()  # type: ignore[no-untyped-call]
             self._stream.close()
@@ -107,10 +118,11 @@ class FileWriter:
             raise self.broken(error) from error
 
     def broken(self, error: OSError) -> BagError:
-        """Close the file after an error of the disk, and return the error to raise."""
-        with suppress(OSError):  # fails for the same reason
-            self._stream.close()
+        """Close the file after an error of the disk, behind its last whole chunk, and return the error to raise."""
+        self._stream.close_at(self._kept_size)
+        self.lost = self.count - self._kept
+        since = "" if self._open_since is None else f" from {self._open_since / 1e9:.3f} s on"
         return BagError(
-            f"{self.path}: expected to go on writing the bag, found {error.strerror or error}; "
-            "make room there or choose another folder; what was written so far can be read"
+            f"{self.path}: expected to go on writing the bag, found {error.strerror or error}; messages{since} are "
+            f"lost, {self.lost} so far; the {self._kept} before can be read; make room there or choose another folder"
         )

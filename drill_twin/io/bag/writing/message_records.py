@@ -17,8 +17,8 @@ _PRIVATE = ("_Writer__chunk_builder", "_Writer__statistics", "_Writer__maybe_fin
 
 Numbered = tuple[int, int, bytes, int]
 """Channel, time of recording [ns], bytes and number on the topic of a message."""
-Append = Callable[[Iterable[Numbered]], None]
-"""Appends messages."""
+Append = Callable[[Iterable[Numbered]], int | None]
+"""Appends messages; returns how many the open chunk holds, None where mcap has changed."""
 
 
 class _Index:
@@ -46,7 +46,7 @@ def message_appender(writer: Writer) -> Append:
     finish_if_full, size = private._Writer__maybe_finalize_chunk, private._Writer__chunk_size  # noqa: SLF001
     counts, indices, pack, opcode = statistics.channel_message_counts, chunk.message_indices, _HEAD.pack, Opcode.MESSAGE
 
-    def append(messages: Iterable[Numbered]) -> None:
+    def append(messages: Iterable[Numbered]) -> int:
         pieces: list[bytes] = []
         place = chunk.record_writer.count
         for channel, stamp, raw, number in messages:
@@ -72,6 +72,7 @@ def message_appender(writer: Writer) -> Append:
                 finish_if_full()
                 place = chunk.record_writer.count
         chunk.record_writer.write(b"".join(pieces))
+        return int(chunk.num_messages)
 
     return append
 
