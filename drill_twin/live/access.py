@@ -51,6 +51,12 @@ class Access:
         host = headers["Host"]
         return origin is not None and origin.lower() not in {f"http://{host}".lower(), f"https://{host}".lower()}
 
+    def may_view(self, headers: Headers) -> bool:
+        """True for programs that are no browsers, pages of this server, and those of an origin that is allowed."""
+        origin = headers.get("Origin", "").lower()
+        allowed = {name.lower() for name in self.allowed}
+        return not self.is_foreign(headers) or origin in allowed or urlsplit(origin).hostname in allowed
+
     def is_token(self, given: str) -> bool:
         """True for the token; takes the same time for any other."""
         return hmac.compare_digest(given.encode("utf-8", "surrogatepass"), self.token.encode())

@@ -3,23 +3,33 @@
 
 from __future__ import annotations
 
+import logging
+import secrets
+from collections.abc import Collection
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
+from drill_twin.base.loopback import in_url
 from drill_twin.errors import DrillTwinError, RunError
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.io.messages.type_store import definition
+from drill_twin.live.server import listening_socket
+from drill_twin.live.viewer_gate import ViewerGate
+
+_LIBRARY_LOG = logging.getLogger("foxglove.websocket")
+_LIBRARY_LOG.setLevel(logging.CRITICAL)  # a line for each message that a closed viewer does not get
 
 
 class FoxgloveServer:
-    """Server for viewers, in threads of the library."""
+    """Server for viewers, in threads of the library, behind a gate that checks who asks."""
 
-    def __init__(self, host: str, port: int) -> None:
+    def __init__(self, host: str, port: int, allowed: Collection[str] = ()) -> None:
         """Start to serve.
 
         Args:
             host: Address to listen on.
             port: Port; 0 takes a free one.
+            allowed: Names of this server besides those of this machine, and origins whose pages may ask.
 
         Raises:
             DrillTwinError: foxglove-sdk is not installed.
@@ -27,12 +37,16 @@ class FoxgloveServer:
         """
         foxglove = _library()
         context = self._context = foxglove.Context()  # channels are closed once it is gone
+        listener = listening_socket(host, port, "viewers", "--foxglove")
+        # An address of this machine that no page guesses: only the gate asks there.
+        inner = "127." + ".".join(str(1 + secrets.randbelow(254)) for _ in range(3))
         try:
             self._server = foxglove.start_server(
-                name="drill_twin", host=host, port=port, context=context, server_listener=self._listener()
+                name="drill_twin", host=inner, port=0, context=context, server_listener=self._listener()
             )
         except (OSError, RuntimeError) as error:
-            raise RunError(f"expected a free port at ws://{host}:{port}, found: {error}") from None
+            listener.close()
+            raise RunError(f"expected a free port at {inner}, found: {error}") from None
         self._channels = {
             topic: foxglove.Channel(
                 topic, schema=_schema(foxglove, TOPICS[topic].type_name), message_encoding="cdr", context=context
@@ -40,8 +54,9 @@ class FoxgloveServer:
             for topic in TOPICS
         }
         self._latched: dict[str, tuple[bytes, int]] = {}
-        self.url = f"ws://{host}:{self._server.port}"
+        self.url = f"ws://{in_url(host)}:{listener.getsockname()[1]}"
         """Address for viewers."""
+        self._gate = ViewerGate(listener, (inner, self._server.port), allowed)
 
     def publish(self, topic: str, raw: bytes, time: int) -> None:
         """Pass a message on, with the time at which it was received [ns]."""
@@ -61,6 +76,7 @@ class FoxgloveServer:
 
     def close(self) -> None:
         """End all connections."""
+        self._gate.close()
         self._server.stop()
 
 

@@ -79,7 +79,7 @@ class PageServer:
         """Connections, those included that have not asked for anything."""
         self._text, self._fresh = "{}", asyncio.Event()
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="snapshots")
-        listener = _listener(host, port)
+        listener = listening_socket(host, port, "the page", "--port")
         self.port: int = listener.getsockname()[1]
         self.url = self._access.url(host, self.port)
         """Address of the page on this machine, with the token that lets it command."""
@@ -240,14 +240,19 @@ async def _send(connection: ServerConnection, text: str) -> None:
         raise ConnectionClosed(None, None) from None
 
 
-def _listener(host: str, port: int) -> socket.socket:
+def listening_socket(host: str, port: int, what: str, option: str) -> socket.socket:
+    """A socket that listens for `what`.
+
+    Raises:
+        RunError: The port is taken, or the address is none of this machine; `option` chooses another port.
+    """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         return socket.create_server((host, port), family=family, backlog=MOST_CONNECTIONS)
     except (OSError, UnicodeError, OverflowError, TypeError) as error:
         said = getattr(error, "strerror", None) or error
-        remedy = "choose another with --port" if not isinstance(error, socket.gaierror) else "choose another --host"
-        raise RunError(f"expected a free port for the page, found {host[:100]}:{port}: {said}; {remedy}") from error
+        remedy = f"choose another with {option}" if not isinstance(error, socket.gaierror) else "choose another --host"
+        raise RunError(f"expected a free port for {what}, found {host[:100]}:{port}: {said}; {remedy}") from error
 
 
 def _parsed(request: str | bytes) -> Mapping[str, Any]:

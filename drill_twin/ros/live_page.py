@@ -207,7 +207,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     viewers = None
     try:
         with stop.at_once(), readable_refusal():
-            viewers = None if given.foxglove is None else FoxgloveServer(given.host, given.foxglove)
+            viewers = None if given.foxglove is None else FoxgloveServer(given.host, given.foxglove, given.allow_host)
             node = LivePage(context, viewers)
             for limit in limits:
                 node.page_state.take(limit)
