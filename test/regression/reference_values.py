@@ -31,6 +31,7 @@ LEAST_TOLERANCE = 1e-10
 BOUND_AT_LEAST_TOLERANCE = 1e-9  # of the largest value of a column, and of the clearance
 TOLERANCES = 10.0  # bound at the scene's own tolerance, in tolerances
 DISTURBANCE = 1e-13
+REACTION = 100.0  # a reaction is a difference of positions along the string: 1e-13 m of 500 m of steel are 1e-4 N
 COMPARED_WITH_RECORDS = {"ufrj_torsion", "well_b"}  # by `drill-twin validate`
 SAME_MOTION = {"bha_stress"}  # as bha_full_size
 LATERAL = {"effects.stretch": "off", "effects.torsion": "off"}
@@ -83,9 +84,14 @@ def columns(result: Result) -> dict[str, Any]:
 
 
 def scales(scene: Scene, values: Mapping[str, Any]) -> dict[str, float]:
-    """What a column's differences are measured by: the clearance at the marks, or its largest value."""
+    """What a column's differences are measured by: the clearance at the marks, or the largest value of its kind."""
     clearance = min(scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks)
-    sizes = {name: float(np.abs(values[name]).max()) for name in RIG}
+    kinds = {name: name.removeprefix("bit_").removeprefix("top_drive_") for name in RIG} | {"hookload": "force"}
+    sizes = {
+        name: max(float(np.abs(values[other]).max(initial=0.0)) for other in RIG if kinds[other] == kind)
+        for name, kind in kinds.items()
+    }
+    sizes["bit_force"] *= REACTION
     return {"centre": clearance} | {name: size or 1.0 for name, size in sizes.items()}
 
 

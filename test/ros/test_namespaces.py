@@ -64,7 +64,8 @@ def _is_bag_of(folder, name, speed):
         "namespace"
     ] == (f"/{name}")
     result = drill_twin.read_bag(folder)
-    assert result.rig.top_drive_speed[-1] == pytest.approx(speed * 2.0 * math.pi)
+    # The largest, not the last: once its driver has ended, the simulator ramps to the safe set-point.
+    assert result.rig.top_drive_speed.max() == pytest.approx(speed * 2.0 * math.pi)
     assert result.recording.live.messages > 0
     assert result.recording.live.differing == 0
     assert {read_joint_state(raw).frame_id for _, _, raw in Bag(folder).messages((MARKS_STATE, WHIRL_STATE))} == {
