@@ -55,7 +55,7 @@ class Access:
         """True for programs that are no browsers, pages of this server, and those of an origin that is allowed."""
         origin = headers.get("Origin", "").lower()
         allowed = {name.lower() for name in self.allowed}
-        return not self.is_foreign(headers) or origin in allowed or urlsplit(origin).hostname in allowed
+        return not self.is_foreign(headers) or origin in allowed or _host_name(origin.partition("://")[2]) in allowed
 
     def is_token(self, given: str) -> bool:
         """True for the token; takes the same time for any other."""

@@ -71,6 +71,8 @@ def test_a_page_of_another_origin_or_name_is_refused(server):
     with _refused(403), _connected(server, origin="https://elsewhere.example"):
         pass
     place = server.url.removeprefix("ws://")
+    for origin in ("http://[::", "null", "https://app.foxglove.dev.elsewhere.example", "https://a@[b", ""):
+        assert get(place, "/", Origin=origin)[0] == 403
     assert get(place, "/", Host="elsewhere.example:80")[0] == 403
     assert get(place, "/", Host="a/b")[0] == 400
 

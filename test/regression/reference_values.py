@@ -31,6 +31,7 @@ LEAST_TOLERANCE = 1e-10
 BOUND_AT_LEAST_TOLERANCE = 1e-9  # of the largest value of a column, and of the clearance
 TOLERANCES = 10.0  # bound at the scene's own tolerance, in tolerances
 DISTURBANCE = 1e-13
+QUARTER = 0.25  # of a revolution, for an onset
 REACTION = 100.0  # a reaction is a difference of positions along the string: 1e-13 m of 500 m of steel are 1e-4 N
 COMPARED_WITH_RECORDS = {"ufrj_torsion", "well_b"}  # by `drill-twin validate`
 SAME_MOTION = {"bha_stress"}  # as bha_full_size
@@ -158,12 +159,9 @@ def differences(scene: Scene, name: str, expected: Mapping[str, Any]) -> list[st
 def _onset_differs(found: Mapping[str, Any], expected: Mapping[str, Any], scene: Scene) -> list[str]:
     """An onset is to lie within a quarter of a revolution of the reference, or to be absent as there."""
     before, now = expected["onset_s"], found["onset_s"]
-    if (before is None) != (now is None) or (before is not None and abs(now - before) > _QUARTER / _speed(scene)):
+    if (before is None) != (now is None) or (before is not None and abs(now - before) > QUARTER / _speed(scene)):
         return [f"onset: expected {before}, found {now} s"]
     return []
-
-
-_QUARTER = 0.25
 
 
 def _speed(scene: Scene) -> float:
