@@ -10,7 +10,7 @@ from browser import Browser
 from made_up import MARKS, make_frame
 
 from drill_twin.io.messages.drawing.geometry import StringGeometry
-from drill_twin.runner import Outcome, Session
+from drill_twin.runs import Outcome, Session
 from drill_twin.scene import Scene, load_scene
 
 __all__ = ["make_frame"]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from drill_twin.twin.frame import Frame, MarkStates, RigState, StepStats
+from drill_twin.dynamics.twin.frame import Frame, MarkStates, RigState, StepStats
 
 os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # read when the message modules are imported; off, an int is garbage
 

@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any
 
 from _printed.markdown import code, table
-from drill_twin.effects import EFFECTS
+from drill_twin.physics.effects import EFFECTS
 from drill_twin.scene.json_schema import scene_json_schema
 
 Block = dict[str, Any]

@@ -12,8 +12,7 @@ from drill_twin.api.rotordynamics import branches, campbell, growth_map, modes, 
 from drill_twin.api.scenes import build_scene, check_scene, load_scene, override, scene_names, write_scene
 from drill_twin.api.simulation import Simulation, State
 from drill_twin.api.torque_drag import statics
-from drill_twin.ensemble import EnsembleResult
-from drill_twin.errors import (
+from drill_twin.core.errors import (
     ArgumentError,
     BagError,
     CheckpointError,
@@ -24,10 +23,11 @@ from drill_twin.errors import (
     StoppedError,
     TableError,
 )
-from drill_twin.estimation import Estimate, EstimatorOptions
-from drill_twin.fitting import Posterior, Record, read_record
-from drill_twin.maps import OperatingMap, Regime, read_map
+from drill_twin.runs.ensemble import EnsembleResult
 from drill_twin.scene import Scene
+from drill_twin.studies.estimation import Estimate, EstimatorOptions
+from drill_twin.studies.fitting import Posterior, Record, read_record
+from drill_twin.studies.maps import OperatingMap, Regime, read_map
 from drill_twin.whirl import AnalysisError, MotionState, Onset, Summary
 
 __all__ = [

@@ -11,15 +11,15 @@ from pathlib import Path
 from drill_twin.api.executor import executor_of
 from drill_twin.api.quantity import Quantity, in_si
 from drill_twin.api.scenes import Overrides, as_scene
-from drill_twin.ensemble import OUTPUTS, EnsembleResult, expand
-from drill_twin.ensemble.outputs import Request
-from drill_twin.ensemble.run import Run
-from drill_twin.errors import ArgumentError
+from drill_twin.core.errors import ArgumentError
+from drill_twin.core.units.dimension import FREQUENCY, TIME
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
-from drill_twin.runner import compile_kernel
+from drill_twin.runs import compile_kernel
+from drill_twin.runs.ensemble import OUTPUTS, EnsembleResult, expand
+from drill_twin.runs.ensemble.outputs import Request
+from drill_twin.runs.ensemble.run import Run
 from drill_twin.scene import Scene
-from drill_twin.schedule import Schedule
-from drill_twin.units.dimension import FREQUENCY, TIME
+from drill_twin.scene.set_points import Schedule
 
 DEFAULT_OUTPUTS = ("findings", "extremes", "contact")
 MARK_RATE = 25.0
@@ -60,7 +60,7 @@ class Ensemble:
         """
         self.scene = as_scene(scene, overrides)
         if self.scene.numerics.accuracy is not None:
-            from drill_twin.accuracy import resolve
+            from drill_twin.studies.accuracy import resolve
 
             self.scene = resolve(self.scene).scene
         self.members = expand(self.scene, vary, zipped=zipped)

@@ -15,13 +15,13 @@ import numpy as np
 
 from drill_twin.api.parameter_fit import range_of
 from drill_twin.api.scenes import Overrides, as_scene
-from drill_twin.base.arrays import Array
-from drill_twin.errors import ArgumentError, SceneError
-from drill_twin.estimation import CHANNELS, LOAD, SET_POINTS, EnsembleFilter, Estimate, EstimatorOptions, Intake
-from drill_twin.estimation.subs import VALUES
-from drill_twin.fitting import Record
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.scene import Scene
 from drill_twin.scene.problems import nearest
+from drill_twin.studies.estimation import CHANNELS, LOAD, SET_POINTS, EnsembleFilter, Estimate, EstimatorOptions, Intake
+from drill_twin.studies.estimation.subs import VALUES
+from drill_twin.studies.fitting import Record
 
 _NOTHING: Mapping[str, float] = {}
 _AHEAD = 0.5  # s, by which readings are taken before the samples of the surface that close their window

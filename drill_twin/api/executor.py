@@ -7,8 +7,8 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from drill_twin.ensemble import Executor, Threads
-from drill_twin.errors import ArgumentError
+from drill_twin.core.errors import ArgumentError
+from drill_twin.runs.ensemble import Executor, Threads
 
 MOST_THREADS = 4096
 
@@ -26,7 +26,7 @@ def executor_of(workers: int | None, dask: str | None) -> Iterator[Executor]:
         RunError: No scheduler answers at the address, or it has no workers.
     """
     if dask:
-        from drill_twin.ensemble.dask_workers import DaskWorkers
+        from drill_twin.runs.ensemble.dask_workers import DaskWorkers
 
         with DaskWorkers(dask) as cluster:
             yield cluster

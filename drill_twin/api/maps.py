@@ -9,12 +9,12 @@ from pathlib import Path
 from drill_twin.api.executor import executor_of
 from drill_twin.api.quantity import Quantity, in_si
 from drill_twin.api.scenes import Overrides, as_scene
-from drill_twin.errors import ArgumentError
-from drill_twin.maps import OperatingMap, Plan, Plane, Span, build_map
-from drill_twin.runner import compile_kernel
+from drill_twin.core.errors import ArgumentError
+from drill_twin.core.units import UnitError, parse
+from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, TIME, Dimension
+from drill_twin.runs import compile_kernel
 from drill_twin.scene import Scene
-from drill_twin.units import UnitError, parse
-from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, TIME, Dimension
+from drill_twin.studies.maps import OperatingMap, Plan, Plane, Span, build_map
 
 STEPS = 128
 """Steps of the lattice along each range: a boundary is located within 1 / 128 of it."""
@@ -74,7 +74,7 @@ def operating_map(
     """
     own = as_scene(scene, overrides)
     if own.numerics.accuracy is not None:
-        from drill_twin.accuracy import resolve
+        from drill_twin.studies.accuracy import resolve
 
         own = resolve(own).scene
     if own.rig.block is not None and own.rig.block.auto_driller is None:

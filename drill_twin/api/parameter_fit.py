@@ -13,13 +13,22 @@ import numpy as np
 from drill_twin.api.ensemble import Ensemble
 from drill_twin.api.quantity import Quantity, in_si
 from drill_twin.api.scenes import Overrides, as_scene, override
-from drill_twin.base.arrays import Array
-from drill_twin.errors import ArgumentError, RunError
-from drill_twin.fitting import CHANNELS, LIKELIHOODS, SET_POINTS, Posterior, Record, Sampling, read_record, sample
-from drill_twin.fitting.posterior import full_key
-from drill_twin.fitting.ranges import in_ranges
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError, RunError
+from drill_twin.core.units.dimension import FREQUENCY, TIME
 from drill_twin.scene import Scene
-from drill_twin.units.dimension import FREQUENCY, TIME
+from drill_twin.studies.fitting import (
+    CHANNELS,
+    LIKELIHOODS,
+    SET_POINTS,
+    Posterior,
+    Record,
+    Sampling,
+    read_record,
+    sample,
+)
+from drill_twin.studies.fitting.posterior import full_key
+from drill_twin.studies.fitting.ranges import in_ranges
 
 
 def fit(
@@ -51,7 +60,7 @@ def fit(
         scene: The scene; its set-points should be those of the record (`rig.table`).
         free: Range of each number by key: "0.05..0.5", with units where they are needed ("1 s/m..1e3 s/m"), or SI.
             The prior is uniform, in the logarithm if the ends are positive and differ by a factor of 20 or more.
-        channels: Columns of a file, as `drill_twin.fitting.record.channel_column` parses them; names of those of a bag.
+        channels: Columns of a file, as `drill_twin.studies.fitting.record.channel_column` parses them; names of those of a bag.
         overrides: Values that replace those of the scene.
         likelihood: "series", or "features" of windows, where the phase of the motion is not determined.
         start: Time from which record and runs are compared [s].

@@ -3,8 +3,8 @@
 
 import math
 
-from drill_twin.errors import ArgumentError
-from drill_twin.units import Dimension, UnitError, parse
+from drill_twin.core.errors import ArgumentError
+from drill_twin.core.units import Dimension, UnitError, parse
 
 Quantity = float | str
 """Number in the documented unit, or text with its unit, such as `"40 N"`."""

@@ -14,14 +14,14 @@ import numpy as np
 from drill_twin.api.results.result import Result, read_bag
 from drill_twin.api.scenes import Overrides, as_scene, override
 from drill_twin.api.simulation import Simulation
-from drill_twin.errors import ArgumentError, RunError
+from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.stamps import NANOSECONDS, unpack_stamp
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
-from drill_twin.runner.recorded_commands import RecordedCommands, recorded_commands
+from drill_twin.runs.recorded_commands import RecordedCommands, recorded_commands
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.rig import SetPoint
-from drill_twin.schedule import Command, Schedule
+from drill_twin.scene.set_points import Command, Schedule
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

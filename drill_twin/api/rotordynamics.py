@@ -10,29 +10,29 @@ from pathlib import Path
 import numpy as np
 
 from drill_twin.api.scenes import Overrides, as_scene
-from drill_twin.base.arrays import Array
-from drill_twin.discretisation.grading import LONG
-from drill_twin.discretisation.kernel_arguments import SPATIAL
-from drill_twin.errors import ArgumentError, RunError, SceneError
-from drill_twin.rotordynamics import campbell as _campbell
-from drill_twin.rotordynamics import growth_map as _growth_map
-from drill_twin.rotordynamics import modes as _modes
-from drill_twin.rotordynamics.campbell import Campbell
-from drill_twin.rotordynamics.equations import EquationsOfMotion, meshed, without
-from drill_twin.rotordynamics.growth_map import GrowthMap
-from drill_twin.rotordynamics.modes import ModeTable, Resting
-from drill_twin.rotordynamics.steady import branches as _branches
-from drill_twin.rotordynamics.steady import whirl_states as _whirl_states
-from drill_twin.rotordynamics.steady.branches import Branch
-from drill_twin.rotordynamics.steady.imperfections import Modulation, locked_states, modulation
-from drill_twin.rotordynamics.steady.refinement import refined_states
-from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
-from drill_twin.rotordynamics.steady.whirl_states import WhirlState
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError, RunError, SceneError
+from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
+from drill_twin.dynamics.discretisation.refinement import LONG
+from drill_twin.dynamics.rotordynamics import campbell as _campbell
+from drill_twin.dynamics.rotordynamics import growth_map as _growth_map
+from drill_twin.dynamics.rotordynamics import modes as _modes
+from drill_twin.dynamics.rotordynamics.campbell import Campbell
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed, without
+from drill_twin.dynamics.rotordynamics.growth_map import GrowthMap
+from drill_twin.dynamics.rotordynamics.modes import ModeTable, Resting
+from drill_twin.dynamics.rotordynamics.steady import branches as _branches
+from drill_twin.dynamics.rotordynamics.steady import whirl_states as _whirl_states
+from drill_twin.dynamics.rotordynamics.steady.branches import Branch
+from drill_twin.dynamics.rotordynamics.steady.imperfections import Modulation, locked_states, modulation
+from drill_twin.dynamics.rotordynamics.steady.refinement import refined_states
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState
+from drill_twin.dynamics.torque_drag.operations import Operation
+from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
 from drill_twin.scene import Scene
 from drill_twin.scene.keys import number_at
-from drill_twin.schedule import Command
-from drill_twin.torque_drag.operations import Operation
-from drill_twin.torque_drag.sliding_balance import SlidingBalance
+from drill_twin.scene.set_points import Command
 
 MOST_COMPARED, MOST_AT_REST = 3500, 500
 """Unknowns of the finer mesh up to which modes are compared with it; less where a balance on the wall is sought."""
@@ -53,7 +53,7 @@ def steady_scene(scene: Scene | str | Path, overrides: Overrides | None, left_ou
             "replaces it"
         )
     if own.numerics.accuracy is not None:
-        from drill_twin.accuracy import resolve
+        from drill_twin.studies.accuracy import resolve
 
         own = resolve(own).scene
     return own
@@ -72,7 +72,7 @@ def resting_in(equations: EquationsOfMotion) -> Resting:
     scene = equations.scene
 
     def resting(command: Command) -> Array:
-        from drill_twin.twin.dynamics import Dynamics
+        from drill_twin.dynamics.twin.dynamics import Dynamics
 
         rig = scene.rig
         if scene.length >= LONG and equations.form == SPATIAL and rig.weight_on_bit.at == "bit":

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from drill_twin.base.whole_file import write_whole
-from drill_twin.errors import DrillTwinError, SceneError
+from drill_twin.core.errors import DrillTwinError, SceneError
+from drill_twin.core.files.whole_file import write_whole
 from drill_twin.scene import Scene, load, presets
 
 Block = Mapping[str, Any]
@@ -90,7 +90,7 @@ def check_scene(scene: Scene | str | Path, overrides: Overrides | None = None) -
 
     Looks at what loading does not: the record that the scene plays.
     """
-    from drill_twin.schedule import Schedule
+    from drill_twin.scene.set_points import Schedule
 
     try:
         Schedule.from_scene(as_scene(scene, overrides))

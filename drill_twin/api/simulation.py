@@ -13,17 +13,17 @@ from drill_twin.api.compile_progress import CompileProgress
 from drill_twin.api.quantity import Quantity, in_si
 from drill_twin.api.results.result import Result
 from drill_twin.api.scenes import Overrides, as_scene
-from drill_twin.base.arrays import Array
-from drill_twin.errors import ArgumentError, RunError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError, RunError
+from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
+from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
-from drill_twin.runner import Run, compile_kernel
-from drill_twin.runner.session import SetPoints
+from drill_twin.runs import Run, compile_kernel
+from drill_twin.runs.session import SetPoints
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.rig import FASTEST_BLOCK, FASTEST_ROTATION, LARGEST_LOAD
-from drill_twin.schedule import Command, Schedule
-from drill_twin.twin.frame import Frames
-from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
+from drill_twin.scene.set_points import Command, Schedule
 from drill_twin.whirl import Findings
 
 RPM = math.tau / 60.0
@@ -102,7 +102,7 @@ class Simulation:
         """
         self.scene = as_scene(scene, overrides)
         if self.scene.numerics.accuracy is not None:
-            from drill_twin.accuracy import resolve
+            from drill_twin.studies.accuracy import resolve
 
             self.scene = resolve(self.scene).scene
         self._period = self.scene.numerics.frame_period_ns

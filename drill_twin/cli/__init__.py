@@ -11,9 +11,9 @@ import os
 import sys
 from collections.abc import Sequence
 
-from drill_twin.base.process.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
 from drill_twin.cli import interrupt
-from drill_twin.errors import printable, words_cut
+from drill_twin.core.errors import printable, words_cut
+from drill_twin.core.process.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
 
 _LONGEST_MESSAGE = 3000
 
@@ -42,7 +42,7 @@ def run_command(arguments: Sequence[str]) -> int:
 
 
 def _run_command(arguments: Sequence[str]) -> int:
-    from drill_twin.errors import DrillTwinError, StoppedError
+    from drill_twin.core.errors import DrillTwinError, StoppedError
 
     try:
         refuse_too_little_memory()

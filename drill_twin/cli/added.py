@@ -14,7 +14,7 @@ from importlib.metadata import EntryPoint, entry_points
 import typer
 from typer.main import get_command
 
-from drill_twin.errors import ArgumentError
+from drill_twin.core.errors import ArgumentError
 
 GROUP = "drill_twin.commands"
 """Entry-point group of commands in other packages."""

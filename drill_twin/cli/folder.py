@@ -7,8 +7,8 @@ import re
 from itertools import count
 from pathlib import Path
 
-from drill_twin.base.whole_file import write_whole
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
+from drill_twin.core.files.whole_file import write_whole
 
 _RESULTS = ("bag_0", "summary.json", "report.html", "compare.json")
 

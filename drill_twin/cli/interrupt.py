@@ -7,7 +7,7 @@ import os
 import signal
 from types import FrameType
 
-from drill_twin.base.process.unraisable import is_unraisable
+from drill_twin.core.process.unraisable import is_unraisable
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _STOPPED = b"drill-twin: stopped\n"

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 
 SceneArgument = Annotated[
     str, typer.Argument(metavar="SCENE", help="An installed scene by name (see `drill-twin scenes`), or a scene file.")

@@ -12,7 +12,7 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from drill_twin.errors import printable
+from drill_twin.core.errors import printable
 from drill_twin.studies.json_io import json_text
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
-from drill_twin.errors import shortened
+from drill_twin.core.errors import shortened
 from drill_twin.gateway.signals import Limits, Target, range_taken
 
 REQUEST, HEARTBEAT = "Request", "Heartbeat"

@@ -9,7 +9,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
+from drill_twin.core.units import Dimension
+from drill_twin.core.units.dimension import (
+    ACCELERATION,
+    ANGULAR_SPEED,
+    DIMENSIONLESS,
+    FORCE,
+    LENGTH,
+    SPEED,
+    TIME,
+    TORQUE,
+)
+from drill_twin.dynamics.sensors.summaries import SUMMARY
 from drill_twin.io.messages.decode import JointState, JointStateReader, read_float64, read_pose_array
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.good_samples import GoodSamples
@@ -27,18 +39,6 @@ from drill_twin.io.messages.topics import (
     summary_topic,
 )
 from drill_twin.io.messages.whirl_encode import decode_onset, read_whirl_state
-from drill_twin.sensors.summaries import SUMMARY
-from drill_twin.units import Dimension
-from drill_twin.units.dimension import (
-    ACCELERATION,
-    ANGULAR_SPEED,
-    DIMENSIONLESS,
-    FORCE,
-    LENGTH,
-    SPEED,
-    TIME,
-    TORQUE,
-)
 from drill_twin.whirl import StickSlip
 
 ANGULAR_ACCELERATION = Dimension("angular acceleration", "rad/s^2", ("3 rad/s^2",))

@@ -9,7 +9,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 
-from drill_twin.errors import shortened
+from drill_twin.core.errors import shortened
 from drill_twin.gateway.event_loop import EventLoopThread
 from drill_twin.gateway.signals import RigSignal
 from drill_twin.gateway.soundness import Judged, Reading, SoundnessCheck

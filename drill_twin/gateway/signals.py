@@ -10,13 +10,13 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from drill_twin.base.foreign_file import ForeignFile
-from drill_twin.base.yaml_reader import LARGEST_TEXT, Place, read_yaml
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.core.files.yaml_reader import LARGEST_TEXT, Place, read_yaml
+from drill_twin.core.units import UnitError, factor_of
 from drill_twin.gateway.dwis import PROPOSED, PROTOTYPES
 from drill_twin.gateway.quantities import MEASURED, QUANTITIES, downhole, measured_dimension
 from drill_twin.scene.paths import config_dir
-from drill_twin.units import UnitError, factor_of
 
 _RIG = ("node", "unit", "low", "high", "stale_after", "frozen_after")
 _SECTIONS = {

@@ -6,8 +6,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from drill_twin.core.units.registry import UnitError, si_factor
 from drill_twin.gateway.signals import RigSignal
-from drill_twin.units.registry import UnitError, si_factor
 
 _AHEAD = 2.0  # s by which a stamp may be later than the clock of this machine
 

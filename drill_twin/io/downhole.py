@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
+from drill_twin.dynamics.sensors.subs import REAL, subs_by_name
 from drill_twin.io.messages.topics import imu_topic, sub_of
 from drill_twin.io.scene_geometry import sub_info
 from drill_twin.scene import Scene
-from drill_twin.sensors.subs import REAL, subs_by_name
 from drill_twin.whirl import AnalysisError
 from drill_twin.whirl.downhole import SubAnalyzer, ToolNoise
 

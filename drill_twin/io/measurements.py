@@ -5,14 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.sensors.subs import SubSampler
+from drill_twin.dynamics.sensors.surface import SurfaceSampler, SurfaceValues
+from drill_twin.dynamics.twin.frame import RigState
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.sensor_messages import ImuEncoder, SummaryEncoder, SurfaceEncoder
 from drill_twin.io.messages.topics import SURFACE_STATE, imu_topic, summary_topic
 from drill_twin.scene import Scene
-from drill_twin.sensors.subs import SubSampler
-from drill_twin.sensors.surface import SurfaceSampler, SurfaceValues
-from drill_twin.twin.frame import RigState
-from drill_twin.twin.twin import Twin
 
 
 def sensor_topics(scene: Scene) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import yaml
 
 from drill_twin import __version__
-from drill_twin.twin.twin import Twin
+from drill_twin.dynamics.twin.twin import Twin
 
 
 def describe_run(twin: Twin, pace: str = "fast") -> str:

@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import MessageError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import MessageError
+from drill_twin.dynamics.twin.frame import Frames, RigState
 from drill_twin.io.messages.decode import JointState, JointStates
 from drill_twin.io.messages.encode import MARK_AXES, wall_push
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
-from drill_twin.twin.frame import Frames, RigState
 
 WAITING = 256
 """Largest number of samples of one topic that wait for their partner of the other, or for the scene."""

@@ -8,11 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from drill_twin.discretisation.discretise import survey_of
+from drill_twin.dynamics.discretisation.discretise import survey_of
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.drawing.geometry import Step, StringGeometry
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
-from drill_twin.twin.twin import Twin
 from drill_twin.whirl import MarkInfo
 
 MOST_STEPS = 100

@@ -13,8 +13,8 @@ from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import DrillTwinError, MessageError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import DrillTwinError, MessageError
 from drill_twin.io.downhole import readings_topic, sub_analyzer
 from drill_twin.io.findings_encoder import FindingsEncoder
 from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_string

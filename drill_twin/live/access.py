@@ -19,7 +19,7 @@ from urllib.parse import urlsplit
 
 from websockets.datastructures import Headers
 
-from drill_twin.base.loopback import in_url, literal_address
+from drill_twin.core.loopback import in_url, literal_address
 
 WILDCARDS = ("0.0.0.0", "::", "")  # noqa: S104 - compared with, not bound
 _TOKEN_BYTES = 24

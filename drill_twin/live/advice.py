@@ -7,8 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from drill_twin.base.json_reader import read_json
-from drill_twin.errors import MessageError, printable
+from drill_twin.core.errors import MessageError, printable
+from drill_twin.core.files.json_reader import read_json
 
 SHOWN_STEPS = 64
 """Steps of the map along each range on the page; a finer one is shown at every second node, or fewer."""

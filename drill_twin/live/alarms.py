@@ -11,7 +11,7 @@ from collections import deque
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from drill_twin.errors import DrillTwinError, printable
+from drill_twin.core.errors import DrillTwinError, printable
 from drill_twin.io.messages.diagnostics import Level
 
 _MOST_EVENTS, _RECENT = 1000, 8

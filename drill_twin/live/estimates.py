@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from drill_twin.errors import MessageError, printable
+from drill_twin.core.errors import MessageError, printable
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics
 
 _MOST = 50

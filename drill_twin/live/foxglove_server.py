@@ -9,8 +9,8 @@ from collections.abc import Collection
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-from drill_twin.base.loopback import in_url
-from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.core.errors import DrillTwinError, RunError
+from drill_twin.core.loopback import in_url
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.io.messages.type_store import definition
 from drill_twin.live.server import listening_socket

@@ -6,10 +6,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.units import UnitError, parse
+from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TORQUE
 from drill_twin.live.trends import CHANNELS
-from drill_twin.units import UnitError, parse
-from drill_twin.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TORQUE
 
 NAMES = {
     "wob": "weight on bit",

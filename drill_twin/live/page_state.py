@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import DrillTwinError, MessageError, printable
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import DrillTwinError, MessageError, printable
+from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.findings_encoder import BIT
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array, read_string
@@ -40,12 +41,11 @@ from drill_twin.live.advice import shown_map, targets
 from drill_twin.live.estimates import shown_estimates
 from drill_twin.live.sources import Sources
 from drill_twin.live.supervision import Supervision
-from drill_twin.maps.operating_map import digest_of
 from drill_twin.report.page.well_geometry import well_geometry
 from drill_twin.report.quantities.loads import string_weight
 from drill_twin.report.quantities.string_curve import along_hole
 from drill_twin.scene import Scene, parse_scene
-from drill_twin.twin.frame import RigState
+from drill_twin.studies.maps.operating_map import digest_of
 
 INPUTS = (
     TWIN_SCENE,

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from drill_twin.errors import DrillTwinError, MessageError
+from drill_twin.core.errors import DrillTwinError, MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.skipped import stray_stamps
 from drill_twin.io.messages.decode import read_pose_array

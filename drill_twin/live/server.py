@@ -25,9 +25,9 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-from drill_twin.base.json_reader import JsonError, read_json
-from drill_twin.base.loopback import is_loopback
-from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.core.errors import DrillTwinError, RunError
+from drill_twin.core.files.json_reader import JsonError, read_json
+from drill_twin.core.loopback import is_loopback
 from drill_twin.live.access import WILDCARDS, Access
 from drill_twin.live.page_files import file_response, page_files, response
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from drill_twin.errors import printable
+from drill_twin.core.errors import printable
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GONE, STALE, GoodSamples
 from drill_twin.io.messages.topics import (

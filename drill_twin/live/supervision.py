@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.live.alarms import Alarms
 from drill_twin.live.lamps import Lamp, stick_slip_lamp, whirl_lamp

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steady whirls near the findings of a bag, and why its whirl settled where it did.
 
-The states are those of `drill_twin.rotordynamics` under weight and rotation at the end of the bag, in the lateral form.
+The states are those of `drill_twin.dynamics.rotordynamics` under weight and rotation at the end of the bag, in the lateral form.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.errors import RunError, SceneError
+from drill_twin.core.errors import RunError, SceneError
+from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion, without
+from drill_twin.dynamics.rotordynamics.growth_map import growth_map
+from drill_twin.dynamics.rotordynamics.steady.refinement import refined
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import SPATIAL_EFFECTS, WhirlState, lateral_form, search
 from drill_twin.report.recording import Recording
-from drill_twin.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion, without
-from drill_twin.rotordynamics.growth_map import growth_map
-from drill_twin.rotordynamics.steady.refinement import refined
-from drill_twin.rotordynamics.steady.whirl_states import SPATIAL_EFFECTS, WhirlState, lateral_form, search
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 
 EVALUATIONS = 150_000
 """Of the equations, after which the search for states ends: half a minute of a core on a mesh of 24 elements."""

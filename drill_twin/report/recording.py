@@ -15,8 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.errors import BagError, MessageError
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.core.errors import BagError, MessageError
+from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
@@ -42,7 +43,6 @@ from drill_twin.report.quantities.string_curve import along_hole, smooth
 from drill_twin.report.run_log import RunLog
 from drill_twin.report.selection import Selection, marks_without_scene, missing_topics, open_bag, sub_without_marks
 from drill_twin.scene import Scene
-from drill_twin.twin.frame import RigState
 from drill_twin.whirl import Findings, MarkInfo, Summary
 from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
 from drill_twin.whirl.downhole import WAITING

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.base.yaml_reader import YamlError, plain_yaml
+from drill_twin.core.arrays import Array
+from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
+from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.stamps import seconds
-from drill_twin.monitor.missing_effects import recorded_sentences
-from drill_twin.monitor.rejected_steps import RecordedRejections, is_count
-from drill_twin.twin.frame import COUNTS
+from drill_twin.runs.monitor.model_limits import recorded_sentences
+from drill_twin.runs.monitor.rejected_steps import RecordedRejections, is_count
 
 _SIMULATORS = {"simulator", "twin"}
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drill_twin.errors import BagError, MessageError
+from drill_twin.core.errors import BagError, MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.record import RecordBag, is_record
 from drill_twin.io.messages.decode import JointStateReader

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.bag.reader import Bag
 from drill_twin.report.quantities.fatigue import fatigue
 from drill_twin.report.quantities.loads import applied, loads
 from drill_twin.report.quantities.precession import precession
 from drill_twin.report.quantities.wall_depth import soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
-from drill_twin.twin.frame import COUNTS
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
 
 SLOWEST = 0.1

@@ -81,7 +81,7 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
             driver = RigDriver(context, {"wait_for": waited}, other_parameters=tuple(table))
             simulator = Simulator(context, other_parameters=tuple(table))
             # Imported while there is one thread: a signal during an import would leave the others a partial module.
-            for module in ("drill_twin.twin.twin", "drill_twin.io.whirl_pipeline"):
+            for module in ("drill_twin.dynamics.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)
         # Ended in this order: subscribers after publishers.
         threads = [NodeThread(node, stop) for node in (driver, *nodes)]

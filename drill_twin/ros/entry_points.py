@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from drill_twin.base.process.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
-from drill_twin.errors import DrillTwinError, RunError, printable
+from drill_twin.core.errors import DrillTwinError, RunError, printable
+from drill_twin.core.process.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
 from drill_twin.ros.core.stop_request import Stopped, StopRequest
 
 NODES = {

@@ -21,7 +21,7 @@ from rclpy.context import Context
 from rclpy.parameter import Parameter as RosParameter
 from std_srvs.srv import Trigger
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.rig_messages import CommandEncoder
@@ -35,7 +35,7 @@ from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics.scene_gate import SceneGate
 from drill_twin.ros.deployment.security import readable_refusal
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 
 _DEPTH = 50  # messages; the page shows fewer
 _MATCHING = 3.0  # s; a simulator has been found by then

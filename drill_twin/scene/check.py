@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Consistency checks across the parts of a scene: string, hole, rig and effects.
 
-The requirements of an effect stand in its own file (`drill_twin.effects.EffectConfig.check_against`).
+The requirements of an effect stand in its own file (`drill_twin.physics.effects.EffectConfig.check_against`).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, Protocol, get_args
 
-from drill_twin.effects.config import BitReaction, EffectConfig, Incompatibility
+from drill_twin.physics.effects.config import BitReaction, EffectConfig, Incompatibility
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.numerics import Numerics

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from drill_twin.base.yaml_reader import Place, YamlError, read_yaml
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
+from drill_twin.core.files.yaml_reader import Place, YamlError, read_yaml
 
 Path = Place
 """Place of a value in the data: keys and list indices."""

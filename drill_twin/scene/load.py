@@ -7,10 +7,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from drill_twin.base.foreign_file import ForeignFile
-from drill_twin.base.process.standard_streams import error_text
-from drill_twin.base.yaml_reader import LARGEST_TEXT
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.core.files.yaml_reader import LARGEST_TEXT
+from drill_twin.core.process.standard_streams import error_text
 from drill_twin.scene.lines import Lines, copy_plain, read_lines
 from drill_twin.scene.overrides import apply_overrides
 from drill_twin.scene.partial import contradictions_of_valid_parts

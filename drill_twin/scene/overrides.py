@@ -5,8 +5,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from drill_twin.base.yaml_reader import YamlError, plain_yaml
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
+from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.scene.lines import Lines, is_effect
 
 SHORTHANDS = {

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from importlib import metadata
 from pathlib import Path
 
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 
 GROUP = "drill_twin.scenes"
 """Entry-point group of folders of scenes in other packages."""

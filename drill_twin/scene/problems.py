@@ -9,9 +9,9 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
+from drill_twin.core.units import Quantity, show
 from drill_twin.scene.lines import Lines, Path
-from drill_twin.units import Quantity, show
 
 _MOST_EXPLAINED = 100
 """Problems that are put into words; the others are counted."""

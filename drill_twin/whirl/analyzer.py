@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Integers
+from drill_twin.core.arrays import Integers
 from drill_twin.whirl.analyzer_kernel import CHANGED, DECIDED, NEW, bind_analysis
 from drill_twin.whirl.analyzer_state import BLOCK, COUNT, HAS_FORCE, HAS_SPIN, NEXT, AnalyzerState
 from drill_twin.whirl.criteria import Criteria

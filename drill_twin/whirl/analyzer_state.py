@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import History
 from drill_twin.whirl.marks import MarkArrays

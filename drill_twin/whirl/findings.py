@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from enum import Enum
 from typing import Any, Literal, NamedTuple
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.motion.stick_slip import BitMotion, StickSlipPeriod
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Integers
-from drill_twin.base.jit import copy, strict_kernel
+from drill_twin.core.arrays import Array, ComplexArray, Integers
+from drill_twin.core.compile.jit import copy, strict_kernel
 from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME, Bin
 
 CAPACITY = 32 * BINS

@@ -10,8 +10,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Integers, Mask
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.arrays import Array, Integers, Mask
+from drill_twin.core.errors import DrillTwinError
 
 
 class AnalysisError(DrillTwinError):

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Integers
-from drill_twin.base.jit import strict_kernel
+from drill_twin.core.arrays import Array, Integers
+from drill_twin.core.compile.jit import strict_kernel
 
 STARTED, FIRST, LAST, DUPLICATE, LATE = range(5)
 """Indices into `Clock.stamps`: 1 after the first sample; first and last stamp accepted [ns]; samples skipped since

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.solver.source_hash import modules_reached, source_hash
+from drill_twin.core.compile.source_hash import modules_reached, source_hash
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "docs" / "examples" / "drill_twin_example"
@@ -29,9 +29,9 @@ scene = dt.build_scene(
 )
 """
 NAME = """
-from drill_twin.effects import effect_module
-from drill_twin.solver.kernel_cache import fingerprint
-from drill_twin.solver.kernel_codegen import packages_of, source
+from drill_twin.physics.effects import effect_module
+from drill_twin.core.compile.kernel_cache import fingerprint
+from drill_twin.dynamics.solver.kernel_codegen import packages_of, source
 effects = tuple(key for key in scene.effect_names if hasattr(effect_module(key), "parameters"))
 name = "drill_twin_kernel_" + fingerprint(source(effects, "spatial"), "straight", packages=packages_of(effects))
 """
@@ -45,7 +45,7 @@ print(json.dumps({
 """
 SCHEDULE = """
 import json
-from drill_twin.schedule import Schedule, extremes
+from drill_twin.scene.set_points import Schedule, extremes
 ramped = dt.override(scene, {"rig.start": "axis"})
 schedule = Schedule.from_scene(ramped)
 print(json.dumps([schedule.at(time).rotation for time in (0.0, 2.0, 3.0, 9.0)] + [extremes(ramped).rotation]))

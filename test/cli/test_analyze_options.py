@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 
 
 def ran(*arguments):

@@ -199,10 +199,10 @@ def test_disk_that_fills_up_keeps_what_was_written(inside):
     """A limit on the size of a file stands in for a full disk."""
     code = (
         "import resource, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
-        "from drill_twin.scene import load_scene; from drill_twin.runner import Session;"
+        "from drill_twin.scene import load_scene; from drill_twin.runs import Session;"
         "session = Session(load_scene('pa6_bench', overrides={'wob': '100 N', 'rig.weight_on_bit.duration': '1 s',"
         "'numerics.elements': '8', 'duration': '3'}));"
-        "import drill_twin.runner as module; module.Session = lambda *given: session;"
+        "import drill_twin.runs as module; module.Session = lambda *given: session;"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000));"
         "from drill_twin.cli import main; main(['run', 'pa6_bench', '--out', 'x'])"
     )

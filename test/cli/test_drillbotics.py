@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from drill_twin.errors import TableError
+from drill_twin.core.errors import TableError
 from drill_twin.gateway.drillbotics.files import SUGGESTED, TIMESERIES
 from drill_twin.gateway.drillbotics.rules import check_log, check_timeseries
 from drill_twin.io.bag.reader import Bag

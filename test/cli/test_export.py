@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drill_twin.cli.bags.export import export
-from drill_twin.errors import ArgumentError, BagError
+from drill_twin.core.errors import ArgumentError, BagError
 from drill_twin.report import read_recording
 
 

@@ -9,11 +9,11 @@ from io import StringIO
 import pytest
 
 from drill_twin.cli import run_command, show
-from drill_twin.errors import BagError, DrillTwinError, SceneError, StoppedError, TableError, printable
+from drill_twin.core.errors import BagError, DrillTwinError, SceneError, StoppedError, TableError, printable
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.scene import load_scene, parse_scene
-from drill_twin.schedule.tables import read_table
+from drill_twin.scene.set_points.tables import read_table
 from drill_twin.studies.json_io import json_text
 
 COMMAND = f"{sys.executable} -m drill_twin.cli"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.effects import EFFECTS
+from drill_twin.physics.effects import EFFECTS
 
 SWITCHES: dict[str, dict[str, Any]] = {
     "gravity": {},

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.effects import EFFECTS
-from drill_twin.solver import kernel_codegen
-from drill_twin.solver.source_hash import modules_reached
+from drill_twin.core.compile.source_hash import modules_reached
+from drill_twin.dynamics.solver import kernel_codegen
+from drill_twin.physics.effects import EFFECTS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -20,12 +20,12 @@ ROOT = Path(__file__).resolve().parents[2]
 # scene is read: whatever the composed kernel wanted of them would now fail.
 PROGRAM = """
 import hashlib, re, sys
-from drill_twin.effects import EFFECTS
+from drill_twin.physics.effects import EFFECTS
 from drill_twin_evidence.verify.scenes import rod_scene
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 effects = {name: {"linear": 0.1} for name in sys.argv[2:]}
 scene = rod_scene(effects=effects, elements=8, step=1e-3, form=sys.argv[1], weight_on_bit=1.0)
-from drill_twin.twin.twin import Twin
+from drill_twin.dynamics.twin.twin import Twin
 if HIDE:
     used = {*scene.effect_names, "config", "wall", "gravity"}  # the reader of wall forces and the start know these two
     for name in [*sys.modules]:
@@ -71,8 +71,8 @@ def test_what_is_off_is_not_in_the_machine_code(tmp_path, form):
 # Edits each source of a copy of the package in turn, and prints which kernels get another name by it.
 EDITS = """
 import importlib.util, json, pathlib
-from drill_twin.solver import kernel_cache, kernel_codegen
-from drill_twin.solver.source_hash import modules_reached
+from drill_twin.dynamics.solver import kernel_cache, kernel_codegen
+from drill_twin.core.compile.source_hash import modules_reached
 sets = {"bare": (), "drag": ("drag",), "bow": ("bow", "drag")}
 text = {name: kernel_codegen.source(effects, "spatial") for name, effects in sets.items()}
 def names():
@@ -102,19 +102,19 @@ def test_a_kernel_is_named_by_every_source_that_it_reaches(tmp_path):
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     wanted = {
-        "drill_twin.effects.bow",
-        "drill_twin.effects.drag",
-        "drill_twin.solver.midpoint",
-        "drill_twin.model.section",
+        "drill_twin.physics.effects.bow",
+        "drill_twin.physics.effects.drag",
+        "drill_twin.dynamics.solver.midpoint",
+        "drill_twin.physics.model.section",
     }
     assert wanted <= set(told)
-    assert not [name for name in told if name.startswith(("drill_twin.scene", "drill_twin.twin"))]
-    only = {"drill_twin.effects.bow": ["bow"], "drill_twin.effects.drag": ["drag", "bow"]}
-    only["drill_twin.effects.random_field"] = ["bow"]
-    shared = ("drill_twin.base", "drill_twin.solver", "drill_twin.model")
+    assert not [name for name in told if name.startswith(("drill_twin.scene", "drill_twin.dynamics.twin"))]
+    only = {"drill_twin.physics.effects.bow": ["bow"], "drill_twin.physics.effects.drag": ["drag", "bow"]}
+    only["drill_twin.physics.effects.random_field"] = ["bow"]
+    shared = ("drill_twin.core", "drill_twin.dynamics.solver", "drill_twin.physics.model")
     for module, (by_comment, by_edit) in told.items():
         assert not by_comment, module
         assert by_edit == only.get(module, by_edit), module
         assert "bow" in by_edit, module
-        if module.startswith(shared) and module != "drill_twin.model.shape_functions":
+        if module.startswith(shared) and module != "drill_twin.physics.model.shape_functions":
             assert {"drag", "bow"} <= set(by_edit), module

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import drill_twin as dt
-from drill_twin.effects import EFFECTS
 from drill_twin.io.messages.diagnostics import decode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS, OF_SUBS, TOPICS
+from drill_twin.physics.effects import EFFECTS
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from drill_twin.base.arrays import Array
-from drill_twin.base.jit import kernel
-from drill_twin.model.mesh import Rod
-from drill_twin.model.point import Point
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import kernel
+from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.point import Point
 
 
 @dataclass(frozen=True)
@@ -57,17 +57,17 @@ def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Ar
 
 def install(dose: Poison) -> None:
     """Have every scene of this process list it."""
-    import drill_twin.effects
+    import drill_twin.physics.effects
     from drill_twin.scene.blocks.effects import Effects, EffectsBase
 
-    name = "drill_twin.effects.poison"
+    name = "drill_twin.physics.effects.poison"
     if name not in sys.modules:
         spec = importlib.util.spec_from_file_location(name, Path(__file__))
         module = importlib.util.module_from_spec(spec)
         sys.modules[name] = module
         spec.loader.exec_module(module)
-        drill_twin.effects.poison = module  # where the generated kernel imports it from
-        drill_twin.effects._FOUND["poison"] = module, module.Poison
+        drill_twin.physics.effects.poison = module  # where the generated kernel imports it from
+        drill_twin.physics.effects._FOUND["poison"] = module, module.Poison
     Effects.poison = dose
     if not hasattr(EffectsBase, "unpoisoned"):
         EffectsBase.unpoisoned = EffectsBase.names

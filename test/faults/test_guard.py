@@ -8,23 +8,23 @@ import numpy as np
 import pytest
 from poison import Poison, install, poisoned
 
-from drill_twin.base.jit import as_python
-from drill_twin.errors import RunError, StoppedError
+from drill_twin.core.compile.jit import as_python
+from drill_twin.core.errors import RunError, StoppedError
+from drill_twin.dynamics.solver.state import HALVINGS
+from drill_twin.dynamics.twin import frame_kernel
+from drill_twin.dynamics.twin.checkpoint import Checkpoint
+from drill_twin.dynamics.twin.frame_loop import FrameLoop
+from drill_twin.dynamics.twin.step_guard import GOOD_FRAMES_BEFORE_GROWTH, MAX_RETRIES, StepGuard
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.dynamics.twin.violation import Violation
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages import topics
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
 from drill_twin.report.summary import summarise
-from drill_twin.runner import Session
+from drill_twin.runs import Session
 from drill_twin.scene import Scene
-from drill_twin.schedule import Command
-from drill_twin.solver.state import HALVINGS
-from drill_twin.twin import frame_kernel
-from drill_twin.twin.checkpoint import Checkpoint
-from drill_twin.twin.frame_loop import FrameLoop
-from drill_twin.twin.step_guard import GOOD_FRAMES_BEFORE_GROWTH, MAX_RETRIES, StepGuard
-from drill_twin.twin.twin import Twin
-from drill_twin.twin.violation import Violation
+from drill_twin.scene.set_points import Command
 from drill_twin_evidence.verify.scenes import WALLED, rod_scene
 
 NAN, EVER = math.nan, math.inf

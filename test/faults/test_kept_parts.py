@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from numba import float64, types
 
-from drill_twin.base.inlined_compiler import lasting_name, type_text
-from drill_twin.effects import wall_friction
-from drill_twin.solver import parameter_records
-from drill_twin.solver.parameter_records import fields_read, record_name
+from drill_twin.core.compile.inlined_compiler import lasting_name, type_text
+from drill_twin.dynamics.solver import parameter_records
+from drill_twin.dynamics.solver.parameter_records import fields_read, record_name
+from drill_twin.physics.effects import wall_friction
 
 ROOT = Path(__file__).parents[2]
 # Compiles a kernel of its own for each factor, which calls a function of the package; prints what was compiled.
@@ -22,7 +22,7 @@ USE = '''
 import sys
 import numpy as np
 from numba.core import event
-from drill_twin.solver.kernel_cache import load_generated
+from drill_twin.core.compile.kernel_cache import load_generated
 compiled = []
 class Listener(event.Listener):
     def on_start(self, found):
@@ -31,8 +31,8 @@ class Listener(event.Listener):
     def on_end(self, found): pass
 event.register("numba:compile", Listener())
 module = load_generated("probe", f"""
-from drill_twin.base.jit import entry_kernel
-from drill_twin.model.survey import probe
+from drill_twin.core.compile.jit import entry_kernel
+from drill_twin.physics.model.survey import probe
 @entry_kernel
 def total(values):
     return {sys.argv[1]} * probe(values)
@@ -40,7 +40,7 @@ def total(values):
 print(module.total(np.arange(3.0)), *compiled)
 '''
 PART = """
-from drill_twin.base.jit import kernel
+from drill_twin.core.compile.jit import kernel
 @kernel
 def probe(values):
     return values[1] + values[2]

@@ -14,20 +14,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drill_twin.accuracy import error_model
-from drill_twin.accuracy.error_model import ErrorModel, load_model, save_model
-from drill_twin.errors import RunError
-from drill_twin.solver import kernel_cache, machine_code
-from drill_twin.solver.kernel_cache import cache_folder, load_generated
+from drill_twin.core.compile import kernel_cache
+from drill_twin.core.compile import object_cache as machine_code
+from drill_twin.core.compile.kernel_cache import cache_folder, load_generated
+from drill_twin.core.errors import RunError
+from drill_twin.studies.accuracy import error_model
+from drill_twin.studies.accuracy.error_model import ErrorModel, load_model, save_model
 
 ROOT = Path(__file__).parents[2]
 USE = '''
 import sys, numpy as np
-from drill_twin.solver.kernel_cache import load_generated
+from drill_twin.core.compile.kernel_cache import load_generated
 FACTOR = 3.0 if "other" in sys.argv else 2.0
 module = load_generated("probe", f"""
 factor = {FACTOR}
-from drill_twin.base.jit import entry_kernel
+from drill_twin.core.compile.jit import entry_kernel
 @entry_kernel
 def total(values, factor):
     found = 0.0
@@ -205,7 +206,7 @@ def test_an_error_model_is_read_as_it_was_written(tmp_path):
 def test_threads_that_ask_for_one_module_get_it_whole(tmp_path, monkeypatch):
     """Members of an ensemble are built by threads, each of which loads the kernel."""
     monkeypatch.setenv("DRILL_TWIN_CACHE", str(tmp_path))
-    text = "import time\nfrom drill_twin.effects import gravity\ntime.sleep(0.05)\nlast = {}\n"
+    text = "import time\nfrom drill_twin.physics.effects import gravity\ntime.sleep(0.05)\nlast = {}\n"
     with ThreadPoolExecutor(8) as pool:
         lasts = list(pool.map(lambda k: load_generated("test", text.format(k // 4)).last, range(40)))
     assert lasts == [k // 4 for k in range(40)]

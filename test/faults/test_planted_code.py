@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from drill_twin.base.process.child_environment import child_environment
+from drill_twin.core.process.child_environment import child_environment
 
 ROOT = Path(__file__).parents[2]
 NAMES = (
@@ -19,7 +19,7 @@ NAMES = (
 )  # fmt: skip
 READ = """
 from pathlib import Path
-from drill_twin.schedule.reading import read_columns
+from drill_twin.scene.records import read_columns
 print(sorted(read_columns(Path("table.mat"))))
 """
 POOL = """

@@ -9,7 +9,7 @@ import traceback
 from dataclasses import dataclass
 from pathlib import Path
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 
 SECONDS, MEMORY = 10, 500  # of processor time, MB
 

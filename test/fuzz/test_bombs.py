@@ -19,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from limited import harmless
 
+from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
@@ -27,10 +28,9 @@ from drill_twin.live.page_state import INPUTS
 from drill_twin.live.player import Player
 from drill_twin.report.recording import read_recording
 from drill_twin.report.summary import summarise, to_json
-from drill_twin.runner import Session
+from drill_twin.runs import Session
 from drill_twin.scene import load_scene
-from drill_twin.schedule.tables import read_table
-from drill_twin.twin.checkpoint import Checkpoint
+from drill_twin.scene.set_points.tables import read_table
 
 LAUGHS = "".join(f"k{n}: &a{n} [{', '.join([f'*a{n - 1}' if n else 'x'] * 9)}]\n" for n in range(9))
 MERGES = "a0: &a0 {x: 1}\n" + "".join(f"a{n}: &a{n} {{{', '.join([f'<<: *a{n - 1}'] * 9)}}}\n" for n in range(1, 12))

@@ -23,15 +23,15 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from limited import MEMORY, SECONDS
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.dynamics.twin.checkpoint import Checkpoint
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.live.player import Player
 from drill_twin.report.recording import read_recording
 from drill_twin.report.summary import summarise, to_json
-from drill_twin.runner import Session
+from drill_twin.runs import Session
 from drill_twin.scene import load_scene
-from drill_twin.twin.checkpoint import Checkpoint
-from drill_twin.twin.twin import Twin
 
 SEED = 20261122
 COUNT = int(os.environ.get("DRILL_TWIN_DAMAGE", "60"))

@@ -22,17 +22,17 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from mutate import mutated
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.dynamics.twin.checkpoint import Checkpoint
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.record import RecordBag
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.live.page_state import INPUTS, PageState
-from drill_twin.runner import Session
+from drill_twin.runs import Session
 from drill_twin.scene import load_scene
 from drill_twin.scene.paths import config_dir
-from drill_twin.schedule.tables import read_table
-from drill_twin.twin.checkpoint import Checkpoint
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points.tables import read_table
 
 SEED = 20261121
 COUNT = int(os.environ.get("DRILL_TWIN_FUZZ", "300"))

@@ -8,7 +8,7 @@ import random
 import pytest
 import yaml
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.gateway.signals import read_signals, signals_path
 
 INPUTS = int(os.environ.get("DRILL_TWIN_FUZZ", "3000")) // 10

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.gateway.dwis import PROPOSED, PROTOTYPES, UNITS
 from drill_twin.gateway.signals import SignalsError, read_signals, signals_path
 

@@ -9,7 +9,8 @@ import pytest
 
 import drill_twin as dt
 from drill_twin.cli import run_command
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.dynamics.sensors.sampling import Reading
 from drill_twin.io.bag.memory import MemoryBag, copy_bag
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.sensor_messages import ImuEncoder
@@ -21,7 +22,6 @@ from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection
 from drill_twin.report.summary import summarise
 from drill_twin.scene import load_scene, parse_scene
-from drill_twin.sensors.sampling import Reading
 from drill_twin.whirl import AnalysisError
 
 RATE, TURN, RADIUS = 100.0, math.tau * 2.0, 0.005

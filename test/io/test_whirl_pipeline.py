@@ -6,7 +6,7 @@ import random
 import numpy as np
 import pytest
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.encode import encode_string

@@ -11,11 +11,11 @@ from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, TWIN_SCENE
 from drill_twin.live.page_state import PageState
 from drill_twin.live.sources import Sources
-from drill_twin.maps import OperatingMap, Plane, Regime, Span
-from drill_twin.maps.operating_map import digest_of
-from drill_twin.maps.page import lattice_data
-from drill_twin.maps.runs import Key, Record
 from drill_twin.scene import load_scene
+from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
+from drill_twin.studies.maps.operating_map import digest_of
+from drill_twin.studies.maps.page import lattice_data
+from drill_twin.studies.maps.runs import Key, Record
 
 SCENE = load_scene("pa6_bench")
 

@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import TwinEncoder, encode_string
 from drill_twin.io.messages.topics import DIAGNOSTICS, ESTIMATE_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_STATE
@@ -19,7 +20,6 @@ from drill_twin.live.sources import Sources
 from drill_twin.live.supervision import Supervision
 from drill_twin.live.trends import CHANNELS, SECONDS, Trends
 from drill_twin.scene import load_scene
-from drill_twin.twin.frame import Frames
 from drill_twin.whirl import StickSlip
 
 VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}

@@ -12,7 +12,7 @@ import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from drill_twin.errors import DrillTwinError, RunError
+from drill_twin.core.errors import DrillTwinError, RunError
 from drill_twin.live.access import Access
 from drill_twin.live.server import MOST_CLIENTS, MOST_CONNECTIONS, PageServer
 

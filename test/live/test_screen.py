@@ -9,14 +9,14 @@ import pytest
 from browser import get, until
 from test_advice_shown import lattice
 
+from drill_twin.core.units import parse
+from drill_twin.core.units.dimension import FORCE, TORQUE
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, ESTIMATE_STATE
 from drill_twin.live.page_files import page_files
 from drill_twin.live.player import Player
 from drill_twin.live.server import PageServer
-from drill_twin.units import parse
-from drill_twin.units.dimension import FORCE, TORQUE
 
 ACCESSIBILITY = (Path(__file__).parent / "accessibility.js").read_text("utf-8")
 

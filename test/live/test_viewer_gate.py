@@ -12,7 +12,7 @@ from browser import get
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from drill_twin.errors import RunError
+from drill_twin.core.errors import RunError
 from drill_twin.io.messages.topics import RIG_STATE
 from drill_twin.live.foxglove_server import FoxgloveServer
 from drill_twin.live.viewer_gate import MOST_VIEWERS

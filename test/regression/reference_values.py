@@ -23,7 +23,7 @@ import numpy as np
 
 from drill_twin.api import Result, Simulation
 from drill_twin.scene import Scene, load_scene, presets
-from drill_twin.schedule import Command
+from drill_twin.scene.set_points import Command
 
 FILE = Path(__file__).with_suffix(".json")
 DURATION, EVERY = 10.0, 0.5  # [s]

@@ -9,16 +9,16 @@ from pathlib import Path
 import pytest
 from reference_values import DURATION, FILE, cases, differences, tolerances
 
+from drill_twin.dynamics.twin.checkpoint import Checkpoint
+from drill_twin.dynamics.twin.frame import Frames
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.io.scene_geometry import string_geometry
-from drill_twin.runner import Session
-from drill_twin.schedule import Schedule
-from drill_twin.twin.checkpoint import Checkpoint
-from drill_twin.twin.frame import Frames
-from drill_twin.twin.twin import Twin
+from drill_twin.runs import Session
+from drill_twin.scene.set_points import Schedule
 
 KNOWN = json.loads(FILE.read_text("utf-8"))
 HALF_A_SECOND = 0.5

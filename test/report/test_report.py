@@ -14,7 +14,7 @@ import pytest
 from matplotlib.patches import Circle
 from PIL import Image
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.report import build_report, read_recording, summarise
 from drill_twin.report.figures import FIGURES, OVER_TIME
 from drill_twin.report.figures.style import STATE_COLOURS, styled

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.rig_messages import RIG_JOINTS

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.drawing.pose import orientation, spin_of, tangent_of
 from drill_twin.report import read_recording
 from drill_twin.report.build import draw
 from drill_twin.report.quantities.string_forces import string_forces
 from drill_twin.scene import load_scene
-from drill_twin.schedule import Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 
 INCLINED = {"hole.inclination": "60 deg", "rig.start": "equilibrium", "rig.rotation.initial": "2 rev/s"}
 

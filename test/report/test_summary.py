@@ -8,7 +8,8 @@ import shutil
 import numpy as np
 import pytest
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.encode import MARK_AXES, encode_string
@@ -16,10 +17,9 @@ from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES, 
 from drill_twin.report import read_recording, summarise
 from drill_twin.report.summary import timeline, to_json
 from drill_twin.report.text import findings, provenance
-from drill_twin.runner import Session
+from drill_twin.runs import Session
 from drill_twin.scene import load_scene
-from drill_twin.schedule import Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 from drill_twin.whirl import MotionPeriod, MotionState
 
 KEYS = {

@@ -29,6 +29,7 @@ from rclpy.signals import SignalHandlerOptions  # noqa: E402
 from rclpy.subscription import Subscription  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
+from drill_twin.dynamics.twin.twin import Twin  # noqa: E402
 from drill_twin.io.bag.reader import Bag  # noqa: E402
 from drill_twin.io.messages.decode import JointStateReader  # noqa: E402
 from drill_twin.io.messages.diagnostics import Status, decode_diagnostics  # noqa: E402
@@ -37,8 +38,7 @@ from drill_twin.ros.core.startup_barrier import missing_readers  # noqa: E402
 from drill_twin.ros.core.topics.rclpy_topics import message_class  # noqa: E402
 from drill_twin.ros.deployment import discovery  # noqa: E402
 from drill_twin.scene import load_scene  # noqa: E402
-from drill_twin.schedule import Command  # noqa: E402
-from drill_twin.twin.twin import Twin  # noqa: E402
+from drill_twin.scene.set_points import Command  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:])

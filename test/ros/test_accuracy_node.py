@@ -3,10 +3,10 @@
 
 import yaml
 
-from drill_twin.accuracy import resolve
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.topics import TWIN_SCENE
 from drill_twin.scene import load_scene
+from drill_twin.studies.accuracy import resolve
 
 CHANGES = {"duration": "2 s", "rig.weight_on_bit.value": "1 N"}
 

@@ -9,10 +9,10 @@ import pytest
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
 from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE
-from drill_twin.maps import OperatingMap, Plane, Regime, Span
-from drill_twin.maps.operating_map import digest_of
-from drill_twin.maps.runs import Key, Record
 from drill_twin.scene import load_scene
+from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
+from drill_twin.studies.maps.operating_map import digest_of
+from drill_twin.studies.maps.runs import Key, Record
 
 COARSE = (
     "numerics.elements=8; numerics.step=10 ms; numerics.frame_rate=50 Hz; rig.rotation.duration=1 s; "

@@ -8,7 +8,7 @@ import pytest
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter, Limits, Silence
 from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.scene import load_scene
-from drill_twin.schedule import Command
+from drill_twin.scene.set_points import Command
 from drill_twin_evidence.verify.statics.block import rig
 
 TURN = 2.0 * math.pi

@@ -13,7 +13,7 @@ from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.simulator.publisher_check import PublisherCheck
-from drill_twin.schedule import Command
+from drill_twin.scene.set_points import Command
 from drill_twin_evidence.verify.statics.block import rig
 
 TURN = 2.0 * math.pi

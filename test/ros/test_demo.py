@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.errors import RunError
+from drill_twin.core.errors import RunError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import OF_EVERY_RUN
 from drill_twin.ros.demo.result import check_bag

@@ -12,7 +12,7 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
 from drill_twin.ros.deployment import discovery
 

@@ -31,7 +31,7 @@ from drill_twin.io.messages.topics import (
 from drill_twin.io.whirl_pipeline import STUCK
 from drill_twin.ros.core.topics.rclpy_topics import message_class
 from drill_twin.scene import load_scene
-from drill_twin.schedule import Command, Schedule
+from drill_twin.scene.set_points import Command, Schedule
 
 FRAME = 10_000_000  # ns
 MEGABYTE = 1 << 20
@@ -179,7 +179,7 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
     flood = (
         "import time; from drill_twin.ros.core.node_main import init_context; from rclpy.node import Node;"
         "from drill_twin.ros.core.stop_request import StopRequest; from sensor_msgs.msg import JointState;"
-        "from drill_twin.io.messages.rig_messages import CommandEncoder; from drill_twin.schedule import Command;"
+        "from drill_twin.io.messages.rig_messages import CommandEncoder; from drill_twin.scene.set_points import Command;"
         "node = Node('flood', context=init_context([], StopRequest()));"
         "publisher = node.create_publisher(JointState, 'rig/command', 10);"
         "raw = CommandEncoder().command(0, Command(40.0, 12.0)); begun = time.monotonic(); sent = 0\n"

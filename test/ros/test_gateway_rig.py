@@ -17,13 +17,13 @@ import pytest
 
 asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
 
+from drill_twin.dynamics.sensors.summaries import SUMMARY  # noqa: E402
 from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, make_keys  # noqa: E402
 from drill_twin.io.messages.diagnostics import Level  # noqa: E402
 from drill_twin.io.messages.sensor_messages import read_summary  # noqa: E402
 from drill_twin.io.messages.topics import MEASURED, MEASURED_RIG_STATE, RIG_COMMAND, summary_topic  # noqa: E402
 from drill_twin.ros.core.parameters import ParameterError  # noqa: E402
 from drill_twin.ros.gateway.rig import check_security  # noqa: E402
-from drill_twin.sensors.summaries import SUMMARY  # noqa: E402
 
 HERE = Path(__file__).resolve().parent / "gateway"
 SIGNALS = """

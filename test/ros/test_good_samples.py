@@ -15,10 +15,10 @@ from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.topics import ESTIMATE_STATE, MARKS_STATE, MEASURED_RIG_STATE, RIG_STATE
 from drill_twin.live.page_state import PageState
 from drill_twin.live.sources import Sources
-from drill_twin.maps import OperatingMap, Plane, Regime, Span
-from drill_twin.maps.operating_map import digest_of
-from drill_twin.maps.runs import Key, Record
 from drill_twin.scene import load_scene
+from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
+from drill_twin.studies.maps.operating_map import digest_of
+from drill_twin.studies.maps.runs import Key, Record
 
 COARSE = (
     "numerics.elements=8; numerics.step=10 ms; numerics.frame_rate=50 Hz; rig.rotation.duration=1 s; "

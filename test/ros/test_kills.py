@@ -20,7 +20,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE, WHIRL_STATE

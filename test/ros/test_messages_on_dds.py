@@ -12,7 +12,7 @@ from drill_twin.io.messages.topics import MARKS_STATE, RPS_COMMAND, STRING_POSES
 from drill_twin.io.messages.type_store import type_hash
 from drill_twin.ros.core.topics.rclpy_topics import message_class
 from drill_twin.scene import load_scene
-from drill_twin.schedule import Schedule
+from drill_twin.scene.set_points import Schedule
 
 
 def _numbers(message):

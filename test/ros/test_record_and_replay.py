@@ -174,7 +174,7 @@ def test_a_killed_recorder_leaves_a_readable_bag(bench, tmp_path):
 @pytest.mark.fault("recorder stopped for a while", "it counts and reports what it lost")
 def test_a_recorder_says_what_it_lost(bench, tmp_path):
     from drill_twin.io.messages.rig_messages import CommandEncoder
-    from drill_twin.schedule import Command
+    from drill_twin.scene.set_points import Command
 
     recorder = bench.start("recorder", bag=str(tmp_path / "bag_0"))
     bench.until_ready("recorder")

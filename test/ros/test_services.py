@@ -8,7 +8,7 @@ import pytest
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RIG_STATE, STRING_POSES, TWIN_SCENE
-from drill_twin.schedule import Command
+from drill_twin.scene.set_points import Command
 
 FRAME = 10_000_000  # ns
 

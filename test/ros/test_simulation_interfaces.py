@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.ros.simulator import simulation_interfaces as common
 from drill_twin.ros.simulator.simulation_interfaces import Answers
 

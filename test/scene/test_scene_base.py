@@ -3,7 +3,7 @@
 
 import pytest
 
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 from drill_twin.scene import load_scene, parse_scene
 
 

@@ -4,7 +4,7 @@
 import pytest
 from pydantic import ValidationError
 
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 from drill_twin.scene.blocks.string import String
 
 CASES = [

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from drill_twin.model.survey import dogleg, survey
+from drill_twin.physics.model.survey import dogleg, survey
 
 HOLE = "  radius: 90 mm\n"
 TUBE = "density: 1.10 g/cm^3\n"

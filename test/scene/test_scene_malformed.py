@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 from drill_twin.scene import load_scene, parse_scene
 
 LAUGHS = "".join(f"k{level}: &a{level} [{', '.join([f'*a{level - 1}' if level else 'x'] * 9)}]\n" for level in range(9))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 from drill_twin.scene import load_scene
 
 

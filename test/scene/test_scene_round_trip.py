@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from drill_twin.effects.gravity import Gravity
+from drill_twin.physics.effects.gravity import Gravity
 from drill_twin.scene import Scene, parse_scene
 
 

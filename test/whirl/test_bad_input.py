@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from kinematics import BENCH, MARKS
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.whirl import AnalysisError, Analyzer, MarkInfo
 
 

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from drill_twin.sensors.motion import instantaneous
+from drill_twin.dynamics.sensors.motion import instantaneous
 from drill_twin.whirl import AnalysisError, MarkInfo
 from drill_twin.whirl.downhole import SubAnalyzer, ToolNoise, analyse_sub
 from drill_twin.whirl.downhole.high_pass import corner_for

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.base.extras import import_xarray
+from drill_twin.core.arrays import Array
+from drill_twin.core.extras import import_xarray
 
 if TYPE_CHECKING:
     import xarray

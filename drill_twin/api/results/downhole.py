@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from drill_twin.errors import ArgumentError
+from drill_twin.core.errors import ArgumentError
 from drill_twin.io.downhole import sub_analyzer
 from drill_twin.whirl import Summary
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from drill_twin.api.results.plots import Plots
 from drill_twin.api.results.whirl import Whirl
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.io.bag.memory import copy_bag
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path

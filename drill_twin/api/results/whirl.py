@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from drill_twin.api.quantity import Quantity, in_si
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
+from drill_twin.core.units.dimension import ANGULAR_SPEED, LENGTH
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.report.summary import timeline
-from drill_twin.units.dimension import ANGULAR_SPEED, LENGTH
 from drill_twin.whirl import AnalysisError, Analyzer, Findings, MarkInfo, MotionPeriod, Onset, Summary
 
 CLEARANCE_TAKEN = (

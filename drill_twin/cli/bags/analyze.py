@@ -19,7 +19,7 @@ from drill_twin.cli.options import (
     SceneOption,
     ToOption,
 )
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 
 if TYPE_CHECKING:
     from drill_twin.report import Recording, ReportFiles
@@ -182,10 +182,10 @@ def _selection(
     Raises:
         BagError: The value of an option is invalid.
     """
+    from drill_twin.core.units import UnitError, parse
+    from drill_twin.core.units.dimension import LENGTH
     from drill_twin.io.bag.topic_names import parse_remappings
     from drill_twin.report.selection import Selection
-    from drill_twin.units import UnitError, parse
-    from drill_twin.units.dimension import LENGTH
 
     if sub == "":
         raise BagError(

@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from drill_twin.cli.options import BagArgument, FromOption, NamespaceOption, ReplaceOption, ToOption
-from drill_twin.errors import ArgumentError, BagError
+from drill_twin.core.errors import ArgumentError, BagError
 
 
 def drillbotics(
@@ -38,17 +38,17 @@ def drillbotics(
 
     Needs the extra `las`. Exit code 1 where a rule is broken.
     """
-    from drill_twin.base.yaml_reader import plain_yaml
     from drill_twin.cli.bags.analyze import default_folder
     from drill_twin.cli.folder import check_new, make_folder, write_file
     from drill_twin.cli.show import err, grid
     from drill_twin.cli.show import out as stdout
+    from drill_twin.core.files.yaml_reader import plain_yaml
+    from drill_twin.core.units import UnitError, parse
+    from drill_twin.core.units.dimension import FREQUENCY
     from drill_twin.gateway.drillbotics.files import LOWEST_RATE, TIMESERIES, read_log
     from drill_twin.gateway.drillbotics.rules import check_log, check_timeseries
     from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.report.selection import Selection, open_bag
-    from drill_twin.units import UnitError, parse
-    from drill_twin.units.dimension import FREQUENCY
 
     try:
         rows = parse(rate, FREQUENCY)

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from drill_twin.cli.options import FromOption, NamespaceOption, RecordedArgument, ReplaceOption, ToOption
-from drill_twin.errors import ArgumentError
+from drill_twin.core.errors import ArgumentError
 
 
 def export(

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from drill_twin.cli.options import NamespaceOption
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 
 
 def watch(

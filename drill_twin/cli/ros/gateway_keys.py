@@ -30,7 +30,7 @@ def gateway_keys(
     try:
         from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, USERS, make_keys
     except ModuleNotFoundError as error:
-        from drill_twin.errors import DrillTwinError
+        from drill_twin.core.errors import DrillTwinError
 
         raise DrillTwinError(
             f"expected the Python module {error.name!r}, found none; pip install 'drill_twin[opcua]'"

@@ -7,16 +7,16 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from drill_twin.accuracy import Plan
     from drill_twin.report.recording import Recording
     from drill_twin.scene import Scene
+    from drill_twin.studies.accuracy import Plan
 
 
 def planned(scene: Scene, show: Callable[[str], None]) -> Plan:
     """Choose the resolution and print the expected error; `show` takes the progress in words."""
-    from drill_twin.accuracy import resolve
-    from drill_twin.accuracy.progress import in_words
     from drill_twin.cli.show import err
+    from drill_twin.studies.accuracy import resolve
+    from drill_twin.studies.accuracy.progress import in_words
 
     plan = resolve(scene, progress=in_words(show), compiling=show)
     err().print(plan.sentence, markup=False, soft_wrap=True)
@@ -27,8 +27,8 @@ def checked(plan: Plan, recording: Recording, motion_seconds: float, *, rerun: b
     """Compare a run with its plan, print the result, and return it for the summary."""
     from rich.progress import Progress
 
-    from drill_twin.accuracy import check
     from drill_twin.cli.show import err
+    from drill_twin.studies.accuracy import check
 
     console = err()
     with Progress(console=console, transient=True) as bar:

@@ -13,8 +13,8 @@ from drill_twin.cli.options import JsonOption, SetOption, overrides
 from drill_twin.cli.runs.fit import range_option
 
 if TYPE_CHECKING:
-    from drill_twin.estimation import Estimate
-    from drill_twin.fitting import Record
+    from drill_twin.studies.estimation import Estimate
+    from drill_twin.studies.fitting import Record
 
 FILES = ("estimate.json", "estimate.png")
 """Files of `--out`."""
@@ -59,10 +59,10 @@ def estimate(
     import drill_twin as dt
     from drill_twin.cli.show import err, grid, print_json
     from drill_twin.cli.show import out as stdout
-    from drill_twin.errors import ArgumentError, RunError
-    from drill_twin.estimation import CHANNELS, SET_POINTS
-    from drill_twin.estimation.bands import held_text
-    from drill_twin.fitting.record import channel_column
+    from drill_twin.core.errors import ArgumentError, RunError
+    from drill_twin.studies.estimation import CHANNELS, SET_POINTS
+    from drill_twin.studies.estimation.bands import held_text
+    from drill_twin.studies.fitting.record import channel_column
 
     options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
     ranges = dict(range_option(text) for text in free)
@@ -113,8 +113,8 @@ def _line(found: Estimate) -> str:
 def _write(found: list[Estimate], record: Record, troubles: dict[str, int], folder: Path) -> None:
     from drill_twin.cli.folder import make_folder, write_file
     from drill_twin.cli.show import err
-    from drill_twin.estimation.figure import estimate_figure
     from drill_twin.report.figures.style import save
+    from drill_twin.studies.estimation.figure import estimate_figure
     from drill_twin.studies.json_io import json_text
 
     make_folder(folder)

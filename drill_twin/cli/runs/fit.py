@@ -11,7 +11,7 @@ import typer
 from drill_twin.cli.options import JsonOption, SetOption, overrides
 
 if TYPE_CHECKING:
-    from drill_twin.fitting import Posterior, Sampling
+    from drill_twin.studies.fitting import Posterior, Sampling
 
 
 def fit(
@@ -49,7 +49,7 @@ def fit(
     """Numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
     import drill_twin as dt
     from drill_twin.cli.show import err, print_json
-    from drill_twin.errors import SceneError
+    from drill_twin.core.errors import SceneError
 
     ranges = dict(range_option(text) for text in free)
 
@@ -81,7 +81,7 @@ def range_option(text: str) -> tuple[str, str]:
     Raises:
         SceneError: Another form.
     """
-    from drill_twin.errors import SceneError
+    from drill_twin.core.errors import SceneError
 
     key, equals, ends = text.partition("=")
     if not equals or ".." not in ends:
@@ -108,8 +108,8 @@ def _show(found: Posterior) -> None:
 def _write(found: Posterior, scene: str, folder: Path) -> None:
     from drill_twin.cli.folder import make_folder, write_file
     from drill_twin.cli.show import err
-    from drill_twin.fitting.figure import fit_figure
     from drill_twin.report.figures.style import save
+    from drill_twin.studies.fitting.figure import fit_figure
     from drill_twin.studies.json_io import json_text
 
     make_folder(folder)

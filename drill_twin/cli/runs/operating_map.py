@@ -15,8 +15,8 @@ import typer
 from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, WorkersOption, overrides
 
 if TYPE_CHECKING:
-    from drill_twin.maps import OperatingMap
     from drill_twin.scene import Scene
+    from drill_twin.studies.maps import OperatingMap
 
 FEWEST = 8
 """Runs after which the time left is told."""
@@ -84,12 +84,12 @@ def operating_map(
     from drill_twin.cli.folder import folder_name, make_folder, write_file
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
-    from drill_twin.errors import SceneError
-    from drill_twin.maps.figure import map_figure
-    from drill_twin.maps.page import build_page
+    from drill_twin.core.errors import SceneError
     from drill_twin.report.figures.style import save
     from drill_twin.scene import load_scene
     from drill_twin.studies.json_io import json_text
+    from drill_twin.studies.maps.figure import map_figure
+    from drill_twin.studies.maps.page import build_page
 
     changes = overrides(change, duration=duration)
     ranges = {}
@@ -184,7 +184,7 @@ def _text(found: OperatingMap, scene: Scene) -> str:
     import math
     from collections import Counter
 
-    from drill_twin.maps.regimes import REGIMES
+    from drill_twin.studies.maps.regimes import REGIMES
 
     turns = math.tau
     counts = Counter(found.regimes.ravel().tolist())

@@ -16,9 +16,9 @@ from drill_twin.cli.interrupt import Interrupted
 from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
 
 if TYPE_CHECKING:
-    from drill_twin.runner import Outcome, Session
+    from drill_twin.runs import Outcome, Session
     from drill_twin.scene import Scene
-    from drill_twin.schedule import Schedule
+    from drill_twin.scene.set_points import Schedule
 
 _LINE_PERIOD = 10.0  # s between two lines of progress outside a terminal
 
@@ -60,7 +60,7 @@ def run(
     from drill_twin.cli.folder import folder_name, new_folder, write_file
     from drill_twin.cli.show import err, print_findings, print_json
     from drill_twin.scene import load_scene
-    from drill_twin.schedule import Schedule
+    from drill_twin.scene.set_points import Schedule
 
     console = err()
     described = load_scene(scene, overrides=overrides(change, wob=wob, rps=rps, duration=duration, accuracy=accuracy))
@@ -117,7 +117,7 @@ def run(
 def _compiled(scene: Scene, schedule: Schedule) -> Session:
     """Compile with progress."""
     with _shown("loading the effects of the scene") as show:
-        from drill_twin.runner import Session
+        from drill_twin.runs import Session
 
         return Session(scene, schedule, show)
 
@@ -143,7 +143,7 @@ def _shown(first: str) -> Iterator[Callable[[str], None]]:
                 printed = time.monotonic()
                 console.print(text, markup=False, soft_wrap=True)
 
-        from drill_twin.solver.slices import checked
+        from drill_twin.dynamics.solver.slices import checked
 
         with checked(check):
             yield show
@@ -159,8 +159,8 @@ def _drill(session: Session, bag: Path) -> tuple[Outcome, int]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from drill_twin.cli.show import err
-    from drill_twin.errors import RunStopped
-    from drill_twin.runner import Progress as State
+    from drill_twin.core.errors import RunStopped
+    from drill_twin.runs import Progress as State
 
     columns = (
         TextColumn("{task.description}"),

@@ -57,9 +57,9 @@ def new(
     """Make a scene from a well plan; in a terminal, what is not given is asked for."""
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.cli.show import err
-    from drill_twin.errors import SceneError
+    from drill_twin.core.errors import SceneError
+    from drill_twin.scene.well_plan.plan import WellPlan
     from drill_twin.scene.write import yaml_text
-    from drill_twin.well_plan.plan import WellPlan
 
     check_new(out, replace=replace)
     given = {"--survey": survey, "--tally": tally, "--hole": hole}
@@ -81,7 +81,7 @@ def new(
 
 
 def _ask(option: str) -> str:
-    from drill_twin.errors import SceneError
+    from drill_twin.core.errors import SceneError
 
     if not sys.stdin.isatty():
         raise SceneError(f"{option}: expected it, found nothing. {ASKED[option]}")

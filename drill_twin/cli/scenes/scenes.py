@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 
 if TYPE_CHECKING:
     from drill_twin.scene import Scene
@@ -50,9 +50,9 @@ def check(
 ) -> None:
     """Check a scene file: prints every problem, one a line, with its place, what was expected and what was found."""
     from drill_twin.cli.show import out, pairs, print_json
-    from drill_twin.discretisation.notes import notes_on
+    from drill_twin.dynamics.discretisation.warnings import notes_on
     from drill_twin.scene import load_scene, scene_path
-    from drill_twin.schedule import Schedule
+    from drill_twin.scene.set_points import Schedule
 
     try:
         described = load_scene(scene, overrides=overrides(change))

@@ -16,7 +16,7 @@ from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrid
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from drill_twin.rotordynamics.modes import ModeTable
+    from drill_twin.dynamics.rotordynamics.modes import ModeTable
 
 WithoutOption = Annotated[
     list[str], typer.Option("--without", metavar="EFFECT", help="Leave an effect of the scene out; repeatable.")
@@ -53,8 +53,8 @@ def modes(
     from drill_twin.api import rotordynamics
     from drill_twin.cli.show import err, print_json
     from drill_twin.cli.show import out as stdout
-    from drill_twin.discretisation.grading import mesh
-    from drill_twin.discretisation.resolution import resolution_of
+    from drill_twin.dynamics.discretisation.refinement import mesh
+    from drill_twin.dynamics.discretisation.resolution import resolution_of
     from drill_twin.report.figures.style import save
     from drill_twin.studies.rotordynamics import data, linear_figures
 

@@ -14,8 +14,8 @@ from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrid
 from drill_twin.cli.steady_states.modes import TurnOption, WeightOption, WithoutOption
 
 if TYPE_CHECKING:
+    from drill_twin.dynamics.torque_drag.analysis import Statics
     from drill_twin.studies.torque_drag.unit_system import UnitSystem
-    from drill_twin.torque_drag.analysis import Statics
 
 _NOTHING, _LARGEST_MARGIN = 1e-4, 1e3
 """Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown."""
@@ -84,9 +84,9 @@ def statics(
 
 
 def _speed(option: str, text: str) -> float:
-    from drill_twin.errors import SceneError
-    from drill_twin.units import parse
-    from drill_twin.units.dimension import SPEED
+    from drill_twin.core.errors import SceneError
+    from drill_twin.core.units import parse
+    from drill_twin.core.units.dimension import SPEED
 
     try:
         value = parse(text, SPEED)

@@ -16,7 +16,7 @@ from drill_twin.cli.steady_states.modes import TurnOption, WeightOption, Without
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from drill_twin.rotordynamics.steady.whirl_states import WhirlState
+    from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState
     from drill_twin.scene import Scene
     from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
 
@@ -98,8 +98,8 @@ def whirl_states(
 
 def _none_found(scene: Scene) -> str:
     """Sentence where the search finds no steady whirl."""
-    from drill_twin.rotordynamics.equations import EquationsOfMotion
-    from drill_twin.rotordynamics.steady.whirl_states import rolling_ratios
+    from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+    from drill_twin.dynamics.rotordynamics.steady.whirl_states import rolling_ratios
 
     ratios = rolling_ratios(EquationsOfMotion(scene).model)
     text = "no steady whirl found at these set-points; more first shapes with --starts, or a run in time"
@@ -140,7 +140,7 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
     from drill_twin.api import rotordynamics
     from drill_twin.cli.show import err, grid, print_json
     from drill_twin.cli.show import out as stdout
-    from drill_twin.discretisation.resolution import resolution_of
+    from drill_twin.dynamics.discretisation.resolution import resolution_of
     from drill_twin.studies.rotordynamics.data import branch_data, run_data
     from drill_twin.studies.rotordynamics.whirl_figures import LABELS, branches_figure
 
@@ -188,7 +188,7 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
 
 def _simulated(scene: Scene, key: str, low: float, high: float, count: int) -> list[tuple[float, SimulatedWhirl]]:
     """Runs in time at values inside the range, ends left out."""
-    from drill_twin.errors import SceneError
+    from drill_twin.core.errors import SceneError
     from drill_twin.studies.rotordynamics.simulated import simulated_whirl, with_command
 
     if count and key not in {"load", "speed"}:
@@ -203,7 +203,7 @@ def _simulated(scene: Scene, key: str, low: float, high: float, count: int) -> l
 
 
 def _range(over: str) -> tuple[str, float, float]:
-    from drill_twin.errors import SceneError
+    from drill_twin.core.errors import SceneError
 
     key, _, span = over.partition("=")
     low, _, high = span.partition(":")

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from drill_twin.cli.options import JsonOption, ReplaceOption, SetOption, overrides
-from drill_twin.errors import ArgumentError
+from drill_twin.core.errors import ArgumentError
 
 
 def compare(
@@ -38,14 +38,14 @@ def compare(
     Loads and margins come from the balance of forces (`statics`), the rest from the second half of each run. Writes
     compare.html, compare.json and compare.png.
     """
+    from drill_twin.api.compare.case import finish, prepare
+    from drill_twin.api.compare.page import page
+    from drill_twin.api.compare.quantities import quantities
     from drill_twin.cli.folder import new_folder, write_file
     from drill_twin.cli.show import err, grid, print_json
     from drill_twin.cli.show import out as stdout
     from drill_twin.report.comparison import draw_runs
     from drill_twin.report.figures.style import save
-    from drill_twin.studies.compare.case import finish, prepare
-    from drill_twin.studies.compare.page import page
-    from drill_twin.studies.compare.quantities import quantities
     from drill_twin.studies.json_io import json_text
 
     if len(cases) < 2:

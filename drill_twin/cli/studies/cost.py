@@ -15,7 +15,7 @@ from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, Workers
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from drill_twin.accuracy.errors import Errors
+    from drill_twin.studies.accuracy.errors import Errors
     from drill_twin.studies.convergence import Curve
 
 

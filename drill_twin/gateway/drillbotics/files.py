@@ -19,8 +19,8 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import BagError, MessageError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import BagError, MessageError
 from drill_twin.gateway.quantities import QUANTITIES, TwinQuantities
 from drill_twin.gateway.signals import Shown, read_signals, signals_path
 from drill_twin.io.bag.reader import Bag

@@ -12,10 +12,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-from drill_twin.base.extras import import_lasio
-from drill_twin.errors import TableError
+from drill_twin.core.errors import TableError
+from drill_twin.core.extras import import_lasio
 from drill_twin.gateway.drillbotics.files import LOWEST_RATE, SUGGESTED, TIMESERIES
-from drill_twin.schedule.reading.csv_file import CSV
+from drill_twin.scene.records.csv_file import CSV
 
 _NEEDED_OF_VIRTUAL_TEAMS = {"flow_in_lpm": "flow in", "flow_out_lpm": "flow out", "spp_MPa": "standpipe pressure"}
 _STAMP = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z")

@@ -16,8 +16,8 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import rsa
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from drill_twin.base.foreign_file import ForeignFile
-from drill_twin.base.whole_file import PRIVATE, write_whole
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.core.files.whole_file import PRIVATE, write_whole
 from drill_twin.gateway.opc_ua.passwords import (
     KeysError,
     PasswordHash,

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from drill_twin.base.foreign_file import ForeignFile
-from drill_twin.base.whole_file import PRIVATE, write_whole
-from drill_twin.base.yaml_reader import LARGEST_TEXT, plain_yaml
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.core.files.whole_file import PRIVATE, write_whole
+from drill_twin.core.files.yaml_reader import LARGEST_TEXT, plain_yaml
 
 LEAST_LENGTH: Final = 8
 """Characters of a password at least: NIST SP 800-63B where it is one factor of two; the certificate is the other."""

@@ -13,7 +13,7 @@ from asyncua.common.utils import ServiceError
 from asyncua.crypto.permission_rules import UserRole
 from cryptography.hazmat.primitives.serialization import Encoding
 
-from drill_twin.errors import shortened
+from drill_twin.core.errors import shortened
 from drill_twin.gateway.control import Control, User
 from drill_twin.gateway.opc_ua.keys import Keys
 from drill_twin.gateway.opc_ua.password_check import is_checked

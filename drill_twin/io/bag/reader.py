@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.bag.reading.files import BagFile, open_files
 from drill_twin.io.bag.topic_names import choose_namespace, is_of_another_twin, recorded_names

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from drill_twin.errors import TableError
+from drill_twin.core.errors import TableError
 from drill_twin.io.bag.metadata import contract_topic
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.topics import RIG_STATE
-from drill_twin.schedule.reading import CHANNELS, RECORDS, read_columns
+from drill_twin.scene.records import CHANNELS, RECORDS, read_columns
 
 _SPEEDS = ("rotation", "bit_speed")
 _LATEST = 2.0**31  # s, of a stamp

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.series import RigSeries
 from drill_twin.io.bag.time_series import Column, Series

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import MessageError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import MessageError
+from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.time_series import Column, Rows, Series, usable
 from drill_twin.io.messages.decode import JointStateReader, JointStates, read_pose_array, read_pose_rows
 from drill_twin.io.messages.drawing.pose import spin_of, tangent_of
@@ -17,7 +18,7 @@ from drill_twin.io.messages.encode import MARK_AXES, RIG_COLUMNS
 from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, RIG_JOINTS, read_command, read_rig_state
 from drill_twin.io.messages.whirl_encode import read_whirl_state
 from drill_twin.io.samples import columns, speeds
-from drill_twin.model.section_stress import (
+from drill_twin.physics.model.section_stress import (
     AXIAL_FORCE,
     CYCLES,
     DAMAGE,
@@ -27,7 +28,6 @@ from drill_twin.model.section_stress import (
     SCALARS,
     STRESS,
 )
-from drill_twin.twin.frame import RigState
 
 _ALL, _XYZ, _SPIN = slice(None), slice(3), 3
 _UNKNOWN_RIG = RigState(*[math.nan] * len(RigState._fields))
@@ -95,7 +95,7 @@ class MarkSeries(Series):
 
 
 class RigSeries(Series):
-    """`/rig/state`, as in `drill_twin.twin.frame.RigState`; each of shape (T,), NaN where another rig has no such
+    """`/rig/state`, as in `drill_twin.dynamics.twin.frame.RigState`; each of shape (T,), NaN where another rig has no such
     joint.
     """
 

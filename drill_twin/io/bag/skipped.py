@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from statistics import median_low
 
-from drill_twin.errors import printable
+from drill_twin.core.errors import printable
 from drill_twin.io.messages.stamps import NANOSECONDS
 
 _FAR = NANOSECONDS  # least time [ns] between a stray stamp and those around it

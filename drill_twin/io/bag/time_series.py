@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import MessageError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.stamps import NANOSECONDS
 
 _LARGEST = 1e15

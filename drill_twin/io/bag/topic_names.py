@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.messages.topics import GENERIC, MARKS_STATE, MEASURED, RIG_STATE, TOPICS, sub_of
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import MessageError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.stamps import NANOSECONDS, TIME, header, pack_stamp, time_message
 from drill_twin.io.messages.topics import CLOCK, FLOAT64, FRAME_ID, JOINT_STATE, POSE_ARRAY
 from drill_twin.io.messages.type_store import message, serialize

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Bytes
-from drill_twin.errors import MessageError
+from drill_twin.core.arrays import Array, Bytes
+from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.stamps import NANOSECONDS, header_stamp, unpack_stamp
 from drill_twin.io.messages.topics import CLOCK, FLOAT64, FRAME_ID, JOINT_STATE, POSE_ARRAY, STRING

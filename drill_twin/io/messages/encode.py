@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.twin.frame import Frames, RigState
 from drill_twin.io.messages.cdr import ClockTemplate, JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.drawing.geometry import StringGeometry, default_exaggeration
 from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
@@ -23,8 +24,7 @@ from drill_twin.io.messages.topics import (
     STRING_STRESS,
 )
 from drill_twin.io.messages.type_store import message, serialize
-from drill_twin.model.section_stress import SCALARS
-from drill_twin.twin.frame import Frames, RigState
+from drill_twin.physics.model.section_stress import SCALARS
 
 MARK_AXES = ("x", "y", "z", "spin")
 _POSITION = ("top_drive_angle", "bit_angle", "block_position", "bit_angle")

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import MessageError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import MessageError
 
 
 def check_finite(topic: str, values: Array) -> None:

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
+from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.messages.cdr import Float64Template, JointStateTemplate
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.finite import check_rows, finite_number
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
-from drill_twin.schedule.command import Command
-from drill_twin.twin.frame import RigState
+from drill_twin.scene.set_points.command import Command
 
 RIG_JOINTS = ("top_drive", "bit", "block", "bit_torque")
 COMMAND_JOINTS = ("bit", "top_drive")

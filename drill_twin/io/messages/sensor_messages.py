@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import MessageError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import MessageError
+from drill_twin.dynamics.sensors.sampling import Reading
+from drill_twin.dynamics.sensors.summaries import SUMMARY
 from drill_twin.io.messages.cdr import JointStateTemplate, Template, sentinel_header, sentinels
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.finite import check_finite
@@ -16,12 +18,10 @@ from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.stamps import header_stamp, stamp_ns
 from drill_twin.io.messages.topics import IMU, SURFACE_STATE, imu_topic, summary_topic
 from drill_twin.io.messages.type_store import deserialize, message
-from drill_twin.sensors.sampling import Reading
-from drill_twin.sensors.summaries import SUMMARY
 
 _ARRAYS = ("position", "velocity", "effort")
 _SURFACE = (("velocity", "top_drive"), ("effort", "top_drive"), ("effort", "block"), ("position", "block"))
-"""Array and joint of each value of `drill_twin.sensors.surface.SurfaceValues`."""
+"""Array and joint of each value of `drill_twin.dynamics.sensors.surface.SurfaceValues`."""
 
 
 class ImuReading(NamedTuple):
@@ -106,7 +106,7 @@ class SurfaceEncoder:
         self._columns = [RIG_JOINTS.index(joint) for _, joint in _SURFACE]
 
     def encode(self, reading: Reading) -> bytes:
-        """CDR of a reading, in the order of `drill_twin.sensors.surface.SurfaceValues`."""
+        """CDR of a reading, in the order of `drill_twin.dynamics.sensors.surface.SurfaceValues`."""
         check_finite(SURFACE_STATE, reading.values)
         self._values[self._rows, self._columns] = reading.values
         return self._template.fill(stamp_ns(reading.time), *self._values)

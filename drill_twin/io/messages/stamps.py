@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import MessageError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.type_store import CDR_LITTLE_ENDIAN, message
 
 NANOSECONDS = 1_000_000_000

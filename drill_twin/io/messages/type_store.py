@@ -13,7 +13,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
 
 CDR_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 """Encapsulation, the first four bytes of a message; alignment counts from their end."""

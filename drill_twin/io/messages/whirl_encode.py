@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import MessageError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics, exact

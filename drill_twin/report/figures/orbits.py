@@ -16,7 +16,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, WIDTH, blank, head, note
 from drill_twin.report.quantities.string_curve import VERTICAL, low_side
 from drill_twin.report.recording import Recording

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.report.figures.style import BLUE, GREY, ORANGE, draw_onset, over_time
 from drill_twin.report.recording import Recording
 from drill_twin.report.text import KILO

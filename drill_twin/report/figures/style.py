@@ -16,8 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from drill_twin.base.whole_file import whole_file
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
+from drill_twin.core.files.whole_file import whole_file
 from drill_twin.report.recording import Recording
 from drill_twin.whirl import MotionState
 

@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.discretisation.discretise import contact_radius
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.dynamics.discretisation.discretise import contact_radius
 from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, blank, head
 from drill_twin.report.quantities.string_curve import VERTICAL, inclination, low_side
 from drill_twin.report.quantities.string_forces import string_forces

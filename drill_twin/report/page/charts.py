@@ -19,7 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import ArrayLike, NDArray
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.report.figures import OVER_TIME
 
 CHARTS = (*OVER_TIME, "spectrum", "well")

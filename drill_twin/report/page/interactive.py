@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from plotly.offline import get_plotlyjs
 
-from drill_twin.base.arrays import Array
-from drill_twin.discretisation.discretise import contact_radius
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.discretisation.discretise import contact_radius
 from drill_twin.report.figures.style import MARK_COLOURS
 from drill_twin.report.page.well_geometry import well_geometry, widest
 from drill_twin.report.recording import Recording

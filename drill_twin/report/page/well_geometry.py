@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.discretisation.discretise import axis_at
+from drill_twin.dynamics.discretisation.discretise import axis_at
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
-from drill_twin.model.survey import top_frame
-from drill_twin.model.wellbore_coordinates import transverse_axes
+from drill_twin.physics.model.survey import top_frame
+from drill_twin.physics.model.wellbore_coordinates import transverse_axes
 from drill_twin.scene import Scene
 
 

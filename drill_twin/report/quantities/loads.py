@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.discretisation.discretise import discretise, tubes_of
-from drill_twin.discretisation.initial_state import axial_weight
-from drill_twin.discretisation.resolution import MOST
-from drill_twin.model.mesh import build_rod
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.discretisation.discretise import discretise, tubes_of
+from drill_twin.dynamics.discretisation.initial_state import axial_weight
+from drill_twin.dynamics.discretisation.resolution import MOST
+from drill_twin.physics.model.mesh import build_rod
 from drill_twin.report.recording import Recording
 from drill_twin.scene import Scene
 

@@ -11,17 +11,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array
-from drill_twin.discretisation.discretise import discretise, tubes_of
-from drill_twin.discretisation.grading import mesh
-from drill_twin.discretisation.initial_state import axial_weight, untwisted
-from drill_twin.effects.wall import parameters as wall_parameters
-from drill_twin.errors import TableError
-from drill_twin.model.mesh import SPIN, Rod
-from drill_twin.model.wellbore_coordinates import offsets
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import TableError
+from drill_twin.dynamics.discretisation.discretise import discretise, tubes_of
+from drill_twin.dynamics.discretisation.initial_state import axial_weight, untwisted
+from drill_twin.dynamics.discretisation.refinement import mesh
+from drill_twin.dynamics.twin.bending_stress import bending_stress
+from drill_twin.physics.effects.wall import parameters as wall_parameters
+from drill_twin.physics.model.mesh import SPIN, Rod
+from drill_twin.physics.model.wellbore_coordinates import offsets
 from drill_twin.report.recording import Recording
 from drill_twin.scene import Scene
-from drill_twin.twin.bending_stress import bending_stress
 
 _ITERATIONS = 20
 """Repetitions of `_slopes`, each of which halves its error at least."""

@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.discretisation.discretise import discretise, tubes_of
-from drill_twin.discretisation.resolution import MOST
-from drill_twin.effects.wall import parameters as wall_parameters
-from drill_twin.errors import DrillTwinError
-from drill_twin.model.mesh import build_rod
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.dynamics.discretisation.discretise import discretise, tubes_of
+from drill_twin.dynamics.discretisation.resolution import MOST
+from drill_twin.dynamics.twin.state_bounds import bounds_of
+from drill_twin.physics.effects.wall import parameters as wall_parameters
+from drill_twin.physics.model.mesh import build_rod
 from drill_twin.report.quantities.string_curve import along_hole, refined
 from drill_twin.report.recording import Recording
 from drill_twin.scene import Scene
-from drill_twin.schedule import extremes
-from drill_twin.twin.state_bounds import bounds_of
+from drill_twin.scene.set_points import extremes
 
 SOFT = 0.1
 """Penetration over the clearance above which the motion depends on the stiffness of the wall."""

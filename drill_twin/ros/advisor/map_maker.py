@@ -11,10 +11,10 @@ import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 
-from drill_twin.base.process.child_environment import child_environment
-from drill_twin.errors import DrillTwinError, RunError
-from drill_twin.maps import OperatingMap, read_map
+from drill_twin.core.errors import DrillTwinError, RunError
+from drill_twin.core.process.child_environment import child_environment
 from drill_twin.scene import Scene
+from drill_twin.studies.maps import OperatingMap, read_map
 
 _LOW, _HIGH = 0.025, 1.1
 """Ranges that the map has by default, over the set-points of the scene."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from rclpy.context import Context
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.decode import JointStateReader, read_string
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
@@ -26,16 +26,16 @@ from drill_twin.io.messages.topics import (
     WHIRL_MOTION,
 )
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion
-from drill_twin.maps.advice import Adviser, status_of, whirls_in
-from drill_twin.maps.advice_tracker import Tracker
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter, Value
 from drill_twin.ros.core.topics.scene_gate import SceneGate
+from drill_twin.studies.maps.advice import Adviser, status_of, whirls_in
+from drill_twin.studies.maps.advice_tracker import Tracker
 
 if TYPE_CHECKING:
-    from drill_twin.maps import OperatingMap
     from drill_twin.ros.advisor.map_maker import MapMaker
+    from drill_twin.studies.maps import OperatingMap
 
 _PERIOD = 0.1  # s of wall time between two looks at the map
 _REPEAT = 1.0  # s of wall time
@@ -82,7 +82,7 @@ class Advisor(TwinNode):
         Raises:
             ArgumentError: The map cannot be read.
         """
-        from drill_twin.maps import read_map
+        from drill_twin.studies.maps import read_map
 
         self._given = read_map(self.settings.map) if self.settings.map else None
         self._due = Tick(_PERIOD)
@@ -96,9 +96,9 @@ class Advisor(TwinNode):
     # --- inputs ---------------------------------------------------------------------------------------------------
 
     def _on_scene(self, raw: bytes) -> None:
-        from drill_twin.maps.operating_map import digest_of
         from drill_twin.ros.advisor.map_maker import MapMaker
         from drill_twin.scene import parse_scene
+        from drill_twin.studies.maps.operating_map import digest_of
 
         self._drop_maker()
         self._adviser, self._trouble = None, ""
@@ -170,7 +170,7 @@ class Advisor(TwinNode):
             self._drop_maker()
 
     def _use(self, found: OperatingMap) -> None:
-        from drill_twin.maps.page import lattice_data
+        from drill_twin.studies.maps.page import lattice_data
 
         self._adviser = Adviser(found, self.settings.margin)
         self.topics.publish(ADVICE_MAP, encode_string(json.dumps(lattice_data(found))))

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 from rclpy.context import Context
 
-from drill_twin.errors import BagError, RunError
+from drill_twin.core.errors import BagError, RunError
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from rclpy.context import Context
 
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.messages.cdr import ClockTemplate
 from drill_twin.io.messages.diagnostics import Level, Status

@@ -11,7 +11,7 @@ from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameter_text import file_text, help_text
 from drill_twin.ros.core.parameters import Parameter

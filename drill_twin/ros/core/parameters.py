@@ -16,7 +16,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from drill_twin.errors import DrillTwinError, shortened
+from drill_twin.core.errors import DrillTwinError, shortened
 
 Value = bool | int | float | str
 

@@ -15,7 +15,7 @@ from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.node import Node
 
-from drill_twin.errors import shortened
+from drill_twin.core.errors import shortened
 
 Answer = Callable[[Any, Any], Any]
 

@@ -25,8 +25,8 @@ from rclpy.qos import DurabilityPolicy
 from rclpy.service import Service
 from std_srvs.srv import Trigger
 
-from drill_twin.base.json_reader import JsonError, read_json
-from drill_twin.errors import RunError
+from drill_twin.core.errors import RunError
+from drill_twin.core.files.json_reader import JsonError, read_json
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.core.topics.node_topics import NodeTopics
 

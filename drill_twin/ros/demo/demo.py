@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drill_twin.errors import RunError
+from drill_twin.core.errors import RunError
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.demo.folder import prepare_folder
 from drill_twin.ros.demo.result import check_bag, draw_report

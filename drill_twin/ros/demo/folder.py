@@ -6,7 +6,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 
 
 def prepare_folder(out: Path, *, replace: bool) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drill_twin.errors import BagError, RunError
+from drill_twin.core.errors import BagError, RunError
 
 if TYPE_CHECKING:
     from rich.console import Console

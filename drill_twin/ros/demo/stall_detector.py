@@ -6,7 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from drill_twin.errors import RunError
+from drill_twin.core.errors import RunError
 
 STARTING_TIME = 150.0  # s
 """Longest time in which the nodes compile and connect."""

@@ -11,7 +11,7 @@ import os
 import socket
 from pathlib import Path
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.ros.deployment.security import refuse_unsecured
 from drill_twin.scene.paths import config_dir
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.topics import (
     ADVICE_MAP,
     ADVICE_STATE,

@@ -18,8 +18,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from drill_twin import __version__
-from drill_twin.base.process.child_environment import child_environment
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.core.process.child_environment import child_environment
 from drill_twin.ros.doctor.check import Check, Verdict
 
 INSTALLED, ROS, MACHINE = "installed", "ROS 2", "machine"
@@ -96,7 +96,7 @@ def _package(name: str) -> Check:
 
 def _kernel_cache() -> Iterator[Check]:
     try:
-        from drill_twin.solver.kernel_cache import permanent_folder
+        from drill_twin.core.compile.kernel_cache import permanent_folder
 
         folder = permanent_folder()
     except (ImportError, DrillTwinError) as error:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.doctor.check import Check, Verdict
 from drill_twin.ros.doctor.installation import ROS, installation, ros_installation, ros_present

@@ -7,14 +7,14 @@ import math
 from collections.abc import Iterator, Mapping
 
 from drill_twin.api.estimator import Estimator
-from drill_twin.estimation import Band, Estimate, unit_of
+from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, exact
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.io.scene_geometry import string_geometry
-from drill_twin.twin.frame import Frames
+from drill_twin.studies.estimation import Band, Estimate, unit_of
 
 _NAME = "estimate"
 _LIKELY = 0.5

@@ -13,8 +13,8 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 
 from drill_twin.api.estimator import Estimator as Following
-from drill_twin.errors import DrillTwinError, RunError, RunStopped
-from drill_twin.estimation import Estimate
+from drill_twin.core.errors import DrillTwinError, RunError, RunStopped
+from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.downhole import readings_topic
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
@@ -36,8 +36,8 @@ from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.ros.estimator.messages import NearestTwin, statuses, trust_in, values_of
 from drill_twin.ros.estimator.parameters import PARAMETERS, make_estimator
-from drill_twin.runner import compile_kernel
-from drill_twin.solver.slices import checked
+from drill_twin.runs import compile_kernel
+from drill_twin.studies.estimation import Estimate
 
 _DEPTH = 1000  # messages that wait while another thread has the processor
 _BEHIND = 10  # windows that wait before the oldest is left out

@@ -6,9 +6,9 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from drill_twin.api.estimator import Estimator
-from drill_twin.estimation import EstimatorOptions
 from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.ros.core.scene_parameters import OVERRIDES, SCENE, pairs_of, scene_of
+from drill_twin.studies.estimation import EstimatorOptions
 
 PARAMETERS = (
     SCENE,

@@ -14,7 +14,7 @@ from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.rig_driver.set_point_transition import SetPointTransition
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 
 
 class CommandOutput:

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from rclpy.context import Context
 from std_srvs.srv import Trigger
 
-from drill_twin.base.loopback import is_loopback
-from drill_twin.errors import DrillTwinError, MessageError
+from drill_twin.core.errors import DrillTwinError, MessageError
+from drill_twin.core.loopback import is_loopback
 from drill_twin.gateway.control import Control, Permission
 from drill_twin.gateway.quantities import QUANTITIES, TwinQuantities
 from drill_twin.gateway.signals import Signals, read_signals, signals_path

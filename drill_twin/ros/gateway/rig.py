@@ -11,8 +11,9 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
-from drill_twin.base.foreign_file import ForeignFile
-from drill_twin.base.loopback import is_loopback
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.core.loopback import is_loopback
+from drill_twin.dynamics.sensors.summaries import SUMMARY
 from drill_twin.gateway.quantities import MEASURED, downhole
 from drill_twin.gateway.rig_reader import RigReader
 from drill_twin.gateway.signals import Limits, RigSignal, Signals, range_taken
@@ -25,7 +26,6 @@ from drill_twin.io.messages.topics import MEASURED_RIG_STATE, summary_topic
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.parameters import ParameterError
 from drill_twin.ros.gateway.commands import CommandOutput
-from drill_twin.sensors.summaries import SUMMARY
 
 if TYPE_CHECKING:
     from drill_twin.gateway.opc_ua.keys import Keys

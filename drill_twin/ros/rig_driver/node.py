@@ -15,8 +15,8 @@ from typing import Any, ClassVar
 
 from rclpy.context import Context
 
-from drill_twin.base.frame_period import frame_period_ns
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
+from drill_twin.core.frame_period import frame_period_ns
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GoodSamples
@@ -30,7 +30,7 @@ from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.rig_driver.parameters import PARAMETERS
 from drill_twin.ros.rig_driver.set_point_transition import Plan, SetPointTransition
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 
 _QUIET = 0.1  # s
 _REPEAT = 5.0  # s of wall time after which a set-point is sent again, should the simulator have missed it
@@ -58,7 +58,7 @@ class RigDriver(TwinNode):
 
     def open(self) -> None:
         """Load the schedule and create the topics."""
-        from drill_twin.schedule import Schedule
+        from drill_twin.scene.set_points import Schedule
 
         scene = scene_of(self.settings)
         self._schedule = Schedule.from_scene(scene)
@@ -143,7 +143,7 @@ class RigDriver(TwinNode):
 
     def on_change(self) -> None:
         """Start the transition to the new set-points."""
-        from drill_twin.schedule import Schedule
+        from drill_twin.scene.set_points import Schedule
 
         wanted = (self.settings.weight_on_bit, self.settings.rotation)
         if wanted == self._planned:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 
 Plan = Callable[[float], Command]
 """Simulated time [s] -> set-points."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import threading
 
-from drill_twin.errors import CheckpointError
-from drill_twin.twin.checkpoint import Checkpoint
+from drill_twin.core.errors import CheckpointError
+from drill_twin.dynamics.twin.checkpoint import Checkpoint
 
 
 class CheckpointWriter:

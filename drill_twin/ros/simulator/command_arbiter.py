@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 
 from drill_twin.ros.simulator.echo_filter import EchoFilter
 from drill_twin.scene.blocks.rig import FASTEST_BLOCK
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 
 _RECENT = 5.0  # s; for so long a value of another source is reported
 _REFUSAL_TOLD = 10.0  # s; for so long a refusal is a warning

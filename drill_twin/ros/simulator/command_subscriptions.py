@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.decode import JointStateReader, read_float64
 from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.stamps import stamp_ns
@@ -20,7 +20,7 @@ from drill_twin.ros.simulator.command_arbiter import CommandArbiter, Silence
 from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.ros.simulator.publisher_check import PublisherCheck
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 
 _AHEAD = 1_000_000_000  # ns; a command stamped later than this is not for the frames to come
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 
 _REMEMBERED = 1000  # commands and open questions; a flood must not fill the memory
 _GRACE = 0.5  # s for the command of an echo to arrive

@@ -21,8 +21,9 @@ from rclpy.context import Context
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.lifecycle.node import LifecycleNodeMixin
 
-from drill_twin.base.frame_period import frame_period
-from drill_twin.errors import DrillTwinError, RunError, RunStopped
+from drill_twin.core.errors import DrillTwinError, RunError, RunStopped
+from drill_twin.core.frame_period import frame_period
+from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, STRING_POSES, WOB_COMMAND
 from drill_twin.ros.core.lifecycle import answer_any_transition
@@ -35,7 +36,6 @@ from drill_twin.ros.core.topics.rclpy_topics import relative
 from drill_twin.ros.simulator.parameters import PARAMETERS
 from drill_twin.ros.simulator.simulation_interfaces import offer_where_installed
 from drill_twin.ros.simulator.trigger_services import offer
-from drill_twin.solver.slices import checked
 
 if TYPE_CHECKING:
     from drill_twin.ros.simulator.run_control import RunControl
@@ -176,7 +176,7 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         With autostart, services and diagnostics are served while they are compiled. Within a requested transition
         rclpy answers no other request; a signal ends the compilation in both cases.
         """
-        from drill_twin.runner import compile_kernel
+        from drill_twin.runs import compile_kernel
 
         settings = self.settings
         scene = resolved(scene_of(settings), settings.duration, self.get_logger().info)

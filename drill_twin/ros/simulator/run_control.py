@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
-from drill_twin.errors import CheckpointError, DrillTwinError
+from drill_twin.core.errors import CheckpointError, DrillTwinError
 from drill_twin.ros.simulator.simulation import Simulation
 from drill_twin.ros.simulator.simulation_interfaces import PAUSED, PLAYING, STOPPED
 

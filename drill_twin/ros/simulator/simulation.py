@@ -9,20 +9,20 @@ from pathlib import Path
 
 from rclpy.logging import get_logging_directory
 
-from drill_twin.base.frame_period import frame_period
-from drill_twin.errors import CheckpointError, RunError, StoppedError
+from drill_twin.core.errors import CheckpointError, RunError, StoppedError
+from drill_twin.core.frame_period import frame_period
+from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import CLOCK_TOPIC
-from drill_twin.monitor.failure_dump import save_failure
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer, Tick
 from drill_twin.ros.simulator.checkpoint_writer import CheckpointWriter
 from drill_twin.ros.simulator.command_subscriptions import CommandSubscriptions
 from drill_twin.ros.simulator.tf_publisher import TfPublisher, tf_message
-from drill_twin.runner.loop import RunLoop, topics_of
+from drill_twin.runs.loop import RunLoop, topics_of
+from drill_twin.runs.monitor.failure_dump import save_failure
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
-from drill_twin.twin.checkpoint import Checkpoint
+from drill_twin.scene.set_points.command import Command
 
 _BURST = 200  # frames; as fast as possible must not be faster than the readers
 

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 from rclpy.node import Node
 from rclpy.service import Service
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 
 # simulation_interfaces/Result and SimulationState, by number: their names have changed between versions.
 UNSUPPORTED, OK, INCORRECT_STATE, FAILED = 0, 1, 3, 4

@@ -9,10 +9,10 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
+from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.io.messages.drawing.geometry import StringGeometry
 from drill_twin.io.messages.drawing.transforms import StringTransforms, TransformsTemplate, hole_transform
 from drill_twin.io.messages.stamps import stamp_ns
-from drill_twin.twin.frame import Frame
 
 _DEPTH = 100
 

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.service import Service
 from std_srvs.srv import Trigger
 
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.errors import DrillTwinError
 
 
 def offer(node: Node, actions: dict[str, Callable[[], str]]) -> list[Service]:

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The `effects:` part of a scene: one optional block per file in `drill_twin/effects/`."""
+"""The `effects:` part of a scene: one optional block per file in `drill_twin/physics/effects/`."""
 
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BeforeValidator, Field, create_model
 
-from drill_twin.effects import EFFECTS, EffectConfig
+from drill_twin.physics.effects import EFFECTS, EffectConfig
 from drill_twin.scene.blocks.part import Part
 
 

@@ -7,9 +7,9 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from drill_twin.model.survey import dogleg, survey
+from drill_twin.core.units import Angle, Length, Within
+from drill_twin.physics.model.survey import dogleg, survey
 from drill_twin.scene.blocks.part import Part, refuse_at
-from drill_twin.units import Angle, Length, Within
 
 Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km", reason="the longest wells reach 15 km")]
 

@@ -8,11 +8,11 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import core_schema
 
-from drill_twin.base.frame_period import frame_period, frame_period_ns
+from drill_twin.core.frame_period import frame_period, frame_period_ns
+from drill_twin.core.units import Dimensionless, Frequency, Quantity, Within, refuse, show
+from drill_twin.core.units.dimension import DIMENSIONLESS, TIME
 from drill_twin.scene.blocks.auto import OrAuto
 from drill_twin.scene.blocks.part import Part, refuse_at
-from drill_twin.units import Dimensionless, Frequency, Quantity, Within, refuse, show
-from drill_twin.units.dimension import DIMENSIONLESS, TIME
 
 FEWEST_ELEMENTS, MOST_ELEMENTS = 4, 4000
 

@@ -7,8 +7,8 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import InitErrorDetails
 
-from drill_twin.errors import shortened
-from drill_twin.units import refuse
+from drill_twin.core.errors import shortened
+from drill_twin.core.units import refuse
 
 
 def _printable(text: str) -> str:

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from drill_twin.core.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within, refuse
 from drill_twin.scene.blocks.part import Part, refuse_all, refuse_at
 from drill_twin.scene.blocks.top_drive import TopDrive
 from drill_twin.scene.set_point_shapes import SHAPES
-from drill_twin.units import AngularSpeed, Force, Length, Speed, Stiffness, Time, Torque, Within, refuse
 
 if TYPE_CHECKING:
     Shape = str

@@ -7,8 +7,8 @@ from typing import Annotated, NamedTuple, Self
 
 from pydantic import model_validator
 
+from drill_twin.core.units import Density, Dimensionless, Length, LinearMass, Pressure, Torque, Within
 from drill_twin.scene.blocks.part import Label, Part, refuse_at
-from drill_twin.units import Density, Dimensionless, Length, LinearMass, Pressure, Torque, Within
 
 MOST_JOINTS = 2000
 """Most tool joints of a section; each needs an element or two."""

@@ -8,9 +8,20 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import Field, create_model, model_validator
 
+from drill_twin.core.units import (
+    Acceleration,
+    Angle,
+    AngularSpeed,
+    Force,
+    Frequency,
+    Inertia,
+    Length,
+    Time,
+    Torque,
+    Within,
+)
 from drill_twin.scene.blocks.part import Part, refuse_at
 from drill_twin.scene.blocks.string import Name
-from drill_twin.units import Acceleration, Angle, AngularSpeed, Force, Frequency, Inertia, Length, Time, Torque, Within
 
 _Rate = Annotated[Frequency, Within(above="0 Hz", at_most="10 kHz")]
 _Delay = Annotated[Time, Within(at_least="0 s", at_most="1e4 s")]

@@ -6,9 +6,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from drill_twin.core.units import Length, Within
 from drill_twin.scene.blocks.part import Part, refuse_at
 from drill_twin.scene.blocks.section import Piece, Section
-from drill_twin.units import Length, Within
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=60)]
 """Name that is valid inside a joint name on a topic."""

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from drill_twin.accuracy.trial import Trial, run_trial
-from drill_twin.effects import EFFECTS
-from drill_twin.errors import RunError, SceneError
+from drill_twin.core.errors import RunError, SceneError
+from drill_twin.physics.effects import EFFECTS
 from drill_twin.scene import load_scene
 from drill_twin.studies.ablation.compare import Quantity, differences, worst
+from drill_twin.studies.accuracy.trial import Trial, run_trial
 from drill_twin.studies.pool import run_jobs
 
 TOGETHER = ("stretch", "torsion")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from drill_twin.accuracy.trial import Trial
+from drill_twin.studies.accuracy.trial import Trial
 
 CONFIDENCE = 0.95
 """Confidence level of a significant difference."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cost of accuracy: a scene over formulations, elements and time steps, against its converged run."""
 
-from drill_twin.accuracy.errors import Errors
+from drill_twin.studies.accuracy.errors import Errors
 from drill_twin.studies.convergence.curve import (
     Curve,
     Resolution,

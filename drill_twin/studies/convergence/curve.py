@@ -8,13 +8,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from drill_twin.accuracy.errors import Errors, compare, spread
-from drill_twin.accuracy.motion_run import Motion, cached_run
-from drill_twin.discretisation.resolution import resolution_of
-from drill_twin.errors import RunError, SceneError
+from drill_twin.core.errors import RunError, SceneError
+from drill_twin.dynamics.discretisation.resolution import resolution_of
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene, load_scene
+from drill_twin.studies.accuracy.errors import Errors, compare, spread
+from drill_twin.studies.accuracy.motion_run import Motion, cached_run
 from drill_twin.studies.pool import run_jobs
-from drill_twin.twin.twin import Twin
 
 ELEMENTS = (0.375, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 """Elements over those that `auto` chooses."""

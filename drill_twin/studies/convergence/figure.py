@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.report.figures.style import BLUE, GREY, INK, VERMILION, laid_out, save, styled
 from drill_twin.studies.convergence.curve import Curve, MeasuredRun
 

@@ -7,11 +7,11 @@ import cmath
 import math
 from typing import Any
 
-from drill_twin.rotordynamics.campbell import Campbell
-from drill_twin.rotordynamics.growth_map import GrowthMap
-from drill_twin.rotordynamics.modes import ModeTable
-from drill_twin.rotordynamics.steady.branches import Branch
-from drill_twin.rotordynamics.steady.whirl_states import WhirlState
+from drill_twin.dynamics.rotordynamics.campbell import Campbell
+from drill_twin.dynamics.rotordynamics.growth_map import GrowthMap
+from drill_twin.dynamics.rotordynamics.modes import ModeTable
+from drill_twin.dynamics.rotordynamics.steady.branches import Branch
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState
 from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
 
 

@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.rotordynamics.campbell import Campbell
+from drill_twin.dynamics.rotordynamics.growth_map import GrowthMap
+from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, blank, head, styled
-from drill_twin.rotordynamics.campbell import Campbell
-from drill_twin.rotordynamics.growth_map import GrowthMap
-from drill_twin.rotordynamics.modes import LATERAL, ModeTable
 
 SHAPES = 6
 

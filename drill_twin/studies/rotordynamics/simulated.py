@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
-from drill_twin.schedule import Command, Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Command, Schedule
 
 LAST = 1.0 / 3.0
 """Share of the run, at its end, that is measured."""

@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from drill_twin.discretisation.grading import mesh
+from drill_twin.dynamics.discretisation.refinement import mesh
+from drill_twin.dynamics.rotordynamics.steady.branches import Branch
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, blank, head, styled
-from drill_twin.rotordynamics.steady.branches import Branch
-from drill_twin.rotordynamics.steady.whirl_states import WhirlState
 from drill_twin.scene import Scene
 
 MOST_STATES = 5

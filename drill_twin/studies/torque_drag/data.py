@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from drill_twin.dynamics.torque_drag.analysis import OperationLoads, Statics
+from drill_twin.dynamics.torque_drag.buckling import BucklingState
 from drill_twin.studies.torque_drag.unit_system import UnitSystem
-from drill_twin.torque_drag.analysis import OperationLoads, Statics
-from drill_twin.torque_drag.buckling import BucklingState
 
 
 def statics_data(found: Statics) -> dict[str, Any]:

@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from drill_twin.dynamics.torque_drag.analysis import Statics
+from drill_twin.dynamics.torque_drag.buckling import CHEN
 from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, head, styled
 from drill_twin.studies.torque_drag.unit_system import UnitSystem
-from drill_twin.torque_drag.analysis import Statics
-from drill_twin.torque_drag.buckling import CHEN
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from drill_twin.units.registry import si_factor
+from drill_twin.core.units.registry import si_factor
 
 
 class UnitSystem(NamedTuple):

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.whirl.analyzer import Analyzer
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.downhole.dating import date_onset

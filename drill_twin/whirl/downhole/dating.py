@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.downhole.high_pass import GRAVITY, ToolNoise
 from drill_twin.whirl.downhole.motion import Record

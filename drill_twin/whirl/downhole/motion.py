@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.downhole.high_pass import GRAVITY, HighPass, ToolNoise, corner_for
 from drill_twin.whirl.downhole.impacts import ImpactCounter

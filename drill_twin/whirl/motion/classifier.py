@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Integers, Mask
-from drill_twin.base.jit import strict_kernel
+from drill_twin.core.arrays import Array, Integers, Mask
+from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.motion.irregularity import Irregularity, update_irregularity
 from drill_twin.whirl.motion.state_hysteresis import (

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Integers
-from drill_twin.base.jit import strict_kernel
+from drill_twin.core.arrays import Array, Integers
+from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.motion.timeline import extend, needs_description, no_periods
 

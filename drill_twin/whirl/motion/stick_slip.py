@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Integers
-from drill_twin.base.jit import as_python, copy, strict_kernel
+from drill_twin.core.arrays import Array, Integers
+from drill_twin.core.compile.jit import as_python, copy, strict_kernel
 from drill_twin.whirl.motion.stick_slip_index import (
     CYCLES as WINDOW_CYCLES,
 )

@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Integers
-from drill_twin.base.jit import as_python, copy, strict_kernel
+from drill_twin.core.arrays import Array, Integers
+from drill_twin.core.compile.jit import as_python, copy, strict_kernel
 
 TIME_BASE = 20
 """Length of the window [s]; two periods of the slowest string, 0.1 Hz."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.base.jit import strict_kernel
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import MotionState
 from drill_twin.whirl.findings import MotionPeriod
 

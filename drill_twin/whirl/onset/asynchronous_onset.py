@@ -30,8 +30,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Integers, Mask
-from drill_twin.base.jit import as_python, strict_kernel
+from drill_twin.core.arrays import Array, Integers, Mask
+from drill_twin.core.compile.jit import as_python, strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import APPENDED, ASYNCHRONOUS, History, bins_in, end_of
 from drill_twin.whirl.onset.averaged_radius import AveragedRadius, width_for

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Integers, Mask
-from drill_twin.base.jit import strict_kernel
+from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import ASYNCHRONOUS, History, bins_in, end_of
 from drill_twin.whirl.orbit.noise import Noise, update_noise

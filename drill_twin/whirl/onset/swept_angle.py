@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
 
 SLOWEST = math.radians(1.5)
 """Smallest angle that a steady precession sweeps in each half of the window [rad]."""

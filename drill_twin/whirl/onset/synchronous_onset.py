@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Mask
-from drill_twin.base.jit import strict_kernel
+from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import LENGTH, History, end_of
 from drill_twin.whirl.onset.threshold_crossing import Crossing, Detection, synchronous_crossing

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.history import ASYNCHRONOUS, SYNCHRONOUS, History
 from drill_twin.whirl.orbit.orbit_refit import LONGEST, SHORTEST, OrbitRefit, refit_orbit, smoothed_radius
 

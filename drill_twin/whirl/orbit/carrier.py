@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Mask
-from drill_twin.base.jit import strict_kernel
+from drill_twin.core.arrays import Array, ComplexArray, Mask
+from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.orbit.runout_separation import CALIBRATED_FROM, RunoutSeparation
 from drill_twin.whirl.sample_bins import ANGLE, REVOLUTIONS, TIME, Bin

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Integers, Mask
-from drill_twin.base.jit import strict_kernel
+from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.core.compile.jit import strict_kernel
 
 GAIN = 20.0
 """Power gain of a third difference on white noise."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
 
 ITERATIONS = 3
 LONGEST = 28.0

@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Integers, Mask
-from drill_twin.base.jit import copy, strict_kernel
+from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
+from drill_twin.core.compile.jit import copy, strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.orbit.orbit_refit import OrbitRefit
 from drill_twin.whirl.sample_bins import REVOLUTIONS, TIME, Bin

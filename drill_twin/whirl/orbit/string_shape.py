@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Integers
-from drill_twin.base.jit import strict_kernel
+from drill_twin.core.arrays import Array, ComplexArray, Integers
+from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import MOVING, NEGLIGIBLE, POSITION, History, bins_in, end_of
 

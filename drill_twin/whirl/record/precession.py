@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.marks import AnalysisError
 from drill_twin.whirl.record.spectrum import Peak, two_sided_spectrum
 

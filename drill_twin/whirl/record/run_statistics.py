@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Integers, Mask
-from drill_twin.base.jit import copy, strict_kernel
-from drill_twin.base.missing import number_or_none
+from drill_twin.core.arrays import Array, Integers, Mask
+from drill_twin.core.compile.jit import copy, strict_kernel
+from drill_twin.core.missing import number_or_none
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.lasting import lasting_motion, whirl_end

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from drill_twin.accuracy.motion_run import Motion
+    from drill_twin.studies.accuracy.motion_run import Motion
 
 SHIPPED = {"pa6_bench": {}, "bha_full_size": {"duration": "20 s"}}
 """Scenes with a shipped curve, and changes that leave its key."""
@@ -63,8 +63,8 @@ def run(scene: str, accuracy: str, changes: dict[str, str], cache: str | None) -
 
 def expected_against_used(*, cold: bool) -> Iterator[tuple[str, Any]]:
     """Names of the runs and functions that make them, in order."""
-    from drill_twin.accuracy.error_model import FOLDER
-    from drill_twin.solver.kernel_cache import cache_folder
+    from drill_twin.core.compile.kernel_cache import cache_folder
+    from drill_twin.studies.accuracy.error_model import FOLDER
 
     for scene, changes in SCENES.items():
         for accuracy in ACCURACIES[: 1 if cold else None]:
@@ -89,9 +89,9 @@ def _cold(scene: str, accuracy: str, changes: dict[str, str]) -> dict[str, Any]:
 
 def choice(scene: str, accuracy: str) -> dict[str, Any]:
     """Effort of the chosen resolution over that of the cheapest whose true error is below the accuracy."""
-    from drill_twin.accuracy import resolve
+    from drill_twin.dynamics.twin.twin import Twin
     from drill_twin.scene import load_scene
-    from drill_twin.twin.twin import Twin
+    from drill_twin.studies.accuracy import resolve
 
     plan = resolve(load_scene(scene, overrides={**LENGTH, "accuracy": accuracy}))
     own = plan.scene.numerics
@@ -112,10 +112,10 @@ def choice(scene: str, accuracy: str) -> dict[str, Any]:
 @cache
 def exact(scene: str) -> Motion:
     """Run of twice the elements of `auto`, with eight steps to a frame."""
-    from drill_twin.accuracy.measure import AFTER_ONSET, at
-    from drill_twin.accuracy.motion_run import run_motion
+    from drill_twin.dynamics.twin.twin import Twin
     from drill_twin.scene import load_scene
-    from drill_twin.twin.twin import Twin
+    from drill_twin.studies.accuracy.measure import AFTER_ONSET, at
+    from drill_twin.studies.accuracy.motion_run import run_motion
 
     described = load_scene(scene, overrides=LENGTH)
     return run_motion(at(described, 2 * Twin(described).elements, 0.01 / 8, 1e-7), after_onset=AFTER_ONSET)
@@ -124,12 +124,12 @@ def exact(scene: str) -> Motion:
 @cache
 def tried(scene: str, elements: int, step: float, tolerance: float) -> tuple[float, float]:
     """True error of a resolution, and its effort."""
-    from drill_twin.accuracy.error_model import OVERHEAD
-    from drill_twin.accuracy.errors import errors_before
-    from drill_twin.accuracy.measure import at
-    from drill_twin.accuracy.motion_run import run_motion
-    from drill_twin.errors import RunError
+    from drill_twin.core.errors import RunError
     from drill_twin.scene import load_scene
+    from drill_twin.studies.accuracy.error_model import OVERHEAD
+    from drill_twin.studies.accuracy.errors import errors_before
+    from drill_twin.studies.accuracy.measure import at
+    from drill_twin.studies.accuracy.motion_run import run_motion
 
     true = exact(scene)
     try:
@@ -142,10 +142,10 @@ def tried(scene: str, elements: int, step: float, tolerance: float) -> tuple[flo
 
 def ship() -> None:
     """Measure the curves of `config/accuracy` anew."""
-    from drill_twin.accuracy.error_model import FOLDER
-    from drill_twin.accuracy.measure import Measurement
     from drill_twin.scene import load_scene
     from drill_twin.scene.paths import config_dir
+    from drill_twin.studies.accuracy.error_model import FOLDER
+    from drill_twin.studies.accuracy.measure import Measurement
 
     for scene in SHIPPED:
         model = Measurement(load_scene(scene), 1e-3, lambda *_: None).model()

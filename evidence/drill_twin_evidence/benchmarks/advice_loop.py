@@ -21,11 +21,11 @@ import numpy as np
 from typing_extensions import TypedDict
 
 import drill_twin as dt
-from drill_twin.base.json_lines import JsonLines
+from drill_twin.core.files.json_lines import JsonLines
 from drill_twin.io.messages.diagnostics import Level
-from drill_twin.maps.advice import Adviser, whirls_in
-from drill_twin.maps.advice_tracker import Tracker
-from drill_twin.schedule import Command
+from drill_twin.scene.set_points import Command
+from drill_twin.studies.maps.advice import Adviser, whirls_in
+from drill_twin.studies.maps.advice_tracker import Tracker
 
 COARSE: dict[str, float | str] = {
     "numerics.elements": 8, "numerics.step": "10 ms", "numerics.frame_rate": "50 Hz",

@@ -30,7 +30,7 @@ from drill_twin.io.messages.stamps import NANOSECONDS, pack_stamp, raw_header_st
 from drill_twin.io.messages.topics import TOPICS, TWIN_SCENE
 from drill_twin.report.rig_table import read_rig
 from drill_twin.report.selection import Selection
-from drill_twin.runner import Session
+from drill_twin.runs import Session
 
 _MINUTE, _RUN = 60.0, 2
 _Message = tuple[str, int, bytes]

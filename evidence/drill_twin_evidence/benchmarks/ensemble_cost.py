@@ -20,11 +20,11 @@ from pathlib import Path
 import numpy as np
 
 import drill_twin as dt
-from drill_twin.ensemble.parts import parts_of, planned
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.scene_geometry import mark_infos
-from drill_twin.runner import Session
-from drill_twin.schedule import Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.runs import Session
+from drill_twin.runs.ensemble.parts import parts_of, planned
+from drill_twin.scene.set_points import Schedule
 from drill_twin.whirl import Analyzer, MarkInfo
 
 DURATION, RATE = 30.0, 100  # [s], frames a second

@@ -10,9 +10,9 @@ import time
 from collections.abc import Sequence
 from statistics import median
 
-from drill_twin.runner.session import Run
+from drill_twin.runs.session import Run
 from drill_twin.scene import Scene, load_scene
-from drill_twin.schedule import Schedule
+from drill_twin.scene.set_points import Schedule
 
 FRAMES, ROUNDS = 20, 25
 ROD = "{sections: [{name: middle, distance_from_bit: 2.5 m}], smallest_range: 10 kPa}"

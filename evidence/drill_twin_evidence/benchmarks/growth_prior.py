@@ -16,14 +16,14 @@ from pathlib import Path
 
 import numpy as np
 
-from drill_twin.ensemble import Threads
-from drill_twin.maps import read_map
-from drill_twin.maps.plane import Labels, filled
-from drill_twin.maps.prior import growth_of
-from drill_twin.maps.regimes import REGIMES
-from drill_twin.maps.runs import Key, Record, Runner
-from drill_twin.maps.search import Search
+from drill_twin.runs.ensemble import Threads
 from drill_twin.scene import parse_scene
+from drill_twin.studies.maps import read_map
+from drill_twin.studies.maps.plane import Labels, filled
+from drill_twin.studies.maps.prior import growth_of
+from drill_twin.studies.maps.regimes import REGIMES
+from drill_twin.studies.maps.runs import Key, Record, Runner
+from drill_twin.studies.maps.search import Search
 
 
 @dataclass(frozen=True)

@@ -17,13 +17,13 @@ from pathlib import Path
 import numpy as np
 
 import drill_twin as dt
-from drill_twin.base.arrays import Array
-from drill_twin.ensemble import Threads
-from drill_twin.maps import OperatingMap, read_map
-from drill_twin.maps.draws import draws_of
-from drill_twin.maps.runs import SPEED, WEIGHT
-from drill_twin.maps.search import Search
+from drill_twin.core.arrays import Array
+from drill_twin.runs.ensemble import Threads
 from drill_twin.scene import parse_scene
+from drill_twin.studies.maps import OperatingMap, read_map
+from drill_twin.studies.maps.draws import draws_of
+from drill_twin.studies.maps.runs import SPEED, WEIGHT
+from drill_twin.studies.maps.search import Search
 from drill_twin_evidence.benchmarks.growth_prior import Replayed
 from drill_twin_evidence.benchmarks.map_boundary import lattice_points
 

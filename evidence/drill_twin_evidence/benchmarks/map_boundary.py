@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 
 import drill_twin as dt
-from drill_twin.base.arrays import Array
-from drill_twin.ensemble import Threads
-from drill_twin.maps import OperatingMap, Plane, Span
-from drill_twin.maps.journal import Journal
-from drill_twin.maps.runs import Key, Runner
+from drill_twin.core.arrays import Array
+from drill_twin.runs.ensemble import Threads
+from drill_twin.studies.maps import OperatingMap, Plane, Span
+from drill_twin.studies.maps.journal import Journal
+from drill_twin.studies.maps.runs import Key, Runner
 
 
 def main() -> None:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.io import savemat
 
-from drill_twin.base.process.child_environment import child_environment
+from drill_twin.core.process.child_environment import child_environment
 
 _FEW = 10
 _DATE = np.datetime64("2026-05-14T13:57:00.000")
@@ -41,8 +41,8 @@ TEXTS = {
 }  # fmt: skip
 """Ending, begin, row and end by kind."""
 USES = {
-    "columns": "from drill_twin.schedule.reading import read_columns; read_columns(path)",
-    "to play": "from drill_twin.schedule import read_table; read_table(path, wanted=['rotation'], longest_gap=9e9)",
+    "columns": "from drill_twin.scene.records import read_columns; read_columns(path)",
+    "to play": "from drill_twin.scene.set_points import read_table; read_table(path, wanted=['rotation'], longest_gap=9e9)",
     "report": "from drill_twin.report import read_recording; read_recording(path)",
 }
 """Programs by use of a record."""

@@ -60,12 +60,12 @@ def _measured(tree: Path) -> dict[str, float]:
 def measure() -> dict[str, float]:
     """Costs of the tree that is imported, by name, with functions that both trees have."""
     import drill_twin as dt
+    from drill_twin.dynamics.twin.twin import Twin
     from drill_twin.io.scene_geometry import mark_infos
     from drill_twin.report.recording import read_recording
     from drill_twin.report.summary import summarise
-    from drill_twin.runner import Session
-    from drill_twin.schedule import Schedule
-    from drill_twin.twin.twin import Twin
+    from drill_twin.runs import Session
+    from drill_twin.scene.set_points import Schedule
     from drill_twin.whirl import Analyzer
 
     resolution: dict[str, float | str] = {"numerics.elements": 8, "numerics.step": "10 ms", "duration": 30.0}

@@ -20,13 +20,13 @@ import numpy as np
 
 import drill_twin as dt
 from drill_twin.api.scenes import as_scene
-from drill_twin.base.arrays import Mask
-from drill_twin.base.proportions import proportion_interval, proportion_text
-from drill_twin.ensemble import Threads
-from drill_twin.maps import OperatingMap, Plane, Regime
-from drill_twin.maps.journal import Journal
-from drill_twin.maps.runs import FINER, Key, Record, Runner
-from drill_twin.maps.window import cells_of
+from drill_twin.core.arrays import Mask
+from drill_twin.core.proportions import proportion_interval, proportion_text
+from drill_twin.runs.ensemble import Threads
+from drill_twin.studies.maps import OperatingMap, Plane, Regime
+from drill_twin.studies.maps.journal import Journal
+from drill_twin.studies.maps.runs import FINER, Key, Record, Runner
+from drill_twin.studies.maps.window import cells_of
 from drill_twin_evidence.benchmarks.advice_loop import COARSE
 
 DURATION, ASKED = 30.0, 300.0

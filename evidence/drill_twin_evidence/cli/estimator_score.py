@@ -26,7 +26,7 @@ def estimator_score(
     Prints the tables of docs/estimator.md.
     """
     from drill_twin.cli.show import err, print_json
-    from drill_twin.errors import ArgumentError
+    from drill_twin.core.errors import ArgumentError
     from drill_twin_evidence.estimation.hidden_truth import CASES, follow
     from drill_twin_evidence.estimation.score import cost_lines, lines, score
 

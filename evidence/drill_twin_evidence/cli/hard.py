@@ -48,7 +48,7 @@ def hard(
     Ends with exit code 1 if one is not in order. `drill-twin run hard/NAME` runs one of them as any other scene.
     """
     from drill_twin.cli.show import err, grid, out, print_json
-    from drill_twin.errors import SceneError
+    from drill_twin.core.errors import SceneError
     from drill_twin_evidence.cli.output import write_page
     from drill_twin_evidence.stress import choose_hard
     from drill_twin_evidence.stress.page import ALLOWED, COLUMNS, cells, summary, to_data, to_page

@@ -38,7 +38,7 @@ def validate(
 ) -> None:
     """Measured beside computed, and of each number whether it is a fit or a prediction."""
     from drill_twin.cli.show import err, print_json
-    from drill_twin.errors import ArgumentError
+    from drill_twin.core.errors import ArgumentError
     from drill_twin_evidence.validation import RECORDS, data_folder
 
     if only not in {"", *RECORDS}:

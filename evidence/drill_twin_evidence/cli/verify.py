@@ -45,7 +45,7 @@ def verify(
 
     Ends with exit code 1 if a number misses its tolerance. The first run compiles a few kernels.
     """
-    from drill_twin.errors import SceneError
+    from drill_twin.core.errors import SceneError
     from drill_twin_evidence.cli.output import write_page
     from drill_twin_evidence.verify import choose
     from drill_twin_evidence.verify.page import to_data, to_page

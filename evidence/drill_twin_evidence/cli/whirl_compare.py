@@ -71,7 +71,7 @@ def _values(option: str, text: str) -> list[float]:
     """Equally spaced values from LOW:HIGH:N."""
     import numpy as np
 
-    from drill_twin.errors import SceneError
+    from drill_twin.core.errors import SceneError
 
     try:
         low, high, count = text.split(":")

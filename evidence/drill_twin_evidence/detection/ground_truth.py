@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray, Mask
+from drill_twin.core.arrays import Array, ComplexArray, Mask
 from drill_twin_evidence.detection.runs import Run
 
 WHIRL_THRESHOLD = 0.05

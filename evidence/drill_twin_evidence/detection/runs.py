@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.ensemble.parts import frames_of, planned
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.dynamics.sensors.motion import locate, sub_motion, true_readings
+from drill_twin.dynamics.sensors.subs import gravity_of
+from drill_twin.dynamics.twin.frame import RigState
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.scene_geometry import mark_infos
+from drill_twin.runs.ensemble.parts import frames_of, planned
 from drill_twin.scene import parse_scene
-from drill_twin.sensors.motion import locate, sub_motion, true_readings
-from drill_twin.sensors.subs import gravity_of
-from drill_twin.twin.frame import RigState
-from drill_twin.twin.twin import Twin
 from drill_twin.whirl import MarkInfo
 from drill_twin_evidence.detection.scene import BENCH_SCENE
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.whirl import Analyzer, MotionPeriod, Summary
 from drill_twin_evidence.detection.ground_truth import Truth
 from drill_twin_evidence.detection.signals import Record

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl import MarkInfo
 from drill_twin_evidence.detection.ground_truth import STATES_PER_TURN, WHIRL_THRESHOLD, Truth, onset
 

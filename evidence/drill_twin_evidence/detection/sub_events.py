@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, Mask
+from drill_twin.core.arrays import Array, Mask
 from drill_twin.scene import load_scene
 from drill_twin.whirl.downhole.impacts import SHARE
 from drill_twin.whirl.downhole.torsion import AT_REST

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from drill_twin.base.proportions import proportion_text
+from drill_twin.core.proportions import proportion_text
 
 TARGETS = {"kinematic": 0.95, "simulated": 0.85, "simulated_with_forces": 0.85}
 """Required macro-F1."""

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drill_twin.api.scenes import load_scene
-from drill_twin.base.arrays import Array
-from drill_twin.estimation import LOAD, EnsembleFilter, Estimate, EstimatorOptions, Window
-from drill_twin.estimation.members import Members, Prediction
-from drill_twin.fitting.ranges import Ranges
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.sensors.errors import errors_of, with_errors
 from drill_twin.scene.blocks.sensors import Sub
-from drill_twin.schedule import Schedule
-from drill_twin.sensors.errors import errors_of, with_errors
+from drill_twin.scene.set_points import Schedule
+from drill_twin.studies.estimation import LOAD, EnsembleFilter, Estimate, EstimatorOptions, Window
+from drill_twin.studies.estimation.members import Members, Prediction
+from drill_twin.studies.fitting.ranges import Ranges
 
 _NOISE = 0.01
 """Standard deviation of a measured sample over the largest value of its channel."""

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eigh
 
-from drill_twin.base.arrays import Array
-from drill_twin.model.mesh import Rod
+from drill_twin.core.arrays import Array
+from drill_twin.physics.model.mesh import Rod
 
 
 def explicit_limit(rod: Rod, *, damping_time: float = 0.0, drag: float = 0.0, wall: float = 0.0) -> float:

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drill_twin.errors import RunError
-from drill_twin.schedule import Command
-from drill_twin.twin.twin import Twin
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene.set_points import Command
 from drill_twin_evidence.stability.bound import explicit_limit
 from drill_twin_evidence.verify.scenes import WALLED, rod_scene
 

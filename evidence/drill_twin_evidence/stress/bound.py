@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bound on the penetration of the wall, from the contact law.
 
-Tighter than the bound of the step guard (`drill_twin.twin.state_bounds`), and independent of it, so that each finds an
+Tighter than the bound of the step guard (`drill_twin.dynamics.twin.state_bounds`), and independent of it, so that each finds an
 error in the other.
 """
 
@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.schedule import extremes
-from drill_twin.twin.twin import Twin
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene.set_points import extremes
 
 PEAK_FACTOR = 2.0
 """A bent string rests on parts of its contact only: peak over mean of its wall force per length."""

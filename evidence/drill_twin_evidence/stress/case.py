@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 from drill_twin.scene import Scene, added_scenes, load_scene
 
 SPATIAL, LATERAL = "spatial", "lateral"

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.ensemble.parts import frames_of, planned
-from drill_twin.errors import DrillTwinError
-from drill_twin.runner import compile_kernel
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.dynamics.twin.frame import Frames
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.runs import compile_kernel
+from drill_twin.runs.ensemble.parts import frames_of, planned
 from drill_twin.studies.pool import run_jobs
-from drill_twin.twin.frame import Frames
-from drill_twin.twin.twin import Twin
 from drill_twin_evidence.stress.bound import allowed_depth
 from drill_twin_evidence.stress.case import EXPECTED_STOPS, HardCase
 

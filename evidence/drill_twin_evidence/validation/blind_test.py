@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from drill_twin.api import Ensemble, Posterior
-from drill_twin.base.arrays import Array
-from drill_twin.fitting.posterior import full_key, predictive_band, weighted_quantile
+from drill_twin.core.arrays import Array
+from drill_twin.studies.fitting.posterior import full_key, predictive_band, weighted_quantile
 from drill_twin_evidence.validation.well_b import RATE, RPM, played, scene_at
 
 if TYPE_CHECKING:

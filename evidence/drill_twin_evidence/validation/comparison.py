@@ -13,8 +13,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from scipy import signal
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import ArgumentError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError
 
 VARIABLE = "DRILL_TWIN_DATA"
 """Environment variable that names the folder of the records."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.api import Ensemble, fit, load_scene, read_record
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin_evidence.validation.comparison import Comparison, Trace, Validation, cycle_length, rms
 

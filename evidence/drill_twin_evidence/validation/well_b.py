@@ -13,7 +13,7 @@ import numpy as np
 from scipy import optimize
 
 from drill_twin.api import Ensemble, Posterior, Record, fit, load_scene
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.scene.keys import number_at
 from drill_twin_evidence.validation.comparison import Comparison, Trace, Validation, cycle_length, rms

@@ -13,7 +13,7 @@ from drill_twin_evidence.verify.row import Row
 
 SPATIAL, LATERAL = "spatial", "lateral"
 FORMS = (SPATIAL, LATERAL)
-"""Both formulations (`drill_twin.discretisation.kernel_arguments.form_of`)."""
+"""Both formulations (`drill_twin.dynamics.discretisation.kernel_arguments.form_of`)."""
 
 Function = Callable[..., Iterable[Row]]
 

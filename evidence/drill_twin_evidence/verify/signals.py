@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.scenes import LENGTH
 
 AT_REST = Command(weight_on_bit=0.0, rotation=0.0)

@@ -22,20 +22,20 @@ from scipy.interpolate import CubicSpline
 
 from drill_twin.api.ensemble import Ensemble
 from drill_twin.api.rotordynamics import steady_scene
-from drill_twin.base.arrays import ComplexArray
-from drill_twin.base.frame_period import frame_period
-from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.growth_map import growth_map
-from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
-from drill_twin.rotordynamics.steady.whirl_states import WhirlState, state_near, whirl_states
-from drill_twin.rotordynamics.two_frequency import stability as two_frequency
-from drill_twin.rotordynamics.two_frequency.harmonic_balance import TwoFrequencyEquations, from_amplitudes
-from drill_twin.rotordynamics.two_frequency.stability import TwoFrequencyState
+from drill_twin.core.arrays import ComplexArray
+from drill_twin.core.frame_period import frame_period
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.growth_map import growth_map
+from drill_twin.dynamics.rotordynamics.quasi_periodic import stability as two_frequency
+from drill_twin.dynamics.rotordynamics.quasi_periodic.harmonic_balance import TwoFrequencyEquations, from_amplitudes
+from drill_twin.dynamics.rotordynamics.quasi_periodic.stability import TwoFrequencyState
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState, state_near, whirl_states
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.string import Mark
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 from drill_twin.studies.rotordynamics.simulated import with_command
-from drill_twin.twin.twin import Twin
 from drill_twin_evidence.whirl_compare.motion import STEADY, TWO, Motion, motion_of
 from drill_twin_evidence.whirl_compare.points import (
     MISSED,

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
 
 AXIS, STEADY, TWO, IRREGULAR = "on the axis", "steady whirl", "two frequencies", "irregular"
 ON_AXIS = 0.5

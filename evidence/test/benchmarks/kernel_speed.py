@@ -6,10 +6,10 @@ A frame holds a hundred steps of the peers' scene after contact has begun; compa
 
 import pytest
 
-from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL
+from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL, SPATIAL
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.schedule import Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.benchmarks.kernel.examples import full_scene, scene_with
 
 CONTACT = 0.6  # simulated time after which the rod lies against the wall [s]

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from drill_twin.discretisation.kernel_arguments import LATERAL, form_of
+from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL, form_of
 from drill_twin_evidence.benchmarks.kernel.examples import EXAMPLES, forms_of, scene_with
 from drill_twin_evidence.benchmarks.kernel.measure import least_cost
 from drill_twin_evidence.benchmarks.peers.parts import PARTS

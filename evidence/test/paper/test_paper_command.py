@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.errors import BagError, SceneError
+from drill_twin.core.errors import BagError, SceneError
 from drill_twin_evidence.paper.runs.reproduction import reproduce
 
 

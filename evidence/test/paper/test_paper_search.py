@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.errors import ArgumentError
+from drill_twin.core.errors import ArgumentError
 from drill_twin.scene import load_scene, parse_scene
 from drill_twin_evidence.paper.runs.cases import Case, changed
 from drill_twin_evidence.paper.search import search as module

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 from drill_twin.scene import load_scene
 from drill_twin_evidence.paper.calibration.objective import FITTED, HELD_OUT, deviation
 from drill_twin_evidence.paper.runs.cases import LOADS, MATRIX, SPEEDS, Case, changed, scene_of, value_at

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drill_twin.schedule import Command
-from drill_twin.twin.frame import Frame
-from drill_twin.twin.twin import Twin
+from drill_twin.dynamics.twin.frame import Frame
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene.set_points import Command
 from drill_twin_evidence.stability import draw, explicit_limit, stability_map
 from drill_twin_evidence.verify.scenes import EI, LENGTH, LINE_MASS, WALLED, rod_scene
 

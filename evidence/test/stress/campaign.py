@@ -31,11 +31,11 @@ from random_scenes import BYTES, Tape  # noqa: E402
 from random_scenes import scene as drawn  # noqa: E402
 
 import drill_twin  # noqa: E402
-from drill_twin.base.json_lines import JsonLines  # noqa: E402
-from drill_twin.ensemble.parts import frames_of, planned  # noqa: E402
-from drill_twin.errors import RunError  # noqa: E402
+from drill_twin.core.errors import RunError  # noqa: E402
+from drill_twin.core.files.json_lines import JsonLines  # noqa: E402
+from drill_twin.dynamics.twin.twin import Twin  # noqa: E402
+from drill_twin.runs.ensemble.parts import frames_of, planned  # noqa: E402
 from drill_twin.scene import Scene  # noqa: E402
-from drill_twin.twin.twin import Twin  # noqa: E402
 from drill_twin_evidence.stress.bound import allowed_depth  # noqa: E402
 from drill_twin_evidence.stress.run import MAX_ENERGY_ERROR, RunStatistics  # noqa: E402
 

@@ -16,11 +16,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from drill_twin.ensemble.parts import frames_of
+from drill_twin.dynamics.twin.checkpoint import Checkpoint
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.runs.ensemble.parts import frames_of
 from drill_twin.scene import Scene, load_scene
-from drill_twin.schedule import Schedule
-from drill_twin.twin.checkpoint import Checkpoint
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.stress.bound import allowed_depth
 from drill_twin_evidence.stress.case import HardCase
 from drill_twin_evidence.stress.run import RunStatistics, verdict_on

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from hypothesis import strategies as st
 
-from drill_twin.effects import EFFECTS
+from drill_twin.physics.effects import EFFECTS
 
 
 class Scale(NamedTuple):

@@ -7,7 +7,7 @@ import math
 import campaign
 import pytest
 
-from drill_twin.errors import ArgumentError
+from drill_twin.core.errors import ArgumentError
 from drill_twin_evidence.stress.run import RunStatistics
 from drill_twin_evidence.verify.scenes import WALLED
 

@@ -10,11 +10,11 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.monitor.run_timing import RunTiming
+from drill_twin.dynamics.twin.frame import EnergyBalance, Frames
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.runs.monitor.run_timing import RunTiming
 from drill_twin.scene import added_scenes, load_scene
-from drill_twin.schedule import Schedule
-from drill_twin.twin.frame import EnergyBalance, Frames
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence import stress
 from drill_twin_evidence.stress import run as stress_run
 from drill_twin_evidence.stress.bound import allowed_depth

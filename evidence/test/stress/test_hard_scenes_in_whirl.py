@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from drill_twin.api.rotordynamics import final_command, steady_scene
-from drill_twin.errors import SceneError
-from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.steady.whirl_states import check_whirls, search
+from drill_twin.core.errors import SceneError
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import check_whirls, search
 from drill_twin_evidence.stress import all_hard_cases
 from drill_twin_evidence.stress.case import LATERAL
 

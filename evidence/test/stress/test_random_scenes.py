@@ -15,11 +15,11 @@ from hypothesis import HealthCheck, Phase, event, given, reject, settings
 from hypothesis import strategies as st
 from random_scenes import FIELDS, mirrored, quantities, scenes
 
-from drill_twin.effects import EFFECTS
-from drill_twin.errors import RunError
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.effects import EFFECTS
 from drill_twin.scene import Scene, load_scene
-from drill_twin.schedule import Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.stress.bound import allowed_depth
 
 BENCH = frozenset(load_scene("pa6_bench").effect_names)

@@ -3,8 +3,8 @@
 
 import numpy as np
 
-from drill_twin.schedule.command import Command
-from drill_twin.twin.twin import Twin
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.scenes import ROLLING, WALLED, quiet_scene
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from hole_scenes import ON_THE_WALL, with_parts
 
-from drill_twin.schedule.command import Command
-from drill_twin.twin.twin import Twin
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.scenes import (
     AREA,
     DENSITY,

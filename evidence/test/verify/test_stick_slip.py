@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from end_scenes import steel, two_mass
 
-from drill_twin.base.jit import as_python
-from drill_twin.effects import bit_torque_tanh
+from drill_twin.core.compile.jit import as_python
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.effects import bit_torque_tanh
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points.command import Command
 
 INTERVAL = 0.02
 

@@ -8,14 +8,14 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.errors import ArgumentError
-from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.steady.deflation import Deflation
-from drill_twin.rotordynamics.steady.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
-from drill_twin.rotordynamics.steady.slow_whirls import damped, helix
-from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations
-from drill_twin.rotordynamics.steady.whirl_states import state_of, whirl_states
-from drill_twin.schedule.command import Command
+from drill_twin.core.errors import ArgumentError
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.steady.deflation import Deflation
+from drill_twin.dynamics.rotordynamics.steady.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
+from drill_twin.dynamics.rotordynamics.steady.slow_whirls import damped, helix
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import state_of, whirl_states
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.whirl_compare import comparison, points
 from drill_twin_evidence.whirl_compare.motion import Motion, motion_of
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages import topics
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
@@ -14,8 +15,7 @@ from drill_twin.io.messages.encode import TwinEncoder, encode_string
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.whirl_encode import Motion, OnsetMessage, WhirlStateEncoder, encode_motion, encode_onset
-from drill_twin.schedule.command import Command
-from drill_twin.twin.frame import Frames
+from drill_twin.scene.set_points.command import Command
 
 SCENE = "name: made up\nrun:\n  seed: 1\n"
 ONSET = OnsetMessage(time=0.1 + 0.2, mark="mark_3", confidence=1.0 / 3.0)

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
 

@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.mcap_file import McapFile
 from drill_twin.io.bag.series import PoseSeries

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.io.bag.metadata import contract_topic
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter

@@ -8,7 +8,7 @@ from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.encode import encode_string

@@ -4,14 +4,14 @@
 import numpy as np
 import pytest
 
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
+from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, WhirlSeries
 from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.encode import MARK_AXES, TwinEncoder
 from drill_twin.io.messages.stamps import header
 from drill_twin.io.messages.topics import JOINT_STATE, MARKS_STATE, RIG_COMMAND, RIG_STATE, STRING_POSES, WHIRL_STATE
 from drill_twin.io.messages.type_store import message, serialize
-from drill_twin.twin.frame import Frames
 
 MARKS = ("mark_1", "mark_2", "mark_3", "mark_4")
 SERIES = {

@@ -13,7 +13,7 @@ import yaml
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.io.bag.metadata import contract_topic
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
@@ -245,7 +245,7 @@ def test_a_negative_stamp_is_refused(tmp_path, messages):
 FULL_DISK = """
 import sys
 from drill_twin.io.bag.writer import BagWriter
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 try:
     with BagWriter(sys.argv[1], flush_interval=0.0) as writer:
         for k in range(2000):

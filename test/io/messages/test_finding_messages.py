@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
+from drill_twin.dynamics.twin.frame import Frames, RigState
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_clock, read_float64, read_joint_state, read_pose_array
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
@@ -15,8 +16,7 @@ from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.rig_messages import CommandEncoder, read_command, read_rig_state
 from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.whirl_encode import WhirlStateEncoder
-from drill_twin.schedule.command import Command
-from drill_twin.twin.frame import Frames, RigState
+from drill_twin.scene.set_points.command import Command
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drill_twin.errors import MessageError
+from drill_twin.core.errors import MessageError
 from drill_twin.io.messages import decode
 from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.decode import JointStateReader, read_float64, read_joint_state, read_pose_array, read_string

@@ -8,13 +8,13 @@ import time
 import numpy as np
 import pytest
 
+from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.messages.cdr import ClockTemplate, Float64Template, JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
 from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
 from drill_twin.io.messages.encode import TwinEncoder, encode_string
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.io.messages.type_store import type_hash
-from drill_twin.twin.frame import Frames
 
 rclpy_serialization = pytest.importorskip("rclpy.serialization", reason="needs the ROS 2 wheels")
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from drill_twin.accuracy.errors import compare, path_error, spread
-from drill_twin.accuracy.motion_run import Motion
 from drill_twin.cli.app import app
 from drill_twin.scene import load_scene
+from drill_twin.studies.accuracy.errors import compare, path_error, spread
+from drill_twin.studies.accuracy.motion_run import Motion
 from drill_twin.studies.convergence import Resolution, choose_resolutions
 from drill_twin.studies.convergence.curve import LATERAL, SPATIAL, converged, forms
 

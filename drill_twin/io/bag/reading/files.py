@@ -9,9 +9,9 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from drill_twin.base.foreign_file import ForeignFile
-from drill_twin.base.yaml_reader import LARGEST_TEXT, YamlError, plain_yaml
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.core.files.yaml_reader import LARGEST_TEXT, YamlError, plain_yaml
 from drill_twin.io.bag.reading.decompression import DAMAGED, decompress_stream
 from drill_twin.io.bag.reading.mcap_file import McapFile
 from drill_twin.io.bag.reading.sqlite_file import SqliteFile

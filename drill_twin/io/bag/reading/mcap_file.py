@@ -20,7 +20,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 from mcap.writer import MCAP0_MAGIC
 
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
 from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.bag.reading.decompression import DAMAGED, LARGEST_CHUNK, decompressed, decompressed_message
 from drill_twin.io.bag.reading.mcap_index import chunks_between, read_index

@@ -9,7 +9,7 @@ from typing import Any
 from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 
-from drill_twin.base.yaml_reader import YamlError, plain_yaml
+from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.io.bag.metadata import Qos
 
 _LARGEST = 20_000  # characters; a profile has 400

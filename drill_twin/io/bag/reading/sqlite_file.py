@@ -9,8 +9,8 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
-from drill_twin.base.yaml_reader import YamlError, plain_yaml
-from drill_twin.errors import BagError
+from drill_twin.core.errors import BagError
+from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.io.bag.metadata import RecordedTopic
 from drill_twin.io.bag.reading.decompression import decompressed_message
 from drill_twin.io.bag.reading.qos import qos_profiles

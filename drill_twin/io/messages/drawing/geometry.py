@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.io.messages.topics import FRAME_ID
-from drill_twin.model.wellbore import Axis
-from drill_twin.model.wellbore_coordinates import from_hole_coordinates, offsets, transverse_axes
+from drill_twin.physics.model.wellbore import Axis
+from drill_twin.physics.model.wellbore_coordinates import from_hole_coordinates, offsets, transverse_axes
 
 _RING_SEGMENTS = 32
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, StringGeometry
 from drill_twin.io.messages.topics import MARKER_ARRAY

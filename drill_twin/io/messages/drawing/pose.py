@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 
 _ANTIPARALLEL = 1e-12
 

@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.io.messages.cdr import Template, sentinel_header, sentinels
 from drill_twin.io.messages.drawing.geometry import ExaggeratedGeometry, StringGeometry
 from drill_twin.io.messages.drawing.pose import orientation
 from drill_twin.io.messages.topics import FRAME_ID
 from drill_twin.io.messages.type_store import message
-from drill_twin.twin.frame import Frame
 
 TF_TYPE = "tf2_msgs/msg/TFMessage"
 MAP = "map"

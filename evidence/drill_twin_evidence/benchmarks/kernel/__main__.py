@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from drill_twin.cli.show import err, grid, out, pairs
-from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL
+from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL, SPATIAL
 from drill_twin_evidence.benchmarks.kernel import machine as limits
 from drill_twin_evidence.benchmarks.kernel.examples import EXAMPLES, forms_of, full_scene, scene_with
 from drill_twin_evidence.benchmarks.kernel.measure import Cost, least_cost

@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from drill_twin.discretisation.kernel_arguments import LATERAL, SPATIAL
-from drill_twin.effects import EFFECTS
+from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL, SPATIAL
+from drill_twin.physics.effects import EFFECTS
 from drill_twin.scene import Scene, load_scene
 
 ROD = Path(__file__).resolve().parent.parent / "scenes" / "peers.yaml"

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from drill_twin.base.jit import FLAGS
-from drill_twin.solver.spatial.linear_solver import NODE, ROW, solve_blocks
+from drill_twin.core.compile.jit import FLAGS
+from drill_twin.dynamics.solver.spatial.linear_solver import NODE, ROW, solve_blocks
 
 LANES = 8
 CHAINS = 12

@@ -6,9 +6,9 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.schedule import Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 
 
 @dataclass(frozen=True)

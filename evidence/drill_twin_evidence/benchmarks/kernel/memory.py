@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from drill_twin.discretisation.kernel_arguments import LATERAL
-from drill_twin.schedule import Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.benchmarks.kernel.examples import full_scene
 
 LOOKS = 20

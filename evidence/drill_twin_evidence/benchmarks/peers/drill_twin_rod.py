@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from drill_twin.errors import RunError
-from drill_twin.schedule import Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.benchmarks.peers.rod import scene_of
 from drill_twin_evidence.benchmarks.peers.task import Motion, Recorder, Task
 

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
-from drill_twin.effects.wall import damping_number
+from drill_twin.physics.effects.wall import damping_number
 from drill_twin.scene import Scene, load_scene
-from drill_twin.schedule import Schedule
+from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.benchmarks.peers.task import SCENES, Array, Task
 
 
@@ -133,7 +133,7 @@ def wall_force(
 ) -> tuple[float, float, float, float]:
     """Force [N/m] and torque about the axis [N] of the wall per metre of rod, for tools that take our word for it.
 
-    The same law as `drill_twin.effects.wall` and `wall_friction`: K d^1.5 (1 + chi d_dot), not negative, and friction
+    The same law as `drill_twin.physics.effects.wall` and `wall_friction`: K d^1.5 (1 + chi d_dot), not negative, and friction
     mu N s / sqrt(s^2 + creep^2) / (1 + delta s) against the slip of the contact point, spin and axial sliding included.
     The last number of the law bounds the slope of friction by slip [N s/m^2], for explicit steps.
     """

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin_evidence.paper.calibration.objective import Loss, evaluate
 from drill_twin_evidence.paper.calibration.parameters import PARAMETERS, shares_of, with_shares

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 
-from drill_twin.errors import RunError
+from drill_twin.core.errors import RunError
 from drill_twin.scene import Scene
 from drill_twin_evidence.paper.runs.cases import Case, changed, scene_of
 from drill_twin_evidence.paper.runs.published import CRITICAL_TIME, DISPLACEMENT, FREQUENCY, RATIO, Number, published

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 from drill_twin.scene import Scene
 from drill_twin_evidence.paper.runs.cases import DAMPING, changed, value_at
 

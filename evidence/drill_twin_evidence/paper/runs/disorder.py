@@ -7,10 +7,10 @@ import math
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.schedule import Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.paper.runs.cases import changed
 
 MAX_FREQUENCY = 10.0

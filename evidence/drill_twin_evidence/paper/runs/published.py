@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from drill_twin.base.yaml_reader import YamlError, plain_yaml
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
+from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin_evidence import CONFIG
 
 CRITICAL_TIME, FREQUENCY, RATIO, DISPLACEMENT = (

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from drill_twin import __version__
-from drill_twin.errors import SceneError
+from drill_twin.core.errors import SceneError
 from drill_twin.scene import Scene, load_scene
 from drill_twin.studies.pool import cores, run_jobs
 from drill_twin_evidence.paper.runs import full_size

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.ensemble.parts import frames_of, planned
-from drill_twin.ensemble.run import Key, Result, on_threads
-from drill_twin.errors import RunError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.twin.dynamics import kernel_of
+from drill_twin.dynamics.twin.frame import RigState
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.scene_geometry import mark_infos
-from drill_twin.runner import compile_kernel
+from drill_twin.runs import compile_kernel
+from drill_twin.runs.ensemble.parts import frames_of, planned
+from drill_twin.runs.ensemble.run import Key, Result, on_threads
 from drill_twin.scene import Scene
-from drill_twin.twin.dynamics import kernel_of
-from drill_twin.twin.frame import RigState
-from drill_twin.twin.twin import Twin
 from drill_twin.whirl import Analyzer, Summary
 
 TOP_SPEED = RigState._fields.index("top_drive_speed")

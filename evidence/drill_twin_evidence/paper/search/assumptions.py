@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin_evidence.paper.search.readings import BASE, NEAR, NUMBERS, READINGS, Results, misfits, of_kind
 from drill_twin_evidence.paper.search.space import (
     BIT,

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.errors import DrillTwinError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.schedule import Schedule
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.paper.calibration.objective import lateral
 from drill_twin_evidence.paper.runs.cases import Case, changed, scene_of
 from drill_twin_evidence.paper.runs.published import CRITICAL_TIME

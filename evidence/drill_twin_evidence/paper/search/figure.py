@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin.report.figures.style import INK, LIGHT, blank, head
 from drill_twin_evidence.paper.runs.published import Number
 from drill_twin_evidence.paper.search.assumptions import LOOSE, STRICT

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin_evidence.paper.runs.cases import Case
 from drill_twin_evidence.paper.search.evaluate import Bench, failed
 from drill_twin_evidence.paper.search.readings import BASE

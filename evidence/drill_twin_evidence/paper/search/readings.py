@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
+from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin_evidence.paper.runs.cases import Case
 from drill_twin_evidence.paper.runs.published import CRITICAL_TIME, DISPLACEMENT, FREQUENCY, RATIO, Number, published
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.json_lines import JsonLines
+from drill_twin.core.files.json_lines import JsonLines
 from drill_twin_evidence.paper.runs.cases import Case
 from drill_twin_evidence.paper.search.readings import READINGS, Readings, Results
 from drill_twin_evidence.paper.search.space import Trial

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.effects.bit_stabiliser import BitStabiliser
+from drill_twin.core.arrays import Array
+from drill_twin.physics.effects.bit_stabiliser import BitStabiliser
 from drill_twin.scene import Scene
 from drill_twin_evidence.paper.calibration.parameters import FreeParameter
 from drill_twin_evidence.paper.runs.cases import DAMPING, changed, value_at

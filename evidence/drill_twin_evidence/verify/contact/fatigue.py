@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.model.mesh import SPIN
-from drill_twin.model.section_stress import AXIAL_FORCE, CYCLES, DAMAGE, SCALARS, STRESS
-from drill_twin.schedule.command import Command
-from drill_twin.twin.twin import Twin
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.model.mesh import SPIN
+from drill_twin.physics.model.section_stress import AXIAL_FORCE, CYCLES, DAMAGE, SCALARS, STRESS
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import SPATIAL, case
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import (
@@ -109,6 +109,6 @@ def stress_of_bending_and_tension() -> Iterator[Row]:
 
 
 def _middle(twin: Twin, command: Command, seconds: float = INTERVAL) -> Array:
-    """Scalars of mid-span after a frame (`drill_twin.model.section_stress`)."""
+    """Scalars of mid-span after a frame (`drill_twin.physics.model.section_stress`)."""
     found = twin.advance(command, seconds).stress
     return np.zeros(len(SCALARS)) if found is None else found[0]

@@ -10,14 +10,14 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import brentq
 
-from drill_twin.errors import RunError
-from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.steady.branches import branch, speed_of
-from drill_twin.rotordynamics.steady.shape_search import Shape, ShapeSearch
-from drill_twin.rotordynamics.steady.slow_whirls import helix
-from drill_twin.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.steady.branches import branch, speed_of
+from drill_twin.dynamics.rotordynamics.steady.shape_search import Shape, ShapeSearch
+from drill_twin.dynamics.rotordynamics.steady.slow_whirls import helix
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import FORMS, case
 from drill_twin_evidence.verify.dynamics.modes import SET
 from drill_twin_evidence.verify.row import Row

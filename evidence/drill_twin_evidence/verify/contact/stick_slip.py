@@ -7,12 +7,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.base.jit import as_python
-from drill_twin.effects import bit_torque_tanh
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import as_python
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.effects import bit_torque_tanh
 from drill_twin.scene import load_scene
-from drill_twin.schedule.command import Command
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import steel

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.base.arrays import Array, ComplexArray
-from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.steady.refinement import refined
-from drill_twin.rotordynamics.steady.whirl_states import WhirlState, whirl_states
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.steady.refinement import refined
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState, whirl_states
+from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
-from drill_twin.twin.dynamics import Dynamics
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import FORMS, case
 from drill_twin_evidence.verify.contact.whirling_rod import Physics, WhirlingRod, wall_damping
 from drill_twin_evidence.verify.dynamics.modes import SET

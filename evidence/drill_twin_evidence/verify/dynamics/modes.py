@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from drill_twin.rotordynamics.equations import EquationsOfMotion
-from drill_twin.rotordynamics.modes import AXIAL, LATERAL, TORSIONAL, Mode, modes
-from drill_twin.schedule.command import Command
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.modes import AXIAL, LATERAL, TORSIONAL, Mode, modes
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import FORMS, SPATIAL, case
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import (

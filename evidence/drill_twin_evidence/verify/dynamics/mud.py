@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.twin.twin import Twin
 from drill_twin_evidence.verify.case import FORMS, case
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import DENSITY, DIAMETER, KICK, LENGTH, WAVE, YOUNG, quiet_scene

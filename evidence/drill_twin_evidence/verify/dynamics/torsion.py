@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import DENSITY, EI, GJ, LENGTH, SHEAR, rod_scene

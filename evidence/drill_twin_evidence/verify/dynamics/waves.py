@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
-from drill_twin.schedule.command import Command
-from drill_twin.twin.frame import Frame
-from drill_twin.twin.twin import Twin
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.twin.frame import Frame
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import AREA, DENSITY, DIAMETER, LENGTH, SHEAR, YOUNG, quiet_scene

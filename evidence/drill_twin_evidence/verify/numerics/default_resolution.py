@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.twin.twin import Twin
 from drill_twin_evidence.verify.case import FORMS, case
 from drill_twin_evidence.verify.dynamics.lateral_frequencies import MODES, UNIT
 from drill_twin_evidence.verify.numerics.conservation import swing

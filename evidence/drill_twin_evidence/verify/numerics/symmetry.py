@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import FORMS, case
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import ROLLING, WALLED, quiet_scene

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 
 # Constraints at the bit: lateral position, slope.
 _HOLDS = {"guided": (True, True), "pinned": (True, False), "sliding": (False, True), "free": (False, False)}

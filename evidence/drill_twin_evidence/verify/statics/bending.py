@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from drill_twin.base.arrays import Array
+from drill_twin.core.arrays import Array
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import EI, LENGTH, rod_scene

@@ -7,12 +7,12 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from drill_twin.dynamics.torque_drag.analysis import analyse
+from drill_twin.dynamics.torque_drag.operations import Operation
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.schedule import Schedule
-from drill_twin.schedule.command import Command
-from drill_twin.torque_drag.analysis import analyse
-from drill_twin.torque_drag.operations import Operation
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points import Schedule
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import TWIN, Row
 from drill_twin_evidence.verify.scenes import DIAMETER, WALLED, quiet_scene

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.special import ellipk
 
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
-from drill_twin.schedule.command import Command
-from drill_twin.twin.twin import Twin
+from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import FORMS, case
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import EA, EI, LENGTH, LINE_MASS, quiet_scene

@@ -10,12 +10,12 @@ import numpy as np
 from scipy.sparse import dia_array
 from scipy.sparse.linalg import eigsh
 
-from drill_twin.model.mesh import SPIN
-from drill_twin.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.torque_drag.analysis import OperationLoads, analyse
+from drill_twin.dynamics.torque_drag.operations import Operation
+from drill_twin.dynamics.torque_drag.sliding_balance import BAND, NODE, Balance, SlidingBalance
+from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene import Scene
-from drill_twin.torque_drag.analysis import OperationLoads, analyse
-from drill_twin.torque_drag.operations import Operation
-from drill_twin.torque_drag.sliding_balance import BAND, NODE, Balance, SlidingBalance
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.scenes import DIAMETER, EI, LINE_MASS, WALLED, quiet_scene

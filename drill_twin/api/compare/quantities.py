@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Quantities of a comparison, and whether they differ."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.api.compare.case import Case
+from drill_twin.core.arrays import Array
+from drill_twin.core.missing import number_or_nan
+from drill_twin.report.quantities.string_forces import bending_stress_at
+from drill_twin.report.text import KILO
+
+NOTHING = 1e-9
+"""Number that is zero but for rounding."""
+REST = 0.05
+"""Share of the mean speed below which the bit counts as at rest."""
+POSES = 40
+"""Shapes of the string, over the second half of the run, of which the largest bending stress is taken."""
+
+
+class Quantity(NamedTuple):
+    """Quantity in each case: numbers in SI, or words."""
+
+    name: str
+    unit: str
+    values: tuple[float | str, ...]
+    """NaN or an empty text where a case does not have it."""
+
+    @property
+    def shown_unit(self) -> str:
+        """Unit with the prefix of `text`."""
+        return self._prefix[0] + self.unit
+
+    @property
+    def _prefix(self) -> tuple[str, float]:
+        largest = max((abs(value) for value in self.values if not isinstance(value, str)), default=0.0)
+        if self.unit == "Pa":
+            return "M", 1e6
+        return ("k", 1e3) if self.unit in {"N", "N m"} and largest >= KILO else ("", 1.0)
+
+    def differs(self, tolerance: float) -> bool:
+        """True if a case differs from the first by more than a share of the larger one; words: at all."""
+        first = self.values[0]
+        return any(_differ(first, other, tolerance) for other in self.values[1:])
+
+    def text(self, case: int) -> str:
+        """Value as text, with its difference from the first case."""
+        value, first = self.values[case], self.values[0]
+        if isinstance(value, str) or isinstance(first, str):
+            return str(value) or "none"
+        if not math.isfinite(value):
+            return "none"
+        shown = f"{value / self._prefix[1]:.4g}"
+        if case == 0 or not math.isfinite(first) or first == 0.0:
+            return shown
+        return f"{shown} ({100.0 * (value - first) / abs(first):+.0f} %)"
+
+
+def _differ(one: float | str, other: float | str, tolerance: float) -> bool:
+    if isinstance(one, str) or isinstance(other, str):
+        return one != other
+    if math.isnan(one) or math.isnan(other):
+        return math.isnan(one) != math.isnan(other)
+    larger = max(abs(one), abs(other))
+    return larger > NOTHING and abs(one - other) > tolerance * larger
+
+
+def quantities(cases: Sequence[Case]) -> list[Quantity]:
+    """Everything that is compared, those of the balance first; those that no case has are left out."""
+    rows = [dict(_of(case)) for case in cases]
+    names = dict.fromkeys(key for row in rows for key in row)
+    found = []
+    for name, unit in names:
+        known = next(row[name, unit] for row in rows if (name, unit) in row)
+        missing: float | str = "" if isinstance(known, str) else math.nan
+        found.append(Quantity(name, unit, tuple(row.get((name, unit), missing) for row in rows)))
+    return [of for of in found if any(value == value and value != "" for value in of.values)]  # noqa: PLR0124  NaN
+
+
+def _of(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
+    loads = case.loads
+    if loads is not None:
+        what, margins = f"balance, {loads.operation.name}: ", loads.margins
+        yield (what + "hookload", "N"), loads.hookload
+        yield (what + "surface torque", "N m"), loads.surface_torque
+        yield (what + "neutral point from the bit", "m"), loads.neutral_point
+        yield (what + "margin to snaking", "-"), margins[0] if math.isfinite(margins[0]) else math.nan
+        yield (what + "yield margin", "-"), loads.yield_margin
+        yield (what + "make-up margin", "-"), loads.make_up_margin
+        for contact in loads.contacts:
+            yield (f"{what}side force, {contact.name}", "N"), contact.force
+    yield from _run(case)
+
+
+def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
+    summary, rig = case.result.summary, case.result.rig
+    half = rig.time >= 0.5 * (rig.time[0] + rig.time[-1]) if len(rig) else np.zeros(0, bool)
+    yield ("motion that lasts", ""), summary["lasting_motion"] or ""
+    yield ("onset of whirl", "s"), number_or_nan(summary["onset_s"])
+    yield ("whirl frequency", "Hz"), number_or_nan(summary["whirl_frequency_hz"])
+    yield ("precession / rotation", "-"), number_or_nan(summary["precession_ratio"])
+    for mark, radius in summary["max_radius_m"].items():
+        yield (
+            (f"largest radius, {mark}, of the clearance (above 100: into the wall)", "%"),
+            100.0 * number_or_nan(radius) / summary["clearance_m"][mark],
+        )
+    yield ("bit at the end", ""), summary["bit"] or ""
+    if half.any():
+        speed = rig.bit_speed[half] / math.tau
+        yield ("speed of the bit, least", "rev/s"), _least(speed)
+        yield ("speed of the bit, largest", "rev/s"), -_least(-speed)
+        yield ("time of the bit at rest", "%"), 100.0 * float(np.mean(np.abs(speed) < REST * abs(np.nanmean(speed))))
+        for name, unit, series in (
+            ("torque of the top drive", "N m", rig.top_drive_torque), ("weight on bit", "N", rig.bit_force),
+            ("hookload", "N", rig.hookload),
+        ):  # fmt: skip
+            values = series[half]
+            yield (f"{name}, mean", unit), float(np.nanmean(values))
+            yield (f"{name}, swing", unit), -_least(-values) - _least(values)
+    force = case.result.wall_force
+    if force.size:
+        late = force[len(force) // 2 :]
+        yield ("largest force of the wall at a mark", "N"), float(np.nanmax(late))
+    poses = len(case.result.recording.poses)
+    if poses:
+        chosen = np.linspace(poses // 2, poses - 1, POSES).astype(np.int64)
+        stress = bending_stress_at(case.result.recording, chosen)
+        if stress is not None:
+            yield ("largest bending stress", "Pa"), float(stress.max())
+
+
+def _least(values: Array) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.min()) if known.size else math.nan

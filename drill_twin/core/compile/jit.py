@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Compiler flags of all kernels, applied by one decorator.
+
+* ``error_model="numpy"``: numba's default checks each division and blocks vectorisation (a factor 1.6 to 2 here).
+* ``fastmath`` without ``nnan`` and ``ninf``: sums may be reordered and fused, but a NaN stays a NaN, as the step
+  guard requires.
+* ``forceinline``: the functions of a step share structures of arrays; in a real call each array takes seven words on
+  the stack (measured: a third of the assembly time).
+* numba disables LLVM's superword-level vectoriser by default; the rows of solver and element need it.
+* Kernels release the GIL, so that a node answers services during a step.
+* No function of the time loop allocates, so none counts references (``_nrt``); an effect of another package may.
+* Nothing is cached here: numba's cache ignores edits in called functions. Only the generated entry points are cached,
+  under a name derived from all of their sources (`drill_twin.core.compile.kernel_cache`).
+"""
+
+import re
+from collections.abc import Callable
+from functools import cache
+from types import CellType, FunctionType
+from typing import Any, TypeVar, cast
+
+from numba import config, njit
+from numba.core.dispatcher import Dispatcher
+from numpy.typing import NDArray
+
+from drill_twin.core.compile.inlined_compiler import EntryCompiler, InlinedCompiler
+
+config.SLP_VECTORIZE = 1  # type: ignore[attr-defined]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+FLAGS: dict[str, Any] = {
+    "error_model": "numpy",
+    "fastmath": {"reassoc", "contract", "arcp", "nsz", "afn"},
+    "nogil": True,
+    "forceinline": True,
+}
+
+
+_WITHOUT_ALLOCATION = re.compile(
+    r"drill_twin\.(base|model|effects|solver|audit|whirl)\.|drill_twin_(kernel|linear|analysis)_"
+)
+
+
+def _compiled(function: Function, pipeline: Any, **more: Any) -> Function:
+    flags = FLAGS | {"_nrt": not _WITHOUT_ALLOCATION.match(function.__module__)} | more
+    return cast("Function", njit(**flags, pipeline_class=pipeline)(function))
+
+
+def kernel(function: Function) -> Function:
+    """Compile a function that other kernels call, lazily; Python calls it through `as_python`."""
+    return _compiled(function, InlinedCompiler)
+
+
+def entry_kernel(function: Function) -> Function:
+    """Compile a function that Python calls, lazily."""
+    return _compiled(function, EntryCompiler)
+
+
+def strict_kernel(function: Function) -> Function:
+    """As `kernel`, without ``fastmath``: samples may be NaN, and `isfinite` computes x - x, which is then 0."""
+    return _compiled(function, InlinedCompiler, fastmath=False)
+
+
+def strict_entry_kernel(function: Function) -> Function:
+    """As `entry_kernel`, without ``fastmath``."""
+    return _compiled(function, EntryCompiler, fastmath=False)
+
+
+@strict_kernel
+def copy(values: NDArray[Any], out: NDArray[Any]) -> None:
+    """Copy an array of one dimension; an assignment to a slice would allocate."""
+    for k in range(out.size):
+        out[k] = values[k]
+
+
+def is_inlined(dispatcher: Any) -> bool:
+    """True for a compiled function that only other kernels call."""
+    return dispatcher._compiler.pipeline_class is InlinedCompiler  # noqa: SLF001
+
+
+@cache
+def as_python(function: Any) -> Callable[..., Any]:
+    """A kernel as Python, with all kernels that it calls: to call it outside of compiled code."""
+    source = function.py_func
+    known = {name: source.__globals__.get(name) for name in source.__code__.co_names}
+    called = {name: as_python(value) for name, value in known.items() if isinstance(value, Dispatcher)}
+    named = {**source.__globals__, **called}
+    bound = [cell.cell_contents for cell in source.__closure__ or ()]
+    cells = tuple(CellType(as_python(value) if isinstance(value, Dispatcher) else value) for value in bound)
+    return FunctionType(source.__code__, named, source.__name__, source.__defaults__, cells)

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cache of compiled kernels on disk, each under a name that changes with its machine code.
+
+numba's own cache checks one file and does not see edits in the functions that it calls. So a small module is written
+into the cache folder and named by a hash of every source that it reaches, of the versions and of the processor: an
+edit gives another name, and stale code is never run.
+"""
+
+import hashlib
+import logging
+import os
+import platform
+import stat
+import sys
+import tempfile
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from threading import RLock
+from types import ModuleType
+
+import llvmlite
+import numba
+import numpy as np
+from numba.core.dispatcher import Dispatcher
+
+from drill_twin.core.compile.bitcode_cache import keep_parts
+from drill_twin.core.compile.jit import is_inlined
+from drill_twin.core.compile.numba_without_scipy import import_array_functions
+from drill_twin.core.compile.object_cache import is_open, keep_machine_code
+from drill_twin.core.compile.source_hash import modules_reached, source_hash
+from drill_twin.core.errors import RunError
+from drill_twin.core.files.whole_file import PRIVATE, write_whole
+
+_LOG = logging.getLogger(__name__)
+
+ONE_THREAD = RLock()
+"""A module is made by one thread: another must not see it half made, and Python 3.11 loses count in two `ast.parse`."""
+
+
+def cache_folder() -> Path:
+    """Folder of compiled kernels: the permanent one, else a temporary one.
+
+    Raises:
+        RunError: The folder named by ``$DRILL_TWIN_CACHE`` cannot be made, or belongs to another user.
+    """
+    return permanent_folder() or _temporary_folder()
+
+
+def cached_file(name: str) -> Path:
+    """A file of the cache: the one that is kept, in a folder that cannot be written to too, else where it can be put.
+
+    Raises:
+        RunError: As `cache_folder`.
+    """
+    kept = _kept_folder()
+    return kept / name if kept and (kept / name).is_file() else cache_folder() / name
+
+
+def permanent_folder() -> Path | None:
+    """Folder shared by the processes of this user, if it can be written to.
+
+    Raises:
+        RunError: As `cache_folder`.
+    """
+    kept = _kept_folder()
+    return kept if kept and os.access(kept, os.W_OK) else None
+
+
+def _kept_folder() -> Path | None:
+    """``$DRILL_TWIN_CACHE``, else the folder in the user's cache folder; None where there is none to be trusted.
+
+    Its files are run as programs: only this user may write to it, or only root.
+    """
+    named = os.environ.get("DRILL_TWIN_CACHE")
+    folder = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "drill_twin"
+    try:
+        folder.mkdir(mode=stat.S_IRWXU, parents=True, exist_ok=True)
+        if folder.stat().st_uid == os.geteuid() and stat.S_IMODE(folder.stat().st_mode) & ~stat.S_IRWXU:
+            with suppress(OSError):  # on a disk that is mounted read-only
+                folder.chmod(folder.stat().st_mode & stat.S_IRWXU)
+        found = folder.stat()
+        if found.st_uid not in {os.geteuid(), 0}:
+            reason = f"one of user {found.st_uid}, who could put programs there"
+        elif is_open(found):
+            reason = "one that others can write to, who could put programs there"
+        else:
+            return folder
+    except OSError as error:
+        reason = error.strerror or str(error)
+    if named:
+        raise RunError(
+            f"DRILL_TWIN_CACHE: expected a folder of your own that can be written to, found {named}: {reason}; "
+            "name another, or unset it"
+        )
+    return None
+
+
+@cache
+def _temporary_folder() -> Path:
+    return Path(tempfile.mkdtemp(prefix="drill_twin_kernels_"))
+
+
+def load_generated(kind: str, text: str, *more: str, packages: tuple[str, ...] = ()) -> ModuleType:
+    """Import a generated module and its cached machine code, under a name that changes with both.
+
+    Args:
+        kind: First part of its name.
+        text: Its source.
+        more: Texts besides the sources on which the machine code depends, such as the types of arguments.
+        packages: Packages besides this one whose source it uses.
+    """
+    with ONE_THREAD:
+        return _load(f"drill_twin_{kind}_{fingerprint(text, *more, packages=packages)}", text, packages)
+
+
+def fingerprint(text: str, *more: str, packages: tuple[str, ...] = ()) -> str:
+    """Hash of all source that a module reaches, of other texts, of the versions of libraries and of the processor."""
+    digest = hashlib.sha256(source_hash(text, packages).encode())
+    for part in (*more, platform.python_version(), numba.__version__, llvmlite.__version__, np.__version__):
+        digest.update(part.encode())
+    cpu = llvmlite.binding
+    digest.update(f"{cpu.get_host_cpu_name()} {sorted(cpu.get_host_cpu_features().items())}".encode())
+    return digest.hexdigest()[:16]
+
+
+def _load(name: str, text: str, packages: tuple[str, ...]) -> ModuleType:
+    """The module of this name, with the machine code in the cache folder.
+
+    Its source is kept there for tracebacks and debuggers; it is not run from there.
+    """
+    if name in sys.modules:
+        return sys.modules[name]
+    import_array_functions()
+    path = cached_file(f"{name}.py")
+    try:
+        if not path.is_file() or path.read_bytes() != text.encode():
+            write_whole(path, text, PRIVATE)
+    except OSError as error:
+        _LOG.warning("%s: not kept: %s", path, error.strerror or error)
+    module = ModuleType(name)
+    module.__file__ = str(path)
+    sys.modules[name] = module
+    try:
+        exec(compile(text, str(path), "exec"), module.__dict__)  # noqa: S102  the text is ours
+    except BaseException:
+        del sys.modules[name]
+        raise
+    for value in vars(module).values():
+        if isinstance(value, Dispatcher) and value.py_func.__module__ == name and not is_inlined(value):
+            keep_machine_code(value, lambda: _keep_parts(text, packages))
+    return module
+
+
+def _keep_parts(text: str, packages: tuple[str, ...]) -> None:
+    """Let the functions that a generated module reaches be shared with other modules."""
+    folder = permanent_folder()
+    if folder is not None:
+        modules = [name for name in modules_reached(text, packages) if name in sys.modules]
+        keep_parts(modules, folder, lambda name: fingerprint(f"import {name}", packages=packages))

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Errors for the user: each message names the place, expected, found and remedy; text of unknown origin in them."""
+
+import re
+from typing import Self
+
+
+def printable(text: str, *, keep: str = "\n") -> str:
+    r"""Text in which each control character, format character (bidirectional marks) or surrogate is written out.
+
+    ESC becomes `\x1b`, U+202E `\u202e`: a name in a bag cannot move the cursor, change the title of a window, or
+    reverse the order of what follows.
+
+    Args:
+        text: The text.
+        keep: Characters that stay although they are not printable.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        letter if letter.isprintable() or letter in keep else letter.encode("unicode_escape").decode("ascii")
+        for letter in text
+    )
+
+
+def shortened(text: str, longest: int = 300) -> str:
+    """Text of a stranger fit for a log or an answer: printable, on one line, at most `longest` characters."""
+    text = printable(text[: 2 * longest], keep="")
+    return text if len(text) <= longest else f"{text[:longest]}..."
+
+
+def encoding_problem(error: UnicodeDecodeError) -> str:
+    """Words for a text that is not UTF-8: the encoding that it seems to have, and what to do."""
+    begin = bytes(error.object[:2])
+    found = "UTF-16" if begin in {b"\xff\xfe", b"\xfe\xff"} else "another encoding, such as Latin-1 or Windows-1252"
+    return f"{found} (byte {error.object[error.start]:#04x}); save it as UTF-8"
+
+
+def words_cut(text: str) -> str:
+    """Text in which each word of more than 200 characters, such as an absurd path, has its ends only."""
+    return re.sub(r"\S{201,}", lambda word: f"{word[0][:80]}...{word[0][-80:]}", text)
+
+
+class DrillTwinError(Exception):
+    """Base of all errors that the user can correct; the command line prints it on one line."""
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(printable(words_cut(message)))
+
+
+class SceneError(DrillTwinError):
+    """A scene file that cannot be simulated as written; the message has its first problem.
+
+    Attributes:
+        problems: All problems of a scene, one line each, in the order of the file; empty for other errors.
+    """
+
+    problems: tuple[str, ...] = ()
+
+
+class TableError(DrillTwinError):
+    """A table of measured set-points that cannot be used."""
+
+
+class BagError(DrillTwinError):
+    """A bag that cannot be written, read or analysed."""
+
+
+class MessageError(DrillTwinError):
+    """Bytes or values that are no message of the topic contract; what was found is cut short."""
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(shortened(message, 500))
+
+
+class RunError(DrillTwinError):
+    """A run that cannot continue; the message names time, place and likely remedy."""
+
+
+class RunStopped(BaseException):
+    """A request to stop in the middle of a frame; the twin is back at the end of the last whole one."""
+
+
+class StoppedError(RunError):
+    """A run stopped by the step guard after several retries; the twin is back at the last good frame.
+
+    Attributes:
+        time: Simulated time of that frame [s].
+        kind: Kind of the violation (`drill_twin.dynamics.twin.violation.Violation`).
+        node: Node at which it was largest.
+        effect: Key of the effect that caused it; empty if none was identified.
+    """
+
+    def __init__(self, message: str, time: float, kind: str, node: int, effect: str) -> None:
+        super().__init__(message)
+        self.time, self.kind, self.node, self.effect = time, kind, node, effect
+
+    def with_message(self, message: str) -> Self:
+        """Copy with another message."""
+        return type(self)(message, self.time, self.kind, self.node, self.effect)
+
+    def __reduce__(self) -> tuple[type[Self], tuple[str, float, str, int, str]]:
+        """Support pickling, for transfer between processes."""
+        return type(self), (str(self), self.time, self.kind, self.node, self.effect)
+
+
+class ArgumentError(DrillTwinError, ValueError):
+    """An argument of a function of the Python API that cannot be used."""
+
+
+class CheckpointError(DrillTwinError):
+    """A checkpoint that cannot be written, read or resumed."""

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Results that a study writes as it goes: a line of JSON for what they are of, then one for each result."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import stat
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from drill_twin.core.errors import ArgumentError, BagError
+from drill_twin.core.files.json_reader import ODD_DATA, read_json
+
+_LOG = logging.getLogger(__name__)
+LONGEST_LINE = 64_000_000
+"""Bytes of a line; a longer one is a bad one."""
+_OPEN = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC | os.O_NONBLOCK  # a pipe is refused, not waited for
+
+
+class JsonLines:
+    """File of results of one setup, to which each result is appended as soon as it is there.
+
+    A result is in the file once `add` returns, so a kill loses only what was being computed. A line that is cut or
+    damaged is left out, and its result computed again. Nothing is written to a file that is not of this setup.
+
+    Attributes:
+        bad: Lines left out.
+    """
+
+    def __init__(
+        self, file: Path, key: str, setup: Mapping[str, Any], read: Callable[[Any], None], *,
+        foreign: str, other: str, of: Any = Any, ordered: bool = False,
+    ) -> None:  # fmt: skip
+        """Open a file, begin it if it is new or empty, and read what it has.
+
+        Args:
+            file: The file; neither it nor its folder need exist.
+            key: Name of the setup in the first line.
+            setup: All that the results depend on, in plain types.
+            read: Takes a result, as the type `of`; raises a ValueError, TypeError or LookupError for one that is none.
+            foreign: Message if the first line is no setup.
+            other: Message if it is another one; `{}` stands for the names that differ.
+            of: Type of a result, for pydantic: a line with a field that is missing or of another type is a bad one.
+            ordered: Each result depends on those before: those behind a bad line are taken off with it.
+
+        Raises:
+            ArgumentError: The file is of another setup, or none of these files.
+            BagError: It cannot be read or written, or is no regular file.
+        """
+        self.file, self.bad, self._type = file, 0, TypeAdapter[Any](of)
+        head = (json.dumps({key: setup}) + "\n").encode()
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            with os.fdopen(os.open(file, _OPEN, 0o666), "r+b", buffering=0) as stream:
+                if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+                    raise BagError(f"{file}: expected a regular file, found a pipe or device; choose another file")
+                text = stream.read()
+                first, newline, rest = text.partition(b"\n")
+                if not newline and head.startswith(text):  # new, or broken off in its first line
+                    stream.write(head[len(text) :])
+                    return
+                self._check(first, key, setup, foreign, other)
+                kept = len(first) + 1 + self._read_lines(rest, read, ordered=ordered)
+                stream.truncate(kept)
+            if self.bad:
+                lines = "1 line that is no result is" if self.bad == 1 else f"{self.bad} lines that are no results are"
+                _LOG.warning("%s: %s left out; what it was of is computed again", file, lines)
+        except OSError as error:
+            raise self._unusable(error) from error
+
+    def add(self, result: Any) -> None:
+        """Append a result, of plain types.
+
+        Raises:
+            BagError: The file cannot be written.
+        """
+        line = (json.dumps(result, separators=(",", ":")) + "\n").encode()
+        try:
+            with self.file.open("ab", buffering=0) as stream:
+                end = stream.tell()
+                try:
+                    while line:
+                        line = line[stream.write(line) :]
+                except OSError:
+                    stream.truncate(end)  # no half of a line stays on a full disk
+                    raise
+        except OSError as error:
+            raise self._unusable(error) from error
+
+    def _read_lines(self, text: bytes, read: Callable[[Any], None], *, ordered: bool) -> int:
+        """Read the results; returns the length of the text that stays."""
+        *lines, cut = text.split(b"\n")
+        self.bad = int(cut != b"")
+        kept = 0
+        for line in lines:
+            try:
+                if len(line) > LONGEST_LINE:
+                    raise ValueError("a line that is too long")
+                read(self._type.validate_json(line, strict=True))
+            except ODD_DATA:
+                self.bad += 1
+                if ordered:
+                    break
+            kept += len(line) + 1
+        return kept
+
+    def _check(self, line: bytes, key: str, setup: Mapping[str, Any], foreign: str, other: str) -> None:
+        try:
+            found = read_json(line, largest=LONGEST_LINE)[key]
+            differing = [name for name, value in setup.items() if found.get(name) != json.loads(json.dumps(value))]
+        except ODD_DATA:
+            raise ArgumentError(f"{self.file}: {foreign}") from None
+        if differing:
+            raise ArgumentError(f"{self.file}: {other.format(' and '.join(differing))}")
+
+    def _unusable(self, error: OSError) -> BagError:
+        return BagError(
+            f"{self.file}: expected a place to keep results, found {error.strerror or error}; choose another"
+        )

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""pydantic field types that read `"40 N"` and hold 40.0: floats in SI inside, text with its unit in files.
+
+A scene file must write the unit; a bare number is refused there (validation context `{"text": True}`). Code may pass
+plain floats, which are SI.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import PydanticCustomError, core_schema
+
+from drill_twin.core.units import dimension as dim
+from drill_twin.core.units.dimension import DIMENSIONLESS, Dimension
+from drill_twin.core.units.parse import dimension_of, editor_pattern, parse, short, write
+from drill_twin.core.units.registry import UnitError
+
+
+def refuse(message: str) -> PydanticCustomError:
+    """Make a validation error with a message."""
+    return PydanticCustomError("drill_twin", "{message}", {"message": message})
+
+
+def show(value: object) -> str:
+    """Quote a found value for a message, on one short line."""
+    if value is None:
+        return "nothing"
+    return f'"{short(value)}"' if isinstance(value, str) else short(repr(value))
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Annotation of a float field with its dimension."""
+
+    dimension: Dimension
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        """Parse with the dimension; write with the SI unit in JSON mode, as a float in Python mode."""
+        return core_schema.with_info_plain_validator_function(
+            self._read,
+            serialization=core_schema.plain_serializer_function_ser_schema(self._write, when_used="json"),
+            metadata={"dimension": self.dimension},
+        )
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Pattern, examples and unit for editors."""
+        if self.dimension == DIMENSIONLESS:
+            percent = {"type": "string", "pattern": editor_pattern(self.dimension), "examples": ["30 %"]}
+            return {"anyOf": [{"type": "number"}, percent], "x-unit": ""}
+        return {
+            "type": "string",
+            "pattern": editor_pattern(self.dimension),
+            "examples": list(self.dimension.examples),
+            "x-unit": self.dimension.unit,
+        }
+
+    def _read(self, value: Any, info: ValidationInfo) -> float:
+        if isinstance(value, str):
+            try:
+                return parse(value, self.dimension)
+            except UnitError as error:
+                raise refuse(str(error)) from None
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise refuse(f"expected {self.dimension.expected}, found {show(value)}")
+        if info.context and info.context.get("text") and self.dimension != DIMENSIONLESS:
+            raise refuse(f"expected {self.dimension.expected}, found {value!r} (no unit)")
+        if not math.isfinite(value):
+            raise refuse(f"expected a finite {self.dimension.name}, found {value!r}")
+        return float(value)
+
+    def _write(self, value: float | str) -> str | float:
+        return value if self.dimension == DIMENSIONLESS or isinstance(value, str) else write(value, self.dimension)
+
+
+@dataclass(frozen=True)
+class Within:
+    """Annotation of a quantity field with its range, in units, and the reason for it."""
+
+    above: str | None = None
+    """Open lower bound, such as `0 m`."""
+    at_least: str | None = None
+    """Closed lower bound."""
+    below: str | None = None
+    """Open upper bound."""
+    at_most: str | None = None
+    """Closed upper bound."""
+    reason: str = ""
+    """Explanation after the range in messages."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        """Check the parsed value; the message quotes what was written."""
+        limits = (
+            (self.above, float.__gt__), (self.at_least, float.__ge__),
+            (self.below, float.__lt__), (self.at_most, float.__le__),
+        )  # fmt: skip
+        written = [(text, holds) for text, holds in limits if text is not None]
+        schema = handler(source)
+        # several dimensions share a unit, such as stiffness and force per length: use that of the field
+        dimension = schema.get("metadata", {}).get("dimension") or dimension_of(written[0][0])
+        bounds = [(parse(text, dimension), holds) for text, holds in written]
+
+        def check(value: Any, inner: core_schema.ValidatorFunctionWrapHandler) -> float:
+            result: float = inner(value)
+            if not all(holds(result, bound) for bound, holds in bounds):
+                text = show(value) if isinstance(value, str) else write(result, dimension)
+                raise refuse(f"expected {dimension.article}, {self.range_text}, found {text}")
+            return result
+
+        return core_schema.no_info_wrap_validator_function(check, schema)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Range as text for editors; in patterns only the sign can be checked."""
+        result = {**handler(schema), "x-range": self.range_text}
+        lowest = self.above or self.at_least
+        if lowest is not None and parse(lowest, dimension_of(lowest)) >= 0.0 and "pattern" in result:
+            result["pattern"] = result["pattern"].replace("[+-]?", "[+]?", 1)
+        for branch in result.get("anyOf", ()):
+            if branch.get("type") == "number":
+                branch.update({key: float(bound) for key, bound in self._bounds().items()})
+        return result
+
+    def _bounds(self) -> dict[str, str]:
+        keywords = {
+            "exclusiveMinimum": self.above,
+            "minimum": self.at_least,
+            "exclusiveMaximum": self.below,
+            "maximum": self.at_most,
+        }
+        return {key: bound for key, bound in keywords.items() if bound is not None}
+
+    @property
+    def range_text(self) -> str:
+        """Range as text: `above 0 m and at most 5 m`."""
+        named = (("above", self.above), ("at least", self.at_least), ("below", self.below), ("at most", self.at_most))
+        text = " and ".join(f"{name} {bound}" for name, bound in named if bound is not None)
+        return f"{text} ({self.reason})" if self.reason else text
+
+
+Length = Annotated[float, Quantity(dim.LENGTH)]
+Mass = Annotated[float, Quantity(dim.MASS)]
+LinearMass = Annotated[float, Quantity(dim.LINEAR_MASS)]
+Time = Annotated[float, Quantity(dim.TIME)]
+Force = Annotated[float, Quantity(dim.FORCE)]
+Angle = Annotated[float, Quantity(dim.ANGLE)]
+AngularSpeed = Annotated[float, Quantity(dim.ANGULAR_SPEED)]
+Frequency = Annotated[float, Quantity(dim.FREQUENCY)]
+Speed = Annotated[float, Quantity(dim.SPEED)]
+Acceleration = Annotated[float, Quantity(dim.ACCELERATION)]
+Density = Annotated[float, Quantity(dim.DENSITY)]
+Pressure = Annotated[float, Quantity(dim.PRESSURE)]
+Torque = Annotated[float, Quantity(dim.TORQUE)]
+LinearDrag = Annotated[float, Quantity(dim.LINEAR_DRAG)]
+RotaryDrag = Annotated[float, Quantity(dim.ROTARY_DRAG)]
+HertzStiffness = Annotated[float, Quantity(dim.HERTZ_STIFFNESS)]
+LinearStiffness = Annotated[float, Quantity(dim.LINEAR_STIFFNESS)]
+InverseSpeed = Annotated[float, Quantity(dim.INVERSE_SPEED)]
+RotationalStiffness = Annotated[float, Quantity(dim.ROTATIONAL_STIFFNESS)]
+RotationalDamping = Annotated[float, Quantity(dim.ROTATIONAL_DAMPING)]
+Inertia = Annotated[float, Quantity(dim.INERTIA)]
+Stiffness = Annotated[float, Quantity(dim.STIFFNESS)]
+Damping = Annotated[float, Quantity(dim.DAMPING)]
+TimePerAngle = Annotated[float, Quantity(dim.TIME_PER_ANGLE)]
+SquaredTimePerAngle = Annotated[float, Quantity(dim.SQUARED_TIME_PER_ANGLE)]
+SpeedPerForce = Annotated[float, Quantity(dim.SPEED_PER_FORCE)]
+LengthPerAngle = Annotated[float, Quantity(dim.LENGTH_PER_ANGLE)]
+ForceTimesAngle = Annotated[float, Quantity(dim.FORCE_TIMES_ANGLE)]
+ForcePerLength = Annotated[float, Quantity(dim.FORCE_PER_LENGTH)]
+Viscosity = Annotated[float, Quantity(dim.VISCOSITY)]
+Dimensionless = Annotated[float, Quantity(dim.DIMENSIONLESS)]

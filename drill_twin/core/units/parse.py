@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parsing and writing of quantities with units, such as `"40 N"` or `"12 1/4 in"`, with a check of the dimension."""
+
+import difflib
+import math
+import re
+from functools import cache
+
+from drill_twin.core.units.dimension import DIMENSIONLESS, DIMENSIONS, Dimension
+from drill_twin.core.units.registry import (
+    UNIT_NAMES,
+    Dimensionality,
+    UnitError,
+    UnknownUnitError,
+    short_names,
+    si_factor,
+    tidy,
+)
+
+_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_FRACTION = r"(?:\s+(\d+)/(\d+)|/(\d+))?"
+_MARKS = {'"': "in", "″": "in", "”": "in", "'": "ft", "′": "ft", "’": "ft"}
+"""Units by their signs, as in `8 1/2"`."""
+_QUANTITY = re.compile(rf"\s*({_NUMBER}){_FRACTION}(?:(?<=[\d.])|\s)\s*([^\d\s.+-].*)?", re.DOTALL | re.ASCII)
+
+
+def parse(text: str, dimension: Dimension) -> float:
+    """Parse a text such as `"40 N"` to its SI value; raises UnitError with expected and found."""
+    value, unit = split(text, dimension)
+    factor, found = _factor_or_raise(unit, text, dimension)
+    if found not in (accepted := _accepted(dimension)):
+        what = dimension_name(found)
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}" ({what if unit else "no unit"})')
+    factor *= accepted[found]
+    result = value if factor == 1.0 else tidy(value * factor)
+    if not math.isfinite(result):
+        raise UnitError(f'expected a finite {dimension.name}, found "{short(text)}"')
+    return result
+
+
+def split(text: str, dimension: Dimension) -> tuple[float, str]:
+    """Split a text into number and unit; fractions such as `12 1/4 in` and `1/2 in` are read, `"` is in and `'` ft."""
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}" (not a number with a unit)')
+    number, numerator, mixed, simple, unit = match.groups()
+    value = float(number)
+    if int(mixed or 1) == 0 or int(simple or 1) == 0:
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}" (division by zero)')
+    if mixed:
+        value += math.copysign(int(numerator) / int(mixed), value)
+    if simple:
+        value /= int(simple)
+    unit = (unit or "").strip()
+    return value, _MARKS.get(unit, unit)
+
+
+def factor_of(unit: str, dimension: Dimension) -> float:
+    """SI factor of a unit, for columns of numbers; raises UnitError if it has another dimension."""
+    factor, found = _factor_or_raise(unit, unit, dimension)
+    if found not in (accepted := _accepted(dimension)):
+        raise UnitError(f'expected a unit of {dimension.name} such as "{dimension.unit}", found "{short(unit)}"')
+    return factor * accepted[found]
+
+
+def write(value: float, dimension: Dimension) -> str:
+    """Text of an SI value that `parse` reads back to the same float: `0.0165 m`."""
+    return f"{value!r} {dimension.unit}".rstrip()
+
+
+def dimension_name(dimensionality: Dimensionality) -> str:
+    """Name of a dimensionality for messages: `mass`, or its powers if it has none."""
+    named = _named(dimensionality)
+    if named:
+        return named.name
+    return " ".join(f"{base.strip('[]')}^{power:g}" for base, power in dimensionality)
+
+
+def dimension_of(text: str) -> Dimension:
+    """Dimension of a quantity's text, such as a bound; raises UnitError if it is not in the table."""
+    _, unit = split(text, DIMENSIONLESS)
+    named = _named(si_factor(unit)[1])
+    if named is None:
+        raise UnitError(f'expected a dimension known to scenes, found "{text}"')
+    return named
+
+
+def _named(dimensionality: Dimensionality) -> Dimension | None:
+    return next((known for known in DIMENSIONS if dimensionality == si_factor(known.unit)[1]), None)
+
+
+@cache
+def _accepted(dimension: Dimension) -> dict[Dimensionality, float]:
+    """Dimensionalities accepted for a dimension, each with the factor from its SI value to that of the dimension."""
+    same = {si_factor(unit)[1]: 1.0 for unit in (dimension.unit, *dimension.also)}
+    return same | {si_factor(unit)[1]: factor for unit, factor in dimension.converted}
+
+
+def _factor_or_raise(unit: str, text: str, dimension: Dimension) -> tuple[float, Dimensionality]:
+    try:
+        return si_factor(unit)
+    except UnknownUnitError as error:
+        what = _unknown_unit(str(error), dimension)
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}": {what}') from None
+    except UnitError as error:
+        raise UnitError(f'expected {dimension.expected}, found "{short(text)}": {error}') from None
+
+
+def short(text: str) -> str:
+    """Shorten a text to one line of at most 60 characters, for messages."""
+    line = " ".join(text.split())
+    return line if len(line) <= 60 else line[:57] + "..."
+
+
+@cache
+def editor_pattern(dimension: Dimension) -> str:
+    """Regular expression (ECMA 262) for texts of a dimension: simple units by name, products of units by shape."""
+    fitting = sorted(_simple_units(dimension, (*short_names(), *UNIT_NAMES)), key=lambda name: (-len(name), name))
+    simple = "|".join(fitting)
+    product = r"[^\s0-9]+\s*[*·/^ ]\s*\S.*"
+    number = r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?(\s+[0-9]+/[0-9]+|/[0-9]+)?"
+    unit = rf"({simple}|{product})" if simple else rf"({product})"
+    return rf"^\s*{number}\s*{unit}{'' if dimension.unit else '?'}\s*$"
+
+
+def _unknown_unit(name: str, dimension: Dimension) -> str:
+    """Message with the nearest unit of the expected dimension, else of any."""
+    for known in (_simple_units(dimension, short_names()), short_names()):
+        same = [unit for unit in known if unit.lower() == name.lower()]
+        near = same or difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+        if near:
+            return f'"{name}" is not a known unit, did you mean "{near[0]}"?'
+    return f'"{name}" is not a known unit'
+
+
+@cache
+def _simple_units(dimension: Dimension, names: tuple[str, ...]) -> list[str]:
+    """Select the names that are units of the dimension."""
+    return [name for name in names if si_factor(name)[1] in _accepted(dimension)]

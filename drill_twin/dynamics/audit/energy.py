@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Energy and angular momentum of a state, in numpy."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import as_python
+from drill_twin.physics.effects.wall import Parameters as Wall
+from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.wellbore import axis_offset
+
+
+class Energy(NamedTuple):
+    """Parts of the rod's energy [J]."""
+
+    kinetic: float
+    bending: float
+    stretch: float
+    torsion: float
+
+    @property
+    def total(self) -> float:
+        """Sum of the parts [J]."""
+        return sum(self)
+
+
+def element_unknowns(rows: Array) -> Array:
+    """Gather r_0, r'_0, r_1, r'_1 of each element from node rows, shape (n, 4, 3)."""
+    return np.stack([rows[:-1, 0:3], rows[:-1, 3:6], rows[1:, 0:3], rows[1:, 3:6]], 1)
+
+
+def energy(rod: Rod, u: Array, v: Array) -> Energy:
+    """Energy of the rod, sampled as the kernel samples it.
+
+    Args:
+        rod: The string.
+        u: Node rows (r, r', psi), shape (n + 1, 7).
+        v: Their velocities, shape (n + 1, 7).
+    """
+    q, dq = element_unknowns(u), element_unknowns(v)
+    kinetic = 0.5 * np.einsum("eic,eij,ejc->", dq, rod.mass, dq)
+    s0, s1 = v[:-1, 6], v[1:, 6]
+    kinetic += 0.5 * float(np.sum(rod.spin_mass / 12.0 * (5 * s0**2 + 2 * s0 * s1 + 5 * s1**2)))
+    a = np.einsum("epi,eic->epc", rod.shape[:, :, 1], q)
+    b = np.einsum("epi,eic->epc", rod.shape[:, :, 2], q)
+    g2 = np.sum(a * a, -1)
+    bend2 = np.sum(b * b, -1) / g2 - (np.sum(a * b, -1) / g2) ** 2
+    weight = 0.5 * rod.length[:, None]
+    bending = 0.5 * float(np.sum(weight * rod.bending[:, None] * bend2))
+    g = np.sqrt(g2)
+    twist = ((u[1:, 6] - u[:-1, 6]) / rod.length)[:, None] - (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]) / (
+        g * (g + a[..., 2])
+    )
+    torsion = 0.5 * float(np.sum(weight * rod.torsion[:, None] * twist**2))
+    inner = np.einsum("ei,eic->ec", rod.inner, q)
+    strain = np.linalg.norm(u[:, 3:6], axis=1) - 1.0
+    square = np.stack([strain[:-1], strain[1:], np.linalg.norm(inner, axis=1) - 1.0], -1) ** 2
+    stretch = 0.5 * float(np.sum(rod.axial[:, None] * rod.samples * square))
+    return Energy(float(kinetic), bending, stretch, torsion)
+
+
+def lateral_energy(rod: Rod, u: Array, v: Array) -> Energy:
+    """Energy of a string in the lateral form, sampled as its kernel samples it.
+
+    Args:
+        rod: The string.
+        u: Node rows (r, r', psi), shape (n + 1, 7).
+        v: Their velocities, shape (n + 1, 7).
+    """
+    q, dq = element_unknowns(u)[:, :, :2], element_unknowns(v)[:, :, :2]
+    kinetic = 0.5 * np.einsum("eic,eij,ejc->", dq, rod.mass, dq) + 0.5 * float(rod.spin_mass.sum()) * v[-1, 6] ** 2
+    b = np.einsum("epi,eic->epc", rod.shape[:, :, 2], q)
+    bending = 0.25 * float(np.sum((rod.length * rod.bending)[:, None, None] * b**2))
+    return Energy(float(kinetic), bending, 0.0, 0.0)
+
+
+def wall_energy(model: DiscreteModel, wall: Wall, u: Array) -> float:
+    """Energy in the wall's spring [J]: K d^(p + 1) / (p + 1) per length at the Gauss points."""
+    rod, bore = model.rod, model.wellbore
+    places = gauss_positions(rod, u)
+    if bore.axis is None:
+        off = np.hypot(places[:, 0], places[:, 1])
+    else:
+        offset = as_python(axis_offset)
+        off = np.array([np.linalg.norm(offset(bore.axis, k, *place)[:3]) for k, place in enumerate(places)])
+    depth = np.maximum(off - bore.clearance, 0.0)
+    power = 1.0 if wall.linear else 1.5
+    return float(np.sum(0.5 * model.at_places(rod.length) * wall.stiffness * depth ** (power + 1.0) / (power + 1.0)))
+
+
+def angular_momentum(rod: Rod, u: Array, v: Array) -> float:
+    """Angular momentum about the hole's axis [kg m2/s], spin included."""
+    q, dq = element_unknowns(u), element_unknowns(v)
+    orbital = np.einsum("ei,eij,ej->", q[..., 0], rod.mass, dq[..., 1])
+    orbital -= np.einsum("ei,eij,ej->", q[..., 1], rod.mass, dq[..., 0])
+    return float(orbital + np.sum(rod.spin_mass * 0.5 * (v[:-1, 6] + v[1:, 6])))
+
+
+def gauss_positions(rod: Rod, u: Array) -> Array:
+    """Centre line at the Gauss points [m], shape (2 n, 3)."""
+    places: Array = np.einsum("epi,eic->epc", rod.shape[:, :, 0], element_unknowns(u)).reshape(-1, 3)
+    return places

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The energy audit of a step: each effect's work on the string in it, for a scene that asks for it.
+
+The midpoint rule makes the work of a force over a step exactly F v dt with the force and the velocity at mid-step, so
+the work of all forces adds up to the change of kinetic energy to round-off. Once a step has converged, the system is
+built once more with effects that record their work in the ledger. The remaining residual of the equations is, at
+constrained unknowns, the reaction that drives them, and at the others the part that Newton's method left unsolved.
+
+In the lateral form no node moves along the hole as an unknown; the axial velocity follows from the slopes, so that
+gravity and weight on bit do work there too.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import kernel
+from drill_twin.dynamics.audit.energy_ledger import (
+    AXIAL_VELOCITY,
+    CLAMP,
+    DRIVE,
+    ENDS,
+    HEAT,
+    LOST,
+    NEWTON,
+    NOW,
+    POWER,
+    SAMPLE,
+    TOP_ROW,
+    WEIGHT,
+    WORK,
+)
+from drill_twin.dynamics.solver.boundary.bit_frame import turn_row, turn_row_back
+from drill_twin.dynamics.solver.boundary.rig import BIT, RESIDUAL, TOP
+from drill_twin.dynamics.solver.lateral.formulation import column
+from drill_twin.dynamics.solver.lateral.linear_solver import NODE
+from drill_twin.dynamics.solver.lateral.tangent_reuse import ADDED, HALF_STEP, RENEW, RENEW_STEPS
+from drill_twin.dynamics.solver.lateral.workspace import TORQUE
+from drill_twin.dynamics.solver.state import State
+from drill_twin.physics.model.mesh import SPIN, Rod
+
+OUTSIDE_ITERATION = -5.0  # number of an iteration, matched by no effect that remembers Newton's last one
+
+
+@kernel
+def start_step(entries: Array) -> None:
+    """Clear the powers of the step."""
+    for k in range(entries.shape[1]):
+        entries[POWER, k] = 0.0
+        entries[HEAT, k] = 0.0
+        entries[ENDS, k] = 0.0
+    entries[NOW, SAMPLE] = 0.0
+
+
+@kernel
+def end_step(entries: Array, state: State, step: float) -> None:
+    """Add the step's work to the totals; note the velocity of the top after it by the midpoint rule alone."""
+    last = state.u.shape[0] - 1
+    for k in range(entries.shape[1]):
+        entries[WORK, k] += step * entries[POWER, k]
+        entries[LOST, k] += step * entries[HEAT, k]
+    for c in range(7):
+        entries[TOP_ROW, c] = 2.0 * state.trial[last, c] - state.v[last, c]
+
+
+@kernel
+def close_step(parameters: Any, rod: Rod, state: State) -> None:
+    """Record the work of setting the top to its prescribed velocity, which the midpoint rule alone would overshoot."""
+    entries, v = parameters.ledger.entries, state.v
+    e, last = rod.length.shape[0] - 1, v.shape[0] - 1
+    mass = rod.mass[e]
+    for c in range(2):
+        change = v[last, c] - entries[TOP_ROW, c]
+        momentum = mass[2, 0] * v[e, c] + mass[2, 1] * v[e, 3 + c] + mass[2, 3] * v[last, 3 + c]
+        momentum += mass[2, 2] * (entries[TOP_ROW, c] + 0.5 * change)
+        entries[WORK, CLAMP] += change * momentum
+
+
+def bind_spatial(build: Any) -> Callable[..., None]:
+    """The audit of a step of the spatial form; `build` fills the system with effects that record their work."""
+
+    @kernel
+    def audit(parameters: Any, rod: Rod, work: Any, constrained: Array, state: State, time: float, h2: float) -> None:
+        entries, free, last = parameters.ledger.entries, parameters.ledger.constrained, state.u.shape[0] - 1
+        start_step(entries)
+        build(parameters, rod, work, free, state, time, h2, False, OUTSIDE_ITERATION)
+        turn_row(state.bit_frame, state.trial[0])
+        for i in range(last + 1):
+            for c in range(7):
+                power = work.diagonal[i, c, RESIDUAL] * state.trial[i, c]
+                driven = (i == 0 and constrained[0, c]) or (i == last and constrained[1, c])
+                entries[POWER, (DRIVE if c == SPIN else CLAMP) if driven else NEWTON] += power
+        turn_row_back(state.bit_frame, state.trial[0])
+        end_step(entries, state, 2.0 * h2)
+
+    return audit
+
+
+def bind_lateral(build: Any) -> Callable[..., None]:
+    """The audit of a step of the lateral form; `build` as for `bind_spatial`."""
+
+    @kernel
+    def audit(parameters: Any, rod: Rod, work: Any, constrained: Array, state: State, time: float, h2: float) -> None:
+        entries, free = parameters.ledger.entries, parameters.ledger.constrained
+        reuse, last = work.reuse, state.u.shape[0] - 1
+        start_step(entries)
+        from_top = parameters.drive.from_top > 0.0
+        shortening = set_axial_velocity(rod, state, h2, from_top, parameters.ledger.gauss[AXIAL_VELOCITY])
+        # the factors are left as they are, and the system is built exactly once
+        half, renew, steps, added = reuse[HALF_STEP], reuse[RENEW], reuse[RENEW_STEPS], reuse[ADDED]
+        reuse[HALF_STEP], reuse[RENEW], reuse[RENEW_STEPS], reuse[ADDED] = h2, 0.0, 0.0, np.inf
+        build(parameters, rod, work, free, state, time, h2, False, OUTSIDE_ITERATION)
+        reuse[HALF_STEP], reuse[RENEW], reuse[RENEW_STEPS], reuse[ADDED] = half, renew, steps, added
+        for i in range(last + 1):
+            for k in range(NODE):
+                c = column(k)
+                power = work.right[i, k] * state.trial[i, c]
+                driven = (i == 0 and constrained[0, c]) or (i == last and constrained[1, c])
+                entries[POWER, CLAMP if driven else NEWTON] += power
+        entries[POWER, WEIGHT] += (work.ends[TOP, 2, RESIDUAL] - work.ends[BIT, 2, RESIDUAL]) * shortening
+        entries[POWER, DRIVE] += (work.axial[TORQUE] + work.ends[BIT, SPIN, RESIDUAL]) * state.trial[last, SPIN]
+        end_step(entries, state, 2.0 * h2)
+
+    return audit
+
+
+@kernel
+def set_axial_velocity(rod: Rod, state: State, h2: float, from_top: bool, out: Array) -> float:
+    """Fill in the velocity of the Gauss points along the hole, v_z(s) = int_s^top r'.r'_dot; returns that of the bit.
+
+    Summed as the axial force is (`drill_twin.dynamics.solver.lateral.assembly`), so that the work of both agrees. Where the
+    weight is set at the top the bit is constrained, and the top moves instead.
+    """
+    above = 0.0
+    for e in range(rod.length.shape[0] - 1, -1, -1):
+        h, total = rod.length[e], 0.0
+        for p in range(2):
+            d, g = rod.shape[e, p, 1], 0.0
+            for c in range(2):
+                rate = (
+                    d[0] * state.trial[e, c] + d[1] * state.trial[e, 3 + c]
+                    + d[2] * state.trial[e + 1, c] + d[3] * state.trial[e + 1, 3 + c]
+                )  # fmt: skip
+                slope = (
+                    d[0] * state.u[e, c] + d[1] * state.u[e, 3 + c]
+                    + d[2] * state.u[e + 1, c] + d[3] * state.u[e + 1, 3 + c]
+                )  # fmt: skip
+                g += (slope + h2 * rate) * rate
+            out[2 * e + p] = above + rod.spin_shape[p, 1] * h * g
+            total += 0.5 * h * g
+        above += total
+    if from_top:
+        for k in range(out.shape[0]):
+            out[k] -= above
+    return above

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Number of elements, time step and Newton tolerance of a scene, chosen where it says `auto`."""
+
+import math
+
+import numpy as np
+
+from drill_twin.core.errors import SceneError
+from drill_twin.dynamics.discretisation.discretise import sections_of
+from drill_twin.dynamics.discretisation.refinement import LONG, elements_needed
+from drill_twin.physics.effects.wall import Parameters as Wall
+from drill_twin.physics.model.mesh import Rod, Tube, tube_constants
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points import extremes
+
+ELEMENTS_PER_PITCH = 8
+FEWEST, MOST, MOST_LONG = 16, 400, 1000
+IMPACT, OF_DEPTH = 0.1, 2e-3
+"""Speed of a slow impact [m/s], and the Newton tolerance as a share of its depth in the wall."""
+
+
+def resolution_of(scene: Scene) -> tuple[int, float]:
+    """Number of elements and time step [s] of a scene, as given or chosen for `auto`.
+
+    Raises:
+        SceneError: The scene asks for an accuracy instead.
+        TableError: One is to be chosen for a record that cannot be used.
+    """
+    numerics = scene.numerics
+    if numerics.accuracy is not None:
+        raise SceneError(
+            f"{scene.name}: expected numerics.elements and numerics.step, found numerics.accuracy, which only "
+            "drill-twin run and the simulator node turn into them (drill_twin.studies.accuracy.resolve)"
+        )
+    if "auto" not in (numerics.elements, numerics.step):
+        return int(numerics.elements), float(numerics.step)
+    tubes, most = sections_of(scene), extremes(scene)
+    compression = max(most.weight_on_bit, 1.0)
+    elements = auto_elements(scene, compression) if numerics.elements == "auto" else int(numerics.elements)
+    if numerics.step == "auto":
+        return elements, auto_step(tubes, compression, most.rotation, numerics.frame_period)
+    return elements, float(numerics.step)
+
+
+def auto_elements(scene: Scene, compression: float) -> int:
+    """Elements of `wanted_elements`, but at most 400, or 1,000 in a long string (`notes.notes_on` tells where).
+
+    Args:
+        scene: The scene.
+        compression: Largest axial compression expected [N].
+    """
+    return min(wanted_elements(scene, compression), most_elements(scene))
+
+
+def most_elements(scene: Scene) -> int:
+    """Most elements that `auto` takes."""
+    return MOST_LONG if scene.length >= LONG else MOST
+
+
+def wanted_elements(scene: Scene, compression: float) -> int:
+    """Elements for eight per pitch of the buckling helix of each section, without an upper limit.
+
+    The pitch 2 pi sqrt(2 EI / F) (Lubinski, Althouse and Logan 1962) is the shortest wave caused by the load. In a long
+    string that load is the local one, and the mesh is graded (`grading.elements_needed`).
+
+    Args:
+        scene: The scene.
+        compression: Largest axial compression expected [N].
+    """
+    if scene.length >= LONG:
+        return max(int(np.ceil(elements_needed(scene).sum())), FEWEST)
+    count = 0.0
+    for tube in sections_of(scene):
+        bending = tube_constants(tube)[1]
+        pitch = math.tau * np.sqrt(2.0 * bending / max(compression, 1e-9))
+        count += tube.length / min(pitch, tube.length * 4.0) * ELEMENTS_PER_PITCH
+    return int(max(np.ceil(count), FEWEST))
+
+
+def auto_step(tubes: list[Tube], compression: float, speed: float, frame: float) -> float:
+    """Time step that resolves the growth of buckling and the rotation.
+
+    A tenth of the time 2 sqrt(EI m) / F in which the fastest buckling wave grows e-fold without damping, a hundredth
+    of a revolution, and the frame interval; the smallest of them. The scheme is stable far beyond.
+
+    Args:
+        tubes: Sections.
+        compression: Largest axial compression expected [N].
+        speed: Fastest rotation expected [rad/s].
+        frame: Time between two published frames [s].
+    """
+    turn = math.tau / max(abs(speed), 1e-9)
+    return float(min(0.1 * growth_time(tubes, compression), 0.01 * turn, frame))
+
+
+def growth_time(tubes: list[Tube], compression: float) -> float:
+    """Time 2 sqrt(EI m) / F in which the fastest buckling wave grows e-fold without damping [s], under a load [N]."""
+    least = min(constants[1] * constants[3] for constants in map(tube_constants, tubes))
+    return float(2.0 * np.sqrt(least) / max(compression, 1e-9))
+
+
+def newton_place(tolerance: float, rod: Rod, wall: Wall | None, blades: float = 0.0) -> float:
+    """Newton tolerance for positions [m].
+
+    A share of the string's radius, and with a stiff wall or stabiliser at most a share of the depth of a slow impact: a
+    larger error there changes the energy.
+
+    Args:
+        tolerance: Share of the radius, `numerics.tolerance`.
+        rod: Meshed string.
+        wall: Law of the wall; None if the scene lists none.
+        blades: Stiffness of the stabiliser at the bit [N/m]; 0 without one.
+    """
+    place = tolerance * float(rod.outer_radius.min())
+    if blades > 0.0:  # K d^2 = m v^2 for the mass at the bit's node
+        mass = 0.5 * float(rod.line_mass[0] * rod.length[0])
+        place = min(place, OF_DEPTH * IMPACT * math.sqrt(mass / blades))
+    if wall is None:
+        return place
+    return min(place, OF_DEPTH * impact_depth(wall, float(rod.line_mass.min()), IMPACT))
+
+
+def impact_depth(wall: Wall, line_mass: float, speed: float) -> float:
+    """Depth of an impact of a free slice of the string in the wall, K d^(p+1) / (p+1) = m v^2 / 2 [m].
+
+    Args:
+        wall: Law of the wall.
+        line_mass: Mass per length m [kg/m].
+        speed: Towards the wall, v [m/s].
+    """
+    power = 1.0 if wall.linear else 1.5
+    return float((0.5 * (power + 1.0) * line_mass * speed**2 / wall.stiffness) ** (1.0 / (power + 1.0)))

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Notes on a scene that can be simulated but not as its author may expect: mesh, drag, friction intervals, rolling."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from drill_twin.dynamics.discretisation.discretise import sections_of
+from drill_twin.dynamics.discretisation.refinement import LONG, PER_WAVE
+from drill_twin.dynamics.discretisation.resolution import (
+    ELEMENTS_PER_PITCH,
+    most_elements,
+    resolution_of,
+    wanted_elements,
+)
+from drill_twin.physics.model.mesh import tube_constants
+from drill_twin.scene import Scene
+from drill_twin.scene.blocks.numerics import MOST_ELEMENTS
+from drill_twin.scene.set_points import extremes
+
+LARGEST_SHEAR = 4e-4
+"""Shear strain at the top from rotary drag beyond which a note is given [-]: a tenth of that at which steel yields."""
+
+FRAMES_IN_ORBIT, STEPS_IN_ORBIT = 2.5, 20.0
+"""Frames in an orbit that whirl needs to be seen (`whirl.Criteria.needed_in_orbit`), and time steps in which the
+midpoint rule turns it by 0.8 % too little."""
+
+
+def notes_on(scene: Scene) -> list[str]:
+    """Sentences on the resolution, the rotary drag, the friction intervals and the rolling of a scene.
+
+    Raises:
+        TableError: A record that cannot be used.
+    """
+    return [*_coarse_mesh(scene), *_rotary_drag(scene), *_friction_below_the_string(scene), *_rolling(scene)]
+
+
+def frequency_error(elements: float) -> float:
+    """Relative error of the frequency of a bending wave with this many cubic elements a wave length, (k h)^4 / 1440."""
+    return (math.tau / elements) ** 4 / 1440.0
+
+
+def _coarse_mesh(scene: Scene) -> Iterator[str]:
+    if scene.numerics.elements != "auto" or scene.numerics.accuracy is not None:
+        return
+    wanted, most = wanted_elements(scene, max(extremes(scene).weight_on_bit, 1.0)), most_elements(scene)
+    if wanted > most:
+        per_wave, of = (
+            (PER_WAVE, "a bending wave at the frequency of rotation, locally")
+            if scene.length >= LONG
+            else (ELEMENTS_PER_PITCH, "a pitch of the buckling helix")
+        )
+        each = per_wave * most / wanted
+        yield (
+            f"`numerics.elements: auto` takes {most} elements, its most, where its rule ({per_wave} {of}) "
+            f"asks for {wanted}: with {each:.1f}, frequencies of such waves are about "
+            f"{100.0 * frequency_error(each):.2g} % too high in place of "
+            f"{100.0 * frequency_error(per_wave):.2g} %; for more write "
+            f"`numerics.elements: {min(wanted, MOST_ELEMENTS)}`"
+        )
+
+
+def _rotary_drag(scene: Scene) -> Iterator[str]:
+    drag = getattr(scene.effects, "drag", None)
+    if drag is None or drag.rotary == 0.0:
+        return
+    speed, tubes = extremes(scene).rotation, sections_of(scene)
+    torque = drag.rotary * scene.length * speed
+    stiffness = tube_constants(tubes[-1])[2]
+    shear = torque / stiffness * 0.5 * tubes[-1].outer_diameter
+    if shear > LARGEST_SHEAR:
+        yield (
+            f"`effects.drag.rotary` takes {torque:.3g} N m from the top drive at {speed * 30.0 / math.pi:.3g} rpm over "
+            f"{scene.length:.6g} m: a shear strain of {100.0 * shear:.2g} % at the top, more than a tenth of what "
+            "steel pipe carries; the couple of mud is far smaller (`mud` with `rotation_drag`)"
+        )
+
+
+def _friction_below_the_string(scene: Scene) -> Iterator[str]:
+    friction = getattr(scene.effects, "wall_friction", None)
+    for index, interval in enumerate(friction.intervals if friction else ()):
+        if interval.top >= scene.length:
+            yield (
+                f"`effects.wall_friction.intervals[{index}]` begins at {interval.top:.6g} m, below the bit at "
+                f"{scene.length:.6g} m: no part of the string is in it"
+            )
+
+
+def _rolling(scene: Scene) -> Iterator[str]:
+    """Rolling along the wall, at minus radius over clearance times the rotation, that frames or steps cannot show."""
+    radius, middle = np.array([(0.5 * piece.contact_diameter, piece.length) for piece in scene.string.pieces]).T
+    middle = np.cumsum(middle) - 0.5 * middle
+    hole = np.array([scene.hole.radius_at(scene.length - float(place)) for place in middle])
+    ratio = radius / np.maximum(hole - radius, 1e-12)
+    fastest, turns = int(np.argmax(ratio)), extremes(scene).rotation / math.tau
+    frames = scene.numerics.frame_rate
+    steps = 1.0 / resolution_of(scene)[1] if scene.numerics.accuracy is None else math.inf
+    shown = ratio * turns * FRAMES_IN_ORBIT <= frames
+    followed = ratio * turns * STEPS_IN_ORBIT <= steps
+    if shown.all() and followed.all():
+        return
+    pieces, worst = scene.string.pieces, ratio[fastest] * turns
+    length = sum(piece.length for piece, good in zip(pieces, shown & followed, strict=True) if not good)
+    lacks = []
+    if not shown.all():
+        lacks.append(
+            f"`numerics.frame_rate: {frames:.4g} Hz` shows none above {frames / FRAMES_IN_ORBIT:.3g} Hz, this needs "
+            f"{FRAMES_IN_ORBIT * worst:.3g} Hz"
+        )
+    if not followed.all():
+        lacks.append(f"a step of {1e3 / steps:.3g} ms, this needs one of {1e3 / STEPS_IN_ORBIT / worst:.3g} ms")
+    yield (
+        f"backward whirl may be missed: rolling along the wall, {pieces[fastest].section.name or 'the string'}, "
+        f"{middle[fastest]:.4g} m from the bit, whirls at -{ratio[fastest]:.3g} times the rotation (radius over "
+        f"clearance), {worst:.3g} Hz; {'; '.join(lacks)}; so for {length:.4g} m of the string"
+    )

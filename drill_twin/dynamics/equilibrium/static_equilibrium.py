@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Static equilibrium of the loaded string, straight, buckled or on the wall, by pseudo-transient continuation.
+
+Kelley and Keyes 1998: backward Euler steps, each from rest, so that nothing oscillates. From rest a step of h moves by
+``(M / h^2 + K)^-1`` times the residual force: small steps descend in energy, away from unstable equilibria, long ones
+are Newton's method. Steps grow as the residual decreases. An equilibrium that a perturbation leaves (a straight string
+above its buckling load) is unstable, and the search continues from there.
+"""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.audit.energy import element_unknowns
+from drill_twin.dynamics.solver.spatial.assembly import FAR, NEAR
+from drill_twin.physics.model.mesh import Rod
+
+TOLERANCE = 1e-6  # residual force at a node over the largest load
+FIRST_STEP = 0.5  # over the growth time of buckling: below 1, so that an unstable shape is left
+LARGEST_FIRST_STEP = 1.0  # of a string without a buckling load [s]
+LARGEST_GROWTH = 1.5  # of the step
+FORCE_GROWTH = 1.2  # growth of the residual force at which the step is constant
+LARGEST_STEP = 1e4  # over the first step
+MAX_FAILED_STEPS = 200  # without convergence of Newton's method
+MAX_STEPS = 2000
+PERTURBATION, TEST_PERTURBATION = 0.1, 0.05  # initial, and in the test of stability, in radii of the string
+TEST_STEPS = 200
+UNSTABLE_GROWTH = 1.5  # growth of the perturbation from which an equilibrium is unstable
+HALF_WAVES = 5  # of a perturbation
+
+
+class StringAtRest(Protocol):
+    """String at rest that takes pseudo-transient steps (`drill_twin.dynamics.twin.dynamics.Dynamics`)."""
+
+    @property
+    def unknowns(self) -> tuple[Array, Array]:
+        """Node rows (r, r', psi) and their velocities, shape (n + 1, 7) each."""
+
+    @property
+    def rod(self) -> Rod:
+        """The meshed string."""
+
+    def pseudo_transient_step(self, seconds: float) -> bool:
+        """Take a backward Euler step from rest to rest; False, with the state unchanged, if Newton's method fails."""
+
+
+class Equilibrium(NamedTuple):
+    """Result of the search."""
+
+    force: float
+    """Largest residual force at a node [N]."""
+    steps: int
+    """Number of steps."""
+
+
+def random_shape(arc: Array, random: np.random.Generator) -> tuple[Array, Array]:
+    """Smooth random lateral shape of size 1, zero at both ends, and its slope [1/m]; shape (n + 1, 2) each."""
+    share = arc / arc[-1]
+    place, slope = np.zeros((arc.size, 2)), np.zeros((arc.size, 2))
+    for half_waves in range(1, HALF_WAVES + 1):
+        wave = np.pi * half_waves
+        for column in range(2):
+            size = random.normal() / half_waves
+            # sin^2 and its slope are zero at both ends, compatible with all boundary conditions
+            place[:, column] += size * np.sin(wave * share) ** 2
+            slope[:, column] += size * wave / arc[-1] * np.sin(2.0 * wave * share)
+    return place, slope
+
+
+def find_equilibrium(string: StringAtRest, growth: float, load: float, seed: int) -> Equilibrium:
+    """Move a string at rest to a stable equilibrium.
+
+    Args:
+        string: The string, in an initial guess.
+        growth: Time in which the fastest buckling wave grows e-fold [s] (`drill_twin.dynamics.discretisation.resolution`).
+        load: Largest load, the reference of the residual force [N].
+        seed: Seed of the perturbation, which selects the direction of buckling.
+
+    Raises:
+        RunError: No equilibrium was found.
+    """
+    random = np.random.default_rng(seed)
+    first = 2.0 * min(FIRST_STEP * growth, LARGEST_FIRST_STEP)  # twice that of backward Euler
+    radius = float(string.rod.outer_radius.min())
+    steps = 0
+    _perturb(string, PERTURBATION * radius, random)
+    while True:
+        force, used = _converge(string, first, TOLERANCE * load, MAX_STEPS - steps)
+        steps += used
+        if _is_stable(string, first, TEST_PERTURBATION * radius, random):
+            return Equilibrium(force, steps)
+        steps += TEST_STEPS
+
+
+def _perturb(string: StringAtRest, size: float, random: np.random.Generator) -> None:
+    place, slope = random_shape(string.rod.arc, random)
+    u, _ = string.unknowns
+    u[:, 0:2] += size * place
+    u[:, 3:5] += size * slope
+
+
+def _converge(string: StringAtRest, first: float, tolerance: float, most: int) -> tuple[float, int]:
+    u, _ = string.unknowns
+    step, last, force, failures = first, np.inf, np.inf, 0
+    for count in range(1, most + 1):
+        before = u.copy()
+        if not string.pseudo_transient_step(step):
+            step *= 0.25
+            failures += 1
+            if failures > MAX_FAILED_STEPS:
+                break
+            continue
+        force = _residual_force(string.rod, u - before, 0.5 * step)
+        if force < (2.0 * tolerance if step <= first else tolerance):
+            if step <= first:
+                return force, count
+            step, last = first, np.inf  # confirm with short steps: a long one may go far along a soft direction
+            continue
+        factor = np.clip(FORCE_GROWTH * last / force, 0.5, LARGEST_GROWTH)
+        step = float(np.clip(step * factor, first, LARGEST_STEP * first))
+        last = force
+    u = string.unknowns[0]
+    raise RunError(
+        f"rig.start: expected a static equilibrium under the load, found none: residual force {force:.3g} N, "
+        f"tolerance {tolerance:.3g} N, largest lateral displacement {np.hypot(u[:, 0], u[:, 1]).max():.3g} m. Start "
+        "from the axis instead (rig.start: axis), take a lower load, more elements, or list a wall"
+    )
+
+
+def _residual_force(rod: Rod, moved: Array, half: float) -> float:
+    """Largest residual force at a node [N], M moved / h^2 by backward Euler from rest."""
+    forces = np.einsum("eij,ejc->eic", rod.mass, element_unknowns(moved)) / half**2
+    nodal = np.zeros((rod.length.size + 1, 3))
+    nodal[:-1] += forces[:, 0]
+    nodal[1:] += forces[:, 2]
+    return float(np.linalg.norm(nodal, axis=1).max())
+
+
+def _is_stable(string: StringAtRest, step: float, size: float, random: np.random.Generator) -> bool:
+    """Test whether a perturbation of the string does not grow; if so, the equilibrium is restored."""
+    u, rod = string.unknowns[0], string.rod
+    balance = u.copy()
+    mass = np.append(rod.line_mass * rod.length, 0.0) + np.append(0.0, rod.line_mass * rod.length)
+
+    def away() -> float:
+        return float(np.sqrt(np.sum(mass[:, None] * (u[:, :2] - balance[:, :2]) ** 2)))  # monotonic if stable
+
+    _perturb(string, size, random)
+    perturbed = away()
+    for _ in range(TEST_STEPS):
+        string.pseudo_transient_step(step)
+        if away() > UNSTABLE_GROWTH * perturbed:
+            return False
+    u[:] = balance
+    return True
+
+
+def inertia_torques(rod: Rod, acceleration: Array) -> Array:
+    """Torques at the nodes [N m] for an angular acceleration [rad/s2]; both shape (n + 1,)."""
+    torque = np.zeros(acceleration.size)
+    torque[:-1] += rod.spin_mass * (NEAR * acceleration[:-1] + FAR * acceleration[1:])
+    torque[1:] += rod.spin_mass * (FAR * acceleration[:-1] + NEAR * acceleration[1:])
+    return torque
+
+
+def twist_under(rod: Rod, torque: Array) -> Array:
+    """Spin under torques at the nodes [N m] of a string fixed at the top [rad]; both shape (n + 1,)."""
+    twist = np.cumsum(torque[:-1]) * rod.length / rod.torsion
+    return np.append(np.cumsum(twist[::-1])[::-1], 0.0)

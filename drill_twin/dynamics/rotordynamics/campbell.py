@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Campbell diagram: lateral modes over the speed of rotation, followed by their shapes, and critical speeds."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, damped_modes
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.modes import balance, is_vertical
+from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame
+from drill_twin.scene.set_points.command import Command
+
+SPARE = 6
+"""Modes computed beyond those asked for, so that none is lost where their order changes."""
+
+
+class Campbell(NamedTuple):
+    """Lateral modes over speeds of rotation; p speeds, m modes."""
+
+    weight_on_bit: float
+    """[N]."""
+    speeds: Array
+    """Speed of rotation [rad/s], shape (p,)."""
+    eigenvalues: ComplexArray
+    """Growth [1/s] and frequency [rad/s], positive in the sense of rotation, shape (p, m)."""
+    critical: tuple[tuple[int, float], ...]
+    """Mode and speed [rad/s] at which its frequency is that of the rotation."""
+
+
+def mac(first: ComplexArray, second: ComplexArray) -> Array:
+    """Modal assurance criterion between the columns of two matrices (Allemang 1982), 0 to 1, shape (m, k)."""
+    scale = np.outer(np.sum(np.abs(first) ** 2, axis=0), np.sum(np.abs(second) ** 2, axis=0))
+    result: Array = np.abs(first.conj().T @ second) ** 2 / np.maximum(scale, 1e-300)
+    return result
+
+
+def campbell(
+    equations: EquationsOfMotion, weight_on_bit: float, speeds: Array, count: int = 6, numbered_at: float | None = None
+) -> Campbell:
+    """Follow the lateral modes of the string on the axis over the speed of rotation.
+
+    Args:
+        equations: Of a scene with a straight vertical hole.
+        weight_on_bit: [N].
+        speeds: [rad/s], shape (p,), in order.
+        count: Modes, the lowest at the first speed.
+        numbered_at: Speed [rad/s] at which they are the lowest, in their order, instead; the nearest of `speeds`.
+
+    Raises:
+        RunError: The hole is not vertical, or there is no balance.
+    """
+    if not is_vertical(equations):
+        raise RunError(
+            f"{equations.scene.name}: expected a straight vertical hole, in which the string can turn on the axis, "
+            "found an inclined or curved one; `drill-twin modes` gives its modes at one speed"
+        )
+    frame = TurningFrame(equations)
+    values = np.zeros((speeds.size, count), dtype=complex)
+    first = 0 if numbered_at is None else int(np.argmin(np.abs(speeds - numbered_at)))
+    shapes: ComplexArray | None = None
+    at_first: ComplexArray | None = None
+    for k in (*range(first, speeds.size), *range(first - 1, -1, -1)):
+        system = balance(equations, Command(weight_on_bit, float(speeds[k]))).system
+        pencil = Pencil(*(frame.as_complex(matrix) for matrix in system.matrices))
+        found, vectors = damped_modes(pencil)
+        order = np.argsort(np.abs(found))[: count + SPARE]
+        found, vectors = found[order], vectors[frame.at_node][:, order]
+        beside = k - 1 if k > first else k + 1
+        if shapes is None or at_first is None:
+            chosen = np.arange(count)
+            at_first = vectors[:, chosen]
+        else:
+            if k == first - 1:
+                shapes = at_first
+            # one shape belongs to two eigenvalues, forward and backward: the nearer of equal shapes
+            scale = np.abs(values[beside]).max()
+            apart = np.abs(values[beside][:, None] - found[None, :]) / scale
+            chosen = linear_sum_assignment(1.0 - mac(shapes, vectors) + apart)[1]
+        values[k], shapes = found[chosen], vectors[:, chosen]
+    return Campbell(weight_on_bit, speeds, values, critical_speeds(speeds, values))
+
+
+def critical_speeds(speeds: Array, eigenvalues: ComplexArray) -> tuple[tuple[int, float], ...]:
+    """Speeds at which the frequency of a mode equals that of the rotation, by linear interpolation."""
+    found: list[tuple[int, float]] = []
+    ahead = eigenvalues.imag - speeds[:, None]
+    for k, mode in zip(*np.nonzero(ahead[:-1] * ahead[1:] <= 0.0), strict=True):
+        before, after = ahead[k, mode], ahead[k + 1, mode]
+        share = before / (before - after) if before != after else 0.0
+        speed = float(speeds[k] + share * (speeds[k + 1] - speeds[k]))
+        if speed > 0.0 and not any(other == mode and math.isclose(speed, at) for other, at in found):
+            found.append((int(mode), speed))
+    return tuple(found)

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Eigenvalues of M s^2 + C s + K: all of them, those nearest to zero, or on a basis of undamped modes."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse
+import scipy.sparse.linalg
+from numpy.typing import NDArray
+
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.core.errors import RunError
+
+Numbers = NDArray[np.int64]
+"""Numbers of unknowns."""
+MOST_UNKNOWNS = 250
+"""Size from which only the eigenvalues nearest to zero are computed."""
+NEAREST = 160
+"""Number of these."""
+SHIFT = 0.01
+"""Point that they are nearest to [rad/s]: not zero, where a string that may turn or advance freely is singular."""
+
+
+class Pencil(NamedTuple):
+    """Mass, damping and stiffness, real or complex, shape (m, m) each; sparse ones for `damped_modes` alone."""
+
+    mass: Any
+    damping: Any
+    stiffness: Any
+
+    def on(self, basis: Array) -> Pencil:
+        """Galerkin projection on the columns of a real basis."""
+        return Pencil(*(basis.T @ matrix @ basis for matrix in self))
+
+
+def undamped_basis(pencil: Pencil, count: int, loaded: Numbers | None = None) -> Array:
+    """The lowest undamped modes of the symmetric part, with the static shapes under unit loads; columns.
+
+    The static shapes (residual flexibility, MacNeal 1971) make up for the modes left out where a damper or spring at
+    one point, such as the bit's friction, would need many of them.
+
+    Args:
+        pencil: The matrices.
+        count: Modes.
+        loaded: Numbers of the unknowns with a unit load.
+    """
+    stiffness, mass = pencil.stiffness.real, pencil.mass.real
+    last = min(count, mass.shape[0]) - 1
+    _, modes = scipy.linalg.eigh(0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T), subset_by_index=[0, last])
+    if loaded is None or not loaded.size or last + 1 >= mass.shape[0] - loaded.size:
+        return np.asarray(modes)
+    # stiffness made positive by mass, so that no buckled string has a singular one
+    load = np.zeros((mass.shape[0], loaded.size))
+    load[loaded, np.arange(loaded.size)] = 1.0
+    shift = abs(float(np.min(np.einsum("ik,ij,jk->k", modes, stiffness, modes)))) + 1.0
+    static = np.linalg.solve(stiffness + shift * mass, load)
+    static -= modes @ (modes.T @ mass @ static)
+    static /= np.sqrt(np.maximum(np.einsum("ik,ij,jk->k", static, mass, static), 1e-300))
+    return np.hstack([modes, static])
+
+
+def eigenvalues(pencil: Pencil) -> tuple[ComplexArray, ComplexArray]:
+    """Eigenvalues [rad/s], shape (2 m,), and their shapes as columns, shape (m, 2 m)."""
+    values, vectors = np.linalg.eig(_first_order(pencil))
+    return values, vectors[: pencil.mass.shape[0]]
+
+
+def eigenvalues_only(pencil: Pencil) -> ComplexArray:
+    """As `eigenvalues`, without shapes, in half the time."""
+    return np.asarray(np.linalg.eigvals(_first_order(pencil)), np.complex128)
+
+
+def _first_order(pencil: Pencil) -> NDArray[Any]:
+    """Matrix of the same motion in position and velocity, shape (2 m, 2 m)."""
+    m = pencil.mass.shape[0]
+    state = np.zeros((2 * m, 2 * m), dtype=np.result_type(*pencil))
+    state[:m, m:] = np.eye(m)
+    state[m:] = -np.linalg.solve(pencil.mass, np.hstack([pencil.stiffness, pencil.damping]))
+    return state
+
+
+def damped_modes(pencil: Pencil) -> tuple[ComplexArray, ComplexArray]:
+    """As `eigenvalues`; of a large problem those nearest to zero.
+
+    No basis of undamped modes will do for it: friction on the wall couples the stiff motion into the wall with the soft
+    one along it, and the symmetric part of such a stiffness has a large negative eigenvalue at each point of contact.
+
+    Raises:
+        RunError: The iteration does not converge.
+    """
+    size = pencil.mass.shape[0]
+    if size <= MOST_UNKNOWNS:
+        return eigenvalues(Pencil(*(as_dense(matrix) for matrix in pencil)))
+    unit = scipy.sparse.eye_array(size)
+    left = scipy.sparse.block_array([[None, unit], [-_sparse(pencil.stiffness), -_sparse(pencil.damping)]])
+    values, vectors = nearest_to_zero(left, scipy.sparse.block_diag([unit, _sparse(pencil.mass)]))
+    return values, vectors[:size]
+
+
+def nearest_to_zero(left: Any, right: Any, count: int = NEAREST) -> tuple[ComplexArray, ComplexArray]:
+    """Eigenvalues s of A z = s B z nearest to zero, and their vectors as columns: Arnoldi's method, shifted, inverted.
+
+    Args:
+        left: A, sparse, shape (k, k).
+        right: B.
+        count: Number of eigenvalues.
+
+    Raises:
+        RunError: The iteration does not converge.
+    """
+    size = left.shape[0]
+    inverse = scipy.sparse.linalg.splu((left - SHIFT * right).tocsc())
+    kind = np.result_type(left.dtype, right.dtype)
+    operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=lambda z: inverse.solve(right @ z), dtype=kind)
+    try:
+        values, vectors = scipy.sparse.linalg.eigs(operator, k=min(count, size - 2), v0=np.ones(size, kind))
+    except scipy.sparse.linalg.ArpackError as error:
+        raise RunError(f"expected the modes of the string, found none: {error}; try other elements") from error
+    return SHIFT + 1.0 / values, vectors
+
+
+def as_dense(matrix: Any) -> NDArray[Any]:
+    """The full matrix of a sparse or full one."""
+    return np.asarray(matrix.toarray() if scipy.sparse.issparse(matrix) else matrix)
+
+
+def _sparse(matrix: Any) -> Any:
+    return scipy.sparse.csc_array(matrix)

@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Damped modes of the turning string about its balance under the load.
+
+In a straight vertical hole the balance is the string on the axis. Its lateral motion z = x + i y then obeys complex
+equations of half the size, M z'' + (C) z' + K z = 0, in which forward whirl (in the sense of the rotation) has a
+positive frequency and backward whirl a negative one (Genta 2005, ch. 2). Motion along and about the axis is separate.
+Elsewhere the string lies on the wall, and all motions are coupled.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.rotordynamics.delayed import Delay, delayed_modes
+from drill_twin.dynamics.rotordynamics.eigenvalues import MOST_UNKNOWNS, Numbers, Pencil, damped_modes
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
+from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame
+from drill_twin.dynamics.solver.linearisation import STIFFNESS
+from drill_twin.scene.set_points.command import Command
+
+NEWTON_STEPS = 30
+NEWTON_TOLERANCE = 1e-9
+LATERAL, TORSIONAL, AXIAL = "lateral", "torsional", "axial"
+COUNT = 12
+CREEP = 1e-6
+"""Largest frequency over the size of an eigenvalue of a motion without oscillation."""
+
+Resting = Callable[[Command], Array]
+"""Rows of the string in static balance under a command, twisted by the torques on it."""
+
+
+class Mode(NamedTuple):
+    """A damped mode, displacement Re(shape exp(eigenvalue t))."""
+
+    kind: str
+    """`lateral`, `torsional` or `axial`: where most of its kinetic energy is."""
+    eigenvalue: complex
+    """Growth [1/s] and angular frequency [rad/s]; positive in the sense of rotation for lateral modes on the axis."""
+    shape: ComplexArray
+    """x + i y [m], angle [rad] or displacement along the axis [m] at the nodes from the bit, largest 1; (n + 1,)."""
+    number: int = 0
+    """Among the modes of its kind, by the size of the eigenvalue, from 1."""
+    change: complex = complex(math.nan, math.nan)
+    """Change of the eigenvalue on a mesh twice as fine; NaN: not known."""
+
+    @property
+    def growth(self) -> float:
+        """Rate of growth [1/s]; negative: it decays."""
+        return self.eigenvalue.real
+
+    @property
+    def frequency(self) -> float:
+        """Frequency [Hz], with the sign of the eigenvalue."""
+        return self.eigenvalue.imag / math.tau
+
+    @property
+    def is_creep(self) -> bool:
+        """True for a decay without oscillation, as of a short wave under much damping of the material."""
+        return self.growth < 0.0 and abs(self.eigenvalue.imag) <= CREEP * abs(self.eigenvalue)
+
+    @property
+    def damping_ratio(self) -> float:
+        """Minus the growth over the size of the eigenvalue [-]."""
+        return -self.growth / max(abs(self.eigenvalue), 1e-300)
+
+
+class Balance(NamedTuple):
+    """The string in balance, turning without whirl, and its equations there."""
+
+    command: Command
+    u: Array
+    """Rows (r, r', psi), shape (n + 1, 7)."""
+    system: Linearised
+
+
+class ModeTable(NamedTuple):
+    """Modes about a balance."""
+
+    balance: Balance
+    on_axis: bool
+    """True if the string is on the axis of the hole, so that frequencies of lateral modes have a sense."""
+    modes: tuple[Mode, ...]
+    """Lateral, then torsional, then axial; each the lowest by the size of the eigenvalue, and the one that grows
+    fastest; in a large string fewer of some kind."""
+    growing: dict[str, int]
+    """Number of modes that grow, by kind."""
+    creeping: dict[str, float]
+    """Decay [1/s] of the slowest motion without oscillation, by kind, where there are some. They are no modes."""
+    reach: float
+    """Size of the eigenvalues up to which all are computed [rad/s]; less than infinity in a large string."""
+
+    def of(self, kind: str) -> tuple[Mode, ...]:
+        """Modes of one kind."""
+        return tuple(mode for mode in self.modes if mode.kind == kind)
+
+    def fastest(self, kind: str) -> Mode | None:
+        """Mode of one kind that grows fastest, or decays slowest."""
+        return max(self.of(kind), key=lambda mode: mode.growth, default=None)
+
+
+def is_vertical(equations: EquationsOfMotion) -> bool:
+    """True in a straight vertical hole, where the axis is a balance."""
+    return equations.model.inclination == 0.0 and equations.model.wellbore.axis is None
+
+
+def balance(equations: EquationsOfMotion, command: Command, resting: Resting | None = None) -> Balance:
+    """Balance of the turning string by Newton's method, friction on bit and wall included.
+
+    Args:
+        equations: Of the scene.
+        command: Weight on bit and rotation.
+        resting: Static balance to start from, needed where the hole is not vertical.
+
+    Raises:
+        RunError: Newton's method does not converge.
+    """
+    u, v = equations.on_axis(command)
+    if not is_vertical(equations):
+        if resting is None:
+            raise RunError("expected a static balance to start from in an inclined hole, found none")
+        u = resting(command)
+    still = np.zeros_like(u)
+    for _ in range(NEWTON_STEPS):
+        system = equations.evaluate(command, u, v, still)
+        if not system.residual.any():
+            return Balance(command, u, system)
+        step = -system.rows.solve(system.tangents[STIFFNESS], system.residual)
+        u = u + equations.rows(step)
+        size = float(np.abs(step).max())
+        if size < NEWTON_TOLERANCE * equations.scene.length:
+            return Balance(command, u, equations.evaluate(command, u, v, still))
+        if not np.isfinite(size):
+            break
+    raise RunError(
+        f"{equations.scene.name}: expected a balance of the turning string at {command.weight_on_bit:g} N and "
+        f"{command.rotation / math.tau:g} rev/s, found none: Newton's method does not converge. A string that slides "
+        "on the wall may have none at this speed; try another, or --without wall_friction"
+    )
+
+
+def modes(
+    equations: EquationsOfMotion, command: Command, resting: Resting | None = None, count: int = COUNT
+) -> ModeTable:
+    """Damped modes about the balance.
+
+    Args:
+        equations: Of the scene.
+        command: Weight on bit and rotation.
+        resting: As in `balance`.
+        count: Modes of each kind, those of the smallest eigenvalues.
+
+    Raises:
+        RunError: There is no balance.
+    """
+    found = balance(equations, command, resting)
+    frame, system = TurningFrame(equations), found.system
+    pencil = Pencil(*(system.matrices if is_vertical(equations) else system.sparse))
+    delay = equations.delay(command)
+    on_axis = is_vertical(equations) and all(frame.is_isotropic(matrix) for matrix in pencil)
+    if on_axis:
+        all_modes = _lateral(equations, frame, pencil)
+        reach = _reach(all_modes, frame.x.size)
+        if frame.rest.size:
+            part = np.ix_(frame.rest, frame.rest)
+            about = delay if delay is None else delay.of(frame.rest)
+            others = _real(equations, frame.rest, Pencil(*(matrix[part] for matrix in pencil)), about)
+            all_modes, reach = all_modes + others, min(reach, _reach(others, frame.rest.size))
+    else:
+        all_modes = _real(equations, np.arange(equations.unknowns), pencil, delay)
+        reach = _reach(all_modes, equations.unknowns)
+    kept: list[Mode] = []
+    growing: dict[str, int] = {}
+    creeping: dict[str, float] = {}
+    for kind in (LATERAL, TORSIONAL, AXIAL):
+        own = sorted((mode for mode in all_modes if mode.kind == kind), key=lambda mode: abs(mode.eigenvalue))
+        swinging = [mode for mode in own if not mode.is_creep]
+        numbered = [mode._replace(number=number) for number, mode in enumerate(swinging, 1)]
+        fastest = max(numbered, key=lambda mode: mode.growth, default=None)
+        kept += [mode for mode in numbered if mode.number <= count or (mode is fastest and mode.growth > 0.0)]
+        growing[kind] = sum(mode.growth > 0.0 for mode in numbered)
+        if slowest := [-mode.growth for mode in own if mode.is_creep]:
+            creeping[kind] = min(slowest)
+    return ModeTable(found, on_axis, tuple(kept), growing, creeping, reach)
+
+
+def compared(table: ModeTable, finer: ModeTable) -> ModeTable:
+    """The table with the change of each eigenvalue to the nearest one of its kind on a finer mesh."""
+    kept: list[Mode] = []
+    for kind in (LATERAL, TORSIONAL, AXIAL):
+        own, others = table.of(kind), finer.of(kind)
+        apart = np.array([[other.eigenvalue - mode.eigenvalue for other in others] for mode in own])
+        pairs = zip(*linear_sum_assignment(np.abs(apart)), strict=True) if apart.size else ()
+        change = {row: complex(apart[row, column]) for row, column in pairs}
+        kept += [mode._replace(change=change.get(row, mode.change)) for row, mode in enumerate(own)]
+    return table._replace(modes=tuple(kept))
+
+
+def _reach(found: list[Mode], size: int) -> float:
+    """Size of the largest eigenvalue where only those nearest to zero are computed [rad/s]; else infinity."""
+    return max(abs(mode.eigenvalue) for mode in found) if size > MOST_UNKNOWNS else math.inf
+
+
+def _lateral(equations: EquationsOfMotion, frame: TurningFrame, pencil: Pencil) -> list[Mode]:
+    """Modes on z = x + i y."""
+    whirl = Pencil(*(frame.as_complex(matrix) for matrix in pencil))
+    values, vectors = damped_modes(whirl)
+    shapes = np.zeros((equations.free.shape[0], values.size), dtype=complex)
+    shapes[equations.free[:, 0]] = vectors[frame.at_node]
+    return [Mode(LATERAL, complex(value), normed(shapes[:, k])) for k, value in enumerate(values)]
+
+
+def bit_unknowns(equations: EquationsOfMotion, frame: TurningFrame) -> Numbers:
+    """Numbers, among `frame.x`, of the bit's unknowns."""
+    return np.arange(int(np.isin(np.flatnonzero(equations.free[0]), frame.x).sum()))
+
+
+def _real(equations: EquationsOfMotion, part: Numbers, pencil: Pencil, delay: Delay | None) -> list[Mode]:
+    """Modes of real equations, one of each conjugate pair, classed by their kinetic energy."""
+    values, vectors = damped_modes(pencil) if delay is None else delayed_modes(pencil, delay)
+    result = []
+    for k in np.flatnonzero(values.imag >= 0.0):
+        whole = np.zeros(equations.unknowns, dtype=complex)
+        whole[part] = vectors[:, k]
+        energy = np.zeros(equations.unknowns)
+        energy[part] = np.abs(vectors[:, k]) * np.abs(pencil.mass @ vectors[:, k])
+        rows = equations.rows(whole.real) + 1j * equations.rows(whole.imag)
+        shares = equations.rows(energy)
+        own = {LATERAL: shares[:, [0, 1, 3, 4]], AXIAL: shares[:, [2, 5]], TORSIONAL: shares[:, 6]}
+        kind = max(own, key=lambda key: float(own[key].sum()))
+        shape = {LATERAL: rows[:, 0] + 1j * rows[:, 1], AXIAL: rows[:, 2], TORSIONAL: rows[:, 6]}[kind]
+        result.append(Mode(kind, complex(values[k]), normed(shape)))
+    return result
+
+
+def normed(shape: ComplexArray) -> ComplexArray:
+    """Shape whose largest entry is 1."""
+    largest = shape[int(np.argmax(np.abs(shape)))]
+    return shape / largest if largest != 0.0 else shape

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Steady whirl as an equilibrium in the frame that turns with it, and its stability.
+
+With J the quarter turn about the axis of the hole, ``u(t) = R(omega t) u`` has velocity omega J u and acceleration
+-omega^2 u across the axis. The equations M a + f(u, v) = 0 look the same from every direction, so they hold at all
+times if they hold at one: m equations for the m unknowns of u and omega, and one condition that fixes the direction in
+which the shape lies. A small motion w(t) in the turning frame obeys
+
+``M w'' + (C + 2 omega M J) w' + (K + omega C J + omega^2 M J J) w = 0``,
+
+whose eigenvalues are constant; one is zero, the turn of the whole shape.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, eigenvalues_only
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
+from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame, quarter_turn
+from drill_twin.dynamics.solver.linearisation import DAMPING, MASS
+from drill_twin.physics.model.mesh import SPIN
+from drill_twin.scene.set_points.command import Command
+
+ITERATIONS = 25
+TOLERANCE = 1e-9
+"""Size of the last Newton step: of a position over the clearance, of omega over the rotation."""
+FARTHEST = 1e3
+"""Size of a Newton step from which the iteration is given up."""
+MARGIN = 1e-3
+"""Growth below which a state counts as stable, over the speed of rotation."""
+NEUTRAL = 0.02
+"""Largest size of the zero eigenvalue as computed, over the speed of rotation."""
+
+
+@dataclass(frozen=True, eq=False)
+class Whirl:
+    """Shape and speed of a whirl at one instant."""
+
+    command: Command
+    u: Array
+    """Rows (r, r', psi), shape (n + 1, 7)."""
+    omega: float
+    """Whirl speed [rad/s], positive in the sense of rotation."""
+
+    @property
+    def motion(self) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration; rows of seven."""
+        turned = quarter_turn(self.u)
+        v = self.omega * turned
+        v[:, SPIN] = self.command.rotation
+        return self.u, v, self.omega**2 * quarter_turn(turned)
+
+    @property
+    def radius(self) -> Array:
+        """Distance of the nodes from the axis [m], shape (n + 1,)."""
+        return np.asarray(np.hypot(self.u[:, 0], self.u[:, 1]))
+
+
+StepFactor = Callable[[Whirl, Array, float], float]
+"""Factor on a Newton step, from the whirl, the step of the free unknowns, and that of omega."""
+
+
+class TurningEquations:
+    """The equations of a scene in the frame of a whirl.
+
+    Attributes:
+        equations: Of the scene.
+        frame: Its unknowns across the axis.
+        clearance: Smallest distance of the string on the axis from the wall [m].
+    """
+
+    def __init__(self, equations: EquationsOfMotion) -> None:
+        """Take the equations of a scene with a wall."""
+        self.equations, self.frame = equations, TurningFrame(equations)
+        self.clearance = float(equations.model.wellbore.clearance.min())
+
+    def at(self, whirl: Whirl) -> Linearised:
+        """Residual and tangents at a whirl."""
+        return self.equations.evaluate(whirl.command, *whirl.motion)
+
+    def stiffness(self, system: Linearised, omega: float) -> Array:
+        """Derivative of the residual by the shape, K + omega C J - omega^2 M across the axis, as block rows."""
+        mass, damping, stiffness = system.tangents
+        rows = system.rows
+        result: Array = stiffness + omega * rows.times_j(damping) - omega**2 * rows.across(mass)
+        return result
+
+    def by_omega(self, system: Linearised, whirl: Whirl) -> Array:
+        """Derivative of the residual by the whirl speed, C J u - 2 omega M u across the axis."""
+        turned = quarter_turn(whirl.u)
+        damped = system.rows.times(system.tangents[DAMPING], self.frame.values(turned))
+        moved = system.rows.times(system.tangents[MASS], self.frame.values(quarter_turn(turned)))
+        result: Array = damped + 2.0 * whirl.omega * moved
+        return result
+
+    def newton(self, start: Whirl, away: StepFactor | None = None, iterations: int = ITERATIONS) -> Whirl | None:
+        """Steady whirl near a first guess; None if Newton's method does not converge.
+
+        The direction of the node farthest from the axis is held: its motion around is no unknown, and omega takes its
+        place.
+
+        Args:
+            start: First guess.
+            away: Factor on each step, such as `Deflation.factor` away from the whirls that are known.
+            iterations: Most steps.
+        """
+        whirl, fastest = start, max(abs(start.command.rotation), 1e-3)
+        for _ in range(iterations):
+            system = self.at(whirl)
+            matrix = self.stiffness(system, whirl.omega)
+            held = self.frame.farthest(self.frame.values(whirl.u))
+            step = system.rows.solve(matrix, -system.residual, held, self.by_omega(system, whirl))
+            change, step[held] = float(step[held]), 0.0
+            size = max(float(np.abs(step).max()) / self.clearance, abs(change) / fastest)
+            if not size < FARTHEST:
+                return None
+            if away is not None:
+                factor = away(whirl, step, change)
+                change, step = factor * change, factor * step
+            whirl = replace(whirl, u=whirl.u + self.equations.rows(step), omega=whirl.omega + change)
+            if size < TOLERANCE:
+                return whirl
+        return None
+
+    def spectrum(self, whirl: Whirl, *, is_locked: bool = False) -> ComplexArray:
+        """Eigenvalues in the turning frame [rad/s], fastest growth first; without the zero one, if there is one."""
+        system = self.at(whirl)
+        gyroscopic = system.damping + 2.0 * whirl.omega * self.frame.times_j(system.mass)
+        stiffness = system.rows.dense(self.stiffness(system, whirl.omega))
+        values = eigenvalues_only(Pencil(system.mass, gyroscopic, stiffness))
+        if not is_locked:
+            values = np.delete(values, int(np.argmin(np.abs(values))))
+        return np.asarray(values[np.argsort(-values.real)], np.complex128)
+
+
+def solve(matrix: Array, right: Array) -> Array:
+    """Solution of linear equations; not finite where they have none."""
+    try:
+        return np.asarray(np.linalg.solve(matrix, right), np.float64)
+    except np.linalg.LinAlgError:
+        return np.full(right.shape, np.nan)

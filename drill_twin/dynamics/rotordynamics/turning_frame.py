@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Unknowns across the axis of the hole, and the quarter turn J that takes x to y and y to minus x."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.core.arrays import Array, ComplexArray
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+
+ISOTROPIC = 1e-4
+"""Largest difference between the directions x and y, over the largest entry, of equations without a direction."""
+
+
+def quarter_turn(rows: Array) -> Array:
+    """J applied to rows of seven: positions and slopes across the axis are turned, the rest is zero."""
+    turned = np.zeros_like(rows)
+    turned[:, 0], turned[:, 1], turned[:, 3], turned[:, 4] = -rows[:, 1], rows[:, 0], -rows[:, 4], rows[:, 3]
+    return turned
+
+
+class TurningFrame:
+    """Products of matrices of the free unknowns with J.
+
+    Attributes:
+        x: Numbers of the free unknowns x and x', by node.
+        y: Numbers of y and y', in the same order.
+        rest: Numbers of the others: along and about the axis.
+        at_node: Of each entry of `x` whether it is a position, not a slope.
+    """
+
+    def __init__(self, equations: EquationsOfMotion) -> None:
+        """Find the unknowns across the axis."""
+        free = equations.free
+        number = np.full(free.shape, -1)
+        number[free] = np.arange(equations.unknowns)
+        column = np.broadcast_to(equations.columns, free.shape)[free]
+        self.x: NDArray[np.int64] = np.flatnonzero((column == 0) | (column == 3))
+        self.y: NDArray[np.int64] = np.flatnonzero((column == 1) | (column == 4))
+        self.rest: NDArray[np.int64] = np.setdiff1d(np.arange(equations.unknowns), np.concatenate([self.x, self.y]))
+        self.at_node = column[self.x] == 0
+        self._free, self._columns = free, equations.columns
+
+    def values(self, rows: Array) -> Array:
+        """Values of the free unknowns in rows of seven, shape (m,)."""
+        values: Array = rows[:, self._columns][self._free]
+        return values
+
+    def times_j(self, matrix: Array) -> Array:
+        """Matrix times J."""
+        result = np.zeros_like(matrix)
+        result[:, self.x], result[:, self.y] = matrix[:, self.y], -matrix[:, self.x]
+        return result
+
+    def across(self, matrix: Array) -> Array:
+        """Matrix times -J J: its columns across the axis."""
+        result = np.zeros_like(matrix)
+        result[:, self.x], result[:, self.y] = matrix[:, self.x], matrix[:, self.y]
+        return result
+
+    def farthest(self, values: Array) -> int:
+        """Number of the unknown y of the node that is farthest from the axis."""
+        distance = np.hypot(values[self.x], values[self.y]) * self.at_node
+        return int(self.y[int(np.argmax(distance))])
+
+    def is_isotropic(self, matrix: Array) -> bool:
+        """True if a matrix is the same in all directions, and does not couple them with the rest."""
+        x, y, rest, size = self.x, self.y, self.rest, float(np.abs(matrix).max())
+        differences = [
+            matrix[np.ix_(x, x)] - matrix[np.ix_(y, y)],
+            matrix[np.ix_(x, y)] + matrix[np.ix_(y, x)],
+            *(matrix[np.ix_(one, other)] for way in (x, y) for one, other in ((way, rest), (rest, way))),
+        ]
+        return all(np.abs(part).max(initial=0.0) <= ISOTROPIC * size for part in differences)
+
+    def as_complex(self, matrix: Array) -> ComplexArray:
+        """Isotropic matrix on x + i y."""
+        x, y = self.x, self.y
+        same = 0.5 * (matrix[np.ix_(x, x)] + matrix[np.ix_(y, y)])
+        turn = 0.5 * (matrix[np.ix_(y, x)] - matrix[np.ix_(x, y)])
+        result: ComplexArray = same + 1j * turn
+        return result

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sampling at the rate of an instrument: means since the last sample, with its errors and its delay."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.sensors.errors import Noise, errors_of, with_errors
+from drill_twin.scene.blocks.sensors import Channel
+
+_SLACK = 1e-6  # of a sample: frames are due at whole multiples of the rate, but for round-off
+
+
+class Reading(NamedTuple):
+    """Reading of an instrument."""
+
+    time: float
+    """Time of the measurement, the middle of the interval that it covers [s]."""
+    values: Array
+    """Measured values."""
+
+
+class Instrument:
+    """Samples values at its own rate, and gives readings after its delay."""
+
+    def __init__(self, channels: Sequence[Channel], rate: float, delay: float, seed: int, number: int) -> None:
+        """Draw the biases.
+
+        Args:
+            channels: Errors of each value.
+            rate: Samples in a second [Hz].
+            delay: Time from the measurement to its reading [s].
+            seed: Seed of the scene.
+            number: Number of the instrument, for noise of its own.
+        """
+        self._errors = errors_of(channels, seed, number)
+        self._noise = Noise(len(channels), seed, number)
+        self._rate, self._delay = rate, delay
+        self._sum, self._covered = np.zeros(len(channels)), 0.0
+        self._waiting: deque[tuple[float, Reading]] = deque()
+
+    def sample(self, time: float, seconds: float, true: Array) -> Reading | None:
+        """Add true means over the interval of a length [s] that ends at a time [s]; return the sample that it ends."""
+        self._sum += seconds * true
+        self._covered += seconds
+        number = math.floor(time * self._rate + _SLACK)
+        if number <= math.floor((time - seconds) * self._rate + _SLACK):
+            return None
+        values = with_errors(self._sum / self._covered, self._noise.at(number), self._errors)
+        reading = Reading(time - 0.5 * self._covered, values)
+        self._sum[:], self._covered = 0.0, 0.0
+        return reading
+
+    def delayed(self, time: float, readings: Sequence[Reading]) -> list[Reading]:
+        """Add readings, and return those whose delay is over at a time [s]."""
+        self._waiting.extend((reading.time + self._delay, reading) for reading in readings)
+        due = []
+        while self._waiting and self._waiting[0][0] <= time + _SLACK / self._rate:
+            due.append(self._waiting.popleft()[1])
+        return due

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rig in the equations: weight on bit as an axial force, and the top drive.
+
+Set-points arrive as an array: weight on bit [N], top-drive speed [rad/s], and with a block its speed [m/s]. The
+block carries the top on the drilling lines, a spring. An auto-driller moves the block by the error of the weight on bit
+that surface measurements give, proportional and integral, and by that of the torque if it is the smaller one;
+it works once a step. A prescribed turn is a constraint and needs
+no force here (the formulation sets it). Any other drive leaves the top free to turn and applies
+``P (command - speed) + I (commanded angle - angle)``, within its torque limit.
+
+Forces at the bit are shared through `drill_twin.physics.model.bit`.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import kernel
+from drill_twin.physics.model.bit import BIT_WEIGHT, HOOK, TOP_TORQUE, WEIGHT, WEIGHT_DAMPING, Bit
+from drill_twin.physics.model.mesh import SPIN
+
+WEIGHT_ON_BIT, ROTATION, BLOCK_SPEED = 0, 1, 2
+BIT, TOP, RESIDUAL = 0, 1, 7  # indices into the array of the ends, shape (2, 7, 8)
+
+# Indices into Drive.memory: angle by which the top lags its command [rad]; of the current step the top's angle and
+# speed at its start and the commanded speed at its middle.
+LAG, START_ANGLE, START_SPEED, COMMAND = 0, 1, 2, 3
+# With a block: its place above the top at rest, without load [m]; of the current step the top's place at its start [m],
+# the block's speed [m/s] and the weight to hold [N]; speed that the auto-driller asks for, and its integral part [m/s];
+# mean torque on the string [N m].
+PLACE, START_PLACE, SPEED, HELD, FEED, INTEGRAL, TURNING = 4, 5, 6, 7, 8, 9, 10
+SHARE = 0.05  # of the set-points, below which weight and torque have no ratio
+
+
+class Drive(NamedTuple):
+    """Load and drive of the rig, with their memory."""
+
+    from_top: float  # 1: pushed down at the top, bit constrained by the rock; 0: pushed up at the bit, top constrained
+    hanging: float  # axial weight of the string, added to a weight set at the top [N]
+    driven: float  # 1: the top is turned by a torque; 0: its turn is prescribed
+    proportional: float  # torque per error of speed [N m s/rad]
+    integral: float  # torque per error of angle [N m/rad]
+    limit: float  # largest torque of the motor [N m]
+    inertia: float  # of drive and motor about the string's axis [kg m2]
+    damping: float  # of bearings and gears [N m s/rad]
+    memory: Array  # (4,) see LAG, or (11,) with a block, see PLACE
+    bit: Bit
+    lines: float  # stiffness of the drilling lines [N/m]; 0: no block
+    rate: float  # fastest motion of the block by the auto-driller [m/s]; 0: no auto-driller
+    feed_gain: float  # its speed per error of weight [m/(N s)]
+    feed_integral: float  # its acceleration per error of weight [m/(N s2)]
+    held_torque: float  # torque on the string that it holds [N m]; infinite: none
+
+
+@kernel
+def rig_end_load(drive: Drive, command: Array, h2: float, u: Array, v: Array, v_old: Array, ends: Array) -> None:
+    """Add the forces of the rig to the residual: compression is positive, and so is right-handed torque."""
+    bit = drive.bit
+    for c in range(7):
+        bit.start[c] = u[0, c] - h2 * v[0, c]
+    bit.now[WEIGHT_DAMPING] = 0.0
+    if drive.lines > 0.0:
+        hoist(drive, command, h2, u, v, ends)
+    elif drive.from_top > 0.0:
+        ends[TOP, 2, RESIDUAL] += command[WEIGHT_ON_BIT]
+        bit.now[WEIGHT] = command[WEIGHT_ON_BIT] + drive.hanging
+    else:
+        ends[BIT, 2, RESIDUAL] -= command[WEIGHT_ON_BIT]
+        bit.now[WEIGHT] = command[WEIGHT_ON_BIT]
+    if drive.driven > 0.0:
+        last = u.shape[0] - 1
+        speed, memory = v[last, SPIN], drive.memory
+        memory[START_ANGLE], memory[START_SPEED] = u[last, SPIN] - h2 * speed, v_old[last, SPIN]
+        memory[COMMAND] = command[ROTATION]
+        lag = h2 * (command[ROTATION] - speed)
+        torque = motor(drive, lag / h2, memory[LAG] + lag)
+        slope = drive.proportional + h2 * drive.integral if abs(torque) < drive.limit else 0.0
+        own = drive.damping + drive.inertia / h2
+        ends[TOP, SPIN, SPIN] += slope + own
+        ends[TOP, SPIN, RESIDUAL] -= torque - drive.damping * speed - drive.inertia * (speed - v_old[last, SPIN]) / h2
+
+
+@kernel
+def hoist(drive: Drive, command: Array, h2: float, u: Array, v: Array, ends: Array) -> None:
+    """Add the pull of the lines; the bit carries no weight but that of the rock."""
+    memory, last = drive.memory, u.shape[0] - 1
+    memory[START_PLACE] = u[last, 2] - h2 * v[last, 2]
+    memory[SPEED] = memory[FEED] if drive.rate > 0.0 else command[BLOCK_SPEED]
+    memory[HELD] = command[WEIGHT_ON_BIT]
+    ends[TOP, 2, RESIDUAL] -= drive.lines * (memory[PLACE] + h2 * memory[SPEED] - u[last, 2])
+    ends[TOP, 2, 2] += h2 * drive.lines
+    drive.bit.now[WEIGHT] = 0.0
+
+
+@kernel
+def move_block(drive: Drive, step: float, top: float) -> None:
+    """Move the block by a step that took the top to a height [m], add the impulse of the lines, and set the next feed.
+
+    The integral part does not grow while the feed is at its limit and would be driven beyond (conditional integration).
+    """
+    memory = drive.memory
+    middle = memory[PLACE] + 0.5 * step * memory[SPEED]
+    pull = drive.lines * (middle - 0.5 * (memory[START_PLACE] + top))
+    drive.bit.impulse[HOOK] += step * pull
+    memory[PLACE] += step * memory[SPEED]
+    if drive.rate > 0.0:
+        weight = drive.hanging - pull
+        error = memory[HELD] - weight
+        if drive.held_torque < np.inf:  # as a weight, by the ratio at present; off bottom by that of the set-points
+            torque = abs(memory[TURNING])
+            ratio = (max(weight, 0.0) + SHARE * memory[HELD]) / (torque + SHARE * drive.held_torque)
+            error = min(error, ratio * (drive.held_torque - torque))
+        more = step * drive.feed_integral * error
+        feed = drive.feed_gain * error + memory[INTEGRAL] + more
+        if abs(feed) < drive.rate or feed * more < 0.0:
+            memory[INTEGRAL] += more
+        memory[FEED] = -max(-drive.rate, min(drive.rate, feed))
+
+
+@kernel
+def motor(drive: Drive, error: float, lag: float) -> float:
+    """Torque of the motor for an error of speed [rad/s] and of angle [rad], within its limit [N m]."""
+    torque = drive.proportional * error + drive.integral * lag
+    return max(-drive.limit, min(drive.limit, torque))
+
+
+@kernel
+def rig_after_step(drive: Drive, step: float, u: Array, v: Array) -> None:
+    """Update the memory after a step: rates of the bit, lag of the top, impulses of weight and drive.
+
+    The lag does not grow while the motor is at its limit and would be driven further into it (conditional integration).
+    """
+    bit = drive.bit
+    for c in range(7):
+        bit.rate[c] = (u[0, c] - bit.start[c]) / step
+    bit.impulse[BIT_WEIGHT] += step * bit.now[WEIGHT]
+    if drive.driven > 0.0:
+        last = u.shape[0] - 1
+        memory = drive.memory
+        speed = (u[last, SPIN] - memory[START_ANGLE]) / step
+        lag = step * (memory[COMMAND] - speed)
+        torque = motor(drive, lag / step, memory[LAG] + 0.5 * lag)
+        if abs(torque) < drive.limit or torque * lag < 0.0:
+            memory[LAG] += lag
+        accelerating = drive.inertia * (v[last, SPIN] - memory[START_SPEED])
+        bit.impulse[TOP_TORQUE] += step * (torque - drive.damping * speed) - accelerating
+        if drive.rate > 0.0:  # a mean over the response of the weight, as torque vibrates
+            turning = torque - drive.damping * speed - accelerating / step
+            share = min(2.0 * step * drive.feed_integral / drive.feed_gain, 1.0)
+            memory[TURNING] += share * (turning - memory[TURNING])
+    if drive.lines > 0.0:
+        move_block(drive, step, u[u.shape[0] - 1, 2])
+
+
+@kernel
+def set_points(first: Array, second: Array, share: float, out: Array) -> None:
+    """Set-points between two commands, linearly."""
+    for k in range(out.shape[0]):
+        out[k] = first[k] + share * (second[k] - first[k])

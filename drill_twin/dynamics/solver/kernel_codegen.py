@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Generation of one compiled time loop for exactly the effects of a scene.
+
+The loop is written once (`drill_twin.dynamics.solver.midpoint`) and takes the effects as functions. For a set of effects a small
+module is generated that calls their functions in turn, and nothing else; numba compiles it and saves the machine code
+beside it, under a name that changes with every source reached (`drill_twin.core.compile.kernel_cache`). Numbers, tables and
+sections are arguments, so a change of them compiles nothing.
+
+An effect's module holds its block of the scene (`drill_twin.physics.effects.EffectConfig`), and may define any of the
+following. Before the run:
+
+* ``Parameters`` and ``parameters(block, model)``: what its functions take as ``parameters.<key>``, arrays included;
+* ``initial_state(block, model, u, v)``: changes the state that the run begins with.
+
+In the loop:
+
+* ``distributed_load(parameters, rod, here, h2, load, stiff)``: force per length on the string, at the Gauss points;
+* ``section_stress(parameters, rod, strain, h2, resultants)``: bending and twist of the section;
+* ``axial_damping(parameters, element, axial, rate)``: viscous axial force and its slope;
+* ``end_load(parameters, rod, command, time, h2, u, v, v_old, ends)``: forces at the bit and the top, as tangent and
+  residual, shape (2, 7, 8);
+* ``prescribed_motion(parameters, rod, time, trial)``: velocities of constrained unknowns at mid-step, where they are
+  not zero;
+* ``after_step(parameters, rod, command, time, step, u, v)``: update of an effect's own memory after a step;
+* ``dissipated_power(parameters, here, h2)``: for the energy audit, power per length turned into heat, where that is
+  not all of the work of ``distributed_load``.
+
+Where a block names a variant (`EffectConfig.variant`), ``distributed_load_<variant>`` is called in place of
+``distributed_load``, and so on; what has no variant of its own is called as it is.
+"""
+
+from collections.abc import Callable, Sequence
+from types import ModuleType
+from typing import Any, cast
+
+from drill_twin.core.compile import kernel_cache
+from drill_twin.dynamics.solver.parameter_records import fields_read, record_name
+from drill_twin.physics.effects import effect_config, effect_module, function_name, key_of
+
+HOOKS = {
+    "axial_damping": "parameters, element, axial, rate",
+    "section_stress": "parameters, rod, strain, h2, resultants",
+    "distributed_load": "parameters, rod, here, h2, load, stiff",
+    "end_load": "parameters, rod, command, time, h2, u, v, v_old, ends",
+    "prescribed_motion": "parameters, rod, time, trial",
+    "after_step": "parameters, rod, command, time, step, u, v",
+}
+"""Functions of an effect that the loop calls, and their arguments."""
+
+_RIG = {
+    "end_load": "rig_end_load(parameters.drive, command, h2, u, v, v_old, ends)",
+    "after_step": "rig_after_step(parameters.drive, step, u, v)",
+}
+# Of the audited functions: first line, and the line after the call of each effect.
+_BEGIN = {
+    "section_stress": "energy_ledger.start_section(parameters.ledger.entries, strain, resultants)",
+    "distributed_load": "energy_ledger.start_load(parameters.ledger.entries, load)",
+    "end_load": (
+        "energy_ledger.record_ends(parameters.ledger.entries, energy_ledger.WEIGHT, energy_ledger.DRIVE, v, ends)"
+    ),
+}
+_RECORD = {
+    "axial_damping": "record_axial_damping({ledger}, {account}, element, added[0], rate)",
+    "section_stress": "record_section({ledger}, {account}, strain, resultants)",
+    "distributed_load": "record_load({ledger}, {account}, here, load)",
+    "end_load": "record_ends(parameters.ledger.entries, {account}, {account}, v, ends)",
+}
+_LEDGER = "parameters.ledger.entries, parameters.ledger.gauss"
+
+
+def packages_of(effects: Sequence[str]) -> tuple[str, ...]:
+    """Top-level packages that the effects come from."""
+    return tuple(sorted({effect_module(name).__name__.partition(".")[0] for name in effects}))
+
+
+def import_line(effect: str, alias: str) -> str:
+    """Import of an effect's module under another name."""
+    package, _, module = effect_module(effect).__name__.rpartition(".")
+    source = f"from {package} import {module}" if package else f"import {module}"
+    return source if module == alias else f"{source} as {alias}"
+
+
+def arguments_of(effect: str, function: str, arguments: str) -> str:
+    """Arguments of a function in an effect's module, its parameters cut down to those that it reads."""
+    fields = fields_read(getattr(effect_module(effect), function))
+    name = record_name(fields) if fields else None
+    if name is None or fields is None:
+        return arguments
+    record = f"parameter_records.{name}({', '.join(f'parameters.{field}' for field in fields)})"
+    return record + arguments.removeprefix("parameters")
+
+
+def source(effects: Sequence[str], form: str, *, audit: bool = False) -> str:
+    """The text of the module with the time loop for a set of effects and a form of the string."""
+    more = "\nfrom drill_twin.dynamics.audit import energy_ledger, step_audit" if audit else ""
+    fields = ["ledger: energy_ledger.EnergyLedger"] if audit else []
+    title = f"The {form} time loop for: {', '.join(effects) or 'no effects'}"
+    return f"""{_bound(effects, form, title, "midpoint", more, fields)}
+{_audited(effects, form) if audit else "loop = midpoint.bind(form, effects)"}
+
+
+@entry_kernel
+def advance(parameters, rod, work, constrained, state, control, command0, command1, start, end, counters, progress):
+    return loop(parameters, rod, work, constrained, state, control, command0, command1, start, end, counters, progress)
+"""
+
+
+def linearisation_source(effects: Sequence[str], form: str) -> str:
+    """The text of the module with the equations at an instant (`drill_twin.dynamics.solver.linearisation`)."""
+    title = f"The {form} equations at an instant for: {', '.join(effects) or 'no effects'}"
+    return f"""{_bound(effects, form, title, "linearisation", "", [])}
+instant = linearisation.bind_{form}(form, effects)
+
+
+@entry_kernel
+def evaluate(parameters, rod, work, constrained, state, u, v, a, residual, tangents):
+    instant(parameters, rod, work, constrained, state, u, v, a, residual, tangents)
+"""
+
+
+def _bound(effects: Sequence[str], form: str, title: str, solver: str, more: str, fields: Sequence[str]) -> str:
+    """The part of a module that binds a formulation to the effects."""
+    keys = [key_of(name) for name in effects]
+    imports = "\n".join(import_line(key, key) for key in keys)
+    own = [f"{key}: {key}.Parameters" for key in keys if hasattr(effect_module(key), "Parameters")]
+    functions = "\n\n".join(_function(hook, effects) for hook in HOOKS)
+    return f'''"""{title}. Generated by drill_twin; do not edit."""
+from typing import NamedTuple
+
+from drill_twin.core.compile.jit import entry_kernel, kernel
+from drill_twin.dynamics.solver import {solver}, parameter_records
+from drill_twin.dynamics.solver.boundary.rig import Drive, rig_after_step, rig_end_load
+from drill_twin.dynamics.solver.interface import Effects
+from drill_twin.dynamics.solver.{form} import formulation{more}
+{imports}
+
+
+class Parameters(NamedTuple):
+    {_lines(["drive: Drive", *own, *fields])}
+
+{functions}
+
+
+effects = Effects({", ".join(HOOKS)})
+form = formulation.bind(effects)'''
+
+
+def _audited(effects: Sequence[str], form: str) -> str:
+    """The part of the module for the energy audit: the effects once more, each followed by a record of its work."""
+    functions = "\n\n".join(_function(hook, effects, audit=True) for hook in _RECORD)
+    replaced = ", ".join(f"{hook}=audited_{hook}" for hook in _RECORD)
+    return f"""
+{functions}
+
+
+audited = effects._replace({replaced})
+audit_step = step_audit.bind_{form}(formulation.bind(audited).build)
+loop = midpoint.bind(form, effects, audit_step, step_audit.close_step)"""
+
+
+def _function(hook: str, effects: Sequence[str], *, audit: bool = False) -> str:
+    """A function that calls those of the effects in turn."""
+    lines = [_RIG[hook]] if hook in _RIG else []
+    lines += [_BEGIN[hook]] if audit and hook in _BEGIN else []
+    damping = hook == "axial_damping"
+    for number, name in sorted(enumerate(effects), key=lambda pair: _comes_later(hook, pair[1])):
+        account = f"energy_ledger.FIRST_EFFECT + {number}"
+        if function := function_name(name, hook):
+            call = f"{key_of(name)}.{function}({arguments_of(name, function, HOOKS[hook])})"
+            lines += [f"added = {call}", "force += added[0]", "slope += added[1]"] if damping else [call]
+            lines += [f"energy_ledger.{_RECORD[hook].format(ledger=_LEDGER, account=account)}"] if audit else []
+        if audit and hook == "distributed_load" and hasattr(effect_module(name), "dissipated_power"):
+            arguments = arguments_of(name, "dissipated_power", "parameters, here, h2")
+            heat = f"{key_of(name)}.dissipated_power({arguments})"
+            lines.append(f"energy_ledger.record_heat({_LEDGER}, {account}, here, {heat})")
+    if damping:
+        last = ["energy_ledger.next_sample(parameters.ledger.entries)"] if audit else []
+        lines = ["force = 0.0", "slope = 0.0", *lines, *last, "return force, slope"]
+    return f"""
+@kernel
+def {"audited_" if audit else ""}{hook}({HOOKS[hook]}):
+    {_lines(lines or ["pass"])}"""
+
+
+def _comes_later(hook: str, effect: str) -> bool:
+    """True for an effect that is called after the one that finds the weight on bit, which laws of torque read."""
+    return hook == "end_load" and "weight" not in effect_config(effect).provides
+
+
+def _lines(lines: Sequence[str]) -> str:
+    return "\n    ".join(lines)
+
+
+def entry_point(module: ModuleType, name: str = "advance") -> Callable[..., Any]:
+    """Entry of a generated module without numba's dispatcher; call it once with real arguments before.
+
+    With a second kernel in the process the dispatcher takes 0.4 ms a call to resolve the types, longer than a frame.
+    """
+    entry = getattr(module, name)
+    compiled = list(entry.overloads.values())
+    return cast("Callable[..., Any]", compiled[0].entry_point if len(compiled) == 1 else entry)
+
+
+def build_kernel(
+    effects: tuple[str, ...], form: str = "spatial", hole: str = "straight", *, audit: bool = False
+) -> ModuleType:
+    """The module with ``advance`` and ``Parameters`` for a set of effects, compiled on first use.
+
+    Args:
+        effects: Scene keys in the order of the registry, with variants (`drill_twin.physics.effects.with_variant`).
+        form: "spatial", or "lateral" for a string that neither stretches nor twists.
+        hole: "straight" or "curved": it decides the types of the arguments, and a module holds the kernel for one.
+        audit: Include the energy audit.
+    """
+    with kernel_cache.ONE_THREAD:
+        text = source(effects, form, audit=audit)
+        return kernel_cache.load_generated("kernel", text, hole, packages=packages_of(effects))
+
+
+def build_linearisation(effects: tuple[str, ...], form: str, hole: str) -> ModuleType:
+    """The module with ``evaluate`` and ``Parameters``: the equations at an instant; arguments as in `build_kernel`."""
+    with kernel_cache.ONE_THREAD:
+        text = linearisation_source(effects, form)
+        return kernel_cache.load_generated("linear", text, hole, packages=packages_of(effects))

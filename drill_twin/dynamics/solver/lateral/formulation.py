@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The string without stretch and torsion: two lateral unknowns per node and their slopes.
+
+The axial force follows from balance at every instant and the spin from the top drive, so neither axial nor torsional
+waves exist. The state keeps its seven columns; those that are not unknowns are filled in at the end of a frame.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import kernel
+from drill_twin.dynamics.solver import unknowns
+from drill_twin.dynamics.solver.boundary.rig import BIT, RESIDUAL, ROTATION, TOP
+from drill_twin.dynamics.solver.interface import Effects, Formulation
+from drill_twin.dynamics.solver.lateral import assembly
+from drill_twin.dynamics.solver.lateral.linear_solver import NODE, factor_blocks, solve_blocks
+from drill_twin.dynamics.solver.lateral.tangent_reuse import (
+    ADDED,
+    CHANGE,
+    HALF_STEP,
+    RENEW,
+    RENEW_STEPS,
+    STEPS_AFTER_CHANGE,
+    check_contraction,
+    outdated,
+)
+from drill_twin.dynamics.solver.lateral.workspace import AT_BIT, AT_TOP, TORQUE, WEIGHT, Workspace
+from drill_twin.dynamics.solver.state import BIT_IMPULSE, FACTOR, HOOK_IMPULSE, TORQUE_IMPULSE, State, StepControl
+from drill_twin.physics.model.mesh import SPIN, Rod
+
+X, Y, SLOPE_X, SLOPE_Y = 0, 1, 3, 4  # columns of the unknowns in a node's row
+
+
+@kernel
+def column(k: int) -> int:
+    """Column of the k-th of the four unknowns in a node's row of seven."""
+    return k if k < 2 else k + 1
+
+
+extrapolate, clear_constrained, move_to_middle, take_step = unknowns.bind(NODE, column)
+
+
+@kernel
+def begin(work: Workspace) -> None:
+    """Discard the factors, so that a run resumed between two frames equals one that was not interrupted."""
+    work.reuse[:] = 0.0
+
+
+@kernel
+def predict(work: Workspace, constrained: Array, state: State, h2: float) -> None:
+    """Extrapolate the mid-step velocity; constrained unknowns move as prescribed."""
+    rotation = work.command[ROTATION]
+    extrapolate(state, h2)
+    clear_constrained(constrained, state.trial)
+    state.trial[0, SPIN] = rotation
+    state.trial[state.u.shape[0] - 1, SPIN] = rotation
+
+
+@kernel
+def add_ends(constrained: Array, work: Workspace, full: bool) -> None:
+    """Add the loads on bit and top to the system, then remove the constrained unknowns from it."""
+    last = work.diagonal.shape[0] - 1
+    for end in range(2):
+        node = 0 if end == 0 else last
+        own, right = work.diagonal[node], work.right[node]
+        other = work.upper[0] if end == 0 else work.lower[last - 1]
+        for i in range(NODE):
+            right[i] += work.ends[end, column(i), RESIDUAL]
+            if constrained[end, column(i)]:
+                right[i] = 0.0
+        if full:
+            for i in range(NODE):
+                for j in range(NODE):
+                    own[i, j] += work.ends[end, column(i), column(j)]
+                if constrained[end, column(i)]:
+                    for j in range(NODE):
+                        own[i, j] = 0.0
+                        other[i, j] = 0.0
+                    own[i, i] = 1.0
+
+
+@kernel
+def solve(work: Workspace) -> bool:
+    """Solve the block system in place, with new factors where `build` has made a new tangent."""
+    if work.reuse[HALF_STEP] < 0.0:
+        if not factor_blocks(work.lower, work.diagonal, work.upper, work.inverse):
+            work.reuse[HALF_STEP] = 0.0
+            return False
+        work.reuse[HALF_STEP] = -work.reuse[HALF_STEP]
+        work.reuse[RENEW] = 0.0
+    solve_blocks(work.lower, work.upper, work.inverse, work.right)
+    return True
+
+
+@kernel
+def correct(work: Workspace, state: State, control: StepControl, h2: float) -> float:
+    """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
+    position, angle, total, torque = 0.0, 0.0, 0.0, 0.0
+    for i in range(state.u.shape[0]):
+        right, row = work.right[i], state.trial[i]
+        row[X] -= right[0]
+        row[Y] -= right[1]
+        row[SLOPE_X] -= right[2]
+        row[SLOPE_Y] -= right[3]
+        position = max(position, abs(right[0]), abs(right[1]))
+        angle = max(angle, abs(right[2]), abs(right[3]))
+        lever = work.lever[i]
+        torque -= lever[0] * right[0] + lever[1] * right[1] + lever[2] * right[2] + lever[3] * right[3]
+        total += right[0] + right[1] + right[2] + right[3]
+    size = max(position / control.position, angle / control.angle) * h2 + 0.0 * total
+    work.axial[TORQUE] += torque
+    check_contraction(work.reuse, size)
+    return size
+
+
+@kernel
+def accept(work: Workspace, _constrained: Array, state: State, counters: Array, h2: float) -> None:
+    """Take the step; the string ends it at the speed that the drive prescribes."""
+    last, seconds = state.u.shape[0] - 1, 2.0 * h2
+    take_step(state, h2)
+    angle = state.u[last, SPIN] + seconds * state.trial[last, SPIN]
+    for end in (0, last):
+        state.u[end, SPIN] = angle
+        state.v[end, SPIN] = work.command[ROTATION]
+    counters[TORQUE_IMPULSE] += (work.axial[TORQUE] + work.ends[BIT, SPIN, RESIDUAL]) * seconds
+    counters[HOOK_IMPULSE] += work.axial[AT_TOP] * seconds
+    counters[BIT_IMPULSE] -= work.axial[AT_BIT] * seconds
+
+
+@kernel
+def finish(rod: Rod, state: State) -> None:
+    """Fill in the columns that are no unknowns: spin, and slope and position along the axis at constant length.
+
+    dz/ds = sqrt(1 - x'^2 - y'^2), integrated from the top by Simpson's rule.
+    """
+    u, v, last = state.u, state.v, state.u.shape[0] - 1
+    for i in range(last + 1):
+        square = min(u[i, SLOPE_X] ** 2 + u[i, SLOPE_Y] ** 2, 0.99)
+        u[i, 5] = np.sqrt(1.0 - square)
+        v[i, 5] = -(u[i, SLOPE_X] * v[i, SLOPE_X] + u[i, SLOPE_Y] * v[i, SLOPE_Y]) / u[i, 5]
+        u[i, SPIN], v[i, SPIN] = u[last, SPIN], v[last, SPIN]
+    for e in range(last - 1, -1, -1):
+        w, h = rod.middle[e], rod.length[e]
+        ax = w[0] * u[e, X] + w[1] * u[e, SLOPE_X] + w[2] * u[e + 1, X] + w[3] * u[e + 1, SLOPE_X]
+        ay = w[0] * u[e, Y] + w[1] * u[e, SLOPE_Y] + w[2] * u[e + 1, Y] + w[3] * u[e + 1, SLOPE_Y]
+        dx = w[0] * v[e, X] + w[1] * v[e, SLOPE_X] + w[2] * v[e + 1, X] + w[3] * v[e + 1, SLOPE_X]
+        dy = w[0] * v[e, Y] + w[1] * v[e, SLOPE_Y] + w[2] * v[e + 1, Y] + w[3] * v[e + 1, SLOPE_Y]
+        middle = np.sqrt(1.0 - min(ax * ax + ay * ay, 0.99))
+        u[e, 2] = u[e + 1, 2] - h / 6.0 * (u[e, 5] + 4.0 * middle + u[e + 1, 5])
+        v[e, 2] = v[e + 1, 2] - h / 6.0 * (v[e, 5] - 4.0 * (ax * dx + ay * dy) / middle + v[e + 1, 5])
+
+
+def bind(effects: Effects) -> Formulation:
+    """The formulation for a set of effects."""
+    assemble, end_load = assembly.bind(effects), effects.end_load
+
+    @kernel
+    def build(
+        parameters: Any,
+        rod: Rod,
+        work: Workspace,
+        constrained: Array,
+        state: State,
+        time: float,
+        h2: float,
+        fresh: bool,
+        number: float,
+    ) -> None:
+        """Fill the block system: elements, loads at the ends, constraints."""
+        last = state.u.shape[0] - 1
+        move_to_middle(state, h2)
+        for end in (0, last):
+            state.place[end, SPIN] = state.u[last, SPIN] + h2 * state.trial[last, SPIN]
+        work.ends[:] = 0.0
+        end_load(parameters, rod, work.command, time, h2, state.place, state.trial, state.v, work.ends)
+        bit = work.ends[BIT]
+        at_bit = abs(bit[X, X] - bit[Y, Y]) + abs(bit[X, Y] + bit[Y, X])  # contact resists in one direction
+        # pushed up at the bit, or down at the top with the string's weight added on the way
+        tension = work.ends[BIT, 2, RESIDUAL]
+        if work.ends[TOP, 2, RESIDUAL] != 0.0 or constrained[0, 2]:
+            tension = work.axial[WEIGHT] - work.ends[TOP, 2, RESIDUAL]
+        full = outdated(work.reuse, h2, fresh)
+        for _ in range(2):
+            added = (
+                assemble(
+                    parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v, tension, full
+                )
+                + at_bit
+            )
+            same = abs(added - work.reuse[ADDED]) <= CHANGE * abs(work.reuse[ADDED])
+            if not same:
+                state.clock[FACTOR] = np.inf  # the rate of convergence without contact does not apply to contact
+            if full or same:
+                break
+            full = True  # contact has begun or ended
+            work.reuse[RENEW_STEPS] = STEPS_AFTER_CHANGE
+        if full:
+            work.reuse[HALF_STEP], work.reuse[ADDED] = -h2, added
+        work.axial[AT_BIT], work.axial[AT_TOP] = tension, tension - work.axial[WEIGHT]
+        add_ends(constrained, work, full)
+
+    return Formulation(begin, predict, build, solve, correct, accept, finish, order=1)

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The block-tridiagonal system with four unknowns per node (x, y, x', y'): factored once, solved often.
+
+With D_i the pivot block of node i, L and U its neighbours: keep D_i^-1, D_i^-1 L_i-1 and D_i^-1 U_i. Then a solve is
+``z_i = D_i^-1 b_i - (D_i^-1 L) z_i-1`` upwards and ``x_i = z_i - (D_i^-1 U) x_i+1`` downwards: two chains of one small
+product per node. Rows of four doubles fill a vector register.
+"""
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import kernel
+
+NODE = 4  # unknowns per node: x, y, x', y'
+SMALLEST_PIVOT = 1e-300
+
+Row = tuple[float, float, float, float]
+
+
+@kernel
+def load(m: Array, r: int) -> Row:
+    """Row r of a block."""
+    return m[r, 0], m[r, 1], m[r, 2], m[r, 3]
+
+
+@kernel
+def store(m: Array, r: int, x: Row) -> None:
+    """Overwrite row r."""
+    m[r, 0], m[r, 1], m[r, 2], m[r, 3] = x
+
+
+@kernel
+def plus(x: Row, factor: float, y: Row) -> Row:
+    """Row x and a multiple of row y."""
+    return x[0] + factor * y[0], x[1] + factor * y[1], x[2] + factor * y[2], x[3] + factor * y[3]
+
+
+@kernel
+def times(factor: float, x: Row) -> Row:
+    """A row scaled."""
+    return factor * x[0], factor * x[1], factor * x[2], factor * x[3]
+
+
+@kernel
+def invert(d: Array, out: Array) -> bool:
+    """Inverse of a block by Gauss-Jordan elimination, which destroys d; false if a pivot vanishes."""
+    for r in range(NODE):
+        for c in range(NODE):
+            out[r, c] = 1.0 if r == c else 0.0
+    for k in range(NODE):
+        if not abs(d[k, k]) > SMALLEST_PIVOT:
+            return False
+        inverse = 1.0 / d[k, k]
+        x, y = times(inverse, load(d, k)), times(inverse, load(out, k))
+        store(d, k, x)
+        store(out, k, y)
+        for r in range(NODE):
+            if r != k:
+                factor = -d[r, k]
+                store(d, r, plus(load(d, r), factor, x))
+                store(out, r, plus(load(out, r), factor, y))
+    return True
+
+
+@kernel
+def multiply(a: Array, b: Array) -> None:
+    """Overwrite b with a b."""
+    b0, b1, b2, b3 = load(b, 0), load(b, 1), load(b, 2), load(b, 3)
+    for r in range(NODE):
+        store(b, r, plus(plus(plus(times(a[r, 0], b0), a[r, 1], b1), a[r, 2], b2), a[r, 3], b3))
+
+
+@kernel
+def factor_blocks(lower: Array, diagonal: Array, upper: Array, inverse: Array) -> bool:
+    """Factor in place.
+
+    Args:
+        lower: Block (i + 1, i), shape (n, 4, 4); becomes D_i+1^-1 L_i.
+        diagonal: Block (i, i), shape (n + 1, 4, 4); destroyed.
+        upper: Block (i, i + 1), shape (n, 4, 4); becomes D_i^-1 U_i.
+        inverse: Result D_i^-1, shape (n + 1, 4, 4).
+
+    Returns:
+        Whether every pivot was usable.
+    """
+    last = diagonal.shape[0] - 1
+    for i in range(last + 1):
+        d = diagonal[i]
+        if i > 0:
+            low, above = lower[i - 1], upper[i - 1]
+            a0, a1, a2, a3 = load(above, 0), load(above, 1), load(above, 2), load(above, 3)
+            for r in range(NODE):
+                row = plus(plus(load(d, r), -low[r, 0], a0), -low[r, 1], a1)
+                store(d, r, plus(plus(row, -low[r, 2], a2), -low[r, 3], a3))
+        if not invert(d, inverse[i]):
+            return False
+        if i > 0:
+            multiply(inverse[i], lower[i - 1])
+        if i < last:
+            multiply(inverse[i], upper[i])
+    return True
+
+
+@kernel
+def dot(m: Array, r: int, x: Row) -> float:
+    """Row r of a block times a vector."""
+    total: float = m[r, 0] * x[0] + m[r, 1] * x[1] + m[r, 2] * x[2] + m[r, 3] * x[3]
+    return total
+
+
+@kernel
+def solve_blocks(lower: Array, upper: Array, inverse: Array, right: Array) -> None:
+    """Overwrite the right-hand side, shape (n + 1, 4), with the solution, by the factors of `factor_blocks`."""
+    last = right.shape[0] - 1
+    z = (0.0, 0.0, 0.0, 0.0)
+    for i in range(last + 1):
+        d, b = inverse[i], load(right, i)
+        y = dot(d, 0, b), dot(d, 1, b), dot(d, 2, b), dot(d, 3, b)
+        if i > 0:
+            low = lower[i - 1]
+            y = y[0] - dot(low, 0, z), y[1] - dot(low, 1, z), y[2] - dot(low, 2, z), y[3] - dot(low, 3, z)
+        store(right, i, y)
+        z = y
+    for i in range(last - 1, -1, -1):
+        u, y = upper[i], load(right, i)
+        z = y[0] - dot(u, 0, z), y[1] - dot(u, 1, z), y[2] - dot(u, 2, z), y[3] - dot(u, 3, z)
+        store(right, i, z)

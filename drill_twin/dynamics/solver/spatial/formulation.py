@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The string in space: seven unknowns per node (r, r', psi), stretch and torsion included."""
+
+from typing import Any
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import kernel
+from drill_twin.dynamics.solver import unknowns
+from drill_twin.dynamics.solver.boundary.bit_frame import (
+    from_bit,
+    to_bit,
+    turn_blocks,
+    turn_row,
+    turn_row_back,
+    turn_step_back,
+)
+from drill_twin.dynamics.solver.boundary.rig import ROTATION
+from drill_twin.dynamics.solver.interface import Effects, Formulation
+from drill_twin.dynamics.solver.spatial import assembly
+from drill_twin.dynamics.solver.spatial.linear_solver import NODE, solve_blocks
+from drill_twin.dynamics.solver.spatial.workspace import Workspace
+from drill_twin.dynamics.solver.state import BIT_IMPULSE, HOOK_IMPULSE, TORQUE_IMPULSE, State, StepControl
+from drill_twin.physics.model.mesh import SPIN, Rod
+
+
+@kernel
+def column(k: int) -> int:
+    """Column of the k-th unknown in a node's row."""
+    return k
+
+
+extrapolate, clear_constrained, move_to_middle, take_step = unknowns.bind(NODE, column)
+
+
+@kernel
+def add_ends(work: Workspace) -> None:
+    """Add the loads on bit and top to the system."""
+    last = work.diagonal.shape[0] - 1
+    for i in range(NODE):
+        for j in range(NODE + 1):
+            work.diagonal[0, i, j] += work.ends[0, i, j]
+            work.diagonal[last, i, j] += work.ends[1, i, j]
+
+
+@kernel
+def constrain(constrained: Array, work: Workspace) -> None:
+    """Remove the constrained unknowns, whose velocity is prescribed; save the rows of the ends for the reactions."""
+    last = work.diagonal.shape[0] - 1
+    for end in range(2):
+        node = 0 if end == 0 else last
+        own = work.diagonal[node]
+        other = work.upper[0] if end == 0 else work.lower[last - 1]
+        for i in range(NODE):
+            work.reaction[end, i] = own[i, NODE]
+            for j in range(NODE):
+                work.end_rows[end, i, j] = own[i, j]
+                work.end_rows[end, i, NODE + j] = other[i, j]
+            if constrained[end, i]:
+                for j in range(NODE):
+                    own[i, j] = 0.0
+                    other[i, j] = 0.0
+                own[i, i] = 1.0
+                own[i, NODE] = 0.0
+
+
+@kernel
+def update_reactions(work: Workspace) -> None:
+    """Update the reactions at the ends by the Newton step just solved for."""
+    last = work.diagonal.shape[0] - 1
+    for end in range(2):
+        own = work.diagonal[0 if end == 0 else last]
+        other = work.diagonal[1 if end == 0 else last - 1]
+        for i in range(NODE):
+            for j in range(NODE):
+                work.reaction[end, i] -= work.end_rows[end, i, j] * own[j, NODE]
+                work.reaction[end, i] -= work.end_rows[end, i, NODE + j] * other[j, NODE]
+
+
+@kernel
+def predict(work: Workspace, constrained: Array, state: State, h2: float) -> None:
+    """Extrapolate the mid-step velocity; constrained unknowns move as prescribed."""
+    extrapolate(state, h2)
+    turn_row(state.bit_frame, state.trial[0])
+    clear_constrained(constrained, state.trial)
+    turn_row_back(state.bit_frame, state.trial[0])
+    if constrained[1, SPIN]:
+        state.trial[state.u.shape[0] - 1, SPIN] = work.command[ROTATION]
+
+
+@kernel
+def correct(work: Workspace, state: State, control: StepControl, h2: float) -> float:
+    """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
+    update_reactions(work)
+    turn_step_back(state.bit_frame, work.diagonal[0])
+    position, angle, total = 0.0, 0.0, 0.0
+    for i in range(state.u.shape[0]):
+        for c in range(NODE):
+            change = work.diagonal[i, c, NODE]
+            state.trial[i, c] -= change
+            total += change
+            if c < 3:
+                position = max(position, abs(change))
+            else:
+                angle = max(angle, abs(change))
+    return max(position / control.position, angle / control.angle) * h2 + 0.0 * total
+
+
+@kernel
+def accept(work: Workspace, constrained: Array, state: State, counters: Array, h2: float) -> None:
+    """Take the step; a constrained top ends it at the speed that the drive prescribes."""
+    seconds = 2.0 * h2
+    take_step(state, h2)
+    counters[TORQUE_IMPULSE] += work.reaction[1, SPIN] * seconds
+    counters[HOOK_IMPULSE] += work.reaction[1, 2] * seconds
+    counters[BIT_IMPULSE] += work.reaction[0, 2] * seconds
+    if constrained[1, SPIN]:
+        state.v[state.u.shape[0] - 1, SPIN] = work.command[ROTATION]
+
+
+@kernel
+def solve(work: Workspace) -> bool:
+    """Solve the block system in place."""
+    return solve_blocks(work.lower, work.diagonal, work.upper, work.spare)
+
+
+@kernel
+def begin(work: Workspace) -> None:
+    """No-op: no factors are kept from step to step."""
+
+
+@kernel
+def finish(rod: Rod, state: State) -> None:
+    """No-op: every column of the state is an unknown."""
+
+
+def bind(effects: Effects) -> Formulation:
+    """The formulation for a set of effects."""
+    assemble, end_load = assembly.bind(effects), effects.end_load
+
+    @kernel
+    def build(
+        parameters: Any,
+        rod: Rod,
+        work: Workspace,
+        constrained: Array,
+        state: State,
+        time: float,
+        h2: float,
+        fresh: bool,
+        number: float,
+    ) -> None:
+        """Fill the block system: elements, loads at the ends, constraints."""
+        frame = state.bit_frame
+        move_to_middle(state, h2)
+        assemble(parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v)
+        work.ends[:] = 0.0
+        # the bit is constrained, loaded and braked along and across the hole
+        turn_blocks(frame, work.diagonal[0], work.upper[0], work.lower[0])
+        to_bit(frame, state.place[0], state.trial[0])
+        turn_row(frame, state.v[0])
+        end_load(parameters, rod, work.command, time, h2, state.place, state.trial, state.v, work.ends)
+        from_bit(frame, state.place[0], state.trial[0])
+        turn_row_back(frame, state.v[0])
+        add_ends(work)
+        constrain(constrained, work)
+
+    return Formulation(begin, predict, build, solve, correct, accept, finish, order=2)

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Loads, margins and contacts of a scene in each operation of the rig."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.discretisation.discretise import axis_at, contact_radius
+from drill_twin.dynamics.discretisation.resolution import MOST, resolution_of
+from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion
+from drill_twin.dynamics.torque_drag.along_string import AlongString, along_string
+from drill_twin.dynamics.torque_drag.buckling import BucklingLoads, BucklingState
+from drill_twin.dynamics.torque_drag.operations import Operation
+from drill_twin.dynamics.torque_drag.sliding_balance import Balance, SlidingBalance
+from drill_twin.dynamics.torque_drag.soft_string import HoleAndString, SoftString, lock_up_weight, soft_string
+from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
+from drill_twin.physics.effects.gravity import line_weight
+from drill_twin.physics.effects.stretch import Stretch
+from drill_twin.physics.effects.torsion import Torsion
+from drill_twin.scene import Scene
+from drill_twin.scene.blocks.top_drive import TopDrive
+
+IMPERFECTIONS = ("bow", "eccentricity", "rock_floor", "lateral_kick", *TIME_DEPENDENT)
+"""Effects without a place in a steady balance, and the rock, in whose place the weight acts on the bit."""
+NO_TORQUE = 1e-4
+"""Torque over make-up torque below which a connection is not loaded; Newton's residual is of that size."""
+
+
+class Contact(NamedTuple):
+    """Bit or stabiliser on the wall of the hole."""
+
+    name: str
+    distance_from_bit: float
+    """Of its middle [m]."""
+    force: float
+    """Across the hole [N]."""
+    tilt: float
+    """Angle between string and hole [rad]."""
+
+
+class OperationLoads(NamedTuple):
+    """Loads of the string in an operation."""
+
+    balance: Balance
+    along: AlongString
+    soft: SoftString
+    buckling: BucklingLoads
+    states: Array
+    """`BucklingState` of each element."""
+    bit_torque: float
+    """[N m]."""
+    lock_up: float
+    """Weight on bit at which sliding takes the whole hookload [N]; NaN where the bit carries no weight."""
+    yield_margin: float
+    """Yield strength over the largest equivalent stress; NaN in a string without `yield_strength`."""
+    make_up_margin: float
+    """Make-up torque over torque, where least; infinite without torque, NaN in a string without `make_up_torque`."""
+    contacts: tuple[Contact, ...]
+    """The bit, then the stabilisers from the bit up."""
+
+    @property
+    def operation(self) -> Operation:
+        """The operation."""
+        return self.balance.operation
+
+    @property
+    def hookload(self) -> float:
+        """[N]."""
+        return self.balance.hookload
+
+    @property
+    def surface_torque(self) -> float:
+        """[N m]."""
+        return self.balance.surface_torque
+
+    @property
+    def neutral_point(self) -> float:
+        """Distance from the bit of the uppermost change from compression to tension [m]; 0 if all is in tension."""
+        tension = self.along.tension
+        below = np.flatnonzero(tension < 0.0)
+        if not below.size:
+            return 0.0
+        k = int(below[-1])
+        distance = self.length - self.along.depth
+        if k + 1 == tension.size:
+            return self.length
+        share = tension[k] / (tension[k] - tension[k + 1])
+        return float(distance[k] + share * (distance[k + 1] - distance[k]))
+
+    @property
+    def length(self) -> float:
+        """Length of the string [m]."""
+        return float(self.along.length.sum())
+
+    @property
+    def stretch(self) -> float:
+        """Elongation of the string [m]."""
+        return float(np.sum(self.along.strain * self.along.length))
+
+    @property
+    def twist(self) -> float:
+        """Twist between bit and top [rad]."""
+        return float(np.sum(self.along.twist * self.along.length))
+
+    @property
+    def margins(self) -> tuple[float, float]:
+        """Least of sinusoidal and of helical buckling load over compression; infinite without compression."""
+        return self.buckling.margins(self.along.tension)
+
+    @property
+    def worst_state(self) -> BucklingState:
+        """Buckling state that goes furthest."""
+        return BucklingState(int(self.states.max()))
+
+
+@dataclass(frozen=True, eq=False)
+class Statics:
+    """Loads of a scene in the operations of the rig."""
+
+    scene: Scene
+    operations: tuple[OperationLoads, ...]
+
+    def __getitem__(self, name: str) -> OperationLoads:
+        """Loads in an operation, by its name.
+
+        Raises:
+            KeyError: There is no such operation.
+        """
+        return {loads.operation.name: loads for loads in self.operations}[name]
+
+
+def steady(scene: Scene) -> Scene:
+    """The scene in space, weight at the bit, turned at a prescribed speed, without what depends on time."""
+    effects, rig = scene.effects, scene.rig
+    changes: dict[str, object] = dict.fromkeys(key for key in IMPERFECTIONS if getattr(effects, key, None) is not None)
+    changes |= {"stretch": effects.stretch or Stretch(), "torsion": effects.torsion or Torsion()}
+    cutting = getattr(effects, "bit_cutting", None)
+    if cutting is not None:
+        changes["bit_cutting"] = cutting.model_copy(update={"rock_stiffness": None})
+    if (regenerative := getattr(effects, "bit_regenerative", None)) is not None:
+        arm = regenerative.torque_arm(rig.weight_on_bit.value)
+        changes |= {
+            "bit_regenerative": None,
+            "bit_torque_stribeck": BitTorqueStribeck(radius=arm, sliding=1.0, sticking=1.0, decay=0.0) if arm else None,
+        }
+    weight = rig.weight_on_bit.model_copy(update={"at": "bit"})
+    still = rig.model_copy(update={"weight_on_bit": weight, "top_drive": TopDrive(), "start": "axis", "block": None})
+    elements = min(resolution_of(scene)[0], MOST) if scene.numerics.elements == "auto" else scene.numerics.elements
+    numerics = scene.numerics.model_copy(update={"elements": elements})
+    return scene.model_copy(update={"effects": effects.model_copy(update=changes), "rig": still, "numerics": numerics})
+
+
+def analyse(scene: Scene, operations: Sequence[Operation]) -> Statics:
+    """Balance, soft string and margins of a scene in each operation.
+
+    Args:
+        scene: The scene; elements given or `auto`.
+        operations: Operations of the rig.
+
+    Raises:
+        RunError: There is no balance in an operation.
+    """
+    own = steady(scene)
+    balance = SlidingBalance(EquationsOfMotion(own))
+    string = hole_and_string(balance)
+    found = tuple(_loads(own, balance, string, operation) for operation in operations)
+    return Statics(scene, found)
+
+
+def hole_and_string(balance: SlidingBalance) -> HoleAndString:
+    """The elements of a string in its hole, for the soft string."""
+    equations = balance.equations
+    scene, model = equations.scene, equations.model
+    rod = model.rod
+    middle = 0.5 * (rod.arc[1:] + rod.arc[:-1])
+    axis = axis_at(scene, scene.length - middle)
+    down = np.array([math.sin(model.inclination), 0.0, -math.cos(model.inclination)])
+    gravity, friction = scene.effects.gravity, getattr(scene.effects, "wall_friction", None)
+    weight = (np.zeros(middle.size) if gravity is None else line_weight(gravity, model))[:, None] * down
+    tangent = np.tile([0.0, 0.0, 1.0], (middle.size, 1)) if axis is None else axis.tangent
+    along = -np.sum(weight * tangent, axis=1)
+    bend = np.zeros((middle.size, 3)) if axis is None else axis.curvature[:, None] * axis.normal
+    return HoleAndString(
+        rod.length, along, weight + along[:, None] * tangent, bend, rod.bending,
+        contact_radius(scene, middle), model.wellbore.clearance.reshape(-1, 2).mean(axis=1),
+        np.zeros(middle.size) if friction is None
+        else friction.coefficient * friction.scale_at(scene.length - middle),
+    )  # fmt: skip
+
+
+def _loads(scene: Scene, solver: SlidingBalance, string: HoleAndString, operation: Operation) -> OperationLoads:
+    equations = solver.equations
+    model, wall = equations.model, getattr(equations.parameters, "wall", None)
+    balance = solver.solve(operation)
+    along = along_string(scene, model, wall, balance.u)
+    buckling = string.buckling(along.tension)
+    torque = np.abs(along.torque)
+    bit_torque = float(along.torque[0]) if operation.is_on_bottom else 0.0
+    own_yield = np.array([section.yield_strength or math.nan for section in scene.string.sections])[model.section]
+    own_torque = np.array([section.make_up_torque or math.nan for section in scene.string.sections])[model.section]
+    loaded = ~(torque < NO_TORQUE * own_torque)
+    return OperationLoads(
+        balance, along, soft_string(string, operation, bit_torque), buckling, buckling.states(along.tension),
+        bit_torque, lock_up_weight(string, operation) if operation.is_on_bottom else math.nan,
+        least(own_yield / np.maximum(along.stress, 1e-300)),
+        least(np.divide(own_torque, torque, out=np.full_like(torque, np.inf), where=loaded)),
+        _contacts(scene, solver, balance, along),
+    )  # fmt: skip
+
+
+def least(margins: Array) -> float:
+    """Least of the margins that are known; NaN if none is."""
+    known = margins[~np.isnan(margins)]
+    return float(known.min()) if known.size else math.nan
+
+
+def _contacts(scene: Scene, solver: SlidingBalance, balance: Balance, along: AlongString) -> tuple[Contact, ...]:
+    rod = solver.equations.model.rod
+    tangents = np.array([[0.0, 0.0, 1.0]]) if solver.axis is None else solver.axis.tangent
+    tilts = np.linalg.norm(np.cross(balance.u[:, 3:6], tangents), axis=1)
+    found, bottom = [Contact("bit", 0.0, balance.bit_side_force, math.asin(min(float(tilts[0]), 1.0)))], 0.0
+    for number, section in enumerate(scene.string.sections):
+        top = bottom + section.length
+        if section.blade_diameter is not None and section.adjusted_mass is None:  # with one: pipe on its tool joints
+            inside = (rod.arc[:-1] >= bottom - 1e-9) & (rod.arc[1:] <= top + 1e-9)
+            force = float(np.sum((along.side_force * rod.length)[inside]))
+            node = int(np.argmin(np.abs(rod.arc - 0.5 * (bottom + top))))
+            name = section.name or f"section {number + 1}"
+            found.append(Contact(name, 0.5 * (bottom + top), force, math.asin(min(float(tilts[node]), 1.0))))
+        bottom = top
+    return tuple(found)

@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Balance of forces of the string while all of it slides along the hole and turns at constant speeds.
+
+The equations are those of the time loop (`drill_twin.dynamics.rotordynamics.equations`), with every effect of the scene: rod,
+wall, mud, friction. The velocity is prescribed, along the axis of the hole and about it, so that friction has its
+full size and the direction of the operation; position is the unknown.
+
+Newton's method begins where the soft string lies (`soft_string`): on the side of the hole to which weight and tension
+press it. As in `drill_twin.dynamics.equilibrium.static_equilibrium` the mass over the square of a step holds the first changes
+small (Kelley and Keyes 1998); the step grows as the residual falls, until the change is Newton's. The system is banded,
+seven unknowns a node.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.linalg import solve_banded
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.discretisation.boundary_conditions import BIT_ENDS
+from drill_twin.dynamics.discretisation.discretise import axis_at
+from drill_twin.dynamics.discretisation.initial_state import axial_weight
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.solver.linearisation import MASS, STIFFNESS
+from drill_twin.dynamics.torque_drag.operations import Operation
+from drill_twin.physics.model.mesh import SPIN
+from drill_twin.scene.set_points.command import Command
+
+NODE, BAND = 7, 13
+"""Unknowns of a node, and diagonals on each side of the main one that couple neighbours."""
+TOLERANCE = 1e-7
+"""Residual force at a node over the largest load; residual torque over the same at the string's radius."""
+FIRST_STEP, SHORTEST, LONGEST = 0.02, 5e-3, 1e3
+"""Step of the regularisation: the first, and its bounds [s]."""
+GROWTH, SHRINKAGE = 3.0, 0.5
+"""Largest and least change of the step."""
+LARGEST_MOVE = 0.5
+"""Largest change across the hole in a step, over the largest clearance."""
+MOST_STEPS = 400
+SMALLEST_LOAD = 1e-3
+"""Reference of the residual for a string without weight or load [N]."""
+HELD = 3.0
+"""Length over which the first guess goes from the hole's axis at an end to the wall, in lengths (EI / w)^(1/3)."""
+
+
+class Balance(NamedTuple):
+    """String in balance during an operation."""
+
+    operation: Operation
+    u: Array
+    """Rows (r, r', psi), shape (n + 1, 7)."""
+    bit: Array
+    """Reaction on the bit's row in the frame of the hole there: force [N], moments on r', torque [N m]; shape (7,)."""
+    top: Array
+    """Reaction on the top's row, shape (7,)."""
+    steps: int
+    """Newton steps."""
+
+    @property
+    def hookload(self) -> float:
+        """Tension at the top clamp [N]."""
+        return float(self.top[2])
+
+    @property
+    def surface_torque(self) -> float:
+        """Torque of the top drive on the string [N m]."""
+        return float(self.top[SPIN])
+
+    @property
+    def bit_side_force(self) -> float:
+        """Force of the hole's wall on the bit, across the hole [N]; 0 for a bit that is free to move across."""
+        return float(np.hypot(self.bit[0], self.bit[1]))
+
+
+class SlidingBalance:
+    """Balances of one string for any operation."""
+
+    def __init__(self, equations: EquationsOfMotion) -> None:
+        """Prepare the places of the block tangents in the band.
+
+        Args:
+            equations: Of a scene in the spatial form with the weight applied at the bit.
+        """
+        self.equations = equations
+        scene, model = equations.scene, equations.model
+        count = model.rod.arc.size
+        rows, columns = np.broadcast_arrays(
+            NODE * np.arange(count)[:, None, None] + np.arange(NODE)[None, :, None],
+            NODE * (np.arange(count)[:, None, None] - 1) + np.arange(3 * NODE),
+        )
+        self._inside = (columns >= 0) & (columns < NODE * count)
+        self._rows, self._columns = rows[self._inside], columns[self._inside]
+        fixed = np.zeros((count, NODE), bool)
+        fixed[0], fixed[-1] = BIT_ENDS[scene.string.bit_end], equations.constrained[1]
+        self.fixed = fixed
+        held = fixed.ravel()
+        self._cleared = held[self._rows] | held[self._columns]
+        self._none = np.zeros((2, NODE), bool)
+        self.axis = axis_at(scene, scene.length - model.rod.arc)
+        self.room = float(model.wellbore.clearance.max())
+        self.hanging = float(np.abs(axial_weight(scene, model)).sum())
+
+    def velocity(self, operation: Operation) -> Array:
+        """Velocities of the rows (r, r', psi) in an operation, along the hole; shape (n + 1, 7)."""
+        v = np.zeros_like(self.fixed, dtype=float)
+        if self.axis is None:
+            v[:, 2] = operation.axial_speed
+        else:
+            v[:, 0:3] = operation.axial_speed * self.axis.tangent
+            v[:, 3:6] = operation.axial_speed * self.axis.curvature[:, None] * self.axis.normal
+        v[:, SPIN] = operation.rotation
+        return v
+
+    def solve(self, operation: Operation, guess: Array | None = None) -> Balance:
+        """Find the balance in an operation.
+
+        Args:
+            operation: The operation.
+            guess: Rows to start from, such as those of another operation; None: where the soft string lies.
+
+        Raises:
+            RunError: Newton's method does not converge.
+        """
+        equations = self.equations
+        command, v = Command(operation.weight_on_bit, operation.rotation), self.velocity(operation)
+        u = (self._soft_shape(command) if guess is None else guess).copy()
+        still = np.zeros_like(u)
+        load = max(self.hanging, abs(operation.weight_on_bit), SMALLEST_LOAD)
+        lever = float(equations.model.rod.outer_radius.max())
+        step, last = FIRST_STEP, np.inf
+        for count in range(MOST_STEPS):
+            residual, tangents = equations.blocks(command, u, v, still, self._none)
+            free = np.where(self.fixed, 0.0, residual)
+            force = max(float(np.abs(free[:, 0:3]).max()), float(np.abs(free[:, SPIN]).max()) / lever)
+            if not np.isfinite(force):
+                break
+            if force < TOLERANCE * load:
+                return Balance(operation, u, residual[0].copy(), residual[-1].copy(), count)
+            step = float(np.clip(step * np.clip(last / force, SHRINKAGE, GROWTH), SHORTEST, LONGEST))
+            last = force
+            tangents[MASS, :, SPIN] = 0.0  # torsion is linear while all of the string slides
+            change = self._change(free, tangents[STIFFNESS] + tangents[MASS] / step**2)
+            while self._across(change) > LARGEST_MOVE * self.room and step > SHORTEST:
+                step *= 0.5 * SHRINKAGE
+                change = self._change(free, tangents[STIFFNESS] + tangents[MASS] / step**2)
+            u = u + change
+        remedy = "Try more elements (--set numerics.elements=...), a softer wall or a lower weight on bit"
+        if load == SMALLEST_LOAD:
+            remedy = "A string without weight has no loads to balance there: list effects.gravity, and its own density"
+        raise RunError(
+            f'{equations.scene.name}: expected a balance in the operation "{operation.name}", found none: '
+            f"residual {last:.3g} N of a load of {load:.3g} N after {count} steps. {remedy}"
+        )
+
+    def stiffness(self, balance: Balance) -> Array:
+        """Tangent by position at a balance as a band, shape (27, 7 (n + 1)); 1 for held unknowns."""
+        operation = balance.operation
+        _, tangents = self.equations.blocks(
+            Command(operation.weight_on_bit, operation.rotation), balance.u, self.velocity(operation),
+            np.zeros_like(balance.u), self._none,
+        )  # fmt: skip
+        return self._band(tangents[STIFFNESS])
+
+    def _band(self, blocks: Array) -> Array:
+        entries = blocks[self._inside]
+        entries[self._cleared] = 0.0
+        band = np.zeros((2 * BAND + 1, self.fixed.size))
+        band[BAND + self._rows - self._columns, self._columns] = entries
+        band[BAND, self.fixed.ravel()] = 1.0
+        return band
+
+    def _change(self, residual: Array, blocks: Array) -> Array:
+        """Newton's change of the rows."""
+        found = solve_banded((BAND, BAND), self._band(blocks), -residual.ravel(), check_finite=False)
+        change: Array = found.reshape(residual.shape)
+        turn = self.equations.bit_frame[:, :3]
+        change[0, 0:3], change[0, 3:6] = change[0, 0:3] @ turn, change[0, 3:6] @ turn
+        return change
+
+    def _across(self, change: Array) -> float:
+        """Largest part of a change across the hole [m]."""
+        move = change[:, 0:3]
+        if self.axis is None:
+            return float(np.hypot(move[:, 0], move[:, 1]).max())
+        return float(np.linalg.norm(np.cross(move, self.axis.tangent), axis=1).max())
+
+    def _soft_shape(self, command: Command) -> Array:
+        """String where weight and tension press a string without bending stiffness, on the axis at its ends."""
+        equations, model = self.equations, self.equations.model
+        rod, wall = model.rod, getattr(equations.parameters, "wall", None)
+        u, _ = equations.on_axis(command)
+        force = self.transverse_load(u)
+        size = np.linalg.norm(force, axis=1)
+        if wall is None or not size.max() > 0.0:
+            return u
+        clearance = np.interp(rod.arc, model.places, model.wellbore.clearance)
+        depth = clearance + (size / wall.stiffness) ** (1.0 if wall.linear else 2.0 / 3.0)
+        typical = float(np.median(size[size > 1e-3 * size.max()]))
+        bending = np.append(rod.bending, rod.bending[-1])
+        run = HELD * float(np.median(bending / typical)) ** (1.0 / 3.0)
+        rise = np.clip(np.minimum(rod.arc, rod.arc[-1] - rod.arc) / run, 0.0, 1.0)
+        share = (rise**2 * (3.0 - 2.0 * rise)) * -np.expm1(-size / (0.2 * typical))
+        off = force / np.maximum(size, 1e-9 * typical)[:, None] * (depth * share)[:, None]
+        slope = CubicSpline(rod.arc, off).derivative()(rod.arc)
+        slope[[0, -1]] = 0.0
+        u[:, 0:3] += off
+        u[:, 3:6] += slope
+        return u
+
+    def transverse_load(self, u: Array) -> Array:
+        """Load across the hole at the nodes of a string along its axis: weight, and tension times curvature [N/m]."""
+        model, gravity = self.equations.model, getattr(self.equations.parameters, "gravity", None)
+        count = model.rod.arc.size
+        weight = np.zeros((count, 3))
+        if gravity is not None:
+            weight[:-1] = gravity.weight[::2]
+            weight[-1] = weight[-2]
+        if self.axis is None:
+            weight[:, 2] = 0.0
+            return weight
+        tangent = self.axis.tangent
+        tension = (np.linalg.norm(u[:, 3:6], axis=1) - 1.0) * np.append(model.rod.axial, model.rod.axial[-1])
+        across = weight - np.sum(weight * tangent, axis=1)[:, None] * tangent
+        return np.asarray(across + (tension * self.axis.curvature)[:, None] * self.axis.normal)

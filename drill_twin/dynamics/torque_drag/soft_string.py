@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Soft string: a string without bending stiffness that lies on the wall of the hole (Johancsik and others 1984).
+
+The force that presses an element to the wall is N = |w + T k n|, with the weight across the hole w, tension T,
+curvature k of the hole and its normal n. Friction mu N acts against the motion of the surface, split between the
+direction along the hole and that around it. Above the helical buckling load the helix presses with its own force too.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.torque_drag.buckling import CHEN, WU, BucklingLoads, buckling_loads
+from drill_twin.dynamics.torque_drag.operations import Operation
+
+ITERATIONS = 4
+"""Of the tension at the middle of an element."""
+MOST_WEIGHT = 1e8
+"""Weight on bit [N] that no hole transmits."""
+
+
+class HoleAndString(NamedTuple):
+    """Elements of the string in the hole, from the bit up; shape (n,), or (n, 3) for vectors."""
+
+    length: Array
+    """[m]."""
+    weight: Array
+    """Buoyant weight per length along the hole, positive where it pulls towards the bit [N/m]."""
+    across: Array
+    """Buoyant weight per length across the hole [N/m], shape (n, 3)."""
+    bend: Array
+    """Curvature times its normal [1/m], shape (n, 3)."""
+    bending: Array
+    """EI [N m2]."""
+    radius: Array
+    """Contact radius of the string [m]."""
+    clearance: Array
+    """[m]."""
+    friction: Array
+    """Coefficient mu."""
+
+    def pressing(self, tension: Array) -> Array:
+        """Force per length that presses the elements to the wall under a tension [N/m], shape (n,)."""
+        force = self.across + tension[:, None] * self.bend
+        return np.asarray(np.linalg.norm(force, axis=1))
+
+    def buckling(self, tension: Array) -> BucklingLoads:
+        """Buckling loads under a tension, by the force that presses the unbuckled string."""
+        weight = np.hypot(self.weight, np.linalg.norm(self.across, axis=1))
+        return buckling_loads(self.bending, self.pressing(tension), weight, self.clearance)
+
+
+class SoftString(NamedTuple):
+    """Soft string in an operation: tension and torque at the nodes from the bit up, shape (n + 1,)."""
+
+    tension: Array
+    """[N]."""
+    torque: Array
+    """[N m]."""
+    side_force: Array
+    """Per length, in the elements [N/m], shape (n,)."""
+
+    @property
+    def hookload(self) -> float:
+        """Tension at the top [N]."""
+        return float(self.tension[-1])
+
+    @property
+    def surface_torque(self) -> float:
+        """Torque at the top [N m]."""
+        return float(self.torque[-1])
+
+
+def soft_string(string: HoleAndString, operation: Operation, bit_torque: float = 0.0) -> SoftString:
+    """Integrate tension and torque from the bit up.
+
+    A helix presses on the wall with r F^2 / (4 EI) per length (Lubinski, Althouse and Logan 1962).
+
+    Args:
+        string: Elements.
+        operation: The operation; at zero speed there is no friction.
+        bit_torque: Torque at the bit [N m].
+    """
+    around = abs(operation.rotation) * string.radius
+    speed = np.maximum(np.hypot(operation.axial_speed, around), 1e-300)
+    along = operation.axial_speed / speed * string.friction
+    turning = around / speed * string.friction * string.radius
+    # N^2 = |w|^2 + 2 T w.kn + T^2 k^2
+    weight2, mixed = np.sum(string.across**2, axis=1), np.sum(string.across * string.bend, axis=1)
+    bend2 = np.sum(string.bend**2, axis=1)
+    helical = WU**3 * string.bending * (string.weight**2 + weight2)  # cube of the helical load of a vertical hole
+    stiff, gap = string.bending, string.clearance
+    tension, torque, side = [-operation.weight_on_bit], [bit_torque], []
+    rows = np.column_stack([string.length, string.weight, along, turning, weight2, mixed, bend2, helical, stiff, gap])
+    for length, weight, drag, lever, w2, wk, k2, vertical, bending, clearance in rows.tolist():
+        here = above = tension[-1]
+        for _ in range(ITERATIONS):
+            middle = 0.5 * (here + above)
+            force = pressing = math.sqrt(max(w2 + middle * (2.0 * wk + middle * k2), 0.0))
+            snaking2 = 4.0 * bending * pressing / clearance  # square of the sinusoidal load
+            if middle < 0.0 and middle * middle > CHEN**2 * snaking2 and -(middle**3) > vertical:
+                force += clearance * middle * middle / (4.0 * bending)
+            above = max(here + (weight + drag * force) * length, -MOST_WEIGHT)
+        side.append(force)
+        tension.append(above)
+        torque.append(torque[-1] + lever * force * length)
+    return SoftString(np.array(tension), np.array(torque), np.array(side))
+
+
+def lock_up_weight(string: HoleAndString, operation: Operation) -> float:
+    """Weight on bit at which sliding takes the whole hookload: more cannot be set off by slacking off [N].
+
+    Zero where the string does not slide in by its own weight at all.
+    """
+
+    def hookload(weight: float) -> float:
+        return soft_string(string, operation._replace(weight_on_bit=weight)).hookload
+
+    low, high = 0.0, 1e3
+    if hookload(low) <= 0.0:
+        return 0.0
+    while hookload(high) > 0.0 and high < MOST_WEIGHT:
+        low, high = high, 2.0 * high
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if hookload(middle) > 0.0 else (low, middle)
+    return low

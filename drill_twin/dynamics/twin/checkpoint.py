@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checkpoint file of a run, from which it is resumed bit for bit.
+
+The file is an `.npz` of plain arrays without pickles: the resolved scene, the version, and all arrays of the twin's
+state. It replaces the previous one atomically.
+"""
+
+from __future__ import annotations
+
+import json
+import lzma
+import math
+import stat
+import struct
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from drill_twin import __version__
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import CheckpointError, DrillTwinError
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.core.files.json_reader import read_json
+from drill_twin.core.files.whole_file import whole_file
+from drill_twin.dynamics.twin.dynamics import AXIAL
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene import Scene, parse_scene
+from drill_twin.scene.set_points.command import Command
+
+_FORMAT = 1
+_HEADER = "head"
+_ZIP = b"PK\x03\x04"
+_LARGEST_HEADER = 2_000_000  # bytes; the scene takes most of it
+_LARGEST_SIZE = 128 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
+_FILE = ForeignFile("a checkpoint", _LARGEST_SIZE, CheckpointError)
+_RENAMED = {f"effects.ledger.{old}": f"effects.ledger.{new}" for old, new in (
+    ("books", "entries"), ("course", "gauss"), ("loose", "constrained"),
+)}  # fmt: skip
+"""Names of arrays in older files -> their names now."""
+_DAMAGED = (
+    OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, NotImplementedError, RuntimeError,
+    ArithmeticError, MemoryError, struct.error, zlib.error, lzma.LZMAError,
+)  # fmt: skip
+"""Raised by zipfile and numpy on damaged files."""
+
+Arrays = Mapping[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """Content of a checkpoint file."""
+
+    scene: str
+    """Resolved scene (YAML)."""
+    time: float
+    """Simulated time [s]."""
+    command: Command
+    """Set-points in force."""
+    arrays: Arrays
+    """Arrays of the twin's state, by name."""
+
+    @classmethod
+    def of(cls, twin: Twin, command: Command) -> Self:
+        """Make the checkpoint of a twin and the set-points in force."""
+        return cls(twin.scene.to_yaml(), twin.time, command, twin.checkpoint())
+
+    def save(self, path: str | Path) -> None:
+        """Write the file atomically.
+
+        Raises:
+            CheckpointError: It cannot be written; a previous file is unchanged.
+        """
+        target = Path(path)
+        head = {
+            "format": _FORMAT,
+            "version": __version__,
+            "time": self.time,
+            "set_points": self.command.values,
+            "scene": self.scene,
+        }
+        content: dict[str, Any] = {_HEADER: np.frombuffer(json.dumps(head).encode(), np.uint8), **self.arrays}
+        try:
+            _refuse_other_file(target)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with whole_file(target) as stream:
+                np.savez(stream, **content)
+        except (OSError, ValueError) as error:
+            found = getattr(error, "strerror", None) or error
+            raise CheckpointError(
+                f"{target}: expected a place for the checkpoint, found {found}; free it or name another"
+            ) from error
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a file.
+
+        Raises:
+            CheckpointError: No such file, a damaged one, or one of another version.
+        """
+        try:
+            with _FILE.open(path) as stream, zipfile.ZipFile(stream) as archive:
+                members = _members(archive)
+            members = {_RENAMED.get(name, name): array for name, array in members.items()}
+            head = read_json(members.pop(_HEADER).tobytes(), largest=_LARGEST_HEADER)
+            if head["format"] != _FORMAT or head["version"] != __version__:
+                raise CheckpointError(
+                    f"{path}: expected a checkpoint of drill_twin {__version__}, found one of {head['version']}; "
+                    "start the run afresh, or go on with that version"
+                )
+            time, command = float(head["time"]), Command(*map(float, head["set_points"]))
+            scene = head["scene"]
+        except _DAMAGED as error:
+            raise CheckpointError(
+                f"{path}: expected a whole checkpoint of drill_twin, found {_error_text(error)}; start the run afresh"
+            ) from error
+        if not (math.isfinite(time) and command.is_finite()) or not isinstance(scene, str):
+            found = f"{time:g} s, {command.values}"
+            raise CheckpointError(f"{path}: expected finite numbers and a scene, found {found}; start the run afresh")
+        return cls(scene, time, command, members)
+
+    def twin(self) -> Twin:
+        """Make a twin of the checkpoint's scene in its state.
+
+        Raises:
+            CheckpointError: Scene or arrays are damaged.
+        """
+        try:
+            scene = parse_scene(self.scene, name="the checkpoint's scene")
+        except DrillTwinError as error:
+            raise CheckpointError(str(error)) from error
+        twin = Twin(scene)
+        self.restore(twin)
+        return twin
+
+    def restore(self, twin: Twin) -> None:
+        """Restore the state of a twin of the same scene; on an error it is unchanged.
+
+        Raises:
+            CheckpointError: The twin is of another scene, or has other arrays.
+        """
+        self._refuse_other(twin.scene)
+        expected = {name: array.shape for name, array in twin.checkpoint().items()}
+        found = {name: array.shape for name, array in self.arrays.items()}
+        if found != expected and found != {name: shape for name, shape in expected.items() if name != AXIAL}:
+            odd = sorted(name for name in {*expected, *found} if expected.get(name) != found.get(name))
+            raise CheckpointError(
+                f"expected a checkpoint of this twin, found other arrays: {', '.join(odd)}; start the run afresh"
+            )
+        twin.restore(self.arrays)
+
+    def _refuse_other(self, scene: Scene) -> None:
+        wanted, found = scene.to_yaml().splitlines(), self.scene.splitlines()
+        if wanted == found:
+            return
+        length = max(len(wanted), len(found))
+        pairs = zip(wanted + [""] * (length - len(wanted)), found + [""] * (length - len(found)), strict=True)
+        number, (mine, theirs) = next((n, pair) for n, pair in enumerate(pairs, 1) if pair[0] != pair[1])
+        raise CheckpointError(
+            f"expected a checkpoint of this scene, {scene.name}, found one of another: line {number} of the resolved "
+            f'scene is "{theirs.strip()}" there and "{mine.strip()}" here; load that scene, or start the run afresh'
+        )
+
+
+def _refuse_other_file(path: Path) -> None:
+    """Refuse to replace what is no checkpoint: anyone in the ROS graph may name the file."""
+    if not path.exists():
+        return
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise ValueError("a folder, a pipe or a device there")
+    with path.open("rb") as stream:
+        start = stream.read(len(_ZIP))
+    if start and start != _ZIP:
+        raise ValueError("another file there, which is not replaced")
+
+
+def _members(archive: zipfile.ZipFile) -> dict[str, Array]:
+    """Read all arrays of an archive, after a check of their size in bytes."""
+    size = sum(member.file_size for member in archive.infolist())
+    if size > _LARGEST_SIZE:
+        raise ValueError(f"{size} bytes where at most {_LARGEST_SIZE} can be meant")
+    return {member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in archive.infolist()}
+
+
+def _array(data: bytes) -> Array:
+    stream = BytesIO(data)
+    version = np.lib.format.read_magic(stream)
+    if version != (1, 0):
+        raise ValueError(f"an array of format {version}")
+    shape, fortran, kind = np.lib.format.read_array_header_1_0(stream)
+    if kind.hasobject or kind not in {np.dtype(np.float64), np.dtype(np.uint8)} or (fortran and len(shape) > 1):
+        raise ValueError(f"an array of {kind}")
+    content = data[stream.tell() :]
+    if math.prod(shape) * kind.itemsize != len(content):
+        raise ValueError(f"{len(content)} bytes for an array of {shape}")
+    return np.frombuffer(content, kind).reshape(shape)
+
+
+_LONGEST_TEXT = 200
+
+
+def _error_text(error: BaseException) -> str:
+    text = " ".join(str(error).split())[:_LONGEST_TEXT]  # zipfile quotes headers whole
+    return text if text and not isinstance(error, KeyError) else f"{type(error).__name__} {text}".strip()

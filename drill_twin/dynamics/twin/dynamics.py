@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Dynamics of a scene: its compiled kernel with the arrays of state, parameters and workspace."""
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.audit.effect_timing import EffectTimer
+from drill_twin.dynamics.audit.energy_ledger import make_energy_ledger
+from drill_twin.dynamics.discretisation.boundary_conditions import BoundaryConditions
+from drill_twin.dynamics.discretisation.discretise import discretise, survey_of
+from drill_twin.dynamics.discretisation.initial_state import set_initial_state
+from drill_twin.dynamics.discretisation.kernel_arguments import (
+    LATERAL,
+    SPATIAL,
+    effects_of,
+    form_of,
+    parameters_of,
+    variants_of,
+)
+from drill_twin.dynamics.discretisation.refinement import mesh
+from drill_twin.dynamics.discretisation.resolution import newton_place, resolution_of
+from drill_twin.dynamics.equilibrium.static_start import start_in_equilibrium
+from drill_twin.dynamics.solver import slices, state
+from drill_twin.dynamics.solver.kernel_codegen import build_kernel, entry_point
+from drill_twin.dynamics.solver.lateral.workspace import make_workspace as make_lateral_workspace
+from drill_twin.dynamics.solver.spatial.workspace import make_workspace
+from drill_twin.dynamics.twin.packed_arrays import named_arrays, pack_arrays
+from drill_twin.physics.effects import effect_module
+from drill_twin.physics.model.mesh import Rod
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points import Command
+
+AXIAL = "work.axial"
+"""Array of the lateral formulation that is missing in checkpoints of drill_twin 0.1.0."""
+DEFAULT_HALVINGS = 1000
+"""Default of the largest number of step halvings in an advance."""
+
+
+class Dynamics:
+    """Kernel of a scene and its state, initialised as in `rig.start`.
+
+    Attributes:
+        scene: The scene.
+        model: Discrete model.
+        boundary_conditions: Boundary conditions at bit and top.
+        form: Formulation: "spatial", or "lateral" for a scene with neither stretch nor torsion.
+        hole: "straight" or "curved".
+        effects: Keys of the effects in the kernel, in the order of their parameters.
+        variants: The same, each with the variant that its block asks for.
+        parameters: Parameters of drive and effects, and the ledger of an audit.
+        step: Nominal time step [s].
+        command: Set-points last reached, as `drill_twin.scene.set_points.Command.values`, shape (3,).
+        counters: See `drill_twin.dynamics.solver.state`.
+        too_many_halvings: True if the last advance ended at the largest number of step halvings.
+        memory_block: Bytes of all arrays of the state, shape (size,).
+        progress: Progress of an advance, see `drill_twin.dynamics.solver.state`.
+    """
+
+    def __init__(self, scene: Scene, rod: Rod | None = None) -> None:
+        """Build the model, load or compile the kernel, and set the initial state.
+
+        Args:
+            scene: The scene.
+            rod: The meshed string; by default that of the scene, whose nodes depend on its largest set-points.
+
+        Raises:
+            SceneError: The scene asks for an accuracy instead of elements and a step.
+            TableError: Elements or step are to be chosen for a record that cannot be used.
+            RunError: No equilibrium or steady whirl was found to start from.
+        """
+        self.scene = scene
+        elements, self.step = resolution_of(scene)
+        rod = mesh(scene, elements) if rod is None else rod
+        self.model = discretise(scene, rod)
+        self.boundary_conditions = BoundaryConditions.of(scene)
+        self.effects = effects_of(scene)
+        self.variants, self.form, self.hole, audit = kernel_of(scene)
+        self.kernel = build_kernel(self.variants, self.form, self.hole, audit=audit)
+        ledger = [make_energy_ledger(len(self.effects), rod, bit_held=self._bit_is_constrained)] if audit else []
+        parameters = parameters_of(self.kernel, scene, self.model, *ledger)
+        self._constrained = self.boundary_conditions.constrained(scene.string.bit_end)
+        make: Any = make_workspace if self.form == SPATIAL else make_lateral_workspace
+        self._work = make(rod.length.size)
+        self._advance: Callable[..., int] | None = None  # once compiled
+        command, counters = np.zeros(3), np.zeros(state.COUNTERS)
+        command[0] = scene.rig.first[0]
+        axial = getattr(self._work, "axial", ())  # the last sum of weights is used in the next step
+        memory, self.memory_block = pack_arrays(
+            (parameters, state.make_state(rod.length.size), command, counters, axial)
+        )
+        self.parameters, self._state, self.command, self.counters, axial = memory
+        if self.form == LATERAL:
+            self._work = self._work._replace(axial=axial)
+        self.progress = slices.make_progress()
+        self.too_many_halvings = False
+        self._state.bit_frame[:] = self.model.bit_frame
+        self.set_parameters(self.parameters)
+        self._set_initial_state()
+
+    def set_parameters(self, parameters: Any) -> None:
+        """Take parameters of drive and effects, and the tolerance of Newton's method that their stiffness asks for."""
+        self.parameters = parameters
+        blades = getattr(parameters, "bit_stabiliser", None)
+        place = newton_place(self.scene.tolerance, self.rod, self.wall, getattr(blades, "stiffness", 0.0))
+        self._control = state.StepControl(self.step, place, self.scene.tolerance, DEFAULT_HALVINGS)
+
+    def _set_initial_state(self) -> None:
+        set_initial_state(self._state, self.model, self.scene, float(self.command[0]))
+        if self.scene.rig.start == "equilibrium":
+            start_in_equilibrium(self, Dynamics)
+        elif self.scene.rig.start == "whirl-state":
+            from drill_twin.dynamics.rotordynamics.steady.whirl_start import (
+                start_in_whirl,  # here, for its use of scipy
+            )
+
+            self.begin(*start_in_whirl(self.scene))
+        for name in self.scene.effect_names:
+            module = effect_module(name)
+            if hasattr(module, "initial_state"):
+                module.initial_state(getattr(self.scene.effects, name), self.model, *self.unknowns)
+
+    @property
+    def _bit_is_constrained(self) -> bool:
+        return self.boundary_conditions.weight_at_top and not self.boundary_conditions.bit_on_rock
+
+    @property
+    def wall(self) -> Any:
+        """Parameters of the wall; None if the scene lists none."""
+        return getattr(self.parameters, "wall", None)
+
+    @property
+    def stress(self) -> Array | None:
+        """Sections of the effect `fatigue`, a view, as `drill_twin.dynamics.twin.frame.Frame.stress`; None without it."""
+        fatigue = getattr(self.parameters, "fatigue", None)
+        return None if fatigue is None else fatigue.seen
+
+    @property
+    def rod(self) -> Rod:
+        """The meshed string."""
+        return self.model.rod
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return float(self._state.clock[state.TIME])
+
+    @property
+    def unknowns(self) -> tuple[Array, Array]:
+        """Node rows (r, r', psi) and their velocities, each shape (n + 1, 7); views, not copies."""
+        return self._state.u, self._state.v
+
+    def arrays(self) -> Iterator[tuple[str, Array]]:
+        """Yield the arrays of the state, not copies, each with its name in checkpoints."""
+        yield from named_arrays("state", self._state)
+        yield from named_arrays("effects", self.parameters)  # some have a state
+        yield from (("command", self.command), ("counters", self.counters))
+        if self.form == LATERAL:
+            yield AXIAL, self._work.axial
+
+    def advance(
+        self, target: Array, seconds: float, step: float | None = None, max_halvings: int = DEFAULT_HALVINGS
+    ) -> bool:
+        """Advance in time; the set-points change linearly from `command`, which is not updated, to `target`.
+
+        Args:
+            target: Set-points at the end, shape (3,).
+            seconds: Time to advance [s].
+            step: Time step [s]; the nominal one if not given.
+            max_halvings: Largest number of step halvings.
+
+        Returns:
+            False if Newton's method fails at the smallest step, or after `max_halvings`, where `too_many_halvings` is
+            set.
+        """
+        control = self._control._replace(step=self.step if step is None else step, max_halvings=max_halvings)
+        advance, arguments = self._advance or self.kernel.advance, self.arguments(target, self.time, seconds, control)
+        iterations = slices.iterations_of(self.rod.length.size)
+        slices.call_check()  # between the many short ones of a search for an equilibrium
+        status = slices.in_slices(lambda: advance(*arguments), self.progress, lambda: iterations)
+        self._advance = self._advance or entry_point(self.kernel)
+        self.too_many_halvings = status == state.TOO_MANY_HALVINGS
+        return status == state.CONVERGED
+
+    def arguments(
+        self, target: Array, start: float, seconds: float, control: state.StepControl | None = None
+    ) -> tuple[Any, ...]:
+        """Arguments of the kernel's `advance`, to move from a time [s] on by `seconds`; see `advance`."""
+        return (
+            self.parameters, self.rod, self._work, self._constrained, self._state, control or self._control,
+            self.command, target, start, start + seconds, self.counters, self.progress,
+        )  # fmt: skip
+
+    @property
+    def clock(self) -> Array:
+        """Simulated time and history of the steps, see `drill_twin.dynamics.solver.state`."""
+        clock: Array = self._state.clock
+        return clock
+
+    def largest_change(self) -> int:
+        """Node with the largest change, in tolerances, of the last Newton iteration."""
+        changes = np.abs(self._work.diagonal[:, :, 7] if self.form == SPATIAL else self._work.right)
+        places = 3 if self.form == SPATIAL else 2
+        sizes = np.hstack((changes[:, :places] / self._control.position, changes[:, places:] / self._control.angle))
+        return int(np.nan_to_num(sizes, nan=np.inf).max(axis=1).argmax())
+
+    def begin(self, u: Array, v: Array, command: Command) -> None:
+        """Set the state, node rows and their velocities, shape (n + 1, 7) each, and the set-points in force."""
+        self._state.u[:], self._state.v[:] = u, v
+        self._state.clock[state.KNOWN] = 0.0
+        self.command[:] = command.values
+
+    def pseudo_transient_step(self, seconds: float) -> bool:
+        """Take a backward Euler step from rest to rest under the last command: the first half of a midpoint step.
+
+        Returns:
+            False, with the state unchanged, if Newton's method fails.
+        """
+        u, v = self.unknowns
+        before, halvings = u.copy(), self.counters[state.HALVINGS]
+        self.begin(u, np.zeros_like(v), Command(float(self.command[0]), 0.0))
+        converged = self.advance(self.command.copy(), seconds, step=seconds)
+        whole = converged and self.counters[state.HALVINGS] == halvings
+        u[:] = 0.5 * (before + u) if whole else before
+        v[:] = 0.0
+        return bool(whole)
+
+    def effect_timer(self) -> Callable[[str], float]:
+        """Make a function that measures an effect's time per Newton iteration in the current state [s], by its key."""
+        timer = EffectTimer(self.variants, self.parameters, self.rod)
+
+        def seconds_of(effect: str) -> float:
+            if effect not in timer.effects:
+                return 0.0
+            return timer.time_per_iteration(effect, *self.unknowns, self.command, 0.5 * self.step)
+
+        return seconds_of
+
+
+def restore_arrays(memory: Iterator[tuple[str, Array]], arrays: Mapping[str, Array]) -> None:
+    """Copy `arrays` into the arrays of `memory` with the same names; `AXIAL` may be missing."""
+    for name, array in memory:
+        array[...] = arrays.get(name, array) if name == AXIAL else arrays[name]
+
+
+def kernel_of(scene: Scene) -> tuple[tuple[str, ...], str, str, bool]:
+    """Properties that select a scene's kernel: variants of effects, formulation, "straight" or "curved" hole, audit."""
+    hole = "straight" if survey_of(scene) is None else "curved"
+    return variants_of(scene), form_of(scene), hole, scene.numerics.audit == "energy"

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Observation of the string: tangents, wall forces, marks and penetration at one instant, in one compiled call.
+
+In plain numpy a published frame takes as long as the motion between two of them. The force of the wall is evaluated
+with the function of the solver (`drill_twin.physics.effects.wall.contact_force`).
+
+Marks are in the frame of the hole at their depth, so that orbits are around the axis in a curved hole too: x and y from
+the hole's axis, z along the hole (minus the measured depth). These x and y are those of the frame `hole`, turned by the
+smallest rotation of z onto the axis, as in the definition of the spin.
+"""
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.core.arrays import Array, Triple
+from drill_twin.core.compile.jit import kernel
+from drill_twin.core.compile.kernel_cache import load_generated
+from drill_twin.physics.effects import wall as walls
+from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.point import Point
+from drill_twin.physics.model.shape_functions import hermite
+from drill_twin.physics.model.wellbore import Axis, Wellbore, axis_offset, distance_along
+
+DEPTH, PLACE = 0, 1  # indices into Observation.deepest
+
+
+class MarkPlaces(NamedTuple):
+    """Fixed points on the string, m of them."""
+
+    element: NDArray[np.int64]  # (m,)
+    shape: Array  # (m, 2, 4): value and first derivative
+    share: Array  # (m,) coordinate in the element, 0 to 1
+    offset: Array  # (m,) distance from the centre line [m]
+    axis: Axis | None  # the hole there
+
+
+class Observation(NamedTuple):
+    """State of n + 1 nodes and m marks."""
+
+    tangents: Array  # (n + 1, 3)
+    wall_force: Array  # (n + 1,) [N]
+    centre: Array  # (m, 3) [m]
+    position: Array  # (m, 3), offset included [m]
+    velocity: Array  # (m, 3) of `position` [m/s]
+    spin: Array  # (m,) [rad]
+    spin_rate: Array  # (m,) [rad/s]
+    mark_force: Array  # (m,) [N]
+    deepest: Array  # (2,) largest penetration of the surface into the wall [m], and its Gauss point
+
+
+def locate_marks(rod: Rod, places: Array, offset: Array, axis: Axis | None = None) -> MarkPlaces:
+    """Locate marks in the mesh.
+
+    Args:
+        rod: The string.
+        places: Their distance from the bit [m], shape (m,).
+        offset: Their distance from the centre line [m], shape (m,).
+        axis: Axis of the hole there; None for a straight hole.
+    """
+    arc = np.asarray(places, dtype=float).reshape(-1)
+    element = np.clip(np.searchsorted(rod.arc, arc, side="right") - 1, 0, rod.length.size - 1)
+    xi = (arc - rod.arc[element]) / rod.length[element]
+    shape = np.array(
+        [hermite(np.array([x]), float(rod.length[e]))[0, :2] for x, e in zip(xi, element, strict=True)]
+    ).reshape(-1, 2, 4)
+    return MarkPlaces(element.astype(np.int64), shape, xi, np.asarray(offset, dtype=float).reshape(-1), axis)
+
+
+@kernel
+def rotate_to_tangent(tx: float, ty: float, tz: float, x: float, y: float) -> Triple:
+    """Rotate a direction (x, y, 0) by the smallest rotation that takes z to the unit vector t."""
+    across = x * tx + y * ty
+    share = across / (1.0 + tz)
+    return x - tx * share, y - ty * share, -across
+
+
+@kernel
+def observe_nodes(u: Array, out: Observation) -> None:
+    """Compute tangents and clear the wall forces."""
+    for i in range(u.shape[0]):
+        g = 1.0 / np.sqrt(u[i, 3] ** 2 + u[i, 4] ** 2 + u[i, 5] ** 2)
+        for c in range(3):
+            out.tangents[i, c] = u[i, 3 + c] * g
+        out.wall_force[i] = 0.0
+
+
+@kernel
+def observe_wall(length: Array, shape: Array, bore: Wellbore, wall: Any, u: Array, v: Array, out: Observation) -> None:
+    """Compute the largest penetration, and distribute the wall forces to the nodes by the lever rule."""
+    for e in range(u.shape[0] - 1):
+        for p in range(2):
+            w, place = shape[e, p, 0], 2 * e + p
+            x = w[0] * u[e, 0] + w[1] * u[e, 3] + w[2] * u[e + 1, 0] + w[3] * u[e + 1, 3]
+            y = w[0] * u[e, 1] + w[1] * u[e, 4] + w[2] * u[e + 1, 1] + w[3] * u[e + 1, 4]
+            z = w[0] * u[e, 2] + w[1] * u[e, 5] + w[2] * u[e + 1, 2] + w[3] * u[e + 1, 5]
+            off = axis_offset(bore.axis, place, x, y, z)
+            depth = np.sqrt(off.x**2 + off.y**2 + off.z**2) - bore.clearance[place]
+            if depth > out.deepest[DEPTH]:
+                out.deepest[DEPTH], out.deepest[PLACE] = depth, place
+            if wall is not None and depth > 0.0:
+                vx = w[0] * v[e, 0] + w[1] * v[e, 3] + w[2] * v[e + 1, 0] + w[3] * v[e + 1, 3]
+                vy = w[0] * v[e, 1] + w[1] * v[e, 4] + w[2] * v[e + 1, 1] + w[3] * v[e + 1, 4]
+                vz = w[0] * v[e, 2] + w[1] * v[e, 5] + w[2] * v[e + 1, 2] + w[3] * v[e + 1, 5]
+                here = Point(
+                    e, place, 0.0, x, y, z, vx, vy, vz, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, True, 0.0
+                )
+                force = walls.contact_force(wall, here, 0.0).force * 0.5 * length[e]
+                far = w[2] + (w[1] + w[3]) / length[e]  # coordinate of the Gauss point in the element, 0 to 1
+                out.wall_force[e] += (1.0 - far) * force
+                out.wall_force[e + 1] += far * force
+
+
+@kernel
+def observe_marks(u: Array, v: Array, marks: MarkPlaces, out: Observation) -> None:
+    """Compute position and velocity of the marks in the frame of the hole at their depth, spin and wall force."""
+    r, dr, t = np.zeros(3), np.zeros(3), np.zeros(3)
+    for m in range(marks.element.shape[0]):
+        e, far, radius = marks.element[m], marks.share[m], marks.offset[m]
+        near = 1.0 - far
+        psi = near * u[e, 6] + far * u[e + 1, 6]
+        rate = near * v[e, 6] + far * v[e + 1, 6]
+        w, d = marks.shape[m, 0], marks.shape[m, 1]
+        for c in range(3):
+            r[c] = w[0] * u[e, c] + w[1] * u[e, 3 + c] + w[2] * u[e + 1, c] + w[3] * u[e + 1, 3 + c]
+            dr[c] = w[0] * v[e, c] + w[1] * v[e, 3 + c] + w[2] * v[e + 1, c] + w[3] * v[e + 1, 3 + c]
+            t[c] = d[0] * u[e, c] + d[1] * u[e, 3 + c] + d[2] * u[e + 1, c] + d[3] * u[e + 1, 3 + c]
+        g = 1.0 / np.sqrt(t[0] ** 2 + t[1] ** 2 + t[2] ** 2)
+        arm = rotate_to_tangent(t[0] * g, t[1] * g, t[2] * g, radius * np.cos(psi), radius * np.sin(psi))
+        sweep = rotate_to_tangent(
+            t[0] * g, t[1] * g, t[2] * g, -radius * rate * np.sin(psi), radius * rate * np.cos(psi)
+        )
+        off = axis_offset(marks.axis, m, r[0], r[1], r[2])
+        ex = rotate_to_tangent(off.tx, off.ty, off.tz, 1.0, 0.0)
+        ey = rotate_to_tangent(off.tx, off.ty, off.tz, 0.0, 1.0)
+        ez = (off.tx, off.ty, off.tz)
+        out.centre[m, 0] = ex[0] * off.x + ex[1] * off.y + ex[2] * off.z
+        out.centre[m, 1] = ey[0] * off.x + ey[1] * off.y + ey[2] * off.z
+        out.centre[m, 2] = distance_along(marks.axis, m, r[0], r[1], r[2])
+        vx, vy, vz = dr[0] + sweep[0], dr[1] + sweep[1], dr[2] + sweep[2]
+        out.position[m, 0] = out.centre[m, 0] + ex[0] * arm[0] + ex[1] * arm[1] + ex[2] * arm[2]
+        out.position[m, 1] = out.centre[m, 1] + ey[0] * arm[0] + ey[1] * arm[1] + ey[2] * arm[2]
+        out.position[m, 2] = out.centre[m, 2] + ez[0] * arm[0] + ez[1] * arm[1] + ez[2] * arm[2]
+        out.velocity[m, 0] = ex[0] * vx + ex[1] * vy + ex[2] * vz
+        out.velocity[m, 1] = ey[0] * vx + ey[1] * vy + ey[2] * vz
+        out.velocity[m, 2] = ez[0] * vx + ez[1] * vy + ez[2] * vz
+        out.spin[m] = psi
+        out.spin_rate[m] = rate
+        out.mark_force[m] = near * out.wall_force[e] + far * out.wall_force[e + 1]
+
+
+_MODULE = '''"""Observation of the string's state. Generated by drill_twin; do not edit."""
+from drill_twin.core.compile.jit import entry_kernel
+from drill_twin.dynamics.twin.observation import observe_marks, observe_nodes, observe_wall
+
+
+@entry_kernel
+def observe(length, shape, bore, wall, u, v, marks, out):
+    observe_nodes(u, out)
+    observe_wall(length, shape, bore, wall, u, v, out)
+    observe_marks(u, v, marks, out)
+'''
+
+
+@cache
+def compiled() -> Any:
+    """Entry point `observe(length, shape, bore, wall, u, v, marks, out)`, from node rows u, v (r, r', psi)."""
+    return load_generated("observation", _MODULE).observe

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Packing of the arrays of named tuples in one block of memory, saved and restored by a single copy."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from drill_twin.core.arrays import Array, Bytes
+
+CACHE_LINE = 64
+"""Bytes of a cache line, the alignment of each array."""
+
+
+def pack_arrays(value: Any) -> tuple[Any, Bytes]:
+    """Copy a value with every array as a view of one block; returns it and the block, bytes of shape (size,)."""
+    arrays = [array for _, array in named_arrays("", value)]
+    starts = np.cumsum([0, *(-(-array.nbytes // CACHE_LINE) * CACHE_LINE for array in arrays)])
+    raw = np.zeros(starts[-1] + CACHE_LINE, dtype=np.uint8)
+    first = -raw.ctypes.data % CACHE_LINE
+    block = raw[first : first + starts[-1]]
+    views = iter([_move(array, block[start:]) for array, start in zip(arrays, starts[:-1], strict=True)])
+    return _replace_arrays(value, views), block
+
+
+class Copied:
+    """Arrays in one block; a copy of all takes a third of the time of a copy of each."""
+
+    def __init__(self, *shapes: tuple[int, ...]) -> None:
+        """Allocate arrays of float64 of some shapes, zero."""
+        self._type = np.dtype([(str(place), float, shape) for place, shape in enumerate(shapes)])
+        self._block = np.zeros(self._type.itemsize // 8)
+        self.arrays: tuple[Array, ...] = np.ndarray((), self._type, self._block).item()
+
+    def copy(self) -> tuple[Array, ...]:
+        """Copies of the arrays, which share their memory."""
+        arrays: tuple[Array, ...] = np.ndarray((), self._type, self._block.copy()).item()
+        return arrays
+
+
+def named_arrays(name: str, value: object) -> Iterator[tuple[str, Array]]:
+    """Yield the arrays of nested named tuples, each with its dotted name."""
+    if isinstance(value, np.ndarray):
+        yield name, value
+    elif isinstance(value, tuple):
+        for field, item in zip(getattr(value, "_fields", map(str, range(len(value)))), value, strict=True):
+            yield from named_arrays(f"{name}.{field}", item)
+
+
+def _move(array: Array, room: Bytes) -> Array:
+    view: Array = room[: array.nbytes].view(array.dtype).reshape(array.shape)
+    view[...] = array
+    return view
+
+
+def _replace_arrays(value: Any, views: Iterator[Array]) -> Any:
+    if isinstance(value, np.ndarray):
+        return next(views)
+    if not isinstance(value, tuple):
+        return value
+    items = [_replace_arrays(item, views) for item in value]
+    return type(value)(*items) if hasattr(value, "_fields") else tuple(items)

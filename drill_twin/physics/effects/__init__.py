@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Effects of a scene: one file each, with its block of the scene and its compiled functions.
+
+A file is an effect if it defines an `EffectConfig` of its own name: `wall_friction.py` and `WallFriction`. Another
+package adds effects through the entry-point group ``drill_twin.effects``: the entry's name is the key in a scene, its
+value the module (``my_effect = my_package.my_effect``).
+"""
+
+import warnings
+from importlib import import_module, metadata
+from pkgutil import iter_modules
+from types import ModuleType
+
+from drill_twin.physics.effects.config import EffectConfig
+
+GROUP = "drill_twin.effects"
+"""Entry-point group of effects in other packages."""
+
+
+def _config_of(key: str, module: ModuleType) -> type[EffectConfig] | None:
+    config = getattr(module, "".join(word.capitalize() for word in key.split("_")), None)
+    if isinstance(config, type) and issubclass(config, EffectConfig) and config is not EffectConfig:
+        return config
+    return None
+
+
+def _find() -> dict[str, tuple[ModuleType, type[EffectConfig]]]:
+    found = {}
+    for file in iter_modules(__path__):
+        module = import_module(f"{__name__}.{file.name}")
+        if (config := _config_of(file.name, module)) is not None:
+            found[file.name] = module, config
+    for entry in sorted(metadata.entry_points(group=GROUP), key=lambda entry: entry.name):
+        trouble = ""
+        try:
+            module = import_module(entry.value)
+            config = _config_of(entry.name, module)
+        except Exception as error:  # noqa: BLE001 - another package must not stop this one
+            trouble = f"{type(error).__name__}: {error}"
+        else:
+            if entry.name in found:
+                trouble = f"there is an effect of that name in {found[entry.name][0].__name__}"
+            elif config is None:
+                trouble = f"{entry.value} defines no EffectConfig of that name in CamelCase"
+            else:
+                found[entry.name] = module, config
+        if trouble:
+            warnings.warn(f"the effect {entry.name} of {entry.value} is left out: {trouble}", stacklevel=2)
+    return found
+
+
+_FOUND = _find()
+EFFECTS: dict[str, type[EffectConfig]] = {key: config for key, (_, config) in _FOUND.items()}
+"""Key in a scene file -> its config: those of this package by name, then those of other packages."""
+
+
+def effect_module(effect: str) -> ModuleType:
+    """The module of an effect, by its key in the scene, with or without a variant."""
+    return _FOUND[key_of(effect)][0]
+
+
+def effect_config(effect: str) -> type[EffectConfig]:
+    """The class of an effect's block, by the same."""
+    return _FOUND[key_of(effect)][1]
+
+
+def key_of(effect: str) -> str:
+    """Key in the scene of an effect with a variant: `wall_friction` of `wall_friction:arctan`."""
+    return effect.partition(":")[0]
+
+
+def with_variant(key: str, config: EffectConfig) -> str:
+    """Key of an effect in a kernel: that of the scene, with the variant that the block asks for."""
+    return f"{key}:{config.variant}" if config.variant else key
+
+
+def function_name(effect: str, hook: str) -> str:
+    """Name of an effect's compiled function in its module, for the variant if it has one of its own; "" if none."""
+    module, (_, _, variant) = effect_module(effect), effect.partition(":")
+    return next((name for name in (f"{hook}_{variant}", hook) if hasattr(module, name)), "")
+
+
+__all__ = ["EFFECTS", "GROUP", "EffectConfig", "effect_module", "function_name", "key_of", "with_variant"]

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Added mass of the mud around and inside the string for lateral motion."""
+
+from typing import Annotated, Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import kernel
+from drill_twin.core.units import Dimensionless, Within
+from drill_twin.physics.effects.config import EffectConfig, Flag
+from drill_twin.physics.effects.mud import bore_radius, hole_radius
+from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.point import Point
+
+
+class AddedMass(EffectConfig):
+    """Added mass rho pi (C_a r_o^2 + r_i^2) per length for acceleration across the string; none along it.
+
+    The second term is the mud inside the pipe, where `mud.inside` is `mud`. C_a = 1 is potential flow around a cylinder
+    in unbounded fluid (Lamb 1932, art. 68).
+    """
+
+    requires: ClassVar[tuple[str, ...]] = ("mud",)
+
+    coefficient: Annotated[
+        Dimensionless, Within(at_least="0", at_most="100", reason="a cylinder in unbounded fluid has 1")
+    ] = 1.0
+    """Added-mass coefficient C_a [-]."""
+    confined: Flag = False
+    """Confinement by the hole: multiplies C_a by (R^2 + r_o^2) / (R^2 - r_o^2), potential flow around a concentric
+    string (Fritz 1972)."""
+
+
+class Parameters(NamedTuple):
+    """Added mass per length [kg/m], shape (2 n,)."""
+
+    mass: Array
+
+
+def parameters(block: AddedMass, model: DiscreteModel) -> Parameters:
+    """Compute the added mass at the Gauss points."""
+    outer = model.at_places(model.rod.outer_radius) ** 2
+    around = block.coefficient * outer
+    if block.confined:
+        hole = hole_radius(model) ** 2
+        around = around * (hole + outer) / (hole - outer)
+    inside = model.at_places(bore_radius(model)) ** 2 if model.fluid_inside else np.zeros_like(outer)
+    return Parameters(model.fluid_density * np.pi * (around + inside))
+
+
+@kernel
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+    """Add the force -m_a (1 - t t) a."""
+    m = parameters.added_mass.mass[here.place]
+    along = here.tx * here.ax + here.ty * here.ay + here.tz * here.az
+    load[0] -= m * (here.ax - here.tx * along)
+    load[1] -= m * (here.ay - here.ty * along)
+    load[2] -= m * (here.az - here.tz * along)
+    k = m / h2
+    stiff[0, 0] += k * (1.0 - here.tx * here.tx)
+    stiff[1, 1] += k * (1.0 - here.ty * here.ty)
+    stiff[2, 2] += k * (1.0 - here.tz * here.tz)
+    stiff[0, 1] -= k * here.tx * here.ty
+    stiff[1, 0] -= k * here.tx * here.ty
+    stiff[0, 2] -= k * here.tx * here.tz
+    stiff[2, 0] -= k * here.tx * here.tz
+    stiff[1, 2] -= k * here.ty * here.tz
+    stiff[2, 1] -= k * here.ty * here.tz

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Friction of the rotating bit on the rock, viscous for small lateral velocities."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import kernel
+from drill_twin.core.units import Dimensionless, Length, Within
+from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.physics.model.bit import BIT_TORQUE, contact_weight
+from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model.mesh import SPIN, Rod
+
+SLIDING = ("sliding", "free")
+"""Constraints of the bit that let it slide laterally."""
+
+
+class BitFriction(EffectConfig):
+    """Coulomb friction of the rotating, laterally sliding bit; damping mu P / (Omega radius) at low slip."""
+
+    provides = ("torque",)
+    energy_class = "heat"
+    disabled_for_static = ("coefficient",)
+
+    coefficient: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
+    """Friction coefficient of bit on rock [-]."""
+    radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
+    """Effective radius of friction [m]; at most that of the hole."""
+
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+        """Yield friction of a bit that cannot slide, or a radius above that of the hole."""
+        if self.coefficient > 0.0 and scene.string.bit_end not in SLIDING:
+            yield Incompatibility(
+                (),
+                f"expected `string.bit_end` to be {' or '.join(SLIDING)}, found {scene.string.bit_end}: "
+                "a bit held on the axis does not slide",
+            )
+        if self.radius > scene.hole.radius:
+            yield Incompatibility(
+                ("radius",),
+                f"expected at most the radius of the hole ({scene.hole.radius:.6g} m), found {self.radius:.6g} m",
+            )
+
+
+class Parameters(NamedTuple):
+    """Coefficient and effective radius of the bit's face [m]."""
+
+    coefficient: float
+    radius: float
+
+
+def parameters(block: BitFriction, model: DiscreteModel) -> Parameters:
+    """Parameters of the block."""
+    return Parameters(block.coefficient, block.radius)
+
+
+@kernel
+def end_load(
+    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+) -> None:
+    """Add Coulomb friction of a face in rotation and translation: mu P v / sqrt(v^2 + (Omega r)^2), and its couple.
+
+    Rotation turns dry friction into viscous drag mu P / (Omega r) for small v.
+    """
+    law = parameters.bit_friction
+    weight = contact_weight(parameters.drive.bit)
+    vx, vy, spin = v[0, 0], v[0, 1], v[0, 6]
+    rim = law.radius * spin
+    c = law.coefficient * weight / np.sqrt(vx * vx + vy * vy + rim * rim + 1e-12)
+    d = ends[0]
+    d[0, 0] += c
+    d[1, 1] += c
+    d[6, 6] += c * law.radius * law.radius
+    d[0, 7] += c * vx
+    d[1, 7] += c * vy
+    d[6, 7] += c * law.radius * rim
+
+
+@kernel
+def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+    """Add the impulse of the torque in the step."""
+    law, bit = parameters.bit_friction, parameters.drive.bit
+    rim = law.radius * bit.rate[SPIN]
+    slide = np.sqrt(bit.rate[0] ** 2 + bit.rate[1] ** 2 + rim * rim + 1e-12)
+    bit.impulse[BIT_TORQUE] -= step * law.coefficient * contact_weight(bit) * law.radius * rim / slide

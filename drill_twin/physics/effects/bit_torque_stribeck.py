@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Dry friction torque of the bit that decreases with speed (Stribeck): the bit can stick and slip."""
+
+from collections.abc import Callable
+from typing import Annotated, Any, ClassVar, NamedTuple, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import kernel
+from drill_twin.core.units import AngularSpeed, Dimensionless, Length, TimePerAngle, Within, refuse, show
+from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.physics.model.bit import BIT_TORQUE, apply_torque, contact_weight
+from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model.mesh import SPIN, Rod
+
+
+class BitTorqueStribeck(EffectConfig):
+    """T = R W (mu_c + (mu_s - mu_c) exp(-gamma |w|)) against the bit's spin (Navarro-Lopez and Suarez 2004).
+
+    With an `exponent` n, exp(-(gamma |w|)^n) (Armstrong-Helouvry, Dupont and Canudas de Wit 1994): the larger n, the
+    nearer to a threshold at the speed 1 / gamma.
+    """
+
+    requires: ClassVar[tuple[str, ...]] = ("stretch", "torsion")
+    provides = ("torque",)
+    energy_class = "heat"
+
+    radius: Annotated[Length, Within(above="0 m", at_most="2 m")]
+    """Effective radius of friction, R [m]."""
+    sliding: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
+    """Friction coefficient at high speed, mu_c [-]."""
+    sticking: Annotated[Dimensionless, Within(at_least="0", at_most="5")]
+    """Friction coefficient at rest, mu_s [-]; not below `sliding`."""
+    decay: Annotated[TimePerAngle, Within(at_least="0 s/rad", at_most="1e4 s/rad")]
+    """Decay of friction with speed, gamma [s/rad]."""
+    exponent: Annotated[Dimensionless, Within(at_least="1", at_most="20")] | None = None
+    """Exponent n of the decay [-]; left out: 1."""
+    creep: Annotated[AngularSpeed, Within(at_least="1e-9 rad/s", at_most="0.1 rad/s")] = 1e-4
+    """Speed of regularisation: a sticking bit creeps below it [rad/s]."""
+
+    @model_validator(mode="after")
+    def _sticks_harder_than_it_slides(self) -> Self:
+        if self.sticking < self.sliding:
+            raise refuse(f"expected `sticking` not below `sliding` ({self.sliding:g}), found {show(self.sticking)}")
+        return self
+
+    @property
+    def variant(self) -> str:
+        """The law, by what it adds to the default one."""
+        return "" if self.exponent is None else "exponent"
+
+
+class Parameters(NamedTuple):
+    """R [m], mu_c, mu_s, gamma [s], creep [rad/s], the last Newton iterate, and the exponent of the decay."""
+
+    radius: float
+    sliding: float
+    sticking: float
+    decay: float
+    creep: float
+    memory: Array  # speed, its smoothed size, dual, and the middle and half length of the step they belong to; (5,)
+    exponent: float
+
+
+def parameters(block: BitTorqueStribeck, model: DiscreteModel) -> Parameters:
+    """Parameters of the block, without an iterate."""
+    memory = np.array([0.0, 1.0, 0.0, -1.0, 0.0])
+    return Parameters(
+        block.radius, block.sliding, block.sticking, block.decay, block.creep, memory, block.exponent or 1.0
+    )
+
+
+@kernel
+def dual_variable(memory: Array, time: float, h2: float, speed: float, size: float) -> float:
+    """Dual variable of the primal-dual Newton method: share of the friction limit, -1 to 1, from the last iterate.
+
+    Newton's method oscillates at the kink of w / |w|; with ``dual |w| = w``, linearised in both, it converges (Chan,
+    Golub and Mulet 1999). An iterate is the last one of the same step, or of the same instant, which has time 0.
+    """
+    share = 0.0
+    if memory[3] == time and (memory[4] == h2 or time == 0.0):
+        share = (speed - memory[2] * memory[0] * (speed - memory[0]) / memory[1]) / memory[1]
+        share = max(-1.0, min(1.0, share))
+    memory[0], memory[1], memory[2], memory[3], memory[4] = speed, size, share, time, h2
+    return share
+
+
+@kernel
+def friction(law: Parameters, weight: float, speed: float) -> tuple[float, float, float]:
+    """Friction limit at a speed [N m], its slope by the speed's size [N m s], and the smoothed size of the speed."""
+    excess = (law.sticking - law.sliding) * np.exp(-law.decay * abs(speed))
+    arm = law.radius * weight
+    return arm * (law.sliding + excess), -arm * law.decay * excess, np.sqrt(speed * speed + law.creep * law.creep)
+
+
+@kernel
+def friction_exponent(law: Parameters, weight: float, speed: float) -> tuple[float, float, float]:
+    """The same with an exponent of the decay."""
+    size = np.sqrt(speed * speed + law.creep * law.creep)
+    steep = (law.decay * size) ** law.exponent
+    excess = (law.sticking - law.sliding) * np.exp(-steep)
+    arm = law.radius * weight
+    return arm * (law.sliding + excess), -arm * excess * law.exponent * steep / size, size
+
+
+def bind(friction: Callable[..., tuple[float, float, float]]) -> tuple[Callable[..., None], Callable[..., None]]:
+    """The load and the impulse for one law."""
+
+    @kernel
+    def end_load(
+        parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    ) -> None:
+        """Add friction against the bit's spin, w / sqrt(w^2 + creep^2) of its limit."""
+        law, bit, speed = parameters.bit_torque_stribeck, parameters.drive.bit, v[0, SPIN]
+        limit, fall, size = friction(law, contact_weight(bit), speed)
+        share = dual_variable(law.memory, time, h2, speed, size)
+        slope = limit / size * (1.0 - share * speed / size) + fall * abs(speed) / size
+        apply_torque(bit, (limit * speed / size, slope), ends)
+
+    @kernel
+    def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
+        """Add the impulse of the torque in the step."""
+        bit = parameters.drive.bit
+        limit, _, size = friction(parameters.bit_torque_stribeck, contact_weight(bit), bit.rate[SPIN])
+        bit.impulse[BIT_TORQUE] -= step * limit * bit.rate[SPIN] / size
+
+    return end_load, after_step
+
+
+end_load, after_step = bind(friction)
+end_load_exponent, after_step_exponent = bind(friction_exponent)

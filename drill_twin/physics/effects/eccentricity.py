@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Imbalance: the mass centre of each cross-section lies off the centre line and rotates with the spin."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any, NamedTuple, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import kernel
+from drill_twin.core.units import Angle, Length, Within, refuse
+from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed
+from drill_twin.physics.effects.random_field import generator, random_line
+from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.point import Point
+
+Offset = Annotated[Length, Within(at_least="0 m", at_most="1 m", reason="no string is thicker")]
+Direction = Annotated[Angle, Within(at_least="-360 deg", at_most="360 deg", reason="a turn")]
+
+
+class Imbalance(EffectConfig):
+    """Mass centre of one section."""
+
+    offset: Offset
+    """Distance of the mass centre from the centre line [m]; below the outer radius."""
+    angle: Direction = 0.0
+    """Direction of the mass centre in the material, from the spin's zero [rad]."""
+
+
+class Eccentricity(EffectConfig):
+    """Mass eccentricity: uniform along the string or by section, plus a random part."""
+
+    energy_class = "kept"
+
+    offset: Offset | None = None
+    """Distance of the mass centre from the centre line [m]; below the outer radius."""
+    angle: Direction = 0.0
+    """Direction of the mass centre in the material, from zero spin [rad]; not for the random part."""
+    sections: Annotated[tuple[Imbalance, ...], Field(max_length=1000)] = ()
+    """Instead of `offset` and `angle`: the eccentricity of each section of the string, FROM THE BIT UP."""
+    rms: Offset = 0.0
+    """Random part: root mean square of its distance from the centre line [m]."""
+    correlation_length: Annotated[Length, Within(above="0 m", at_most="20 km", reason="the longest string")] | None = (
+        None
+    )
+    """Random part: correlation length along the string, at which the correlation is exp(-1/2) [m]."""
+    seed: Seed = 1
+    """Random part: seed; the same seed gives the same string on any mesh."""
+
+    @model_validator(mode="after")
+    def _has_one_definition(self) -> Self:
+        if self.offset is not None and self.sections:
+            raise refuse("expected `offset` or `sections`, found both: give the offset of each section only")
+        if self.offset is None and not self.sections and self.rms == 0.0:
+            raise refuse("expected an `offset`, `sections`, or a random `rms` above 0 m, found none")
+        if self.rms > 0.0 and self.correlation_length is None:
+            raise refuse("expected a `correlation_length` with `rms`, found none")
+        if self.rms == 0.0 and self.correlation_length is not None:
+            raise refuse("expected an `rms` with `correlation_length`, found none")
+        return self
+
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+        """Yield a mass centre outside the string, or a number of items other than that of the sections."""
+        sections = scene.string.sections
+        if self.sections and len(self.sections) != len(sections):
+            yield Incompatibility(
+                ("sections",),
+                f"expected one item for each of the {len(sections)} sections of the string, found {len(self.sections)}",
+            )
+            return
+        for index, section in enumerate(sections):
+            offset = self.sections[index].offset if self.sections else self.offset or 0.0
+            radius, found = section.outer_diameter / 2.0, offset + self.rms
+            if found >= radius:
+                place = ("sections", index, "offset") if self.sections else ("offset" if offset else "rms",)
+                yield Incompatibility(
+                    place, f"expected less than the outer radius ({radius:.6g} m), found {found:.6g} m"
+                )
+
+
+class Parameters(NamedTuple):
+    """Mass per length times position of the mass centre in the material, and the inertia added by it."""
+
+    imbalance: Array  # [kg], shape (2 n, 2)
+    inertia: Array  # [kg m], shape (2 n,)
+
+
+def offsets(block: Eccentricity, model: DiscreteModel) -> Array:
+    """Mass centre in the material frame at the Gauss points [m], shape (2 n, 2)."""
+    own = [part.offset * np.exp(1j * part.angle) for part in block.sections]
+    fixed = np.array(own)[model.section] if own else np.full(model.section.shape, block.offset or 0.0 + 0.0j)
+    line = model.at_places(fixed) * np.exp(1j * block.angle)
+    if block.correlation_length is not None:
+        random = generator(model, block.seed, "eccentricity")
+        line = line + block.rms * random_line(model.places, block.correlation_length, random)
+    return np.stack([line.real, line.imag], -1)
+
+
+def parameters(block: Eccentricity, model: DiscreteModel) -> Parameters:
+    """Compute imbalance m e and inertia m e^2 at the Gauss points."""
+    place, mass = offsets(block, model), model.at_places(model.rod.line_mass)
+    return Parameters(mass[:, None] * place, mass * np.sum(place**2, axis=1))
+
+
+@kernel
+def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+    """Add the inertia of a mass centre at r + e that rotates with the spin (Jeffcott rotor, Genta 2005), small slopes.
+
+    -m e_ddot on the line and the couple -e x m (r_ddot + e_ddot) on the spin; the weight acts on the centre line.
+    """
+    turn_x, turn_y = here.cos_spin, here.sin_spin
+    law, omega, alpha = parameters.eccentricity, here.spin_rate, here.spin_up
+    own_x, own_y = law.imbalance[here.place, 0], law.imbalance[here.place, 1]
+    inertia = law.inertia[here.place]
+    ex, ey = own_x * turn_x - own_y * turn_y, own_x * turn_y + own_y * turn_x
+    fx, fy = ex * omega * omega + ey * alpha, ey * omega * omega - ex * alpha
+    load[0] += fx
+    load[1] += fy
+    load[3] += ey * here.ax - ex * here.ay - inertia * alpha
+    rate = 1.0 / h2
+    stiff[0, 3] += h2 * fy - 2.0 * ex * omega - rate * ey
+    stiff[1, 3] += rate * ex - 2.0 * ey * omega - h2 * fx
+    stiff[3, 0] -= rate * ey
+    stiff[3, 1] += rate * ex
+    stiff[3, 3] += rate * inertia - h2 * (ex * here.ax + ey * here.ay)

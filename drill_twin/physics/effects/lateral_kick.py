@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Initial lateral velocity or displacement: a repeatable impulse, or a start on the wall."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.units import Length, Speed, Within
+from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.physics.model.discrete_model import DiscreteModel
+
+STEEPEST = 0.5
+"""Largest initial slope [-]."""
+
+
+class LateralKick(EffectConfig):
+    """Initial velocity, and initial displacement, in x."""
+
+    energy_class = "kept"
+    disabled_for_static = ("velocity",)
+
+    velocity: Annotated[Speed, Within(at_least="-100 m/s", at_most="100 m/s", reason="no string is kicked harder")]
+    """Velocity at mid-span at time zero [m/s]."""
+    offset: Annotated[Length, Within(at_least="-10 m", at_most="10 m", reason="the widest hole")] = 0.0
+    """Displacement at mid-span at time zero [m], without axial strain; beyond the clearance the string starts in
+    contact. In a straight hole only."""
+    shape: Literal["half_wave", "hump"] = "half_wave"
+    """Shape of both. `half_wave`: one half sine over the length; `hump`: its square, for clamped ends."""
+
+    def check_against(self, scene: Any) -> Iterator[Incompatibility]:
+        """Yield an offset beyond the hole, above the largest slope, or in a curved hole."""
+        hole = scene.hole
+        most = min(hole.radius, STEEPEST * scene.length / np.pi)
+        if self.offset != 0.0 and (abs(self.offset) > most or hole.survey):
+            found = "one beside a survey" if hole.survey else f"{self.offset:.6g} m"
+            yield Incompatibility(
+                ("offset",),
+                f"expected at most the radius of a straight hole and a slope of {STEEPEST:g} ({most:.6g} m), "
+                f"found {found}",
+            )
+
+
+def initial_state(block: LateralKick, model: DiscreteModel, u: Array, v: Array) -> None:
+    """Set the initial velocities of r and r' along x, and their displacements."""
+    arc = model.rod.arc
+    height, slope = wave(block, model, arc)
+    v[:, 0] += block.velocity * height
+    v[:, 3] += block.velocity * slope
+    if block.offset == 0.0:
+        return
+    u[:, 0] += block.offset * height
+    u[:, 3] += block.offset * slope
+    # a bent string of the same length is shorter along z: every point descends by the shortening above it
+    fine = np.linspace(0.0, model.string_length, 10_001)
+    lost = 1.0 - np.sqrt(1.0 - (block.offset * wave(block, model, fine)[1]) ** 2)
+    below = np.concatenate([[0.0], np.cumsum(0.5 * (lost[1:] + lost[:-1]) * np.diff(fine))])
+    u[:, 2] += below[-1] - np.interp(arc, fine, below)
+    u[:, 5] = np.sqrt(u[:, 5] ** 2 - u[:, 3] ** 2)
+
+
+def wave(block: LateralKick, model: DiscreteModel, arc: Array) -> tuple[Array, Array]:
+    """Shape, 1 at mid-span, and its derivative by the arc length [1/m], shape (m,) each."""
+    number = np.pi / model.string_length
+    if block.shape == "half_wave":
+        return np.sin(number * arc), number * np.cos(number * arc)
+    return np.sin(number * arc) ** 2, number * np.sin(2.0 * number * arc)

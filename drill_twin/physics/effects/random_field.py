@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Seeded random functions as sums of harmonics, independent of mesh and time step.
+
+``z(x) = sum_j exp(i (k_j x + phi_j)) / sqrt(N)`` with uniform phases and k_j from the normal distribution of width
+1 / l is, for many harmonics, a Gaussian process in the complex plane (two random components, no direction preferred)
+of mean square one and correlation exp(-(x / l)^2 / 2) (Shinozuka and Deodatis 1991). The k_j are drawn one from each of
+N equally likely strata, so that few harmonics follow the spectrum closely.
+"""
+
+import math
+from statistics import NormalDist
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.physics.model.discrete_model import DiscreteModel
+
+HARMONICS = 64
+
+
+def generator(model: DiscreteModel, seed: int, purpose: str) -> np.random.Generator:
+    """Random generator from the scene's seed, an effect's seed and a purpose, so that effects are independent."""
+    return np.random.default_rng([model.seed, seed, *purpose.encode()])
+
+
+def normal_strata(random: np.random.Generator, number: int) -> Array:
+    """Standard normal random numbers in random order, one from each of `number` equally likely strata."""
+    share = (random.permutation(number) + random.uniform(0.0, 1.0, number)) / number
+    return np.array([NormalDist().inv_cdf(min(max(float(p), 1e-12), 1.0 - 1e-12)) for p in share])
+
+
+def phases(random: np.random.Generator, number: int) -> Array:
+    """Uniform random phases [rad]."""
+    return random.uniform(0.0, math.tau, number)
+
+
+def random_line(
+    places: Array, correlation: float, random: np.random.Generator, derivative: int = 0
+) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
+    """Random function z = x + i y of the arc length with mean square one, or its derivative.
+
+    Args:
+        places: Arc lengths [m], shape (m,).
+        correlation: Length l at which the correlation is exp(-1/2) [m].
+        random: Source of randomness.
+        derivative: Order of the derivative.
+
+    Returns:
+        Shape (m,) [1 / m^derivative].
+    """
+    waves = normal_strata(random, HARMONICS) / correlation
+    turns = np.exp(1j * (np.multiply.outer(places, waves) + phases(random, HARMONICS)))
+    line: np.ndarray[tuple[int], np.dtype[np.complex128]] = turns @ ((1j * waves) ** derivative) / np.sqrt(HARMONICS)
+    return line

@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Friction of the string on the wall, on the slip velocity of the contact point including the spin."""
+
+from collections.abc import Callable
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from drill_twin.core.arrays import Array, Pair, Triple
+from drill_twin.core.compile.jit import kernel
+from drill_twin.core.units import Dimensionless, InverseSpeed, Length, Speed, Within, refuse, show
+from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.physics.effects.wall import Contact, contact_force
+from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.point import Point
+
+Quad = tuple[float, float, float, float]
+Coefficient = Annotated[Dimensionless, Within(at_least="0", at_most="5")]
+SlipSpeed = Annotated[Speed, Within(above="0 m/s", at_most="100 m/s")] | None
+Depth = Annotated[Length, Within(at_least="0 m", at_most="20 km")]
+
+
+class FrictionInterval(EffectConfig):
+    """Interval of the hole with a friction coefficient of its own, such as its casing."""
+
+    top: Depth
+    """Measured depth of its top, from the top clamp [m]."""
+    bottom: Depth
+    """Measured depth of its bottom [m]."""
+    coefficient: Coefficient
+    """Friction coefficient there at low slip speed [-]; `sliding` keeps its proportion to it."""
+
+
+class WallFriction(EffectConfig):
+    """Friction force mu(v) N sign(v) against the slip velocity v, mu(v) = mu_d + (mu - mu_d) / (1 + delta |v|).
+
+    With an `exponent` n instead Stribeck's law, mu(v) = mu_d + (mu - mu_d) exp(-(delta |v|)^n) (Armstrong-Helouvry,
+    Dupont and Canudas de Wit 1994): the larger n, the nearer to a threshold at the slip speed 1 / delta.
+
+    sign(v) is v / sqrt(v^2 + c^2), c = pi / (2 xi), or 2/pi arctan(xi v) as in the paper's Eq. 10. Slope at zero slip
+    and limits are the same; at v = c arctan gives 0.64 and the other 0.71, at v = 10 c 0.96 and 0.995.
+
+    With `static_speed` v_s and `dynamic_speed` v_d instead the law of multibody codes (contact force of ADAMS): a cubic
+    STEP from -mu at -v_s to mu at v_s, and another down to mu_d at v_d. Below v_s the contact creeps.
+    """
+
+    requires: ClassVar[tuple[str, ...]] = ("wall",)
+    energy_class = "heat"
+    disabled_for_static = ("coefficient", "sliding")
+
+    coefficient: Coefficient
+    """Friction coefficient mu at low slip speed [-], outside `intervals`."""
+    decay: Annotated[InverseSpeed, Within(at_least="0 s/m", at_most="1e4 s/m")] = 0.0
+    """Decrease of friction with slip speed, delta [s/m]; 0 = Coulomb."""
+    sliding: Coefficient = 0.0
+    """Friction coefficient at high slip speed, mu_d [-], which `decay` leads to; not above `coefficient`."""
+    exponent: Annotated[Dimensionless, Within(at_least="1", at_most="20")] | None = None
+    """Exponent n of Stribeck's law [-]; left out: the hyperbola."""
+    accuracy: Annotated[InverseSpeed, Within(at_least="1 s/m", at_most="1e12 s/m")] = 1e6
+    """Steepness xi of the regularised sign at zero slip [s/m]."""
+    sign: Literal["root", "arctan"] = "root"
+    """Regularised sign of the slip: `root` v / sqrt(v^2 + c^2); `arctan` 2/pi arctan(xi v), as the paper has it."""
+    static_speed: SlipSpeed = None
+    """Slip speed v_s at which friction is mu, by a STEP through zero slip [m/s]; left out: the sign and its fall."""
+    dynamic_speed: SlipSpeed = None
+    """Slip speed v_d, above v_s, from which friction is mu_d, by a STEP [m/s]."""
+    intervals: Annotated[tuple[FrictionInterval, ...], Field(max_length=1000)] = ()
+    """Intervals of the hole with another coefficient, such as casing, from the top down."""
+
+    @model_validator(mode="after")
+    def _sticks_harder_than_it_slides(self) -> Self:
+        if self.sliding > self.coefficient:
+            raise refuse(
+                f"expected `sliding` not above `coefficient` ({self.coefficient:g}), found {show(self.sliding)}"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _has_one_law(self) -> Self:
+        low, high = self.static_speed, self.dynamic_speed
+        if (low is None) != (high is None):
+            raise refuse("expected `static_speed` and `dynamic_speed` together, found one of them")
+        if low is not None and high is not None and high <= low:
+            raise refuse(f"expected `dynamic_speed` above `static_speed` ({low:g} m/s), found {show(high)}")
+        if low is not None and (self.decay > 0.0 or self.exponent is not None or self.sign != "root"):
+            raise refuse(
+                "expected no `decay`, `exponent` or `sign` beside `static_speed`, which joins mu and mu_d itself"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _intervals_do_not_overlap(self) -> Self:
+        above = 0.0
+        for index, interval in enumerate(self.intervals):
+            if interval.top < above:
+                raise refuse(f"expected intervals from the top down that do not overlap; number {index} begins at "
+                             f"{interval.top:.6g} m, above {above:.6g} m, where the one before ends")  # fmt: skip
+            if interval.bottom <= interval.top:
+                raise refuse(f"expected a bottom below the top of interval {index} ({interval.top:.6g} m), "
+                             f"found {interval.bottom:.6g} m")  # fmt: skip
+            above = interval.bottom
+        if self.intervals and self.coefficient == 0.0:
+            raise refuse("expected a `coefficient` above 0 beside `intervals`, which scale the law, found 0")
+        return self
+
+    @property
+    def variant(self) -> str:
+        """The law, by what it adds to the default one."""
+        falls = ("stribeck",) if self.exponent is not None else ("sliding",) if self.sliding > 0.0 else ()
+        by_depth = ("by_depth",) if self.intervals else ()
+        if self.static_speed is not None:
+            return "_".join(("step", *by_depth))
+        return "_".join((("arctan",) if self.sign == "arctan" else ()) + falls + by_depth)
+
+    def scale_at(self, depth: Array) -> Array:
+        """Friction at measured depths over that of the law [-], shape (p,); where two intervals meet, the lower's."""
+        scale = np.ones(np.shape(depth))
+        if self.coefficient > 0.0:  # friction left out: scales do not matter
+            for interval in self.intervals:
+                scale[(depth >= interval.top) & (depth < interval.bottom)] = interval.coefficient / self.coefficient
+        return scale
+
+
+class Parameters(NamedTuple):
+    """Coefficient, decay with slip [s/m], slip below which the contact sticks [m/s], the last Newton iterate, the
+    coefficient at high slip, and the exponent of Stribeck's law.
+    """  # in this order: LLVM joins loads of neighbours, and with that the last bits of the result change
+
+    coefficient: float
+    decay: float
+    creep: float
+    memory: (
+        Array  # per Gauss point: slip across and along, its smoothed size, dual across and along, iteration; (2 n, 6)
+    )
+    sliding: float
+    exponent: float
+    scale: Array  # friction at the Gauss points over that of the law [-]; shape (2 n,)
+    low: float  # slip speed of static friction [m/s]
+    high: float  # and of dynamic friction
+
+
+def parameters(block: WallFriction, model: DiscreteModel) -> Parameters:
+    """Compute the creep from the initial slope of the paper's arctan: 2 xi / pi = 1 / creep."""
+    memory = np.zeros((model.places.size, 6))
+    memory[:, 5] = -1.0
+    creep = np.pi / (2.0 * block.accuracy)
+    scale = block.scale_at(model.string_length - model.places)
+    return Parameters(
+        block.coefficient, block.decay, creep, memory, block.sliding, block.exponent or 0.0, scale,
+        block.static_speed or 0.0, block.dynamic_speed or 0.0,
+    )  # fmt: skip
+
+
+@kernel
+def arctan_size(law: Parameters, slip: float) -> Pair:
+    """Size by which the slip s is divided for the paper's sign [m/s], and that size times its slope over s [-]."""
+    steep = 0.5 * np.pi * slip / law.creep
+    if steep < 1e-4:
+        return law.creep, np.pi * np.pi / 6.0
+    sign = 2.0 / np.pi * np.arctan(steep)
+    return slip / sign, (1.0 - slip / (law.creep * (1.0 + steep * steep) * sign)) / (sign * sign)
+
+
+@kernel
+def step_size(law: Parameters, slip: float) -> Pair:
+    """As `arctan_size` for the STEP from -mu to mu, (3 x - x^3) / 2 at x = v / v_s up to 1."""
+    square = (slip / law.low) ** 2
+    if square >= 1.0:
+        return slip, 1.0
+    left = 3.0 - square
+    return 2.0 * law.low / left, 8.0 / (left * left * left)
+
+
+@kernel
+def step_limit(law: Parameters, slip: float) -> Pair:
+    """Friction coefficient from v_s on, mu falling to mu_d by a STEP, and its fall over slip speed [s/m]."""
+    t = min(max((slip - law.low) / (law.high - law.low), 0.0), 1.0)
+    drop = law.coefficient - law.sliding
+    return law.coefficient - drop * t * t * (3.0 - 2.0 * t), drop * 6.0 * t * (1.0 - t) / (law.high - law.low)
+
+
+@kernel
+def dual_variable(
+    memory: Array, fresh: bool, count: float, across: float, along: float, size: float, bend: float
+) -> Pair:
+    """Dual variable of the primal-dual Newton method: direction and share of the friction limit, norm at most 1.
+
+    Newton's method oscillates at the kink of s / |s|. With ``dual |s| = s``, linearised in both unknowns, it converges
+    (Chan, Golub and Mulet 1999); the dual follows from the last iteration's slip alone. `bend` is the size
+    times its slope over the slip, 1 for the square root.
+    """
+    dx, dy = 0.0, 0.0
+    if not fresh and memory[5] == count - 1.0:
+        change = bend * (memory[0] * (across - memory[0]) + memory[1] * (along - memory[1])) / memory[2]
+        dx = (across - memory[3] * change) / memory[2]
+        dy = (along - memory[4] * change) / memory[2]
+        long = np.sqrt(dx * dx + dy * dy)
+        if long > 1.0:
+            dx, dy = dx / long, dy / long
+    memory[0], memory[1], memory[2], memory[3], memory[4], memory[5] = across, along, size, dx, dy, count
+    return dx, dy
+
+
+@kernel
+def row(
+    stiff: Array, i: int, at: Contact, own: Triple, slip: Triple, press_slope: Pair, swung: Triple, round_: Quad
+) -> None:
+    """Add a row of the tangent, written out for vectorisation; `own` is its part of c, t and n."""
+    on_c = slip[0] * own[0] + slip[1] * own[1] + swung[0] * own[0] + swung[1] * own[1] + swung[2] * own[2]
+    on_t = slip[1] * own[0] + slip[2] * own[1]
+    on_n = press_slope[0] * own[0] + press_slope[1] * own[1]
+    stiff[i, 0] += on_c * round_[0] + on_t * at.tx + on_n * at.nx
+    stiff[i, 1] += on_c * round_[1] + on_t * at.ty + on_n * at.ny
+    stiff[i, 2] += on_c * round_[2] + on_t * at.tz + on_n * at.nz
+    stiff[i, 3] += (slip[0] * own[0] + slip[1] * own[1]) * round_[3]
+
+
+def bind(
+    *,
+    arctan: bool = False,
+    sliding: bool = False,
+    stribeck: bool = False,
+    step: bool = False,
+    by_depth: bool = False,
+) -> Callable[..., None]:
+    """The load for one law; the branches of the others leave no machine code."""
+
+    @kernel
+    def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+        """Add friction against the slip of the contact point, v.c + r psi_dot around and v.t along the hole.
+
+        mu(s) N sign(s) (paper Eq. 10), with t the hole's axis, n the outward normal and c = t x n.
+        """
+        at = contact_force(parameters.wall, here, h2)
+        if at.force > 0.0:
+            law = parameters.wall_friction
+            r = parameters.wall.lever[here.place]
+            tx, ty, tz = at.tx, at.ty, at.tz
+            cx, cy, cz = ty * at.nz - tz * at.ny, tz * at.nx - tx * at.nz, tx * at.ny - ty * at.nx
+            around = cx * here.vx + cy * here.vy + cz * here.vz + r * here.spin_rate
+            along = tx * here.vx + ty * here.vy + tz * here.vz
+            slip = np.sqrt(around * around + along * along)
+            if step:
+                size, bend = step_size(law, slip)
+            elif arctan:
+                size, bend = arctan_size(law, slip)
+            else:
+                size, bend = np.sqrt(slip * slip + law.creep * law.creep), 1.0
+            falling = 1.0 + law.decay * slip
+            if step:
+                limit, excess = step_limit(law, slip)
+            elif stribeck:
+                steep = (law.decay * slip) ** law.exponent
+                excess = (law.coefficient - law.sliding) * np.exp(-steep)
+                limit = law.sliding + excess
+            elif sliding:
+                excess = (law.coefficient - law.sliding) / falling
+                limit = law.sliding + excess
+            else:
+                excess = limit = law.coefficient / falling
+            if by_depth:
+                excess, limit = law.scale[here.place] * excess, law.scale[here.place] * limit
+            st, sz = around / size, along / size
+            ft, fz = -limit * at.force * st, -limit * at.force * sz
+            load[0] += ft * cx + fz * tx
+            load[1] += ft * cy + fz * ty
+            load[2] += ft * cz + fz * tz
+            load[3] += r * ft
+            dt, dz = dual_variable(law.memory[here.place], here.fresh, here.iteration, around, along, size, bend)
+            scale = limit * at.force / size
+            tt, zz = scale * (1.0 - bend * dt * st), scale * (1.0 - bend * dz * sz)
+            mixed = -0.5 * bend * scale * (dt * sz + dz * st)
+            # the limit decreases with slip (without a branch; negligible within the creep)
+            if step:
+                fall = excess * at.force / max(slip, law.low)
+            elif stribeck:
+                slower = max(slip, law.creep)
+                fall = excess * at.force * law.exponent * steep / (slower * slower)
+            else:
+                fall = excess * at.force * law.decay / (falling * max(slip, law.creep))
+            tt, zz, mixed = tt - fall * st * around, zz - fall * sz * along, mixed - fall * st * along
+            # friction depends on the normal force: unsymmetric
+            tn, zn = limit * at.slope * st, limit * at.slope * sz
+            tc, zc, nc = limit * at.swing * st, limit * at.swing * sz, h2 * ft / at.radius
+            # rows of the force along x, y, z and of the couple about the axis, with lever r
+            swung = (tc, zc, nc)
+            row(stiff, 0, at, (cx, tx, at.nx), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+            row(stiff, 1, at, (cy, ty, at.ny), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+            row(stiff, 2, at, (cz, tz, at.nz), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+            row(stiff, 3, at, (r, 0.0, 0.0), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))
+
+    return distributed_load
+
+
+distributed_load = bind()
+distributed_load_arctan = bind(arctan=True)
+distributed_load_sliding = bind(sliding=True)
+distributed_load_arctan_sliding = bind(arctan=True, sliding=True)
+distributed_load_stribeck = bind(stribeck=True)
+distributed_load_arctan_stribeck = bind(arctan=True, stribeck=True)
+distributed_load_step = bind(step=True)
+distributed_load_step_by_depth = bind(step=True, by_depth=True)
+distributed_load_by_depth = bind(by_depth=True)
+distributed_load_arctan_by_depth = bind(arctan=True, by_depth=True)
+distributed_load_sliding_by_depth = bind(sliding=True, by_depth=True)
+distributed_load_arctan_sliding_by_depth = bind(arctan=True, sliding=True, by_depth=True)
+distributed_load_stribeck_by_depth = bind(stribeck=True, by_depth=True)
+distributed_load_arctan_stribeck_by_depth = bind(arctan=True, stribeck=True, by_depth=True)

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Discrete model of string and hole, from which effects compute their parameters."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drill_twin.core.arrays import Array
+from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.shape_functions import gauss_places
+from drill_twin.physics.model.wellbore import Wellbore
+
+
+class DiscreteModel(NamedTuple):
+    """Meshed string and the hole around it (made by `drill_twin.dynamics.discretisation.discretise`)."""
+
+    rod: Rod
+    hole_radius: float  # outside the intervals of another radius [m]
+    inclination: float  # of the hole's axis at the top clamp from vertical; the low side is +x [rad]
+    wellbore: Wellbore  # the hole at the Gauss points
+    contact_radius: Array  # radius in contact with the wall, blades included [m], shape (2 n,)
+    section: NDArray[np.int64]  # number of the scene's section that each element belongs to, shape (n,)
+    seed: int  # of the scene's random numbers
+    bit_frame: Array  # of the hole at the bit (drill_twin.dynamics.solver.boundary.bit_frame)
+    yield_strength: tuple[float | None, ...]  # of the scene's sections, where known [Pa]
+    bow: Any  # block of the effect `bow`, if the scene lists it
+    fluid_density: float = 0.0  # of the mud around the string [kg/m3]; 0 = none
+    fluid_viscosity: float = 0.0  # [Pa s]
+    fluid_inside: bool = True  # whether the pipe is filled with it
+    joint_area: Array | float = 0.0  # area of upsets and tool joints spread along the pipe [m2], shape (n,)
+
+    @property
+    def places(self) -> Array:
+        """Arc length of the Gauss points from the bit [m], shape (2 n,)."""
+        return places(self.rod)
+
+    def at_places(self, per_element: Array) -> Array:
+        """Values per element repeated for both Gauss points, shape (2 n,)."""
+        return np.repeat(per_element, 2)
+
+    @property
+    def youngs_modulus(self) -> Array:
+        """Young's modulus [Pa], shape (n,): EI over I, from EI, EA and the outer radius."""
+        rod = self.rod
+        ratio = rod.bending / rod.axial  # (r_o^2 + r_i^2) / 4
+        area: Array = np.pi * (2.0 * rod.outer_radius**2 - 4.0 * ratio)
+        return rod.axial / area
+
+    @property
+    def string_length(self) -> float:
+        """Length of the string [m]."""
+        return float(self.rod.arc[-1])
+
+
+def places(rod: Rod) -> Array:
+    """Arc length of the Gauss points from the bit [m], shape (2 n,)."""
+    return (rod.arc[:-1, None] + rod.length[:, None] * gauss_places()).ravel()

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Members of an ensemble: the values in which each differs from the base scene."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+
+from drill_twin.core.errors import ArgumentError, SceneError
+from drill_twin.dynamics.twin.dynamics import kernel_of
+from drill_twin.scene import Scene, load
+from drill_twin.scene.overrides import SHORTHANDS
+
+LARGEST = 1_000_000
+"""Largest number of members."""
+SEED = "seed"
+"""Short for `numerics.seed`."""
+
+Value = float | str
+"""Number in SI, or text with a unit."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """One member: its values by key, as given."""
+
+    number: int
+    values: Mapping[str, Value]
+
+    def __str__(self) -> str:
+        """Number and values."""
+        return f"member {self.number} ({', '.join(f'{key}={value}' for key, value in self.values.items())})"
+
+
+@dataclass(frozen=True)
+class Members:
+    """All members of an ensemble.
+
+    Attributes:
+        base: The scene of which they are variants.
+        vary: Values by key.
+        zipped: Whether the values of all keys are taken together, one after the other, instead of each with each.
+    """
+
+    base: Scene
+    vary: Mapping[str, Sequence[Value]]
+    zipped: bool
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of members, along each key where each value is taken with each other."""
+        lengths = [len(values) for values in self.vary.values()]
+        return (lengths[0],) if self.zipped else tuple(lengths)
+
+    def __len__(self) -> int:
+        """Number of members."""
+        return math.prod(self.shape)
+
+    def __iter__(self) -> Iterator[Member]:
+        """The members, the last key fastest."""
+        columns = self.vary.values()
+        rows = zip(*columns, strict=True) if self.zipped else itertools.product(*columns)
+        for number, row in enumerate(rows):
+            yield Member(number, dict(zip(self.vary, row, strict=True)))
+
+    def scene(self, member: Member) -> Scene:
+        """Scene of a member.
+
+        Raises:
+            SceneError: Its values do not fit; the message begins with the member.
+        """
+        return scene_of(self.base, member)
+
+
+def scene_of(base: Scene, member: Member) -> Scene:
+    """Scene of a member of a base scene.
+
+    Raises:
+        ArgumentError: A key is none of the scene.
+        SceneError: Its values do not fit; the message begins with the member.
+    """
+    overrides = {_key(base, key): value for key, value in member.values.items()}
+    data = base.model_dump(mode="json", exclude_none=True)
+    try:
+        return load.build_scene(data, name=base.name, overrides=overrides)
+    except SceneError as error:
+        raise SceneError(f"{member}: {error}") from error
+
+
+def _key(base: Scene, key: str) -> str:
+    """Full key of a scene; an effect needs no `effects.` before it."""
+    if key == SEED:
+        return "numerics.seed"
+    head = key.partition(".")[0]
+    if head in base.effect_names:
+        return f"effects.{key}"
+    if head in Scene.model_fields or key in SHORTHANDS:
+        return key
+    near = get_close_matches(head, (*base.effect_names, *Scene.model_fields, *SHORTHANDS, SEED), n=1)
+    hint = f"did you mean {near[0]}?" if near else f"its effects are {', '.join(base.effect_names)}"
+    raise ArgumentError(f"{key}: expected a key of the scene, or an effect that it has, found {head!r}; {hint}")
+
+
+def expand(base: Scene, vary: Mapping[str, Any], *, zipped: bool = False) -> Members:
+    """Members for the values of some keys: each value with each other, or one after the other.
+
+    Args:
+        base: The scene.
+        vary: Sequence of values by key.
+        zipped: Take the first values of all keys together, then the second, and so on.
+
+    Raises:
+        ArgumentError: No key, no values, values of different number to be zipped, or too many members.
+        SceneError: A value does not fit the scene.
+    """
+    if not vary:
+        raise ArgumentError("vary: expected at least one key with its values, found none")
+    values = {key: _values(key, given) for key, given in vary.items()}
+    lengths = {key: len(found) for key, found in values.items()}
+    if zipped and len(set(lengths.values())) > 1:
+        found = ", ".join(f"{count} of {key}" for key, count in lengths.items())
+        raise ArgumentError(f"vary: expected as many values of each key, to be zipped, found {found}")
+    count = max(lengths.values()) if zipped else math.prod(lengths.values())
+    if count > LARGEST:
+        raise ArgumentError(f"vary: expected at most {LARGEST} members, found {count}; take fewer values of a key")
+    members = Members(base, values, zipped)
+    _check_alike(members)
+    return members
+
+
+def _values(key: str, given: Any) -> list[Value]:
+    """Values of a key as plain numbers and texts."""
+    if isinstance(given, str) or not hasattr(given, "__iter__"):
+        raise ArgumentError(f"{key}: expected a list of values, found {given!r}; write [{given!r}] for a single one")
+    values: list[Value] = [value.item() if isinstance(value, np.generic) else value for value in given]
+    if not values:
+        raise ArgumentError(f"{key}: expected at least one value, found none")
+    for value in values:
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not isinstance(value, str) and not (number and math.isfinite(value)):
+            raise ArgumentError(f"{key}: expected finite numbers or texts with a unit, found {value!r}")
+    return values
+
+
+def _check_alike(members: Members) -> None:
+    """Build the scene of each value, and check that all share one kernel, their marks and their frames.
+
+    Where each value is taken with each other, each is checked with the first of the other keys: a million members are
+    not built twice. Values that only fit each other are then found by the run of their member.
+    """
+    first: tuple[Any, ...] | None = None
+    begin = {key: values[0] for key, values in members.vary.items()}
+    for member in members:
+        if not members.zipped and sum(value != begin[key] for key, value in member.values.items()) > 1:
+            continue
+        scene = members.scene(member)
+        marks = [mark.name for mark in scene.string.marks]
+        found = {"effects and formulation": kernel_of(scene), "marks": marks, "frame rate": scene.numerics.frame_rate}
+        if first is None:
+            first = (member, found)
+        for name, value in found.items():
+            if value != first[1][name]:
+                raise ArgumentError(
+                    f"vary: expected members with the same {name}, found {member} with others than {first[0]}; "
+                    "run an ensemble for each"
+                )

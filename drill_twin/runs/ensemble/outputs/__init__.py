@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Outputs of a member, gathered chunk by chunk; but for `marks` and `channels` memory does not grow with the run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from drill_twin.runs.ensemble.outputs.collector import Collector, Request, Variable
+from drill_twin.runs.ensemble.outputs.findings import Findings
+from drill_twin.runs.ensemble.outputs.series import Channels, Marks
+from drill_twin.runs.ensemble.outputs.settling import Settling
+from drill_twin.runs.ensemble.outputs.severity import Contact, Extremes, LastHalf
+from drill_twin.runs.ensemble.outputs.spectra import Spectra
+from drill_twin.runs.ensemble.outputs.totals import Energy, Fatigue
+
+__all__ = ["OUTPUTS", "Collector", "Request", "Variable"]
+
+OUTPUTS: Mapping[str, type[Collector]] = {
+    "findings": Findings,
+    "extremes": Extremes,
+    "contact": Contact,
+    "last_half": LastHalf,
+    "settling": Settling,
+    "marks": Marks,
+    "channels": Channels,
+    "spectra": Spectra,
+    "energy": Energy,
+    "fatigue": Fatigue,
+}
+"""Outputs by name."""

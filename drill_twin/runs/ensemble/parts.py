@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs in parts: as many frames in one call of compiled code as their memory allows."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.dynamics.twin.frame import Frames
+from drill_twin.dynamics.twin.frame_kernel import Rows
+from drill_twin.dynamics.twin.observer import RigRows, rig_rows
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points import Schedule
+
+CHUNK = 4096
+"""Most frames in one call of the compiled loop."""
+MOST_BYTES = 4 * 1024 * 1024
+"""Most memory of the frames of one call where the state of all nodes is recorded."""
+
+
+class Part(NamedTuple):
+    """Frames that were computed together; they hold until the next are."""
+
+    rows: Rows
+    rig: RigRows
+    seconds: float
+    """Processor time of the compiled loop [s]."""
+    repeated: int
+    """Frames that the step guard repeated with a smaller step."""
+
+    def first(self, count: int) -> Part:
+        """Some of the frames; the effort is that of all."""
+        rows, rig = ([column[:count] for column in part] for part in (self.rows, self.rig))
+        return self._replace(rows=Rows(*rows), rig=RigRows(*rig))
+
+
+def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None) -> Iterator[Part]:
+    """Advance a twin that has not run, part by part: motion of marks and rig.
+
+    Args:
+        twin: The twin.
+        commands: Set-points at the end of each frame, as `Schedule.over` makes them.
+        period: Length of a frame [s].
+        size: Most frames of a part; `CHUNK` unless given.
+
+    Raises:
+        DrillTwinError: A frame could not be followed; those before it have been yielded.
+    """
+    rows = twin.rows(min(size or CHUNK, len(commands)))
+    twin.load()  # outside the timed part
+    for first in range(0, len(commands), rows.time.size):
+        began, repeated = time.thread_time(), 0
+        error: DrillTwinError | None = None
+        try:
+            repeated = twin.advance_frames(commands[first : first + rows.time.size], period, rows)
+        except DrillTwinError as ended:
+            error = ended
+        part = Part(rows, rig_rows(twin.dynamics, rows, period), time.thread_time() - began, repeated)
+        if count := round(twin.time / period) - first:
+            yield part.first(count)
+        if error is not None:
+            raise error
+
+
+def frames_of(twin: Twin, commands: Array, period: float, size: int | None = None) -> Iterator[Frames]:
+    """As `parts_of`, with the state of all nodes; with an energy audit, that of the last frame of a part."""
+    one = twin.record(1)
+    bytes_of_one = sum(array.nbytes for part in (one.rows, one.states) for array in part)
+    record = twin.record(max(1, min(size or CHUNK, len(commands), MOST_BYTES // bytes_of_one)))
+    for first in range(0, len(commands), record.size):
+        frames, error = twin.fill(record, commands[first : first + record.size], period)
+        if frames.time.size:
+            yield frames
+        if error is not None:
+            raise error
+
+
+def planned(scene: Scene, duration: float | None = None) -> tuple[Array, float]:
+    """Set-points of a scene at the end of each frame, to its end or for a time [s], and the length of a frame [s]."""
+    period = scene.numerics.frame_period
+    schedule = Schedule.from_scene(scene)
+    frames = max(1, round((schedule.duration if duration is None else duration) / period))
+    return schedule.over(frame * period for frame in range(1, frames + 1)), period

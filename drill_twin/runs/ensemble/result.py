@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Result of an ensemble: arrays with one entry a member, and the members that failed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drill_twin.core.errors import ArgumentError
+from drill_twin.core.extras import import_xarray
+from drill_twin.runs.ensemble.members import Members
+from drill_twin.runs.ensemble.run import Run
+from drill_twin.whirl import Summary
+
+if TYPE_CHECKING:
+    import xarray
+
+_OF_ALL = ("time", "frequency")  # coordinates, the same for all members
+_TEXT = {"motion": "failed"}
+
+
+class EnsembleResult:
+    """Outputs of all members; M members in the order of `members`.
+
+    Attributes:
+        members: The members, each with its number and its `values` by key.
+        runs: The outcome of each.
+        units: Unit of each output, by name.
+        dimensions: Dimensions of each output after the first, which is that of the members, by name.
+    """
+
+    def __init__(self, members: Members, runs: Sequence[Run]) -> None:
+        self._members, self.runs = members, list(runs)
+        self.members = list(members)
+        known = [run.values for run in runs if run.values]
+        example = known[0] if known else {}
+        self._names = [name for name in example if name != "summary"]
+        self.units = {name: example[name].unit for name in self._names}
+        self.dimensions = {name: example[name].dimensions for name in self._names}
+
+    def __repr__(self) -> str:
+        """One line: scene, members, failures."""
+        failed = f", {len(self.failed)} failed" if self.failed else ""
+        return f"<EnsembleResult of {self._members.base.name}: {len(self.members)} members{failed}>"
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the outputs."""
+        return list(self._names)
+
+    @property
+    def marks(self) -> list[str]:
+        """Names of the marks."""
+        return [mark.name for mark in self._members.base.string.marks]
+
+    @property
+    def failed(self) -> dict[int, str]:
+        """Reason by number of each member that could not be followed to the end; its outputs are of the time before."""
+        return {number: run.failure for number, run in enumerate(self.runs) if run.failure}
+
+    @cached_property
+    def coordinates(self) -> Mapping[str, Any]:
+        """Values of the members by key, each of shape (M,): numbers, or texts as they were given."""
+        return {key: np.array([member.values[key] for member in self.members]) for key in self._members.vary}
+
+    @property
+    def summaries(self) -> list[Summary | None]:
+        """Findings of each member as of a single run, where `findings` was asked for."""
+        return [run.values["summary"].value if "summary" in run.values else None for run in self.runs]
+
+    @property
+    def simulated(self) -> Any:
+        """Simulated time of each member [s], shape (M,)."""
+        return np.array([run.simulated for run in self.runs])
+
+    @property
+    def kernel_share(self) -> float:
+        """Share of the processor time of all members that was spent in the compiled loop."""
+        total = sum(run.processor_seconds for run in self.runs)
+        return sum(run.kernel_seconds for run in self.runs) / total if total else float("nan")
+
+    @property
+    def processor_seconds(self) -> float:
+        """Processor time of all members [s]."""
+        return sum(run.processor_seconds for run in self.runs)
+
+    def __getitem__(self, name: str) -> Any:
+        """Output of all members, shape (M, ...); of one that failed at once NaN, or "failed".
+
+        Raises:
+            ArgumentError: No output of this name.
+        """
+        if name not in self._names:
+            raise ArgumentError(f"expected one of {', '.join(self._names) or 'no outputs'}, found {name!r}")
+        found = [run.values.get(name) for run in self.runs]
+        example = next(value for value in found if value is not None).value
+        if name in _OF_ALL:
+            return example
+        missing = _TEXT.get(name, np.full(np.shape(example), np.nan))
+        return np.array([missing if value is None else value.value for value in found])
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Dataset with a dimension for each key that was varied; for zipped values one dimension `member`.
+
+        Further dimensions are `mark`, `axis`, `sample` and `frequency`; each variable has its unit as attribute
+        `units`. `failed` is True for a member that could not be followed to the end.
+
+        Raises:
+            ArgumentError: xarray is not installed.
+        """
+        labelled, members = import_xarray(), self._members
+        shape = members.shape
+        keys = ("member",) if members.zipped else tuple(members.vary)
+        coordinates: dict[str, Any] = {
+            key: ("member", self.coordinates[key]) if members.zipped else list(values)
+            for key, values in members.vary.items()
+        }
+        coordinates["mark"] = self.marks
+        variables: dict[str, Any] = {
+            "failed": (keys, np.array([bool(run.failure) for run in self.runs]).reshape(shape))
+        }
+        for name in self._names:
+            values, unit = self[name], {"units": self.units[name]}
+            if name in _OF_ALL:
+                coordinates[name] = (self.dimensions[name], values, unit)
+            else:
+                of_member = values.shape[1:]
+                variables[name] = ((*keys, *self.dimensions[name]), values.reshape(*shape, *of_member), unit)
+        if "axis" in {name for dimensions in self.dimensions.values() for name in dimensions}:
+            coordinates["axis"] = ["x", "y"]
+        result: xarray.Dataset = labelled.Dataset(variables, coordinates, {"scene": members.base.name})
+        return result

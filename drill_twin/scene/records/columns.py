@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Columns of a record with their units, and the search for a quantity among them."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import TableError
+from drill_twin.core.units import Dimension, UnitError
+from drill_twin.core.units.heading import name_and_unit
+from drill_twin.scene.records.mnemonics import CHANNELS, si_factor
+
+_MOST_NAMES, _LONGEST_NAME = 20, 60  # in a message
+_LONGEST = 1000  # characters of a name
+
+
+class Columns(dict[str, Array]):
+    """Numbers by name of the column, each of shape (rows,); a missing value is NaN."""
+
+    def __init__(
+        self,
+        file: Path,
+        values: Mapping[str, Array],
+        units: Mapping[str, str] | None = None,
+        texts: Mapping[str, str] | None = None,
+    ) -> None:
+        """Keep the columns of a file.
+
+        Args:
+            file: The file, for messages.
+            values: Numbers by name.
+            units: Units that the file gives apart from the names.
+            texts: Columns that are no numbers, with their first text.
+
+        Raises:
+            TableError: A name is endless.
+        """
+        for name in (*values, *(texts or {})):
+            if len(name) > _LONGEST:
+                raise TableError(
+                    f"{file}: expected names of columns of at most {_LONGEST} characters, found one of {len(name)}, "
+                    f'"{name[:_LONGEST_NAME]}..."'
+                )
+        super().__init__(values)
+        self.file = file
+        self.units = dict(units or {})
+        self._texts = dict(texts or {})
+
+    def named(self, channel: str) -> list[str]:
+        """Columns named by the first mnemonic of a channel that the file has; a unit in brackets does not count."""
+        bare: dict[str, list[str]] = {}
+        for name in (*self, *self._texts):
+            bare.setdefault(name_and_unit(name)[0].lower(), []).append(name)
+        return next((bare[name] for name in CHANNELS[channel].mnemonics if name in bare), [])
+
+    def unit(self, name: str, dimension: Dimension) -> str:
+        """Unit of a column, as the file gives it or as its name ends: `WOB [kN]`, `wob_kN`; empty if there is none."""
+        if found := self.units.get(name) or name_and_unit(name)[1]:
+            return found
+        ending = name.rpartition("_")[2]
+        try:
+            si_factor(ending, dimension)
+        except UnitError:
+            return ""
+        return ending
+
+    def si(self, name: str, unit: str, dimension: Dimension, meant: str) -> Array:
+        """Values of a column in SI; one that is too large for a double there is missing.
+
+        Args:
+            name: The column.
+            unit: Its unit.
+            dimension: Dimension that is expected.
+            meant: Quantity, for messages.
+
+        Raises:
+            TableError: There is no such column, it is no numbers, or the unit is none of the dimension.
+        """
+        if name in self._texts:
+            raise TableError(f'{self.file}: expected numbers in column "{name}" for {meant}, found {self._texts[name]}')
+        if name not in self:
+            close = difflib.get_close_matches(name, [one for one in self if len(one) <= _LONGEST_NAME], n=1, cutoff=0.5)
+            hint = f', did you mean "{close[0]}"?' if close else ""
+            raise TableError(f'{self.file}: expected a column "{name}" for {meant}, found {self.listed}{hint}')
+        try:
+            factor = si_factor(unit, dimension)
+        except UnitError as error:
+            raise TableError(f'{self.file}: column "{name}" for {meant}: {error}') from None
+        with np.errstate(over="ignore"):
+            values = self[name] * factor
+        return np.where(np.isfinite(values), values, np.nan)
+
+    @property
+    def listed(self) -> str:
+        """The names, for a message."""
+        return ", ".join([name[:_LONGEST_NAME] for name in self][:_MOST_NAMES]) or "no column of numbers"

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: Apache-2.0
+"""LAS 2.0 file over time (Canadian Well Logging Society 1992), with or without wrapped rows."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+from drill_twin.core.errors import TableError
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.scene.records.columns import Columns
+from drill_twin.scene.records.rows import LARGEST_FILE, RowError, Rows
+
+LAS = ForeignFile("a LAS file", LARGEST_FILE, TableError, may_be_empty=False)
+_LONGEST_LINE, _MOST_CURVES = 100_000, 1000
+_DEPTH = ("DEPT", "DEPTH", "MD", "TVD")
+_DELIMITERS = {"COMMA": ",", "TAB": "\t"}
+
+
+def read_las(path: Path) -> Columns:
+    """Read a LAS file over time; its NULL and -999.25 are missing values, columns of text are left out.
+
+    Raises:
+        TableError: It is no such file, or one over depth.
+    """
+    lines = _used(path)
+    version, well, curves = _header(path, lines)
+    count = Counter(name for name, _ in curves)
+    place, names, units = dict.fromkeys(count, 0), list[str](), dict[str, str]()
+    for name, unit in curves:  # those of one name are numbered
+        place[name] += 1
+        names.append(name if count[name] == 1 else f"{name}:{place[name]}")
+        units[names[-1]] = unit
+    rows = Rows(names, _DELIMITERS.get(version.get("DLM", "").upper(), " "))
+    if version.get("WRAP", "").upper() == "YES":
+        lines = _unwrapped(lines, len(names))
+    for number, line in lines:
+        try:
+            rows.add(line)
+        except RowError as error:
+            raise TableError(f"{path}:{number}: {error}; export it again") from None
+    if not names or not rows.count:
+        raise TableError(
+            f"{path}: expected curves and rows of data, found {len(names)} curves without; export it again"
+        )
+    return rows.columns(path, units, well.get("NULL", ""))
+
+
+def _used(path: Path) -> Iterator[tuple[int, str]]:
+    """Lines that are neither empty nor a comment, with their numbers."""
+    for number, line in LAS.lines(path, longest=_LONGEST_LINE, latin=True):  # ASCII by the standard; not all keep it
+        bare = line.strip()
+        if bare and not bare.startswith("#"):
+            yield number, bare
+
+
+def _header(
+    path: Path, lines: Iterator[tuple[int, str]]
+) -> tuple[dict[str, str], dict[str, str], list[tuple[str, str]]]:
+    """Values of ~Version, the null value of ~Well, and names and units of ~Curve: all up to ~A.
+
+    Raises:
+        TableError: There is no ~V or ~A, too many curves, or the log is over depth.
+    """
+    version, well, curves, section, seen = dict[str, str](), dict[str, str](), list[tuple[str, str]](), "", set[str]()
+    for _, line in lines:
+        if line.startswith("~"):
+            section = line[1:2].upper()
+            seen.add(section)
+            if section == "A":
+                break
+            continue
+        name, unit, value = _parts(line)
+        if section == "V":
+            version[name] = value
+        elif section == "W" and name == "NULL":
+            well[name] = value
+        elif section == "C":
+            curves.append((name, unit))
+    if not {"V", "A"} <= seen:
+        raise TableError(f"{path}: expected a LAS 2.0 file with ~V and ~A sections, found none; export it again")
+    if len(curves) > _MOST_CURVES:
+        raise TableError(f"{path}: expected at most {_MOST_CURVES} curves, found {len(curves)}; export fewer")
+    if curves and curves[0][0] in _DEPTH:
+        raise TableError(f"{path}: expected a log over time, found one over {curves[0][0]}; export the log over time")
+    return version, well, curves
+
+
+def _parts(line: str) -> tuple[str, str, str]:
+    """Mnemonic, unit and value of a line of the header: `MNEM.UNIT VALUE : DESCRIPTION`."""
+    name, _, rest = line.partition(".")
+    body = rest.rpartition(":")[0] or rest
+    unit, *value = body.split(None, 1) if body[:1].strip() else ("", body)
+    if unit.isdecimal() and value:  # of the unit 1000 lbf
+        more, *value = value[0].split(None, 1)
+        unit = f"{unit} {more}"
+    return name.strip().upper() or "UNKNOWN", unit, "".join(value).strip()
+
+
+def _unwrapped(lines: Iterator[tuple[int, str]], count: int) -> Iterator[tuple[int, str]]:
+    """Rows of so many values, which the file has on several lines each."""
+    parts, found = list[str](), 0
+    for number, line in lines:
+        parts.append(line)
+        found += len(line.split())
+        if found >= count:
+            yield number, " ".join(parts)
+            parts, found = [], 0
+    if parts:
+        yield number, " ".join(parts)

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Well plan: survey, casing, hole, tally, mud, bit and rates, and the scene made of them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from drill_twin.core.errors import SceneError
+from drill_twin.core.units import parse
+from drill_twin.core.units.dimension import ANGULAR_SPEED, DENSITY, FORCE, LENGTH, Dimension
+from drill_twin.core.units.parse import short
+from drill_twin.scene import Scene
+from drill_twin.scene.load import build_scene
+from drill_twin.scene.well_plan.catalogue import INCH, casing_size
+from drill_twin.scene.well_plan.survey_file import as_block, read_survey
+from drill_twin.scene.well_plan.tally import Piece, read_tally
+
+BIT_TORQUE = {"sliding": 0.4, "sticking": 0.5, "decay": "0.9 s/rad"}
+"""Friction of the bit on rock, at a third of its diameter: a stand-in, to be replaced by a measured one."""
+LONG = 200.0
+"""Length from which a string is one of a well and not of a bench, for wall, eccentricity and frame rate [m]."""
+
+
+class WellPlan(NamedTuple):
+    """Texts of a plan with their units, as on the command line."""
+
+    name: str
+    survey: Path
+    tally: Path
+    hole: str
+    """Diameter of the open hole."""
+    casing: tuple[str, ...] = ()
+    """Inner diameter and shoe of each casing from the top down: `12.415 in to 1500 m`; after `ID` any diameter."""
+    bit: str = ""
+    """Diameter of the bit; empty: that of the hole."""
+    depth: str = ""
+    """Measured depth of the bit; empty: the last station."""
+    mud: str = "1.2 sg"
+    viscosity: str = "20 cP"
+    friction: float = 0.25
+    cased_friction: float | None = None
+    """Friction coefficient in the casing; None: that of the open hole."""
+    weight_on_bit: str = "100 kN"
+    rotation: str = "120 rpm"
+    units: str = ""
+    """Units of numbers whose column names none: `si` or `field`; empty: such lengths and weights are refused."""
+
+    def scene(self) -> tuple[Scene, dict[str, Any]]:
+        """The scene, and its data as a scene file has them.
+
+        Raises:
+            SceneError: The plan contradicts itself; the message names row and remedy.
+        """
+        data = self.data()
+        return build_scene(data, name=self.name), data
+
+    def data(self) -> dict[str, Any]:
+        """Data of the scene file, with units."""
+        stations = read_survey(self.survey, self.units)
+        bottom = _quantity("--depth", self.depth, LENGTH) if self.depth else stations[-1]["depth"]
+        if bottom > stations[-1]["depth"]:
+            raise SceneError(
+                f"--depth: expected a bit within the survey ({stations[-1]['depth']:.6g} m), found {bottom:.6g} m; add "
+                "the planned stations to the survey"
+            )
+        pieces = read_tally(self.tally, self.units, bottom)
+        length = math.fsum(piece.length for piece in pieces)
+        hole = _quantity("--hole", self.hole, LENGTH)
+        casing = self._casing()
+        _check_fit(pieces, hole, casing)
+        bit = _quantity("--bit", self.bit, LENGTH) if self.bit else hole
+        if bit > hole * (1.0 + 1e-9):
+            raise SceneError(f"--bit: expected at most the hole ({hole:.6g} m), found {bit:.6g} m")
+        weight = _quantity("--wob", self.weight_on_bit, FORCE, least=0.0)
+        turn = _quantity("--rpm", self.rotation, ANGULAR_SPEED, least=0.0)
+        straight = all(station["inclination"] == 0.0 for station in stations)
+        axis: dict[str, Any] = {} if straight else {"survey": as_block(stations)}
+        intervals = [
+            {"top": f"{top:g} m", "bottom": f"{bottom:g} m", "radius": f"{0.5 * inner:.10g} m"}
+            for top, bottom, inner in casing
+        ]
+        long = length > LONG
+        return {
+            "name": self.name,
+            "description": f"Well plan: {length:g} m of string, survey {self.survey.name}, tally {self.tally.name}.",
+            "provenance": "Plan. Adjusted weight and make-up torque after the catalogue; torque law of the bit, "
+            "friction, eccentricity, wall and damping are stand-ins.",
+            "string": {
+                "sections": [piece.section for piece in pieces],
+                "marks": [
+                    {"name": "near_bit", "distance_from_bit": f"{min(10.0, 0.02 * length):g} m"},
+                    {"name": "middle", "distance_from_bit": f"{0.5 * length:g} m"},
+                ],
+                "bit_end": "pinned",
+            },
+            "hole": {"radius": f"{0.5 * hole:.10g} m", **({"intervals": intervals} if intervals else {}), **axis},
+            "rig": {
+                "weight_on_bit": {"shape": "step", "value": f"{weight:g} N", "start": "10 s", "duration": "10 s"},
+                "rotation": {"shape": "step", "value": f"{turn:.10g} rad/s", "duration": "10 s"},
+                "duration": "60 s",
+            },
+            "effects": {
+                "gravity": {}, "stretch": {}, "torsion": {}, "eccentricity": {"offset": "1 mm" if long else "0.1 mm"},
+                "mud": {"density": f"{_quantity('--mud', self.mud, DENSITY):g} kg/m^3", "viscosity": self.viscosity},
+                "internal_damping": dict.fromkeys(("bending_time", "stretch_time", "torsion_time"), "1 ms"),
+                "added_mass": {}, "quadratic_drag": {}, "rotation_drag": {},
+                "wall": {"stiffness": "1e10 N/m^2.5" if long else "1e8 N/m^2.5"},
+                "wall_friction": {"coefficient": self.friction, **self._cased_friction(casing)},
+                "bit_torque_stribeck": {"radius": f"{bit / 3.0:.6g} m", **BIT_TORQUE},
+            },
+            "numerics": {"frame_rate": "50 Hz" if long else "200 Hz"},
+        }  # fmt: skip
+
+    def _cased_friction(self, casing: list[tuple[float, float, float]]) -> dict[str, Any]:
+        if self.cased_friction is None:
+            return {}
+        if not casing:
+            raise SceneError("--cased-friction: expected a casing with it, found none; give --casing, or leave it out")
+        if self.friction == 0.0:
+            raise SceneError(
+                "--friction: expected a coefficient above 0 beside --cased-friction, which scales the same law, found 0"
+            )
+        ends = {"top": f"{casing[0][0]:g} m", "bottom": f"{casing[-1][1]:g} m"}
+        return {"intervals": [ends | {"coefficient": self.cased_friction}]}
+
+    def _casing(self) -> list[tuple[float, float, float]]:
+        """Top, bottom and inner diameter of the casing that is innermost there [m], from the top down."""
+        found, top = [], 0.0
+        for casing in self.casing:
+            inner, _, shoe = casing.partition(" to ")
+            if not shoe:
+                raise SceneError(f'--casing: expected ID and shoe as "12.415 in to 1500 m", found "{short(casing)}"')
+            bore = inner.strip().removeprefix("ID ")
+            diameter, depth = _quantity("--casing", bore, LENGTH), _quantity("--casing", shoe, LENGTH)
+            if bore == inner.strip() and (size := casing_size(diameter)):
+                raise SceneError(
+                    f'--casing "{short(casing)}": expected the inner diameter of the casing, found {size} in, an outer '
+                    f'diameter of API 5CT; give the one that its weight leaves, as "12.415 in to 1500 m" for 13 3/8 in '
+                    f'of 68 lb/ft, or "ID {short(casing)}" if it is the inner one'
+                )
+            if depth <= top:
+                raise SceneError(
+                    f'--casing "{casing}": expected a shoe below {top:.6g} m, found {depth:.6g} m; give the casings '
+                    "from the top down, each with the depth to which it is the innermost"
+                )
+            found.append((top, depth, diameter))
+            top = depth
+        return found
+
+
+def _check_fit(pieces: list[Piece], hole: float, casing: list[tuple[float, float, float]]) -> None:
+    """Refuse pipe wider than the hole: a piece passes every diameter above its lower end."""
+    shoe = casing[-1][1] if casing else 0.0
+    depth = math.fsum(piece.length for piece in pieces)
+    for piece in pieces:
+        passed = [inner for top, _, inner in casing if top <= depth] + [hole] * (depth >= shoe)
+        narrow = min(passed)
+        if piece.widest >= narrow:
+            what, column = ("blades or tool joints", "gauge") if "blade_diameter" in piece.section else ("pipe", "od")
+            raise SceneError(
+                f'{piece.row.place} ("{piece.section["name"]}"): expected {what} of less than the narrowest hole that '
+                f"it passes ({narrow / INCH:.4g} in, {narrow * 1e3:.4g} mm), found {piece.widest / INCH:.4g} in "
+                f"({piece.widest * 1e3:.4g} mm); take a smaller {column}, or correct hole and casing"
+            )
+        depth -= piece.length
+
+
+def _quantity(option: str, text: str, dimension: Dimension, least: float = -math.inf) -> float:
+    try:
+        value = parse(text, dimension)
+    except SceneError as error:
+        raise SceneError(f"{option}: {error}") from None
+    if dimension is LENGTH and value <= 0.0:
+        raise SceneError(f'{option}: expected a length above 0, found "{short(text)}"')
+    if value < least:
+        raise SceneError(f'{option}: expected {dimension.article} from {least:g}, found "{short(text)}"')
+    return value

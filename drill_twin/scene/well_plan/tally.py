@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pipe tally: a CSV file from the bit up becomes the sections of a scene."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from drill_twin.core.errors import SceneError
+from drill_twin.core.units import parse
+from drill_twin.core.units.dimension import LENGTH
+from drill_twin.scene.well_plan.catalogue import (
+    COLLAR_YIELD,
+    HEAVY_WEIGHT_YIELD,
+    INCH,
+    LARGE_COLLAR_YIELD,
+    LARGEST_COLLAR,
+    MATERIALS,
+    YIELD,
+    drill_pipe,
+    heavy_weight,
+    named_sizes,
+)
+from drill_twin.scene.well_plan.table import Row, read_table
+
+NAMES = {
+    "kind": ("kind", "item", "type", "component"),
+    "length": ("length", "len"),
+    "od": ("od", "outer diameter"),
+    "id": ("id", "inner diameter"),
+    "weight": ("weight", "nominal weight", "mass", "mass per length"),
+    "grade": ("grade",),
+    "material": ("material",),
+    "gauge": ("gauge", "blades", "blade diameter"),
+    "name": ("name",),
+}
+KINDS = {
+    "dp": "pipe", "drill pipe": "pipe", "pipe": "pipe", "hwdp": "heavy", "heavy-weight": "heavy", "heavy": "heavy",
+    "collar": "collar", "dc": "collar", "drill collar": "collar", "bit": "collar", "mwd": "collar", "sub": "collar",
+    "motor": "collar", "stabiliser": "stabiliser", "stabilizer": "stabiliser", "stab": "stabiliser",
+    "tube": "tube",
+}  # fmt: skip
+"""Words for the kinds of pipe."""
+REST = "rest"
+"""Length of a row that takes what is left of the well."""
+
+
+class Piece(NamedTuple):
+    """Row of a tally."""
+
+    row: Row
+    """With its place, for messages."""
+    section: dict[str, Any]
+    """As a scene file has it, with units."""
+    length: float
+    """[m]."""
+    widest: float
+    """Largest outer diameter, blades and tool joints included [m]."""
+
+
+def read_tally(file: Path, system: str, bottom: float) -> list[Piece]:
+    """Read the tally, from the bit up.
+
+    Args:
+        file: Table with the columns kind, length and od; id, weight, grade, gauge and name as far as they apply.
+        system: `si` or `field`.
+        bottom: Measured depth of the bit [m]; a length `rest` takes what the others leave of it.
+
+    Raises:
+        SceneError: A row that cannot be read, or a tally longer than the well; with file, line and remedy.
+    """
+    rows = read_table(file, NAMES, ("kind", "length", "od"), system)
+    lengths = [math.nan if row.text("length").lower() == REST else _positive(row, "length", "depth") for row in rows]
+    open_rows = [row for row, length in zip(rows, lengths, strict=True) if math.isnan(length)]
+    total = math.fsum(length for length in lengths if not math.isnan(length))
+    if not rows or len(open_rows) > 1:
+        raise SceneError(
+            f"{open_rows[1].place if open_rows else file}: expected rows from the bit up, one of them with the length "
+            f'"{REST}" at most, found {len(open_rows)} of {len(rows)}'
+        )
+    if total > bottom * (1.0 + 1e-9) or (open_rows and total >= bottom):
+        raise SceneError(
+            f"{(open_rows or rows)[-1].place}: expected a tally of at most the measured depth of the bit "
+            f'({bottom:.6g} m), found {total:.6g} m; shorten the drill pipe or give its length as "{REST}"'
+        )
+    return [
+        _piece(row, bottom - total if math.isnan(length) else length) for row, length in zip(rows, lengths, strict=True)
+    ]
+
+
+def _positive(row: Row, column: str, kind: str) -> float:
+    value = row.number(column, kind)
+    if not value > 0.0:
+        found = "nothing" if math.isnan(value) else f'"{row.text(column)}"'
+        raise SceneError(f"{row.place}, {column}: expected a number above 0, found {found}")
+    return value
+
+
+def _piece(row: Row, length: float) -> Piece:
+    word = row.text("kind").lower()
+    if word not in KINDS:
+        raise SceneError(f'{row.place}, kind: expected one of {", ".join(KINDS)}, found "{row.text("kind")}"')
+    kind, outer = KINDS[word], _positive(row, "od", "diameter")
+    section: dict[str, Any] = {"name": row.text("name") or row.text("kind"), "length": f"{length:.10g} m"}
+    section |= {"pipe": _drill_pipe, "heavy": _heavy, "tube": _plain}.get(kind, _collar)(row, outer)
+    if kind == "stabiliser":
+        gauge = _positive(row, "gauge", "diameter")
+        if gauge < outer:
+            raise SceneError(
+                f"{row.place}, gauge: expected at least the od ({row.text('od')}), found {row.text('gauge')}; the "
+                "gauge is the diameter over the blades"
+            )
+        section["blade_diameter"] = f"{gauge:.10g} m"
+    section |= _material(row)
+    widest = section.get("blade_diameter", section["outer_diameter"])
+    return Piece(row, section, length, parse(widest, LENGTH))
+
+
+def _drill_pipe(row: Row, outer: float) -> dict[str, Any]:
+    mass = _positive(row, "weight", "mass")
+    pipe = drill_pipe(outer, mass)
+    if pipe is None:
+        raise SceneError(
+            f"{row.place}: expected drill pipe of the catalogue ({named_sizes()}), found od {row.text('od')}, weight "
+            f"{row.text('weight')}; the weight is the nominal one. For another pipe edit the scene"
+        )
+    return _tube(outer, pipe.inner_diameter, _grade(row)) | {
+        "adjusted_mass": f"{pipe.adjusted_mass:.6g} kg/m", "blade_diameter": f"{pipe.joint_diameter:.10g} m",
+        "make_up_torque": f"{pipe.make_up_torque:.6g} N m",
+    }  # fmt: skip
+
+
+def _heavy(row: Row, outer: float) -> dict[str, Any]:
+    pipe = heavy_weight(outer)
+    if pipe is None:
+        raise SceneError(
+            f"{row.place}, od: expected heavy-weight pipe of 3 1/2 to 6 5/8 in, found {outer / INCH:.4g} in"
+        )
+    return _tube(outer, pipe.inner_diameter, HEAVY_WEIGHT_YIELD) | {
+        "adjusted_mass": f"{pipe.adjusted_mass:.6g} kg/m", "blade_diameter": f"{pipe.joint_diameter:.10g} m",
+        "make_up_torque": f"{pipe.make_up_torque:.6g} N m",
+    }  # fmt: skip
+
+
+def _collar(row: Row, outer: float) -> dict[str, Any]:
+    return _tube(outer, _bore(row, outer), LARGE_COLLAR_YIELD if outer > LARGEST_COLLAR else COLLAR_YIELD)
+
+
+def _plain(row: Row, outer: float) -> dict[str, Any]:
+    """Tube of any size, without tool joints."""
+    return _tube(outer, _bore(row, outer), _grade(row) if row.text("grade") else math.nan)
+
+
+def _bore(row: Row, outer: float) -> float:
+    inner = _positive(row, "id", "diameter")
+    if inner >= outer:
+        raise SceneError(f"{row.place}, id: expected less than the od ({row.text('od')}), found {row.text('id')}")
+    return inner
+
+
+def _material(row: Row) -> dict[str, Any]:
+    word = row.text("material").lower()
+    if word not in MATERIALS:
+        raise SceneError(
+            f"{row.place}, material: expected one of {', '.join(name for name in MATERIALS if name)}, or nothing for "
+            f'steel, found "{row.text("material")}"'
+        )
+    return MATERIALS[word]
+
+
+def _grade(row: Row) -> float:
+    grade = row.text("grade").upper().replace("-", "").replace(" ", "")
+    if grade not in YIELD:
+        raise SceneError(
+            f'{row.place}, grade: expected one of {", ".join(YIELD)}, found "{row.text("grade")}"; the weight has a '
+            "column of its own"
+        )
+    return YIELD[grade]
+
+
+def _tube(outer: float, inner: float, strength: float) -> dict[str, Any]:
+    tube = {"outer_diameter": f"{outer:.10g} m", "inner_diameter": f"{inner:.10g} m"}
+    return tube if math.isnan(strength) else tube | {"yield_strength": f"{strength / 1e6:.6g} MPa"}

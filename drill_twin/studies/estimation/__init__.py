@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Estimates of state and numbers of a running rig from what is measured, by an ensemble that is corrected."""
+
+from drill_twin.studies.estimation.bands import Band
+from drill_twin.studies.estimation.ensemble_filter import CHANNELS, EnsembleFilter, Estimate, EstimatorOptions, Window
+from drill_twin.studies.estimation.intake import SET_POINTS, Intake
+from drill_twin.studies.estimation.members import LOAD, SENSORS, unit_of
+from drill_twin.studies.estimation.square_root_filter import Correction, correction
+
+__all__ = [
+    "CHANNELS",
+    "LOAD",
+    "SENSORS",
+    "SET_POINTS",
+    "Band",
+    "Correction",
+    "EnsembleFilter",
+    "Estimate",
+    "EstimatorOptions",
+    "Intake",
+    "Window",
+    "correction",
+    "unit_of",
+]

@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The ensemble beside a rig, corrected window by window by what is measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from numbers import Integral, Real
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError
+from drill_twin.dynamics.twin.frame import Frame
+from drill_twin.scene import Scene
+from drill_twin.studies.estimation.bands import Band
+from drill_twin.studies.estimation.branches import Branches
+from drill_twin.studies.estimation.channel_errors import ChannelErrors
+from drill_twin.studies.estimation.divergence import Divergence
+from drill_twin.studies.estimation.members import Members, Pace, Prediction
+from drill_twin.studies.estimation.phase import PhaseCorrection
+from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
+from drill_twin.studies.estimation.subs import VALUES, speed
+from drill_twin.studies.fitting.ranges import Ranges
+
+CHANNELS = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed")
+"""Channels that can correct: those of the surface, and the speed of a downhole tool."""
+_CORRECTED = ("weight_on_bit", "bit_speed", "bit_torque")
+"""Virtual sensors that the correction of torsion and axial motion changes."""
+_LATERAL = ("radius", "bending_stress")
+"""Those that the correction of the lateral motion changes too; the largest wall force, of an impact, follows none."""
+_WHIRLS = 0.5
+"""Share of members that whirl, above which none is followed ahead."""
+
+
+@dataclass(frozen=True)
+class EstimatorOptions:
+    """Options of the ensemble: its runs and its assumptions.
+
+    Attributes:
+        members: Number of members.
+        window: Length of a window [s].
+        rate: Samples a second that are compared [Hz].
+        error: Error of a sample, of sensor and model together, as a share of the channel's largest value.
+        memory: Time over which what was learnt of the numbers fades [s]: the spread grows as exp(t / memory).
+        horizon: Time ahead for which the chance of whirl is computed [s]; 0 s: it is not.
+        scouts: Members that are followed over the horizon.
+        frames: Whether estimates have the frames of the nearest member.
+        seed: Of the draws.
+    """
+
+    members: int = 64
+    window: float = 1.0
+    rate: float = 10.0
+    error: float = 0.02
+    memory: float = 300.0
+    horizon: float = 4.0
+    scouts: int = 16
+    frames: bool = False
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that no ensemble can have.
+
+        Raises:
+            ArgumentError: One of them.
+        """
+        for name, least, most in (
+            ("members", 4, 10_000), ("window", 0.05, 3600.0), ("rate", 0.1, 1000.0), ("error", 1e-6, 1.0),
+            ("memory", 1.0, math.inf), ("horizon", 0.0, 3600.0), ("scouts", 1, 10_000),
+        ):  # fmt: skip
+            value = getattr(self, name)
+            kind = Integral if isinstance(least, int) else Real
+            if not isinstance(value, kind) or not least <= float(value) <= most:
+                of = "a whole number" if kind is Integral else "a number"
+                raise ArgumentError(f"{name}: expected {of} of {least:g} to {most:g}, found {value!r}")
+
+
+@dataclass(frozen=True)
+class Window:
+    """Estimate over a window of time.
+
+    Attributes:
+        commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
+        measured: Means over the samples by channel, shape (S,) each; NaN where there is none.
+        readings: Of s subs, at the frames, shape (s, F, 6); NaN for a sub that has none.
+    """
+
+    commands: Array
+    measured: Mapping[str, Array]
+    readings: Array | None = None
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Estimate at the end of a window.
+
+    Attributes:
+        time: Time [s].
+        numbers: Free numbers [SI] by key.
+        sensors: Virtual sensors by name, see `drill_twin.studies.estimation.members.SENSORS`; with a sub also the places of the
+            centre line at the marks at the end of the window [m], MARK/x and MARK/y.
+        whirls: Share of the members that whirl.
+        chance: Share of those that whirl within the horizon; NaN if it is not computed.
+        unexplained: Time since which the misfit of a channel is far above its usual one [s], by name (`Divergence`).
+        misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
+        absurd: Samples left out so far.
+        replaced: Members that took the state of others so far, as they were on another branch of motion.
+        unmeasured: Time for which nothing sound has been measured [s]: the ensemble runs alone.
+        frames: The window of the member that was nearest to the rig before; none unless they are asked for.
+    """
+
+    time: float
+    numbers: Mapping[str, Band]
+    sensors: Mapping[str, Band]
+    whirls: float
+    chance: float
+    unexplained: Mapping[str, float]
+    misfit: Mapping[str, float]
+    absurd: int
+    replaced: int
+    unmeasured: float
+    frames: Sequence[Frame]
+
+    @property
+    def alarm(self) -> str:
+        """Sentence while measurement and twin part; empty while they do not."""
+        parts = [f"{name} since {time:.1f} s" for name, time in self.unexplained.items()]
+        causes = "the motion has changed, the numbers are not found yet, or the rig differs from the model"
+        return f"misfit far above the usual: {', '.join(parts)}; {causes}" if parts else ""
+
+
+class EnsembleFilter:
+    """Ensemble that follows a rig.
+
+    Attributes:
+        options: How it runs.
+        members: The ensemble.
+        pace: Frames, samples and windows.
+        time: End of the last window [s].
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        ranges: Ranges,
+        channels: Sequence[str],
+        options: EstimatorOptions,
+        subs: Sequence[str] = (),
+    ) -> None:
+        """Make the ensemble.
+
+        Args:
+            scene: The scene.
+            ranges: Lowest and highest value of each free number [SI], by key; see `drill_twin.studies.estimation.members`.
+            channels: Channels that correct, of `CHANNELS`.
+            options: How it runs.
+            subs: Subs of the scene whose readings correct.
+
+        Raises:
+            ArgumentError: A number that cannot be changed in the middle of a run, or a sub that the scene has not.
+            SceneError: A range does not fit the scene.
+        """
+        self.options, self._surface = options, list(channels)
+        frame_rate = scene.numerics.frame_rate
+        every = max(1, round(frame_rate / options.rate))
+        samples = max(1, round(options.window * frame_rate / every))
+        self.pace = Pace(scene.numerics.frame_period, every * samples, samples)
+        self.members = Members(scene, ranges, options.members, self.pace, options.seed, subs)
+        self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
+        self.time = 0.0
+        self._errors = ChannelErrors(self.channels, options.error)
+        self._branches = Branches(options.members, options.seed)
+        self._divergence = Divergence(self.channels)
+        self._phase = PhaseCorrection(self.members, options.error)
+        self._replaced, self._unmeasured = 0, 0.0
+        self._distance: Array = np.zeros(options.members)
+
+    def advance(self, window: Window) -> Estimate:
+        """Advance all members by a window, correct them, and say what is known then.
+
+        Raises:
+            RunError: No member could be followed.
+        """
+        frames, prediction = self.members.advance(window.commands, self._nearest)
+        start, self.time = self.time, self.time + self.pace.window
+        predicted, measured, readings = self._compared(prediction, window)
+        measured = self._errors.screen(predicted, measured)
+        found = corrections(predicted, measured, self._errors.deviation)
+        lateral = self._phase(self.members, prediction.readings, readings, found) if self.members.subs else []
+        corrected = applied(found, predicted)
+        misfit = self._misfit(measured, predicted.mean(axis=0))
+        self._errors.learn(measured, predicted.mean(axis=0), corrected.mean(axis=0))
+        self.members.correct([*found, *lateral])
+        self._forget()
+        sensors = self._sensors(prediction, found, lateral)
+        self._divergence.take(start, misfit)
+        self._unmeasured = 0.0 if np.isfinite(misfit).any() else self._unmeasured + self.pace.window
+        predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
+        measured = np.concatenate((measured, self._phase.measured))
+        deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
+        self._change_branch(predicted, measured, deviation)
+        self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
+        return Estimate(
+            time=self.time,
+            numbers=self.members.bands,
+            sensors={name: Band.of(values) for name, values in sensors.items()},
+            whirls=float(prediction.whirls.mean()),
+            chance=self._chance(window.commands, float(prediction.whirls.mean())),
+            unexplained=self._divergence.since,
+            misfit=dict(zip(self.channels, misfit.tolist(), strict=True)),
+            absurd=self._errors.absurd + self._phase.errors.absurd,
+            replaced=self._replaced,
+            unmeasured=self._unmeasured,
+            frames=frames,
+        )
+
+    @property
+    def _nearest(self) -> int:
+        """Number of the member that is nearest to the rig; -1 if its frames are not asked for."""
+        return int(np.argmin(self._distance)) if self.options.frames else -1
+
+    def _compared(self, prediction: Prediction, window: Window) -> tuple[Array, Array, Array]:
+        """Channels of the members, (N, C, S), and of the rig, (C, S), and readings of its subs, (s, F, 6)."""
+        pace, subs = self.pace, self.members.subs
+        missing = np.full(pace.samples, np.nan)
+        readings = np.full((len(subs), pace.frames, VALUES), np.nan) if window.readings is None else window.readings
+        predicted = np.stack([prediction.channels[name] for name in self._surface], axis=1)
+        measured = np.stack([window.measured.get(name, missing) for name in self._surface])
+        speeds = speed(prediction.readings.swapaxes(1, 2), pace.samples)
+        return (
+            np.concatenate((predicted, speeds), axis=1),
+            np.concatenate((measured, speed(readings, pace.samples))),
+            readings,
+        )
+
+    def _sensors(
+        self, prediction: Prediction, found: Sequence[Correction], lateral: Sequence[Correction]
+    ) -> dict[str, Array]:
+        """Virtual sensors, shape (N,) each; those that the corrections change, corrected."""
+        changed = (*_CORRECTED, *_LATERAL) if lateral else _CORRECTED
+        return {
+            name: applied([*found, *lateral], values) if name in changed else values
+            for name, values in prediction.sensors.items()
+        } | self.members.places
+
+    def _misfit(self, measured: Array, mean: Array) -> Array:
+        """Rms of measured less predicted over the scale of each channel, shape (C,); NaN where nothing was measured."""
+        known = np.isfinite(measured)
+        square = np.where(known, (measured - mean) ** 2, 0.0).sum(axis=1)
+        count = known.sum(axis=1)
+        scale = np.maximum(self._errors.scale, np.finfo(float).tiny)
+        return np.where(count > 0, np.sqrt(square / np.maximum(count, 1)) / scale, np.nan)
+
+    def _forget(self) -> None:
+        """Let the spread of the numbers grow, up to that of the prior."""
+        members, growth = self.members, np.exp(self.pace.window / self.options.memory)
+        mean, deviation = members.normal.mean(axis=0), members.normal.std(axis=0)
+        members.normal = mean + (members.normal - mean) * np.where(deviation * growth < 1.0, growth, 1.0)
+
+    def _change_branch(self, predicted: Array, measured: Array, deviation: Array) -> None:
+        self._branches.weigh(predicted, measured, deviation)
+        pairs = self._branches.replacements()
+        for source, target in pairs:
+            self.members.copy(source, target)
+        self._replaced += len(pairs)
+
+    def _weigh_distance(self, corrected: Array, measured: Array, deviation: Array) -> None:
+        """Distance of each member from what is measured, fading over some windows."""
+        scaled = (corrected - measured) / deviation[:, None]
+        self._distance = 0.7 * self._distance + np.nansum(scaled**2, axis=(1, 2))
+
+    def _chance(self, commands: Array, whirls: float) -> float:
+        """Share of members that whirl within the horizon, if the set-points go on as in this window."""
+        windows = round(self.options.horizon / self.pace.window)
+        if whirls > _WHIRLS:
+            return whirls
+        if windows == 0 or not self.members.scene.string.marks:
+            return float("nan")
+        slope = (commands[-1] - commands[0]) / max(len(commands) - 1, 1)
+        steps = np.arange(1, windows * self.pace.frames + 1)[:, None]
+        coming = commands[-1] + slope * steps
+        coming = np.where(np.sign(coming) == np.sign(commands[-1]), coming, 0.0)
+        count = min(self.options.scouts, len(self.members))
+        chosen = np.linspace(0, len(self.members) - 1, count).round().astype(int).tolist()
+        return float(self.members.ahead(coming.reshape(windows, self.pace.frames, -1), chosen).mean())

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Figure of estimates over a record: numbers and virtual sensors with their bands, and what is not explained."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from drill_twin.studies.estimation.bands import SHARE
+from drill_twin.studies.estimation.ensemble_filter import Estimate
+from drill_twin.studies.estimation.members import unit_of
+from drill_twin.studies.fitting.record import Record
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def estimate_figure(found: Sequence[Estimate], record: Record) -> Figure:
+    """Mean and band of each number and virtual sensor over time; below, the rms of measured less predicted.
+
+    A sensor that is 0 throughout, as the wall force of a string that never touches, has no panel.
+
+    Args:
+        found: Estimates in the order of their times.
+        record: The record that they follow; a channel of a sensor's name is drawn beside it.
+    """
+    from matplotlib.figure import Figure
+
+    time = np.array([one.time for one in found])
+    names = [(name, "") for name in found[0].numbers]
+    names += [(name, unit_of(name)) for name in found[0].sensors if any(one.sensors[name].high for one in found)]
+    channels = sorted({name for one in found for name in one.misfit})
+    figure = Figure(figsize=(11.0, 1.0 + 1.9 * (len(names) + 1)), layout="constrained")
+    panels = figure.subplots(len(names) + 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (name, unit) in zip(panels, names, strict=False):
+        bands = [one.numbers.get(name) or one.sensors[name] for one in found]
+        low, mean, high = (np.array([getattr(band, of) for band in bands]) for of in ("low", "mean", "high"))
+        axes.fill_between(time, low, high, color="0.85", label=f"{SHARE:.0%} of the members")
+        axes.plot(time, mean, color="C1", marker=".", linewidth=1.2, label="mean at the end of a window")
+        if name in record.series:
+            axes.plot(*record.series[name], color="C0", linewidth=0.8, label="record")
+        axes.set_ylabel(f"{name.rpartition('.')[2].replace('_', ' ')}{f' [{unit}]' if unit else ' [SI]'}")
+    for name in channels:
+        panels[-1].plot(time, [one.misfit.get(name, np.nan) for one in found], label=name.replace("_", " "))
+    panels[-1].set_ylabel("misfit [-]")
+    panels[-1].set_title("rms of measured less predicted, over the largest value", loc="left", fontsize=9)
+    panels[-1].set_xlabel("time [s]")
+    for axes in panels:
+        axes.grid(visible=True, alpha=0.3)
+    for axes in (panels[0], panels[-1]):
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="upper right", ncols=3)
+    return figure

@@ -1,0 +1,306 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Members of the ensemble: twins of one scene with numbers of their own, advanced window by window."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special, stats
+
+from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.errors import ArgumentError, DrillTwinError, RunError
+from drill_twin.dynamics.discretisation.discretise import tubes_of
+from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
+from drill_twin.dynamics.twin.bending_stress import bending_stress
+from drill_twin.dynamics.twin.dynamics import kernel_of
+from drill_twin.dynamics.twin.frame import Frame
+from drill_twin.dynamics.twin.observer import rig_rows
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.runs.ensemble.outputs import Request
+from drill_twin.runs.ensemble.outputs.series import Channels
+from drill_twin.scene import Scene
+from drill_twin.scene.load import build_scene
+from drill_twin.scene.set_points import Command
+from drill_twin.studies.estimation.asynchronous import asynchronous_radius
+from drill_twin.studies.estimation.bands import SHARE, Band
+from drill_twin.studies.estimation.lateral import LateralMotion
+from drill_twin.studies.estimation.square_root_filter import Correction, applied
+from drill_twin.studies.estimation.subs import VALUES, SubReader, listed
+from drill_twin.studies.fitting.posterior import full_key
+from drill_twin.studies.fitting.ranges import Ranges, in_ranges
+from drill_twin.whirl.criteria import Criteria
+
+LOAD = "load_factor"
+"""Number that is no key of a scene: weight on bit of a member over the one that is commanded or indicated."""
+WIDEST = 4.0
+"""Standard deviations to which a number may move in the space where its prior is standard normal."""
+SENSORS: Mapping[str, str] = {
+    "weight_on_bit": "N",
+    "bit_speed": "rad/s",
+    "bit_torque": "N m",
+    "radius": "m",
+    "wall_force": "N",
+    "bending_stress": "Pa",
+}
+"""Virtual sensors and their units: bit and weight on it at the end of the window, largest radius of a mark and largest
+wall force of a node in it, largest bending stress at its end."""
+
+
+def unit_of(sensor: str) -> str:
+    """Unit of a virtual sensor; places of marks are in m."""
+    return SENSORS.get(sensor, "m")
+
+
+@dataclass(frozen=True)
+class Pace:
+    """Lengths in time.
+
+    Attributes:
+        period: Of a frame [s].
+        frames: Frames of a window.
+        samples: Samples of a window.
+    """
+
+    period: float
+    frames: int
+    samples: int
+
+    @property
+    def window(self) -> float:
+        """Length of a window [s]."""
+        return self.period * self.frames
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A window of N members.
+
+    Attributes:
+        channels: By name, shape (N, S): means over the samples (`drill_twin.runs.ensemble.outputs.series.Channels`).
+        sensors: Virtual sensors by name, each of shape (N,).
+        whirls: Whether each member whirls, shape (N,).
+        readings: Of the subs, shape (N, F, s, 6) (`drill_twin.studies.estimation.subs`).
+    """
+
+    channels: Mapping[str, Array]
+    sensors: Mapping[str, Array]
+    whirls: Mask
+    readings: Array
+
+
+class Members:
+    """N twins.
+
+    Attributes:
+        scene: The scene of which they are variants.
+        keys: Keys of the free numbers.
+        pace: Frames, samples and windows.
+        subs: Downhole subs.
+        lateral: Their lateral motion.
+        normal: Free numbers in the space where their prior is standard normal, shape (N, d).
+        twins: The twins.
+    """
+
+    def __init__(
+        self, scene: Scene, ranges: Ranges, count: int, pace: Pace, seed: int, subs: Sequence[str] = ()
+    ) -> None:
+        """Draw the numbers and make the twins, each with a seed of its own.
+
+        Raises:
+            ArgumentError: A number that cannot be changed in the middle of a run, or a sub that the scene has not.
+            SceneError: A range does not fit the scene.
+        """
+        self.scene, self._ranges, self.pace = scene, ranges, pace
+        self.keys, self.subs = list(ranges), listed(scene, subs)
+        self._full = {key: full_key(key, scene) for key in self.keys if key != LOAD}
+        self._seeds = [seed + number + 1 for number in range(count)]
+        self._check()
+        drawn = stats.qmc.Sobol(len(ranges), rng=np.random.default_rng(seed)).random(count)
+        self.normal: Array = special.ndtri(np.clip(drawn, 1e-4, 1.0 - 1e-4))
+        self.twins = [Twin(self._scene(number)) for number in range(count)]
+        self.lateral, self._reader = LateralMotion(scene, self.twins[0]), SubReader(scene, self.twins[0], self.subs)
+        self._rows, self._states, _ = self.twins[0].record(pace.frames)
+        self._tubes = tubes_of(scene)
+        clearances = np.array([scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks])
+        self._onset = Criteria().onset_radius * clearances
+
+    def __len__(self) -> int:
+        """Number of members."""
+        return len(self._seeds)
+
+    @property
+    def values(self) -> Array:
+        """Free numbers [SI], shape (N, d)."""
+        return self._in_ranges(self.normal)
+
+    @property
+    def bands(self) -> dict[str, Band]:
+        """Bands of the free numbers [SI] by key.
+
+        A filter for near-linear motion knows a mean and a variance, in the space of `normal`; single members, which
+        are mixed by it, have no more to say.
+        """
+        ends = special.ndtri(0.5 + 0.5 * SHARE * np.array([[-1.0], [1.0]]))
+        low, high = self._in_ranges(self.normal.mean(axis=0) + ends * self.normal.std(axis=0, ddof=1))
+        of = zip(self.values.mean(axis=0), self.values.std(axis=0, ddof=1), low, high, strict=True)
+        return {key: Band(*map(float, each)) for key, each in zip(self.keys, of, strict=True)}
+
+    def advance(self, commands: Array, shown: int = -1) -> tuple[list[Frame], Prediction]:
+        """Advance by a window; a member that fails becomes a copy of one that does not.
+
+        Args:
+            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
+            shown: Number of the member whose frames are returned; -1: none.
+
+        Raises:
+            RunError: No member could be followed.
+        """
+        found, failed, reason = {}, [], ""
+        frames = self._frames(shown, commands) if shown >= 0 else []
+        for number in range(len(self)):
+            try:
+                found[number] = self._advance(number, commands)
+            except DrillTwinError as error:
+                failed.append(number)
+                reason = str(error)
+        if not found:
+            raise RunError(f"no member could be followed: {reason}")
+        for number in failed:
+            source = list(found)[number % len(found)]
+            self.copy(source, number)
+            found[number] = found[source]
+        columns = [found[number] for number in range(len(self))]
+        channels = {name: np.array([each[0][name] for each in columns]) for name in columns[0][0]}
+        sensors = {name: np.array([each[1][name] for each in columns]) for name in SENSORS}
+        whirls, readings = (np.array([each[k] for each in columns]) for k in (2, 3))
+        return frames, Prediction(channels, sensors, whirls, readings)
+
+    def copy(self, source: int, target: int) -> None:
+        """Give a member the state and the seed of another; it keeps its numbers."""
+        twin = self.twins[target]
+        twin.restore(self.twins[source].checkpoint())
+        self._seeds[target] = self._seeds[source]
+        twin.change_numbers(self.twins[source].scene)  # whose numbers its arrays have now
+        twin.change_numbers(self._scene(target))
+
+    def correct(self, found: Sequence[Correction]) -> None:
+        """Correct numbers and torsional motion.
+
+        Surface channels of a straight hole do not change when the lateral motion is turned about its axis, so they are
+        uncorrelated with it; a sub corrects it (`drill_twin.studies.estimation.phase`). Axial motion follows loads and lateral
+        motion (a bent string is shorter) within the time of a wave: moved by itself it would stretch the string and
+        throw it against the wall.
+        """
+        for correction in found:
+            self.normal = np.clip(correction.apply_to_numbers(self.normal), -WIDEST, WIDEST)
+        columns = (6,) if self.twins[0].dynamics.form == SPATIAL else ()
+        for part in range(2):
+            rows = [twin.unknowns[part] for twin in self.twins]
+            corrected = applied(found, np.array([row[:, columns] for row in rows]))
+            for row, values in zip(rows, corrected, strict=True):
+                row[:, columns] = values
+        for number, twin in enumerate(self.twins):
+            twin.change_numbers(self._scene(number))
+
+    @property
+    def places(self) -> dict[str, Array]:
+        """Places of the centre line at the marks [m], MARK/x and MARK/y, shape (N,) each; none without a sub."""
+        if not self.subs:
+            return {}
+        found = self.lateral.marks(self.lateral.read(self.twins)).T
+        named = [(mark.name, places) for mark, places in zip(self.scene.string.marks, found, strict=True)]
+        return {
+            f"{name}/{axis}": part for name, places in named for axis, part in (("x", places.real), ("y", places.imag))
+        }
+
+    def ahead(self, commands: Array, chosen: Sequence[int]) -> Mask:
+        """Check which of some members whirl at a time in the windows to come, shape (chosen,); all are back afterwards.
+
+        Args:
+            commands: Set-points to come, of a number of windows, shape (W, F, 3).
+            chosen: Numbers of the members.
+        """
+        return np.array([self._whirls_ahead(number, commands) for number in chosen], dtype=bool)
+
+    def _frames(self, number: int, commands: Array) -> list[Frame]:
+        """Frames of a member over a window, which it has still before it afterwards."""
+        twin, load = self.twins[number], self._load(number)
+        before, frames = twin.checkpoint(), []
+        try:
+            for weight, *others in commands.tolist():
+                frames.append(twin.advance(Command(load * weight, *others), self.pace.period))
+        except DrillTwinError:
+            frames.clear()
+        twin.restore(before)
+        return frames
+
+    def _in_ranges(self, normal: Array) -> Array:
+        """Numbers [SI] from those of the space in which their prior is standard normal, both of shape (..., d)."""
+        return in_ranges(special.ndtr(normal), self._ranges)
+
+    def _load(self, number: int) -> float:
+        """Weight on bit of a member over that of the set-points."""
+        return float(self.values[number, self.keys.index(LOAD)]) if LOAD in self.keys else 1.0
+
+    def _whirls_ahead(self, number: int, commands: Array) -> bool:
+        twin = self.twins[number]
+        before = twin.checkpoint()
+        try:
+            return any(self._advance(number, window)[2] for window in commands)
+        except DrillTwinError:
+            return True  # a motion that cannot be followed is not calm
+        finally:
+            twin.restore(before)
+
+    def _advance(self, number: int, commands: Array) -> tuple[Mapping[str, Array], Mapping[str, float], bool, Array]:
+        """Channels, virtual sensors, whether it whirls, and readings of the subs, of one member."""
+        twin, rows, pace = self.twins[number], self._rows, self.pace
+        commands = commands * np.array([self._load(number), 1.0, 1.0])
+        channels = Channels(twin, Request((), pace.period, pace.frames, pace.frames // pace.samples))
+        before = self._reader.start(twin)
+        twin.advance_frames(commands, pace.period, rows, self._states if self.subs else None)
+        rig = rig_rows(twin.dynamics, rows, pace.period)
+        channels.add(rows, rig)
+        sensors = {
+            "weight_on_bit": float(rig.bit_force[-1]),
+            "bit_speed": float(rig.bit_speed[-1]),
+            "bit_torque": float(rig.bit_torque[-1]),
+            "radius": float(np.hypot(rows.centre[..., 0], rows.centre[..., 1]).max(initial=0.0)),
+            "wall_force": float(rows.string[:, 0].max()),
+            "bending_stress": float(bending_stress(twin.rod, self._tubes, twin.unknowns[0]).max()),
+        }
+        values = {name: variable.value for name, variable in channels.close().items() if name != "time"}
+        readings = np.empty((pace.frames, 0, VALUES))
+        if self.subs:
+            readings = self._reader.read(before, self._states, pace.period)
+        return values, sensors, bool(np.any(asynchronous_radius(rows) > self._onset)), readings
+
+    def _scene(self, number: int) -> Scene:
+        """Scene of a member."""
+        found = dict(zip(self.keys, self.values[number].tolist(), strict=True))
+        return self._with({"numerics.seed": self._seeds[number]} | found)
+
+    def _with(self, values: Mapping[str, float]) -> Scene:
+        overrides = {self._full.get(key, key): value for key, value in values.items() if key != LOAD}
+        return build_scene(
+            self.scene.model_dump(mode="json", exclude_none=True), name=self.scene.name, overrides=overrides
+        )
+
+    def _check(self) -> None:
+        """Refuse what cannot be changed in the middle of a run.
+
+        Raises:
+            ArgumentError: A key of string, hole or numerics, a law that changes within its range, or an audit.
+        """
+        for key in self._full.values():
+            if not key.startswith(("effects.", "rig.top_drive.")):
+                raise ArgumentError(
+                    f"free: expected numbers of effects, of rig.top_drive, or {LOAD}, found {key}, which shapes the "
+                    "mesh; `drill-twin fit` finds it from a record"
+                )
+        ends = [in_ranges(np.full((1, len(self.keys)), end), self._ranges)[0].tolist() for end in (0.0, 1.0)]
+        low, high = (kernel_of(self._with(dict(zip(self.keys, end, strict=True)))) for end in ends)
+        if low != high or low[-1]:
+            raise ArgumentError("free: expected one law over each range and no numerics.audit, found another at an end")

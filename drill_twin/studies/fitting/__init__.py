@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Numbers of a scene from a record: ensembles, a likelihood, adaptive importance sampling."""
+
+from drill_twin.studies.fitting.likelihood import LIKELIHOODS
+from drill_twin.studies.fitting.posterior import Posterior
+from drill_twin.studies.fitting.record import CHANNELS, SET_POINTS, Record, read_record
+from drill_twin.studies.fitting.sampling import Sampling, sample
+
+__all__ = ["CHANNELS", "LIKELIHOODS", "SET_POINTS", "Posterior", "Record", "Sampling", "read_record", "sample"]

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Result of a fit: draws, intervals, correlations, what the record does not determine, the fitted scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.scene import Scene
+from drill_twin.scene.load import build_scene
+from drill_twin.scene.overrides import SHORTHANDS
+from drill_twin.studies.fitting.record import Record
+from drill_twin.studies.fitting.sampling import Sampling
+
+UNDETERMINED = 0.6
+"""Width of a 90 % interval over that of the range, above which the record does not determine a number."""
+CORRELATED = 0.9
+"""Correlation above which only a combination of two numbers is determined."""
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Weighted draws of the free numbers and the runs behind them.
+
+    Attributes:
+        scene: The scene.
+        ranges: Lowest and highest value [SI] by key; the prior is uniform between.
+        values: Draws [SI], shape (N, d), in the order of `ranges`.
+        sampling: Their weights and likelihoods.
+        record: What was fitted to.
+        time: Times of the samples that were compared [s], shape (T,).
+        measured: The record at these times, by channel, shape (T,).
+        runs: The runs by channel, shape (N, T).
+        failed: Number of runs that could not be followed to the end.
+    """
+
+    scene: Scene
+    ranges: Mapping[str, tuple[float, float]]
+    values: Array
+    sampling: Sampling
+    record: Record
+    time: Array
+    measured: Mapping[str, Array]
+    runs: Mapping[str, Array]
+    failed: int
+
+    @property
+    def keys(self) -> list[str]:
+        """Keys of the free numbers."""
+        return list(self.ranges)
+
+    @cached_property
+    def best(self) -> dict[str, float]:
+        """Numbers of the run with the highest likelihood, by key."""
+        return dict(zip(self.keys, self.values[self.best_run].tolist(), strict=True))
+
+    @property
+    def best_run(self) -> int:
+        """Number of the run with the highest likelihood."""
+        return int(np.argmax(self.sampling.log_likelihood))
+
+    def quantile(self, key: str, share: float) -> float:
+        """Quantile of a number."""
+        return float(weighted_quantile(self.values[:, self.keys.index(key)], self.sampling.weights, share))
+
+    @cached_property
+    def correlation(self) -> Array:
+        """Correlation of the numbers, shape (d, d)."""
+        weights = self.sampling.weights
+        spread = self.values - weights @ self.values
+        covariance = (spread.T * weights) @ spread
+        size = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+        found: Array = covariance / np.outer(size, size)
+        return found
+
+    @cached_property
+    def undetermined(self) -> list[str]:
+        """Sentences: numbers, or differences of numbers, that the record does not determine."""
+        told = []
+        low, high = (weighted_quantile(self.sampling.cube, self.sampling.weights, share) for share in (0.05, 0.95))
+        for key, share in zip(self.keys, high - low, strict=True):
+            if share > UNDETERMINED:
+                told.append(f"{key}: the 90 % interval covers {share:.0%} of its range")
+        for i, first in enumerate(self.keys):
+            for j, second in enumerate(self.keys[:i]):
+                if abs(self.correlation[i, j]) > CORRELATED:
+                    told.append(
+                        f"{second} and {first}: one combination only (correlation {self.correlation[i, j]:+.2f})"
+                    )
+        return told
+
+    def band(self, channel: str, share: float = 0.9) -> tuple[Array, Array]:
+        """Band of a channel that holds a share of the draws, error of the model included, each of shape (T,)."""
+        error = self.runs[channel][self.best_run] - self.measured[channel]
+        return predictive_band(self.runs[channel], self.sampling.weights, float(np.std(error)), share)
+
+    def scene_text(self, base: str | None = None) -> str:
+        """YAML of the fitted scene: the differences from a scene, by default that of the fit by its name."""
+        from drill_twin.scene.write import yaml_text
+
+        fitted = self.scene_of(self.best).model_dump(mode="json", exclude_none=True)
+        source = self.record.source.rpartition("/")[2]
+        data: dict[str, Any] = {"name": f"{self.scene.name}_fitted", "base": base or self.scene.name,
+                                "description": f"{self.scene.name} fitted to {source}"}  # fmt: skip
+        for key in self.best:
+            place, value = data, fitted
+            for part in (path := full_key(key, self.scene).split("."))[:-1]:
+                value = value[part]
+                if isinstance(value, list):  # a list stands in full
+                    place[part] = value
+                    break
+                place = place.setdefault(part, {})
+            else:
+                place[path[-1]] = value[path[-1]]
+        return yaml_text(data)
+
+    def scene_of(self, values: Mapping[str, float]) -> Scene:
+        """The scene with other values of the free numbers [SI]."""
+        overrides = {full_key(key, self.scene): value for key, value in values.items()}
+        return build_scene(
+            self.scene.model_dump(mode="json", exclude_none=True), name=self.scene.name, overrides=overrides
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain types for JSON."""
+        return {
+            "scene": self.scene.name,
+            "record": self.record.source.rpartition("/")[2],
+            "runs": len(self.values),
+            "failed": self.failed,
+            "effective_draws": round(self.sampling.effective, 1),
+            "likelihood_power": self.sampling.power,
+            "numbers": {
+                key: {"best": self.best[key], "median": self.quantile(key, 0.5),
+                      "low": self.quantile(key, 0.05), "high": self.quantile(key, 0.95), "range": list(span)}
+                for key, span in self.ranges.items()
+            },
+            "correlation": self.correlation.round(3).tolist(),
+            "undetermined": self.undetermined,
+        }  # fmt: skip
+
+
+def weighted_quantile(values: Array, weights: Array, share: float) -> Array:
+    """Quantile of weighted draws, of shape (N,) or along the first axis of (N, T)."""
+    flat = values.reshape(len(values), -1)
+    order = np.argsort(flat, axis=0)
+    total = np.cumsum(weights[order], axis=0)
+    row = np.argmax(total >= share * total[-1], axis=0)
+    found: Array = np.take_along_axis(flat, np.take_along_axis(order, row[None], 0), 0)[0]
+    return found.reshape(values.shape[1:])
+
+
+def predictive_band(runs: Array, weights: Array, error: float, share: float) -> tuple[Array, Array]:
+    """Quantiles at each time of weighted runs, shape (N, T), widened by a Gaussian error of the model."""
+    alive = weights > 1e-6 * weights.max()
+    generator = np.random.default_rng(1)
+    drawn = generator.choice(np.flatnonzero(alive), 2000, p=weights[alive] / weights[alive].sum())
+    noisy = runs[drawn] + error * generator.standard_normal((drawn.size, 1))
+    low, high = np.quantile(noisy, (0.5 - share / 2.0, 0.5 + share / 2.0), axis=0)
+    return low, high
+
+
+def full_key(key: str, scene: Scene) -> str:
+    """Full key of a scene; an effect needs no `effects.` before it, and `wob` and `rps` are short names."""
+    key = SHORTHANDS.get(key, (key, ""))[0]
+    return f"effects.{key}" if key.partition(".")[0] in scene.effect_names else key

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Records to fit to: channels of a rig over time, in SI, from a CSV, MAT, LAS or WITSML file or a bag."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError, TableError
+from drill_twin.core.units import Dimension
+from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, TIME, TORQUE
+from drill_twin.scene.problems import nearest
+from drill_twin.scene.records import Columns, read_columns
+
+if TYPE_CHECKING:
+    from drill_twin.io.bag.reader import Bag
+
+CHANNELS: Mapping[str, Dimension] = {
+    "torque": TORQUE,
+    "motor_torque": TORQUE,
+    "top_drive_speed": ANGULAR_SPEED,
+    "bit_speed": ANGULAR_SPEED,
+    "bit_torque": TORQUE,
+    "bit_force": FORCE,
+    "hookload": FORCE,
+}
+"""Channels that a run computes (`drill_twin.runs.ensemble.outputs.series.Channels`), and their dimensions."""
+SET_POINTS: Mapping[str, Dimension] = {"weight_on_bit": FORCE, "rotation": ANGULAR_SPEED}
+"""Set-points of a rig, as commanded or indicated, and dimensions: inputs of the estimator."""
+_KNOWN = {**CHANNELS, **SET_POINTS}
+_OF_BAG = {name: name for name in CHANNELS if name != "motor_torque"} | {
+    "torque": "top_drive_torque", "weight_on_bit": "bit_force", "rotation": "top_drive_speed"
+}  # fmt: skip
+_MNEMONICS = {"motor_torque": "torque", "top_drive_speed": "rotation", "bit_force": "weight_on_bit"}
+"""Channels whose columns have the mnemonics of another name."""
+
+
+class ChannelColumn(NamedTuple):
+    """Column of a record."""
+
+    channel: str
+    column: str
+    """Its name; empty: the one that has a known mnemonic of the channel."""
+    unit: str
+    """Its unit; empty: the one that the file gives."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """Channels over time.
+
+    Attributes:
+        source: Where it is from.
+        series: Time [s] and values [SI] by channel, each of shape (rows,).
+        subs: Time [s] and readings (force, rates) by downhole sub, `measured/NAME` for those of a real rig, shapes
+            (rows,) and (rows, 6); of a bag only, if asked for.
+    """
+
+    source: str
+    series: Mapping[str, tuple[Array, Array]]
+    subs: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
+
+    def at(self, channel: str, time: Array) -> Array:
+        """Means over the spacing before each of equally spaced times [s], as of a run; linear in a coarser record.
+
+        Raises:
+            ArgumentError: The record has no values over a part of the times.
+        """
+        stamps, values = self.series[channel]
+        spacing = float(time[1] - time[0])
+        if time[0] < stamps[0] - spacing or time[-1] > stamps[-1] + spacing:
+            raise ArgumentError(
+                f"{self.source}: expected {channel} from {time[0]:g} s to {time[-1]:g} s, "
+                f"found {stamps[0]:g} s to {stamps[-1]:g} s; choose another window"
+            )
+        if np.median(np.diff(stamps)) > 0.5 * spacing:
+            return np.interp(time - 0.5 * spacing, stamps, values)
+        edges = np.clip(np.append(time - spacing, time[-1]), stamps[0], stamps[-1])
+        total = np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(stamps))))
+        means: Array = np.diff(np.interp(edges, stamps, total)) / np.diff(edges)
+        return means
+
+
+def channel_column(text: str) -> ChannelColumn:
+    """Parse `CHANNEL=COLUMN:UNIT`, `CHANNEL=COLUMN` where the file gives the unit, or `CHANNEL` for a known mnemonic.
+
+    Raises:
+        ArgumentError: An unknown channel.
+    """
+    channel, _, rest = text.partition("=")
+    if channel not in _KNOWN and channel != "time":
+        raise ArgumentError(
+            f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(_KNOWN)}, found "{text}"'
+            + nearest(channel, [*_KNOWN])
+        )
+    column, colon, unit = rest.rpartition(":")
+    return ChannelColumn(channel, column, unit) if colon else ChannelColumn(channel, rest, "")
+
+
+def read_record(
+    path: str | Path, columns: Sequence[str | ChannelColumn], *, start: float = 0.0, subs: Sequence[str] = ()
+) -> Record:
+    """Read channels of a CSV, MAT, LAS or WITSML file, or of `/rig/state` of a bag.
+
+    Args:
+        path: The file; a bag may be a folder.
+        columns: Names of channels of a bag; of a file column and unit of each channel, of the set-points
+            `weight_on_bit` and `rotation` and of `time`, as `channel_column` parses them. Set-points of a bag are those
+            of `/rig/command`; where it has none, load and speed of `/rig/state`. Without `time`, it is the column whose
+            name begins with ``time`` or ``t_``, in s where the file gives no unit.
+        start: Time in the record that is time zero of the scene [s].
+        subs: Downhole subs of a bag whose readings are read too, `measured/NAME` for those of a real rig.
+
+    Raises:
+        TableError: No such file or column, or no unit or one of another dimension.
+        ArgumentError: No channel, one twice, a channel or sub that a bag does not hold, or subs of a file.
+    """
+    file = Path(path)
+    items = [channel_column(item) if isinstance(item, str) else item for item in columns]
+    names = [item.channel for item in items]
+    if not {*names} - {"time"}:
+        raise ArgumentError(
+            f"channel: expected one or more, as bit_speed=COLUMN:rpm, found {', '.join(names) or 'none'}"
+        )
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ArgumentError(f"channel: expected each one once, found {', '.join(twice)} again; give it one column")
+    if file.is_dir() or file.suffix in {".mcap", ".db3"}:
+        return _of_bag(file, items, start, subs)
+    if subs and file.exists():
+        raise ArgumentError(
+            f"{file}: expected a bag, which alone has readings of subs, found a file; leave out {', '.join(subs)}"
+        )
+    found = read_columns(file)
+    wanted = {item.channel: item for item in items}
+    wanted.setdefault("time", ChannelColumn("time", "", ""))
+    values = {channel: _si(found, item) for channel, item in wanted.items()}
+    time = values.pop("time") - start
+    return Record(str(file), {channel: _present(file, channel, time, column) for channel, column in values.items()})
+
+
+def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float, subs: Sequence[str]) -> Record:
+    from drill_twin.io.bag.reading.files import bag_path
+    from drill_twin.report.recording import Recording
+    from drill_twin.report.selection import Selection, open_bag
+
+    for channel, column, unit in items:
+        if channel not in _OF_BAG:
+            raise ArgumentError(f"channel: expected of a bag one of {', '.join(_OF_BAG)}, found {channel!r}")
+        if column or unit:
+            raise ArgumentError(
+                f'channel: expected of a bag the name alone, as "{channel}", found "{channel}={column}'
+                f'{unit and ":"}{unit}"; a bag has topics in SI, no columns'
+            )
+    bag = open_bag(bag_path(path), Selection())
+    recording = Recording(bag)
+    rig, commands = recording.rig, recording.commands
+    time = np.asarray(rig.time) - start
+    middle = time - 0.5 * float(np.median(np.diff(time)))  # forces and torques are means of a frame
+    series = {}
+    for channel, _, _ in items:
+        if channel in SET_POINTS and len(commands):
+            series[channel] = _present(path, channel, np.asarray(commands.time) - start, getattr(commands, channel))
+            continue
+        stamps = time if _KNOWN[channel] is ANGULAR_SPEED else middle
+        series[channel] = _present(path, channel, stamps, np.asarray(getattr(rig, _OF_BAG[channel])))
+    return Record(str(path), series, _readings(path, bag, start, subs) if subs else {})
+
+
+def _readings(path: Path, bag: Bag, start: float, subs: Sequence[str]) -> dict[str, tuple[Array, Array]]:
+    from drill_twin.io.bag.sensor_series import Measured
+
+    found = Measured(bag).subs
+    if odd := [name for name in subs if name not in found or not len(found[name].imu)]:
+        raise ArgumentError(
+            f"{path}: expected readings of {', '.join(odd)}, found those of {', '.join(found) or 'none'}"
+        )
+    return {name: (np.asarray(found[name].imu.time) - start, np.asarray(found[name].imu.values)) for name in subs}
+
+
+def _present(source: Path, channel: str, time: Array, values: Array) -> tuple[Array, Array]:
+    """Time and values without the missing ones."""
+    good = np.isfinite(time) & np.isfinite(values)
+    found = time[good], values[good]
+    if found[0].size < 2 or np.any(np.diff(found[0]) <= 0.0):
+        raise TableError(f"{source}: expected two values of {channel} or more at increasing times; mend the record")
+    return found
+
+
+def _si(found: Columns, item: ChannelColumn) -> Array:
+    channel, dimension = item.channel, _KNOWN.get(item.channel, TIME)
+    names = [item.column] if item.column else found.named(_MNEMONICS.get(channel, channel))
+    if channel == "time" and not names:
+        names = [name for name in found if re.match(r"(time|t_|t$)", name, re.IGNORECASE)]
+    if len(names) != 1:
+        what = f'{len(names)} of {found.listed}; give it as "{channel}=COLUMN:{dimension.unit}"'
+        raise TableError(f"{found.file}: expected one column of {channel}, found {what}")
+    unit = item.unit or found.unit(names[0], dimension) or ("s" if channel == "time" else "")
+    if not unit and names[0] in found:
+        raise TableError(f'{found.file}: expected a unit of {channel}, as in "{channel}={names[0]}:UNIT", found none')
+    return found.si(names[0], unit, dimension, channel)

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Adaptive multiple importance sampling: a posterior from few calls, many runs at a time.
+
+Cornuet, Marin, Mira and Robert 2012 (Scand. J. Stat. 39, 798): all draws of all rounds are weighted with the mixture
+of the proposals they came from, so no run is thrown away. While the likelihood is much narrower than the draws, it is
+raised to a power below 1 that leaves enough of them alive (tempering).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import optimize, special, stats
+
+from drill_twin.core.arrays import Array
+
+FREEDOM = 5
+"""Degrees of freedom of the proposals: Student's t has heavier tails than the posterior."""
+_INFLATION = 1.3  # of the covariance of a proposal
+_PRIOR_SHARE = 0.1  # of the draws of a round, from the prior: finds what the proposals left out
+
+Likelihood = Callable[[Array], Array]
+"""Positions in the unit cube, shape (M, d) -> logarithm of the likelihood of all runs so far, shape (all M,)."""
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """Weighted draws.
+
+    Attributes:
+        cube: Positions in the unit cube of the ranges, shape (N, d).
+        weights: Their weights, sum 1, shape (N,).
+        log_likelihood: Shape (N,).
+        power: Power of the likelihood; below 1 the draws are wider than the posterior.
+    """
+
+    cube: Array
+    weights: Array
+    log_likelihood: Array
+    power: float
+
+    @property
+    def effective(self) -> float:
+        """Effective number of draws, 1 / sum of squared weights (Kong 1992)."""
+        return float(1.0 / np.sum(self.weights**2))
+
+
+def sample(
+    likelihood: Likelihood,
+    dimensions: int,
+    *,
+    members: int,
+    rounds: int,
+    effective: float,
+    seed: int,
+    done: Callable[[int, Sampling], None] = lambda *_: None,
+) -> Sampling:
+    """Draw from the posterior under a uniform prior.
+
+    Args:
+        likelihood: Called once a round with new draws; returns the likelihood of all draws so far.
+        dimensions: Numbers to be found.
+        members: Draws of a round.
+        rounds: Rounds at most.
+        effective: Effective number of draws with which it ends.
+        seed: Of the draws.
+        done: Called after each round with its number and the draws so far.
+    """
+    generator = np.random.default_rng(seed)
+    proposals: list[tuple[Array, Array] | None] = []
+    normal = np.zeros((0, dimensions))
+    result: Sampling | None = None
+    for number in range(rounds):
+        proposal = None if result is None else _proposal(normal, result.weights)
+        proposals.append(proposal)
+        normal = np.concatenate((normal, _draws(proposal, members, dimensions, generator)))
+        cube = special.ndtr(normal)
+        found = likelihood(cube[-members:])
+        result = _weighted(normal, cube, found, proposals, members)
+        done(number + 1, result)
+        if result.power == 1.0 and result.effective >= effective:
+            break
+    if result is None:
+        raise ValueError(f"rounds: expected 1 or more, found {rounds}")
+    return result
+
+
+def _draws(proposal: tuple[Array, Array] | None, count: int, dimensions: int, generator: np.random.Generator) -> Array:
+    """Draws in the space where the prior is standard normal: quasi-random (Sobol) from it, else from a proposal."""
+    exponent = (count - 1).bit_length()  # Sobol's points are balanced in powers of two
+    uniform = stats.qmc.Sobol(dimensions, rng=generator).random_base2(exponent)[:count]
+    prior: Array = special.ndtri(np.clip(uniform, 1e-9, 1.0 - 1e-9))
+    if proposal is None:
+        return prior
+    mean, covariance = proposal
+    drawn = stats.multivariate_t(mean, covariance, FREEDOM).rvs(count, generator).reshape(count, dimensions)
+    keep = round(_PRIOR_SHARE * count)
+    drawn[:keep] = prior[:keep]
+    clipped: Array = np.clip(drawn, -6.0, 6.0)
+    return clipped
+
+
+def _weighted(
+    normal: Array, cube: Array, found: Array, proposals: list[tuple[Array, Array] | None], members: int
+) -> Sampling:
+    prior = stats.norm.logpdf(normal).sum(axis=1)
+    densities = []
+    for proposal in proposals:
+        if proposal is None:
+            densities.append(prior)
+            continue
+        of_t = stats.multivariate_t(*proposal, FREEDOM).logpdf(normal).reshape(-1)
+        densities.append(np.logaddexp(np.log(_PRIOR_SHARE) + prior, np.log1p(-_PRIOR_SHARE) + of_t))
+    base = prior - special.logsumexp(densities, axis=0) + np.log(len(densities))
+    wanted: float = min(max(2.0 * normal.shape[1] + 2.0, members / 4.0), members / 1.5)
+
+    def weights(power: float) -> Array:
+        logarithm = base + np.where(np.isfinite(found), power * found, -np.inf)
+        found_weights: Array = special.softmax(logarithm)
+        return found_weights
+
+    def excess(power: float) -> float:
+        effective = 1.0 / np.sum(weights(power) ** 2)
+        return float(effective) - wanted
+
+    power = 1.0
+    if excess(1.0) < 0.0:
+        lowered: float = optimize.brentq(excess, 0.0, 1.0, xtol=1e-9) if excess(0.0) > 0.0 else 0.0
+        power = lowered
+    return Sampling(cube, weights(power), found, power)
+
+
+def _proposal(normal: Array, weights: Array) -> tuple[Array, Array]:
+    mean = weights @ normal
+    spread = normal - mean
+    covariance = _INFLATION * (spread.T * weights) @ spread
+    return mean, covariance + 1e-8 * np.eye(len(mean))

@@ -1,0 +1,384 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An operating map: its runs, what it says of a set-point, and its file."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Mask
+from drill_twin.core.errors import ArgumentError, DrillTwinError
+from drill_twin.core.files.foreign_file import ForeignFile
+from drill_twin.core.files.json_reader import ODD_DATA, read_json
+from drill_twin.core.proportions import proportion_interval
+from drill_twin.scene import Scene
+from drill_twin.studies.maps.plane import UNKNOWN, Labels, Node, Plane, Span, boundary, filled, on_lattice
+from drill_twin.studies.maps.regimes import REGIMES, Regime
+from drill_twin.studies.maps.runs import FINER, Key, Record, values_of
+from drill_twin.studies.maps.window import CONFIDENCE, Window, basis, cells_of, known_and_calm, rectangles, safe_cells
+
+FORMAT = 2
+_FILE = ForeignFile("the map.json of `drill-twin map`", 256_000_000, ArgumentError)
+LIKELY = 0.05
+"""Largest upper limit (95 %) of the chance of whirl at a calm set-point, once there are draws enough to show it."""
+_SET_BY_MAP = ("weight_on_bit", "rotation", "duration", "start", "table")
+
+
+class Margin(NamedTuple):
+    """Distance of a set-point to the boundary of calm operation; negative where it is beyond."""
+
+    weight: float
+    """Along the weight on bit [N]; infinite where the range has no boundary there."""
+    speed: float
+    """Along the speed [rad/s]; infinite as above."""
+    share: float
+    """Shortest distance, as a share of both ranges; infinite as above."""
+
+
+def digest_of(scene: Scene) -> str:
+    """Hash of the numbers of a scene: string, hole, top drive and effects, not set-points, names and resolution."""
+    data = scene.model_dump(mode="json", exclude_none=True)
+    rig = {name: value for name, value in data["rig"].items() if name not in _SET_BY_MAP}
+    numbers = {"string": data["string"], "hole": data["hole"], "effects": data["effects"], "rig": rig}
+    return hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class OperatingMap:
+    """Regimes over weight on bit and speed.
+
+    Attributes:
+        name: Name of the scene.
+        digest: `digest_of` the scene.
+        scene: The scene, as YAML.
+        plane: Lattice of the runs.
+        duration: Simulated time of a run from rest [s].
+        draws: Values of the uncertain numbers by key, one mapping a draw; empty without draws.
+        records: The runs.
+        notes: What limits the map, as sentences.
+        growth: Largest growth of a lateral mode at the nodes of an even grid [1/s]; empty where it does not apply.
+        torsional: The same of a motion about or along the axis; empty in the lateral form.
+        asked: Time for which a calm set-point must stay calm [s].
+    """
+
+    name: str
+    digest: str
+    scene: str
+    plane: Plane
+    duration: float
+    draws: Sequence[Mapping[str, float | str]]
+    records: Mapping[Key, Record]
+    notes: Sequence[str] = ()
+    growth: Sequence[Sequence[float]] = field(default=())
+    torsional: Sequence[Sequence[float]] = field(default=())
+    asked: float = 0.0
+
+    # --- fields over the lattice ----------------------------------------------------------------------------------
+
+    @cached_property
+    def regimes(self) -> Labels:
+        """Code of the regime at each node, from the nearest run at the first draw."""
+        labels = self.plane.labels()
+        for node, runs in self.runs_at_nodes.items():
+            labels[node] = runs[0].regime.code
+        return filled(labels)
+
+    @cached_property
+    def runs_at_nodes(self) -> Mapping[Node, Sequence[Record]]:
+        """Runs from rest at each node that has them, the first draw first."""
+        runs: dict[Node, list[Record]] = {}
+        for key in sorted((key for key in self.records if key.searches), key=lambda key: key.draw):
+            runs.setdefault(key.node, []).append(self.records[key])
+        return runs
+
+    @cached_property
+    def whirls(self) -> Mask:
+        """Nodes at which the string whirls from rest, or may in some draws.
+
+        With draws, the upper limit of the chance must be as low as `LIKELY`, or as low as so many draws can show. Runs
+        that failed say nothing of whirl.
+        """
+        labels = self.plane.labels()
+        for node, runs in self.runs_at_nodes.items():
+            followed = [record for record in runs if record.regime is not Regime.FAILED]
+            count = sum(record.whirls for record in followed)
+            if followed:
+                most, least = (proportion_interval(k, len(followed), CONFIDENCE)[1] for k in (count, 0))
+                labels[node] = most > max(LIKELY, least)
+        return np.asarray(filled(labels) == 1) if (labels != UNKNOWN).any() else labels == 1
+
+    @cached_property
+    def known(self) -> Mask:
+        """Unit cells between runs of the search, shape (n, n); elsewhere the map shows the nearest run, no more."""
+        made = np.zeros((self.plane.steps + 1,) * 2, bool)
+        for node in self.runs_at_nodes:
+            made[node] = True
+        return known_and_calm(made, made)[0]
+
+    @cached_property
+    def keeps_whirling(self) -> Mask:
+        """Nodes at which an existing whirl does not die; those at which it begins from rest included."""
+        falling = {key.node: record.whirls for key, record in self.records.items() if key.origin is not None}
+        if not falling:
+            return self.whirls
+        labels = self.plane.labels()
+        labels[self.whirls] = 1
+        for node, whirls in falling.items():
+            labels[node] = max(int(labels[node]), int(whirls))
+        return np.asarray(self.whirls | (filled(labels) == 1))
+
+    @property
+    def calm(self) -> Mask:
+        """Nodes that are smooth from rest in all draws, at which the straight string does not grow."""
+        calm = (self.regimes == Regime.SMOOTH.code) & ~self.whirls
+        if len(self.growth):
+            calm &= on_lattice(np.array(self.largest_growth), self.plane.steps) <= 0.0
+        return np.asarray(calm)
+
+    @property
+    def has_second_boundary(self) -> bool:
+        """The map has runs in which a whirl may die."""
+        return any(key.origin is not None for key in self.records)
+
+    @property
+    def largest_growth(self) -> Sequence[Sequence[float]]:
+        """Largest growth of any motion of the straight string at the nodes of an even grid [1/s]."""
+        return np.maximum(self.growth, self.torsional).tolist() if len(self.torsional) else self.growth
+
+    @property
+    def checks(self) -> Sequence[tuple[Key, Record]]:
+        """Runs of the whole time asked at set-points drawn in the windows."""
+        return [(key, record) for key, record in self.records.items() if key.finer > 1]
+
+    @property
+    def said_runs(self) -> str:
+        """Runs of the map, and checks, in words."""
+        checks = len(self.checks)
+        said = f"{len(self.records) - checks} runs, those from rest of {self.duration:g} s"
+        return f"{said}, and {checks} checks of {self.asked:g} s" if checks else said
+
+    @property
+    def clean_checks(self) -> int:
+        """Checks in the windows since the last one that was not smooth."""
+        count, inside = 0, cells_of(self)
+        for key, record in self.checks:
+            here = inside[tuple(np.minimum(key.node, self.plane.steps - 1))]
+            count = 0 if record.regime is not Regime.SMOOTH else count + int(here)
+        return count
+
+    @cached_property
+    def window_nodes(self) -> Sequence[tuple[int, int, int, int]]:
+        """First and last node of each safe window along weight on bit and speed."""
+        return rectangles(safe_cells(self))
+
+    @property
+    def windows(self) -> Sequence[Window]:
+        """Safe windows (`drill_twin.studies.maps.window`), the largest first; they may overlap."""
+        command = self.plane.command
+        return [
+            Window(*map(Span, command((i, j)), command((k, m)))) for i, k, j, m in self.window_nodes
+        ]  # fmt: skip
+
+    @property
+    def window(self) -> Window | None:
+        """Largest safe window."""
+        return next(iter(self.windows), None)
+
+    @property
+    def basis(self) -> Sequence[str]:
+        """Grounds of the windows, as sentences."""
+        return basis(self)
+
+    def lines(self, flags: Mask) -> list[list[list[float]]]:
+        """Boundary of flagged nodes: segments of two points, weight on bit [N] and speed [rad/s]."""
+        return [[list(self.plane.command((float(x), float(y)))) for x, y in ends] for ends in boundary(flags)]
+
+    # --- at a set-point -------------------------------------------------------------------------------------------
+
+    def contains(self, weight: float, speed: float) -> bool:
+        """The set-point [N], [rad/s] lies in the ranges."""
+        return all(0.0 <= place <= self.plane.steps for place in self.plane.place(weight, speed))
+
+    def node(self, weight: float, speed: float) -> Node:
+        """Nearest node of a set-point."""
+        i, j = (min(max(round(place), 0), self.plane.steps) for place in self.plane.place(weight, speed))
+        return i, j
+
+    def regime(self, weight: float, speed: float) -> Regime:
+        """Regime from rest at a set-point [N], [rad/s].
+
+        Raises:
+            ArgumentError: It lies outside the ranges.
+        """
+        self._check_inside(weight, speed)
+        return REGIMES[int(self.regimes[self.node(weight, speed)])]
+
+    def margin(self, weight: float, speed: float) -> Margin:
+        """Distance of a set-point [N], [rad/s] to the boundary of calm operation.
+
+        Raises:
+            ArgumentError: It lies outside the ranges.
+        """
+        self._check_inside(weight, speed)
+        return self.margin_of(self.calm, weight, speed)
+
+    def margin_of(self, flags: Mask, weight: float, speed: float) -> Margin:
+        """Distance of a set-point [N], [rad/s] in the ranges to the boundary of flagged nodes; negative outside it."""
+        i, j = self.node(weight, speed)
+        place = np.array(self.plane.place(weight, speed))
+        sign = 1.0 if flags[i, j] else -1.0
+        other = np.argwhere(flags != flags[i, j]).astype(float)
+        if not other.size:
+            return Margin(*(sign * math.inf,) * 3)
+        step = (self.plane.weight.high - self.plane.weight.low, self.plane.speed.high - self.plane.speed.low)
+        along = [
+            sign * max(float(np.min(np.abs(line - place[axis]), initial=math.inf)) - 0.5, 0.0)
+            for axis, line in ((0, other[other[:, 1] == j, 0]), (1, other[other[:, 0] == i, 1]))
+        ]
+        nearest = sign * max(float(np.hypot(*(other - place).T).min()) - 0.5, 0.0)
+        n = self.plane.steps
+        return Margin(along[0] / n * step[0], along[1] / n * step[1], nearest / n)
+
+    def _check_inside(self, weight: float, speed: float) -> None:
+        if not self.contains(weight, speed):
+            low, high = self.plane.weight, self.plane.speed
+            raise ArgumentError(
+                f"expected a set-point of the map, {low.low:g} to {low.high:g} N and {high.low / math.tau:g} to "
+                f"{high.high / math.tau:g} rev/s, found {weight:g} N and {speed / math.tau:g} rev/s"
+            )
+
+    # --- file -----------------------------------------------------------------------------------------------------
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain types for JSON: what `from_dict` reads, and boundaries and window for other readers."""
+        return {
+            "format": FORMAT,
+            "scene_name": self.name,
+            "digest": self.digest,
+            "duration_s": self.duration,
+            "weight_on_bit_N": list(self.plane.weight),
+            "rotation_rad_s": list(self.plane.speed),
+            "steps": self.plane.steps,
+            "regimes": [regime.value for regime in REGIMES],
+            "draws": [dict(draw) for draw in self.draws],
+            "notes": list(self.notes),
+            "calm_for_s": self.asked,
+            "safe_windows": [
+                {"weight_on_bit_N": list(window.weight), "rotation_rad_s": list(window.speed)}
+                for window in self.windows
+            ],
+            "windows_rest_on": list(self.basis),
+            "onset_boundary": self.lines(self.whirls),
+            "end_of_whirl_boundary": self.lines(self.keeps_whirling) if self.has_second_boundary else [],
+            "growth": [list(row) for row in self.growth],
+            "torsional_growth": [list(row) for row in self.torsional],
+            "runs": [
+                {"node": [key.i, key.j], "draw": key.draw, "finer": key.finer,
+                 "origin": None if key.origin is None else list(key.origin), **record.to_dict()}
+                for key, record in self.records.items()
+            ],
+            "scene": self.scene,
+        }  # fmt: skip
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> OperatingMap:
+        """Inverse of `to_dict`.
+
+        Raises:
+            LookupError, TypeError, ValueError, AttributeError, OverflowError, DrillTwinError: It is no map.
+        """
+        if data["format"] != FORMAT:
+            raise ValueError(f"format {data['format']}")
+        plane = Plane(Span(*map(float, data["weight_on_bit_N"])), Span(*map(float, data["rotation_rad_s"])),
+                      int(data["steps"])).checked()  # fmt: skip
+        records = {}
+        for run in data["runs"]:
+            (i, j), draw, origin, finer = run["node"], int(run["draw"]), run["origin"], int(run["finer"])
+            if finer not in {1, FINER} or not (0 <= i <= plane.steps * finer and 0 <= j <= plane.steps * finer):
+                raise ValueError(f"node {i}, {j}")
+            key = Key(int(i), int(j), draw, None if origin is None else (int(origin[0]), int(origin[1])), finer)
+            records[key] = Record.from_dict(
+                {name: value for name, value in run.items() if name not in {"node", "draw", "origin", "finer"}}
+            )
+        if not any(key.searches and key.draw == 0 for key in records):
+            raise ValueError("no runs")
+        return cls(str(data["scene_name"]), str(data["digest"]), str(data["scene"]), plane, float(data["duration_s"]),
+                   data["draws"], records, data["notes"], data["growth"], data["torsional_growth"],
+                   float(data["calm_for_s"]))  # fmt: skip
+
+    def check_scene(self, scene: Scene) -> None:
+        """Check that it is a map of a scene.
+
+        Raises:
+            ArgumentError: String, hole, top drive or effects of the scene have other numbers.
+        """
+        if digest_of(scene) != self.digest:
+            raise ArgumentError(
+                f"expected a map of {scene.name}, found one of {self.name} with other numbers of string, hole or "
+                f"effects; make one with `drill-twin map {scene.name}`"
+            )
+
+    def csv(self) -> str:
+        """Table of the runs, one a line."""
+        import csv
+        import io
+
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        columns = ("onset_s", "whirl_hz", "ratio", "bit", "radius", "wall_force", "torque_swing", "bending_stress",
+                   "growth", "bit_index", "top_index")  # fmt: skip
+        varied = sorted({name for draw in self.draws for name in draw})
+        writer.writerow((
+            "weight_on_bit_N", "rotation_rad_s", "duration_s", "draw", "from_weight_on_bit_N", "from_rotation_rad_s",
+            *varied, "regime", *columns, "failure",
+        ))  # fmt: skip
+        for key, record in self.records.items():
+            origin = ("", "") if key.origin is None else self.plane.command(key.origin)
+            plain = record.to_dict()
+            if record.regime is Regime.SMOOTH:  # the whirl that a run came from has died
+                plain.pop("onset_s", None)
+            writer.writerow((
+                *self.plane.command(key.place), key.length(self.duration, self.asked), key.draw, *origin,
+                *(self.draws[key.draw].get(name, "") for name in varied),
+                record.regime.value, *(plain.get(name, "") for name in columns), record.failure,
+            ))  # fmt: skip
+        return text.getvalue()
+
+    def command_of(self, key: Key, scene: str) -> str:
+        """Command line that repeats a run of a scene."""
+        values = values_of(self.plane, self.duration, key, self.draws if key.draw else ())
+        changes = "".join(f" --set {_setting(name, value)}" for name, value in values.items())
+        return f"drill-twin run {scene}{changes} --duration {key.length(self.duration, self.asked)!r}"
+
+
+def _setting(name: str, value: float | str) -> str:
+    units = {"weight_on_bit": " N", "rotation": " rad/s"}
+    parts = name.split(".")
+    unit = ""
+    if parts[0] == "rig" and isinstance(value, float):
+        unit = " s" if parts[-1] in {"start", "duration"} else units.get(parts[1], "")
+    text = f"{name}={value!r}{unit}" if isinstance(value, float) else f"{name}={value}"
+    return f'"{text}"' if " " in text else text
+
+
+def read_map(file: str | Path) -> OperatingMap:
+    """Read `map.json`.
+
+    Raises:
+        ArgumentError: No such file, or not a map.
+    """
+    content = _FILE.read(file)
+    try:
+        return OperatingMap.from_dict(read_json(content, largest=_FILE.largest))
+    except (*ODD_DATA, DrillTwinError) as error:
+        raise ArgumentError(
+            f"{file}: expected the map.json of `drill-twin map`, found another file ({type(error).__name__}: {error})"
+        ) from error

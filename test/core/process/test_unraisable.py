@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A signal's exception is held back where it would be lost."""
+
+import sys
+
+import llvmlite.binding.executionengine as engine
+import pytest
+
+from drill_twin.core.process.unraisable import is_unraisable
+
+ASK = "def {name}():\n    import sys\n    return ask(sys._getframe())\n"
+
+
+def asked(name: str, file: str) -> bool:
+    """What is said within a function of a name in a file."""
+    space = {"ask": is_unraisable}
+    exec(compile(ASK.format(name=name), file, "exec"), space)  # noqa: S102  the text is above
+    return space[name]()
+
+
+@pytest.mark.parametrize(
+    ("name", "file", "lost"),
+    [
+        ("run", __file__, False),
+        ("__del__", __file__, True),
+        ("_raw_object_cache_notify", engine.__file__, True),
+        ("exec_module", "<frozen importlib._bootstrap_external>", True),
+    ],
+)
+def test_places_where_an_exception_is_lost(name, file, lost):
+    assert asked(name, file) == lost
+    assert not is_unraisable(sys._getframe())
+    assert hasattr(engine.ExecutionEngine, "_raw_object_cache_notify")

@@ -1,0 +1,64 @@
+"""Branches of steady whirl: folds, the same state on both sides of a value, ends that are told."""
+
+import math
+
+import numpy as np
+import pytest
+
+from drill_twin.api import rotordynamics as api
+from drill_twin.core.errors import SceneError
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.rotordynamics.steady.branches import branch, key_of, load_of, passes, speed_of
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import whirl_states
+from drill_twin.scene.set_points.command import Command
+
+FAST = Command(40.0, 6.5 * math.tau)
+
+
+@pytest.fixture(scope="module")
+def turning(bench):
+    return TurningEquations(EquationsOfMotion(bench))
+
+
+@pytest.fixture(scope="module")
+def state(turning):
+    return next(one for one in whirl_states(turning.equations, FAST, random_starts=0) if one.is_stable)
+
+
+def test_a_branch_over_speed_turns_back_at_a_fold_where_stability_is_lost(turning, state):
+    found = branch(speed_of(turning, FAST, 2.0 * math.tau, 7.0 * math.tau), state.whirl, FAST.rotation)
+    assert len(found.folds) == 1
+    fold = found.folds[0]
+    assert found.values[fold] < FAST.rotation
+    assert found.values[fold] == pytest.approx(found.values.min(), rel=1e-3)
+    stable = np.array([one.is_stable for one in found.states])
+    assert stable[fold + 2 :].all() != stable[: fold - 1].any()
+    assert passes(found, state, FAST.rotation)
+    assert all(one in {"end of the range", "the string leaves the wall"} for one in found.ends)
+
+
+def test_points_of_a_branch_are_states(turning, state):
+    found = branch(load_of(turning, FAST, 30.0, 50.0), state.whirl, FAST.weight_on_bit)
+    for one in found.states[:: max(1, len(found.states) // 4)]:
+        assert np.abs(turning.at(one.whirl).residual).max() < 1e-6
+    again = turning.newton(found.states[0].whirl)
+    assert again is not None
+    assert again.omega == pytest.approx(found.states[0].whirl.omega, rel=1e-6)
+
+
+@pytest.mark.long
+def test_any_number_of_the_scene_is_a_parameter(turning, state):
+    key = "effects.wall_friction.coefficient"
+    found = branch(key_of(turning, FAST, key, 0.20, 0.21), state.whirl, 0.205)
+    assert found.values.min() < 0.202
+    assert found.values.max() > 0.208
+    slow, fast = (found.states[int(k)].ratio for k in (found.values.argmax(), found.values.argmin()))
+    assert slow < fast  # friction on the wall brakes the forward whirl
+
+
+def test_a_range_without_the_value_is_refused(bench):
+    with pytest.raises(SceneError, match="expected a range of load around its value 40"):
+        api.branches(bench, over="load", low=50.0, high=60.0)
+    with pytest.raises(SceneError, match="expected load, speed or the key of a number"):
+        api.branches(bench, over="effects.wall", low=50.0, high=60.0)

@@ -1,0 +1,121 @@
+"""Modes, Campbell diagram and map of growth rates of the bench."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drill_twin as dt
+from drill_twin.api import rotordynamics
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.rotordynamics.campbell import campbell, mac
+from drill_twin.dynamics.rotordynamics.eigenvalues import MOST_UNKNOWNS, Pencil, eigenvalues_only
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
+from drill_twin.dynamics.rotordynamics.growth_map import growth_map
+from drill_twin.dynamics.rotordynamics.modes import compared, modes
+from drill_twin.scene import load_scene
+from drill_twin.scene.set_points.command import Command
+
+CONFIG = Path(__file__).resolve().parents[3] / "config"
+
+
+def test_a_basis_of_few_modes_gives_the_growth_of_all(equations):
+    weights, speeds = np.array([2.0, 20.0]), np.array([4.0, 20.0])
+    few = growth_map(equations, weights, speeds).lateral
+    for i, weight in enumerate(weights):
+        for k, speed in enumerate(speeds):
+            full = modes(equations, Command(weight, speed), count=100).fastest("lateral").growth
+            assert few[i, k] == pytest.approx(full, abs=2e-3)
+
+
+def test_campbell_follows_each_mode_and_finds_its_critical_speed(equations):
+    speeds = np.linspace(0.5, 20.0, 20)
+    diagram = campbell(equations, 5.0, speeds)
+    steps = np.abs(np.diff(diagram.eigenvalues, axis=0)).max(axis=0)
+    assert (steps[:5] < 2.0).all()  # no jump from one mode to another
+    mode, speed = diagram.critical[0]
+    at = modes(equations, Command(5.0, speed), count=20).of("lateral")
+    assert min(abs(one.eigenvalue.imag - speed) for one in at) < 0.01 * speed
+    assert diagram.eigenvalues[0, mode].imag > 0.0
+
+
+def test_mac_is_one_for_a_shape_and_its_multiple():
+    shape = np.array([[1.0 + 1.0j], [2.0], [0.5j]])
+    assert mac(shape, 3.0j * shape)[0, 0] == pytest.approx(1.0)
+    assert mac(shape, np.array([[2.0], [-1.0 + 1.0j], [0.0]]))[0, 0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_growth_map_has_the_buckling_load_at_low_speed(equations):
+    found = growth_map(equations, np.linspace(6.0, 12.0, 7), np.array([0.05]))
+    onset = found.onset(found.lateral)[0]
+    stiff = []
+    for weight in (8.0, 9.5):
+        stiffness = modes(equations, Command(weight, 0.05)).balance.system.stiffness
+        stiff.append(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T))[0])
+    assert stiff[0] > 0.0 > stiff[1]
+    assert 8.0 < onset < 9.5
+
+
+def test_an_inclined_hole_has_no_string_on_the_axis(bench):
+    inclined = bench.model_copy(update={"hole": bench.hole.model_copy(update={"inclination": 0.5})})
+    equations = EquationsOfMotion(inclined)
+    with pytest.raises(RunError, match="expected a straight vertical hole"):
+        campbell(equations, 5.0, np.array([1.0, 2.0]))
+
+
+def test_few_modes_of_a_string_on_the_wall_are_those_of_the_full_matrices():
+    """Where friction couples the wall's stiffness with the soft motion along it, no undamped modes are a basis."""
+    scene = load_scene("pa6_bench", overrides={"hole.inclination": "0.5 rad", "numerics.elements": "45", "wob": "5 N"})
+    found = rotordynamics.modes(scene, count=10)
+    system = found.balance.system
+    assert system.stiffness.shape[0] > MOST_UNKNOWNS
+    full = eigenvalues_only(Pencil(*system.matrices))
+    for mode in found.modes:
+        assert np.abs(full - mode.eigenvalue).min() < 1e-6 * abs(mode.eigenvalue) + 1e-6
+    swinging = full[np.abs(full.imag) > 1e-6 * np.abs(full)]
+    assert abs(found.modes[0].eigenvalue) == pytest.approx(np.abs(swinging).min(), rel=1e-6)
+
+
+@pytest.mark.parametrize("elements", ["60", "auto"])
+def test_a_deviated_well_has_modes_about_its_low_side(elements):
+    """A string of 3,000 m winds up and back in some six seconds; and it is stable there."""
+    scene = CONFIG / "wells" / "s_shaped.yaml"
+    found = rotordynamics.modes(scene, {"numerics.elements": elements})
+    assert not found.on_axis
+    assert found.of("torsional")[0].frequency == pytest.approx(0.1733, rel=2e-3)
+    # at 60 elements 4e-6, of a lateral mode that is short for them
+    assert max(mode.growth for mode in found.modes) < (0.0 if elements == "auto" else 1e-5)
+
+
+def test_the_mode_that_grows_fastest_is_always_in_the_table(equations):
+    """At 40 N and 2 rev/s the second and the fourth mode grow fastest; a table of one has the second too."""
+    whole, short = (modes(equations, Command(40.0, 12.57), count=count) for count in (100, 1))
+    assert [mode.number for mode in whole.of("lateral")][:4] == [1, 2, 3, 4]
+    assert [mode.number for mode in short.of("lateral")] == [1, whole.fastest("lateral").number]
+    assert short.fastest("lateral").growth == whole.fastest("lateral").growth > 1.0
+    assert short.growing["lateral"] == sum(mode.growth > 0.0 for mode in whole.of("lateral"))
+
+
+def test_motions_that_do_not_oscillate_are_no_modes():
+    equations = EquationsOfMotion(load_scene("pa6_bench", overrides={"numerics.elements": "12"}))
+    table = modes(equations, Command(40.0, 12.57), count=100)
+    assert all(mode.frequency != 0.0 for mode in table.modes)
+    assert table.creeping["torsional"] > 900.0
+    assert "lateral" not in table.creeping
+
+
+def test_modes_of_the_diagram_have_the_numbers_of_the_table(equations):
+    speed = 12.57
+    diagram = campbell(equations, 5.0, np.array([6.0, speed, 20.0]), numbered_at=speed)
+    table = modes(equations, Command(5.0, speed), count=6).of("lateral")
+    assert [mode.eigenvalue for mode in table] == pytest.approx(list(diagram.eigenvalues[1]))
+
+
+def test_a_mode_is_compared_with_a_mesh_twice_as_fine(bench):
+    """Cubic elements: the error falls to a sixteenth."""
+    command = Command(5.0, 12.57)
+    by_mesh = [modes(EquationsOfMotion(meshed(bench, n)), command, count=100) for n in (12, 24, 48)]
+    first, second = (compared(one, finer).of("lateral")[2] for one, finer in pairwise(by_mesh))
+    assert abs(first.change) > 10.0 * abs(second.change) > 0.0
+    assert dt.modes(bench, {"wob": 5.0}).modes[2].change != 0.0

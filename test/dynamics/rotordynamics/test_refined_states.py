@@ -1,0 +1,66 @@
+"""States on finer meshes, and beside equations that are not ours."""
+
+import ast
+import inspect
+import math
+from dataclasses import replace
+
+import pytest
+
+from drill_twin import whirl_states
+from drill_twin.api import load_scene
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
+from drill_twin.dynamics.rotordynamics.steady import refinement
+from drill_twin.dynamics.rotordynamics.steady.refinement import refined, refined_states
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import search
+from drill_twin.scene.set_points.command import Command
+from drill_twin_evidence.verify.contact import whirling_rod
+from drill_twin_evidence.verify.contact.whirl_states import guided, reference
+
+FORM = {"effects.stretch": "off", "effects.torsion": "off"}
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    """The state of 20 N and 2 rev/s on 16 elements."""
+    scene, command = guided(16)
+    return scene, search(EquationsOfMotion(scene), command, random_starts=0).states
+
+
+def test_two_contact_points_on_16_elements_change_the_sign_of_the_growth(coarse):
+    """The mesh says that it grows, the rod decays: by ours on finer meshes, and by code that is not ours."""
+    scene, (state,) = coarse
+    assert state.growth == pytest.approx(0.92, abs=0.01)
+    assert state.verdict == "not determined"
+    fine = refined(scene, state)
+    assert (fine.verdict, fine.elements) == ("stable", 128)
+    assert fine.growth_change > 0.1
+    for elements, points, growth in ((16, 2, state.growth), (64, 2, -1.265), (64, 8, fine.growth)):
+        omega, values = reference(scene, state, elements, points)
+        assert omega == pytest.approx(fine.whirl.omega, rel=3e-4)
+        assert values[0].real == pytest.approx(growth, rel=0.03)
+
+
+def test_the_reference_imports_nothing_of_ours():
+    tree = ast.walk(ast.parse(inspect.getsource(whirling_rod)))
+    named = [node.module for node in tree if isinstance(node, ast.ImportFrom)]
+    assert not [name for name in named if name.startswith("drill_twin")]
+
+
+def test_a_state_that_a_finer_mesh_has_not_is_told(coarse, monkeypatch):
+    scene, (state,) = coarse
+    monkeypatch.setattr(refinement, "_again", lambda *_: None)
+    (lost,) = refined_states(scene, [replace(state, growth_change=0.0)])
+    assert (lost.lost_at, lost.verdict, lost.stability()["stable"]) == (32, "not determined", None)
+
+
+def test_a_string_that_stretches_and_twists_is_sought_from_its_lateral_form():
+    """As typed, with the options of the shipped scene: stretch and torsion stay on."""
+    scene = meshed(load_scene("pa6_calibrated", {"wob": 40.0, "rps": 6.5}), 12)
+    states = whirl_states(scene, random_starts=0)
+    (stable,) = (state for state in states if state.verdict == "stable")
+    assert stable.ratio == pytest.approx(0.837, abs=0.002)
+    assert stable.growth == pytest.approx(-7.2, abs=1.0)
+    equations = EquationsOfMotion(meshed(scene, stable.elements))
+    assert equations.form == "spatial"
+    assert abs(equations.evaluate(Command(40.0, 6.5 * math.tau), *stable.whirl.motion).residual).max() < 1e-6

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Loads of a well in the operations of a rig, and the command that prints them."""
+
+import csv
+import io
+import json
+import math
+
+import numpy as np
+import pytest
+from bent_well import COLLAR, PIPE, well
+from typer.testing import CliRunner
+
+import drill_twin as dt
+from drill_twin.cli.app import app
+from drill_twin.core.errors import RunError
+from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
+from drill_twin.dynamics.torque_drag.analysis import Statics, hole_and_string, steady
+from drill_twin.dynamics.torque_drag.buckling import BucklingState, buckling_loads
+from drill_twin.dynamics.torque_drag.operations import Operation, operations
+from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
+from drill_twin.dynamics.torque_drag.soft_string import lock_up_weight, soft_string
+from drill_twin.physics.effects.wall_friction import WallFriction
+from drill_twin.scene import Scene, well_scenes
+
+
+@pytest.fixture(scope="module")
+def found(bent_well: Scene) -> Statics:
+    return dt.statics(bent_well)
+
+
+def test_operations_of_a_scene() -> None:
+    assert [of.name for of in operations(1e4, 2.0)] == ["trip out", "trip in", "off bottom", "slide", "drill"]
+    assert [of.name for of in operations(0.0, 2.0)] == ["trip out", "trip in", "off bottom"]
+    assert [of.name for of in operations(1e4, 0.0)] == ["trip out", "trip in", "slide"]
+
+
+def test_the_hookload_follows_the_operation(found: Statics) -> None:
+    out, into, turning = (found[name].hookload for name in ("trip out", "trip in", "off bottom"))
+    assert into < turning < out
+    assert found["drill"].hookload == pytest.approx(turning - 50e3, rel=5e-3)
+    assert found["slide"].hookload < into
+    for loads in found.operations:
+        assert loads.hookload == pytest.approx(loads.soft.hookload, rel=0.02)
+        assert loads.along.tension[-1] == pytest.approx(loads.hookload, rel=0.01)
+        assert loads.along.tension[0] == pytest.approx(-loads.operation.weight_on_bit, abs=3e4)
+
+
+def test_the_weight_of_the_string(found: Statics) -> None:
+    """Rotation takes the friction off the axial force: the hookload is the weight along the hole."""
+    area = [math.pi / 4.0 * (of["outer_diameter"] ** 2 - of["inner_diameter"] ** 2) for of in (COLLAR, PIPE)]
+    bow = 400.0 / math.radians(60.0) * math.sin(math.radians(60.0))
+    height = 200.0 + bow + 0.5 * 300.0
+    expected = 7850.0 * 9.81 * (area[1] * height + area[0] * 50.0)
+    assert found["off bottom"].hookload == pytest.approx(expected, rel=2e-3)
+
+
+def test_torque_only_when_rotating(found: Statics) -> None:
+    assert found["drill"].surface_torque == pytest.approx(found["drill"].soft.surface_torque, rel=0.05)
+    assert found["off bottom"].twist > 0.0
+    for name in ("trip out", "trip in", "slide"):
+        assert abs(found[name].surface_torque) < 1.0
+
+
+def test_neutral_point_and_stretch(found: Statics) -> None:
+    assert found["trip out"].neutral_point == 0.0
+    weight = 7850.0 * 9.81 * math.pi / 4.0 * (0.2032**2 - 0.0714**2) * 0.5
+    assert found["drill"].neutral_point == pytest.approx(50e3 / weight, rel=0.05)
+    assert found["trip in"].stretch < found["off bottom"].stretch < found["trip out"].stretch
+
+
+def test_margins(found: Statics) -> None:
+    out, drill = found["trip out"], found["drill"]
+    assert out.margins == (math.inf, math.inf)
+    assert out.worst_state is BucklingState.STRAIGHT
+    assert math.isnan(out.lock_up)
+    assert drill.yield_margin == pytest.approx(724e6 / drill.along.stress.max())
+    strength = np.where(drill.along.depth > 900.0, 60e3, 30e3)
+    assert drill.make_up_margin == pytest.approx(float((strength / np.abs(drill.along.torque)).min()))
+    assert drill.margins[1] == pytest.approx(math.sqrt(2.0) * drill.margins[0])
+
+
+def test_bit_and_stabiliser_carry_the_collars(found: Statics) -> None:
+    bit, stabiliser = found["off bottom"].contacts
+    assert (bit.name, stabiliser.name) == ("bit", "stabiliser")
+    assert stabiliser.distance_from_bit == 5.0
+    assert stabiliser.force > 5e3
+    assert 0.0 < bit.tilt < math.radians(1.0)
+
+
+def test_a_string_without_weight_is_told(bent_well: Scene) -> None:
+    trip = Operation("trip out", 0.0, 0.3, 0.0)
+    with pytest.raises(RunError, match=r'operation "trip out", found none: .*weight has no .*list effects\.gravity'):
+        dt.statics(bent_well, {"effects.gravity.magnitude": 0.0, "numerics.elements": 20}, only=[trip])
+
+
+def test_friction_by_depth(bent_well: Scene) -> None:
+    """Torque of a rotating string in a hole at 60 deg throughout: mu w sin(60 deg) r over each interval."""
+    friction = {"coefficient": 0.3, "intervals": [{"top": 0.0, "bottom": 400.0, "coefficient": 0.1}]}
+    scene = bent_well.model_copy(
+        update={
+            "hole": bent_well.hole.model_copy(update={"survey": (), "inclination": math.radians(60.0)}),
+            "string": bent_well.string.model_copy(update={"sections": bent_well.string.sections[2:]}),
+            "effects": bent_well.effects.model_copy(update={"wall_friction": WallFriction(**friction)}),
+        }
+    )
+    loads = dt.statics(scene)["off bottom"]
+    area = math.pi / 4.0 * (PIPE["outer_diameter"] ** 2 - PIPE["inner_diameter"] ** 2)
+    across = area * 7850.0 * 9.81 * math.sin(math.radians(60.0))
+    expected = (0.1 * 400.0 + 0.3 * (scene.length - 400.0)) * across * 0.5 * PIPE["outer_diameter"]
+    assert loads.soft.surface_torque == pytest.approx(expected, rel=5e-3)
+    assert loads.surface_torque == pytest.approx(expected, rel=0.06)  # off the wall near both ends
+
+
+def test_lock_up_of_a_straight_hole() -> None:
+    """Without buckling the weight that slides in is w L (cos(alpha) - mu sin(alpha))."""
+    scene = well()
+    level = scene.hole.model_copy(update={"survey": (), "inclination": 1.0, "radius": 0.11})
+    stiff = tuple(part.model_copy(update={"youngs_modulus": 1e13}) for part in scene.string.sections[1:])
+    string = scene.string.model_copy(update={"sections": stiff})
+    own = scene.model_copy(update={"hole": level, "string": string})
+    solver = SlidingBalance(EquationsOfMotion(steady(own)))
+    elements, slide = hole_and_string(solver), Operation("slide", 1.0, -0.01, 0.0)
+    weight = sum(part.mass_per_length * part.length for part in stiff) * 9.81
+    exact = weight * (math.cos(1.0) - 0.25 * math.sin(1.0))
+    assert lock_up_weight(elements, slide) == pytest.approx(exact, rel=1e-4)
+    assert soft_string(elements, slide._replace(weight_on_bit=exact)).hookload == pytest.approx(0.0, abs=1e-6 * exact)
+
+
+def test_published_buckling_loads() -> None:
+    """5 in. pipe of 19.5 lb/ft in a 12 1/4 in. hole; the helical load is between those of Chen and Mitchell."""
+    bending, weight, clearance = 1.22e6, 250.0, 0.0921
+    loads = buckling_loads(*(np.array([value]) for value in (bending, weight, weight, clearance)))
+    snaking = 2.0 * math.sqrt(bending * weight / clearance)
+    assert loads.sinusoidal[0] == pytest.approx(snaking, rel=1e-12)
+    assert 2.0 * math.sqrt(2.0) * snaking / 2.0 <= loads.helical[0] * (1 + 1e-12) <= 2.0 * math.sqrt(2.0) * snaking
+    shares = -snaking * np.array([0.99, 1.01, 1.5, 2.9])
+    assert [int(loads.states(np.array([share]))[0]) for share in shares] == [0, 1, 2, 3]
+    vertical = buckling_loads(*(np.array([value]) for value in (bending, 0.0, weight, clearance)))
+    assert vertical.sinusoidal[0] == pytest.approx(1.94 * (bending * weight**2) ** (1.0 / 3.0))
+    assert vertical.helical[0] == pytest.approx(5.55 * (bending * weight**2) ** (1.0 / 3.0))
+
+
+def test_the_command(bent_well: Scene, found: Statics, tmp_path) -> None:
+    scene = tmp_path / "well.yaml"
+    scene.write_text(bent_well.to_yaml())
+    said = CliRunner().invoke(app, ["statics", str(scene), "--units", "field", "--out", str(tmp_path / "out")])
+    assert said.exit_code == 0, said.output
+    assert "klbf" in said.stdout
+    assert f"{found['trip out'].hookload / 4448.2216152605:.4g}" in said.stdout
+    data = json.loads((tmp_path / "out" / "statics.json").read_text())
+    assert data["operations"][0]["hookload_n"] == pytest.approx(found["trip out"].hookload, rel=1e-9)
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "statics.csv").read_text())))
+    assert len(rows) == 5 * 200
+    assert float(rows[0]["measured depth [ft]"]) < float(rows[1]["measured depth [ft]"])
+    assert (tmp_path / "out" / "statics.png").stat().st_size > 30_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--rop", "-18 m/h"], "--rop: expected a speed above 0"),
+        (["--trip-speed", "fast"], "--trip-speed: expected a speed"),
+        (["--without", "wall"], "--without wall: expected no effect that needs it, found wall_friction"),
+    ],
+)
+def test_the_command_refuses_what_has_no_balance(arguments: list[str], words: str) -> None:
+    said = CliRunner().invoke(app, ["statics", "wells/s_shaped", *arguments])
+    assert words in str(said.exception)
+
+
+@pytest.mark.parametrize("name", well_scenes())
+def test_shipped_wells_have_a_balance_in_each_operation(name: str) -> None:
+    found = dt.statics(name)
+    assert len(found.operations) == 5
+    for loads in found.operations:
+        assert loads.hookload == pytest.approx(loads.soft.hookload, rel=0.02, abs=0.5)
+        assert loads.surface_torque == pytest.approx(
+            loads.soft.surface_torque, rel=0.08, abs=0.05 * found["drill"].surface_torque
+        )

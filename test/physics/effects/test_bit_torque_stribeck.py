@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Friction of the bit that falls with speed, with and without an exponent of the decay."""
+
+import numpy as np
+import pytest
+from numba.core.dispatcher import Dispatcher
+
+from drill_twin.api import load_scene
+from drill_twin.core.compile.jit import as_python
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.effects.bit_torque_stribeck import Parameters, end_load, friction, friction_exponent
+from drill_twin.scene.set_points.command import Command
+
+LAW = Parameters(0.1, 0.2, 0.5, 0.3, 1e-4, np.zeros(5), 1.0)
+
+
+@pytest.mark.parametrize("speed", [0.01, 1.0, 7.0])
+def test_an_exponent_of_1_is_the_law_without_one(speed):
+    assert friction_exponent.py_func(LAW, 100.0, speed) == pytest.approx(friction.py_func(LAW, 100.0, speed), rel=1e-4)
+
+
+@pytest.mark.parametrize("exponent", [1.3, 2.0, 6.0])
+@pytest.mark.parametrize("speed", [0.1, 2.0, -4.0])
+def test_the_slope_is_that_of_the_limit(exponent, speed):
+    law = LAW._replace(exponent=exponent)
+    up, down = (friction_exponent.py_func(law, 100.0, abs(speed) + change)[0] for change in (1e-5, -1e-5))
+    limit, slope, _ = friction_exponent.py_func(law, 100.0, speed)
+    assert limit == pytest.approx(10.0 * (0.2 + 0.3 * np.exp(-((0.3 * abs(speed)) ** exponent))), rel=1e-6)
+    assert slope == pytest.approx((up - down) / 2e-5, rel=1e-5, abs=1e-7)
+
+
+def test_a_bit_that_turns_steadily_feels_the_limit_of_its_speed():
+    law = {"radius": 0.05, "sliding": 0.1, "sticking": 0.3, "decay": "0.02 s/rad", "exponent": 2.0}
+    scene = load_scene("two_mass", {"effects.bit_torque_stribeck": law})
+    twin = Twin(scene)
+    for _ in range(200):
+        rig = twin.advance(Command(500.0, 60.0), 0.1).rig
+    expected = 0.05 * rig.bit_force * (0.1 + 0.2 * np.exp(-((0.02 * rig.bit_speed) ** 2)))
+    assert -rig.bit_torque == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_law_bound_to_its_load_runs_outside_of_compiled_code():
+    """As the report of a failure calls it."""
+    found = as_python(end_load).__closure__[0].cell_contents
+    assert not isinstance(found, Dispatcher)
+    assert found(LAW, 100.0, 1.0)[0] == pytest.approx(10.0 * (0.2 + 0.3 * np.exp(-0.3)), rel=1e-6)

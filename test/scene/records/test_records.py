@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""LAS and WITSML time logs are read as CSV tables are, with their units and gaps; what is no such log is refused."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drill_twin as dt
+from drill_twin.cli.bags.analyze import analyze
+from drill_twin.cli.bags.export import export
+from drill_twin.core.errors import TableError
+from drill_twin.io.bag.record import RecordBag
+from drill_twin.report import build_report, read_recording, summarise
+from drill_twin.scene.records import read_columns
+from drill_twin.scene.set_points import read_table
+
+RPM = math.pi / 30.0
+LAS = """~Version
+VERS. 2.0 : CWLS LOG ASCII STANDARD - VERSION 2.0
+WRAP.  NO : ONE LINE PER STEP
+~Well
+STRT.S      0 : START
+STOP.S      3 : STOP
+STEP.S      1 : STEP
+NULL.   -9999 : NULL
+~Curve
+TIME.S        : time
+WOB .KLBF     : weight on bit
+RPM .RPM      : rotary speed
+TQA .KFT.LBF  : torque
+NOTE.         : remark
+~Ascii
+0 10.0   60 1.0 drilling
+1 -999.25 60 1.0 drilling
+2 -9999  120 1.0 connection
+3 13.0   120 1.0 drilling
+"""
+WITSML = """<?xml version="1.0" encoding="UTF-8"?>
+<logs xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1">
+<log uidWell="w" uidWellbore="b" uid="l"><nameWell>Well</nameWell><name>GenTime</name>
+<indexType>date time</indexType><indexCurve>Time</indexCurve><nullValue>-999.25</nullValue>
+<logCurveInfo uid="Time"><mnemonic>Time</mnemonic><typeLogData>date time</typeLogData></logCurveInfo>
+<logData><mnemonicList>Time,WOB_AVG,SURF_RPM,HKLD_AVG,ACTIVITY</mnemonicList>
+<unitList>unitless,N,c/s,klbf,unitless</unitList>
+<data>2016-09-30T10:04:01.000Z,44482.216,1,-999.25,on bottom</data>
+<data>2016-09-30T10:04:02.000Z,,1,200,"on, bottom"</data>
+<data>2016-09-30T10:04:03.500+00:00,57826.881,2,,on bottom</data>
+</logData></log></logs>
+"""
+
+
+def written(folder: Path, text: str, name: str = "") -> Path:
+    path = folder / (name or ("log.las" if text.startswith("~") else "log.xml"))
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_las_file_is_played_in_si_and_its_nulls_are_gaps(tmp_path):
+    table = read_table(written(tmp_path, LAS), longest_gap=5.0, spike_window=0.0)
+    assert table.weight_on_bit == pytest.approx(np.array([10.0, 11.0, 12.0, 13.0]) * 4448.2216152605)
+    assert table.rotation == pytest.approx(np.array([60.0, 60.0, 120.0, 120.0]) * RPM)
+    assert "read: TIME [S], WOB [KLBF], RPM [RPM]" in table.report
+    assert "1 gap (2 samples, longest 3 s) bridged" in table.report
+    record = dt.read_record(tmp_path / "log.las", ["torque", "bit_force=WOB"])
+    assert record.series["torque"][1] == pytest.approx(1355.8179483)
+    assert record.series["bit_force"][0].tolist() == [0.0, 3.0]
+
+
+def test_a_witsml_log_is_played_from_its_first_date(tmp_path):
+    table = read_table(written(tmp_path, WITSML), longest_gap=5.0, spike_window=0.0)
+    assert table.time.tolist() == [0.0, 1.0, 2.5]
+    assert table.weight_on_bit[[0, 2]] == pytest.approx(np.array([10.0, 13.0]) * 4448.2216)
+    assert table.rotation == pytest.approx([2.0 * math.pi, 2.0 * math.pi, 4.0 * math.pi])
+    assert "read: Time [s], WOB_AVG [N], SURF_RPM [c/s]" in table.report
+    columns = read_columns(tmp_path / "log.xml")
+    assert "ACTIVITY" not in columns
+    assert np.isnan(columns["HKLD_AVG"]).tolist() == [True, False, True]
+    elapsed = WITSML.replace("date time</indexType>", "elapsed time</indexType>").replace(">unitless,N", ">min,N")
+    for k, stamp in enumerate(("10:04:01.000Z", "10:04:02.000Z", "10:04:03.500+00:00")):
+        elapsed = elapsed.replace(f"2016-09-30T{stamp}", str(k))
+    assert read_table(written(tmp_path, elapsed), longest_gap=500.0).time.tolist() == [0.0, 60.0, 120.0]
+
+
+def test_a_csv_file_with_dates_and_nulls_is_read(tmp_path):
+    rows = ("timestamp_utc_iso,wob_kN,rpm", "2026-05-14T13:57:00.100Z,1,60", "2026-05-14T13:57:00.600Z,-999.25,60")
+    text = "\n".join((*rows, "2026-05-14T13:57:01.100Z,3,60"))
+    table = read_table(written(tmp_path, text, "drilling_timeseries.csv"), spike_window=0.0)
+    assert table.time.tolist() == [0.0, 0.5, 1.0]
+    assert table.weight_on_bit.tolist() == [1e3, 2e3, 3e3]
+
+
+def test_a_record_is_analysed_and_exported_as_a_bag_is(tmp_path, capsys):
+    time = np.arange(0.0, 20.0, 0.05)
+    speed = np.maximum(60.0 + 90.0 * np.sin(2.0 * math.pi * 0.3 * time), 0.0)
+    rows = "".join(f"<data>{t:g},60,{v:g}</data>" for t, v in zip(time, speed, strict=True))
+    head = WITSML[: WITSML.index("<logData>")].replace("date time</indexType>", "elapsed time</indexType>")
+    path = written(
+        tmp_path,
+        f"{head}<logData><mnemonicList>ETIM,RPM,BRPM</mnemonicList><unitList>s,rpm,rpm</unitList>{rows}</logData></log></logs>",
+    )
+    recording = read_recording(path)
+    assert recording.rig.bit_speed == pytest.approx(speed * RPM, rel=1e-4)
+    assert np.isnan(recording.rig.hookload).all()
+    (period,) = summarise(recording)["stick_slip"]
+    assert period["frequency_hz"] == pytest.approx(0.3, rel=0.02)
+    analyze(path)
+    told = capsys.readouterr()
+    assert "rotation from RPM [rpm], bit_speed from BRPM [rpm]; converted to SI" in told.err
+    assert "not observable" in told.out
+    assert "largest radius" not in told.out  # no marks, so no table of them, and none of the string's motion
+    assert "motion of the string" not in told.out
+    export(path, csv=True, out=tmp_path / "again")
+    assert read_recording(tmp_path / "again.csv").rig.bit_speed == pytest.approx(recording.rig.bit_speed, rel=1e-9)
+
+
+def test_a_table_without_a_speed_or_time_is_no_record_to_analyse(tmp_path):
+    for text in ("time [s],WOB [kN]\n0,1\n1,1\n", "RPM\n1\n2\n"):
+        with pytest.raises(TableError, match="expected columns of time and of the speed"):
+            read_recording(written(tmp_path, text, "rig.csv"))
+
+
+HEAVY = 'expected numbers in column "WOB_AVG" for weight_on_bit, found "heavy" in row 3'
+DATA = WITSML[: WITSML.index("<data>")] + "</logData></log></logs>"
+BAD = [
+    (LAS.replace("RPM .RPM", "RPM .FURLONG"), 'column "RPM" for rotation: '),
+    (LAS.replace("TIME.S", "DEPT.M"), "expected a log over time, found one over DEPT; export the log over time"),
+    (LAS.replace("NULL.   -9999", "NULL.   none"), "expected a number as null value"),
+    (
+        LAS.replace("2 -9999  120", "2 -9999  12O"),
+        'expected numbers in column "RPM" for rotation, found "12O" in row 3',
+    ),
+    (LAS[: LAS.index("~Ascii")], "with ~V and ~A sections, found none"),
+    (LAS.replace("3 13.0   120 1.0", "3 " + "1" * 200_000), "expected a line of at most 100000 characters"),
+    (WITSML.replace("1.4.1.1", "1.3.1.1"), 'expected <logs version="1.4.1.1"> of WITSML, found <logs> of version 1.3'),
+    (WITSML.replace("date time</indexType>", "measured depth</indexType>"), "expected a log over time"),
+    (WITSML.replace(",1,200,", ",200,"), "row 2: expected 5 values as in the header, found 4"),
+    (WITSML.replace("10:04:02.000Z", "noon"), 'expected a time in row 2, found "2016-09-30Tnoon"'),
+    (WITSML.replace("57826.881", "heavy"), HEAVY),
+    (WITSML.replace("WOB_AVG,", "Time,"), "each once, found Time again"),
+    (DATA, "expected <data> in the log, found none"),
+    (WITSML.replace("</logs>", ""), "expected a WITSML log, found no element found"),
+    (WITSML.replace("</log>", "</log><log/>"), "expected one log, found more"),
+    (WITSML.replace("<logs", '<!DOCTYPE x [<!ENTITY a "b">]><logs', 1), "expected no document type"),
+    (WITSML.replace("<logs", '<!DOCTYPE x SYSTEM "file:///etc/passwd"><logs', 1), "expected no document type"),
+    (WITSML.replace("UTF-8", "UUF-8"), "expected a WITSML log, found unknown encoding: UUF-8; export it again"),
+    (WITSML.replace("<nameWell>", "<a>" * 50), "expected elements at most 20 deep"),
+    (WITSML.replace("GenTime", "x" * 1_100_000), "expected texts of at most 1000000 characters"),
+]
+
+
+@pytest.mark.parametrize(("text", "words"), BAD, ids=[words[:40] for _, words in BAD])
+def test_a_log_that_cannot_be_used_is_refused_in_one_line(tmp_path, text, words):
+    path = written(tmp_path, text)
+    with pytest.raises(TableError) as caught:
+        read_table(path, longest_gap=5.0)
+    assert words in str(caught.value)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+def test_numbers_beyond_any_record_are_missing_or_refused(tmp_path):
+    rows = "time (s),rpm,WOB (kN)\n0,60,1\n1,60,1e306\n2,60,3\n"
+    path = written(tmp_path, rows, "huge.csv")
+    assert read_table(path, longest_gap=5.0, spike_window=0.0).weight_on_bit == pytest.approx([1000.0, 2000.0, 3000.0])
+    path.write_text(rows.replace("\n2,", "\n1e300,"), "utf-8")
+    with pytest.raises(TableError, match=r"expected times of at most 2.14748e\+09 s, found 1e\+300 s"):
+        RecordBag(path)
+
+
+ODD = {
+    "gaps.csv": ("time [s],RPM [rpm],WOB [klbf],TQ [kft-lb]\n0,0,0,0\n0.1,10,,1\n0.2,,-999.25,1.5\n0.3,30,3,\n", "kN"),
+    "one_row.csv": ("time [s],BRPM [rpm]\n3,120\n", "no weight and no speed"),
+    "only_speed.csv": (
+        "DTIM,RPM [rpm],HKLD [kN]\n" + "".join(f"2024-05-01T12:00:{k:02d}Z,{60 + k},-999.25\n" for k in range(30)),
+        "top drive at 1.367 rev/s on average",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_a_report_of_a_record_draws_what_it_holds_and_says_what_it_leaves_out(tmp_path, name):
+    text, said = ODD[name]
+    files = build_report(written(tmp_path, text, name), tmp_path / "out")
+    page = files.page.read_text("utf-8")
+    assert list(files.figures) == ["set_points"]
+    assert files.figures["set_points"].stat().st_size > 5000
+    assert "not drawn: displacement, motion, spectrum over time, orbits, spectrum" in page
+    assert said in page
+    assert f"<h1>{name}</h1>" in page

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Set-points made from others: no value of them is forgotten, wherever that is done."""
+
+import math
+from dataclasses import astuple, fields
+
+import pytest
+
+from drill_twin.scene.set_points import Command
+
+NAMES = [field.name for field in fields(Command)]
+
+
+def _only(name: str, value: float) -> Command:
+    """Set-points of which one alone is not zero."""
+    return Command(**{each: value if each == name else 0.0 for each in NAMES})
+
+
+def test_the_values_are_all_fields_in_their_order():
+    command = Command(*range(len(NAMES)))
+    assert command.values == astuple(command) == tuple(command.array())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_value_is_checked_completed_and_moved(name):
+    missing, wanted = _only(name, math.nan), _only(name, 8.0)
+    assert not missing.is_finite()
+    assert missing.completed(wanted) == wanted
+    rest = _only(name, 0.0)
+    assert rest.mixed(wanted, 0.25) == _only(name, 2.0)
+    assert wanted.towards(rest, wanted, 0.25) == _only(name, 6.0)
+    assert _only(name, 1.0).towards(rest, wanted, 0.25) == rest  # and not beyond
+    assert rest.towards(wanted, rest, 0.25) == _only(name, 2.0)

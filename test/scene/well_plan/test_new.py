@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `drill-twin new`, and short runs of the shipped wells."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from drill_twin.cli.app import app
+from drill_twin.runs import Session
+from drill_twin.scene import config_dir, load_scene, well_scenes
+
+WELLS = config_dir() / "wells"
+OPTIONS = [
+    "--survey", str(WELLS / "s_shaped_survey.csv"), "--tally", str(WELLS / "s_shaped_tally.csv"), "--hole", "12 1/4 in",
+    "--casing", "12.415 in to 1500 m", "--wob", "100 kN",
+]  # fmt: skip
+
+
+def test_new_writes_a_scene_that_check_accepts(tmp_path: Path) -> None:
+    file = tmp_path / "s_shaped.yaml"
+    said = CliRunner().invoke(app, ["new", str(file), *OPTIONS])
+    assert said.exit_code == 0, said.output
+    assert "3000 m, 5 sections, 8 stations" in said.stderr
+    assert load_scene(file) == load_scene("wells/s_shaped")
+    checked = CliRunner().invoke(app, ["check", str(file), "--json"])
+    assert json.loads(checked.stdout)["length_m"] == 3000.0
+
+
+def test_new_replaces_no_file_and_asks_for_what_is_missing(tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text("mine")
+    assert "--replace" in str(CliRunner().invoke(app, ["new", str(file), *OPTIONS]).exception)
+    missing = CliRunner().invoke(app, ["new", str(tmp_path / "other.yaml"), *OPTIONS[2:]])
+    assert "--survey: expected it, found nothing" in str(missing.exception)
+    assert not (tmp_path / "other.yaml").exists()
+    survey = tmp_path / "survey.csv"
+    survey.write_text("mine")
+    taken = CliRunner().invoke(app, ["new", str(survey), "--survey", str(survey), *OPTIONS[2:], "--replace"])
+    assert "found the table of --survey" in str(taken.exception)
+    assert survey.read_text() == "mine"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", well_scenes())
+def test_a_shipped_well_runs(tmp_path: Path, name: str) -> None:
+    scene = load_scene(name, overrides={"rig.duration": "2 s"})
+    outcome = Session(scene).run(tmp_path / "bag_0")
+    assert outcome.finished

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a well plan to a scene: tables in field and SI units, shipped wells, mistakes that name row and remedy."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drill_twin.core.errors import SceneError
+from drill_twin.core.units import parse
+from drill_twin.core.units.dimension import LENGTH
+from drill_twin.scene import Scene, config_dir, load_scene, well_scenes
+from drill_twin.scene.well_plan.catalogue import casing_size
+from drill_twin.scene.well_plan.plan import WellPlan
+from drill_twin.scene.write import yaml_text
+
+INCH, FOOT = 0.0254, 0.3048
+SURVEY = "md [m],inc [deg],azi [deg]\n0,0,0\n500,0,0\n900,40,30\n1500,40,30\n"
+TALLY = """kind,length [m],od [in],id [in],weight [lb/ft],grade,gauge [in],name
+collar,0.5,8,2 13/16,,,,bit sub
+stabiliser,2,8,2 13/16,,,12 1/8,near-bit
+collar,97.5,8,2 13/16,,,,collars
+hwdp,100,5,,,,,
+drill pipe,rest,5,,19.5,S-135,,
+"""
+WELLS = {
+    "vertical_3000": {"hole": "12 1/4 in", "casing": ("12.415 in to 1500 m",), "weight_on_bit": "150 kN"},
+    "s_shaped": {"hole": "12 1/4 in", "casing": ("12.415 in to 1500 m",), "weight_on_bit": "100 kN"},
+    "extended_reach": {"hole": "8 1/2 in", "casing": ("8.681 in to 2500 m",), "weight_on_bit": "80 kN"},
+    "drillbotics": {
+        "hole": "1 1/2 in", "mud": "1 sg", "viscosity": "1 cP", "weight_on_bit": "150 N", "rotation": "400 rpm",
+    },
+}  # fmt: skip
+
+
+def made(folder: Path, survey: str = SURVEY, tally: str = TALLY, **plan: object) -> Scene:
+    (folder / "survey.csv").write_text(survey)
+    (folder / "tally.csv").write_text(tally)
+    options = {"hole": "12 1/4 in"} | plan
+    return WellPlan("mine", folder / "survey.csv", folder / "tally.csv", **options).scene()[0]
+
+
+@pytest.mark.parametrize("name", WELLS)
+def test_shipped_wells_are_what_their_tables_give(name: str) -> None:
+    folder = config_dir() / "wells"
+    plan = WellPlan(name, folder / f"{name}_survey.csv", folder / f"{name}_tally.csv", **WELLS[name])
+    scene, data = plan.scene()
+    assert load_scene(f"wells/{name}") == scene
+    assert (folder / f"{name}.yaml").read_text("utf-8").endswith(yaml_text(data))
+
+
+def test_every_shipped_well_is_compared() -> None:
+    assert {f"wells/{name}" for name in WELLS} == set(well_scenes())
+    collars = [s.length for s in load_scene("wells/vertical_3000").string.sections if s.name != "drill pipe"]
+    assert math.fsum(collars) == pytest.approx(500.0)
+
+
+def test_the_catalogue_gives_bore_weight_grade_and_joints(tmp_path: Path) -> None:
+    """5 in. 19.5 lb/ft S-135: API RP 7G has a bore of 4.276 in. and 712,070 lbf of tension at yield."""
+    pipe = made(tmp_path).string.sections[-1]
+    assert pipe.length == pytest.approx(1300.0)
+    assert pipe.inner_diameter == pytest.approx(4.276 * INCH)
+    assert pipe.yield_strength * pipe.area / 4.4482216 == pytest.approx(712_070.0, rel=1e-4)
+    assert pipe.adjusted_mass > pipe.density * pipe.area
+    assert pipe.contact_diameter == pytest.approx(6.625 * INCH)
+    stabiliser = made(tmp_path).string.sections[1]
+    assert (stabiliser.youngs_modulus, stabiliser.density) == (206.8e9, 7850.0)
+    assert stabiliser.contact_diameter == pytest.approx(12.125 * INCH)
+
+
+def test_field_and_si_tables_give_one_scene(tmp_path: Path) -> None:
+    survey = "MD,INC,AZI\n" + "".join(
+        f"{depth / FOOT!r},{angle},{way}\n"
+        for depth, angle, way in ((0, 0, 0), (500, 0, 0), (900, 40, 30), (1500, 40, 30))
+    )
+    tally = (
+        f"type;length;od;id;weight;grade;gauge;name\ncollar;{0.5 / FOOT!r};8;2 13/16;;;;bit sub\n"
+        f"stabilizer;{2 / FOOT!r};8;2.8125;;;12 1/8;near-bit\ncollar;{97.5 / FOOT!r};8;2 13/16;;;;collars\n"
+        f"hwdp;{100 / FOOT!r};5;;;;;\ndrill pipe;rest;5;;19.5;S135;;\n"
+    )
+    field, own = made(tmp_path, survey, tally, units="field"), made(tmp_path)
+    for one, other in zip(field.hole.survey, own.hole.survey, strict=True):
+        assert one.depth == pytest.approx(other.depth, abs=1e-6)
+        assert (one.inclination, one.azimuth) == (other.inclination, other.azimuth)
+    for one, other in zip(field.string.sections, own.string.sections, strict=True):
+        assert one.length == pytest.approx(other.length, abs=1e-6)
+        assert (one.outer_diameter, one.inner_diameter, one.adjusted_mass) == pytest.approx(
+            (other.outer_diameter, other.inner_diameter, other.adjusted_mass)
+        )
+
+
+def test_pipe_need_only_pass_the_diameters_above_its_lower_end(tmp_path: Path) -> None:
+    """6 5/8 in. pipe with joints of 8 in. in casing, above a hole of 7 7/8 in."""
+    tally = (
+        "kind,length [m],od [in],id [in],weight [lb/ft],grade\ncollar,100,6 1/4,2 1/4,,\n"
+        "drill pipe,900,4 1/2,,16.6,G-105\ndrill pipe,rest,6 5/8,,25.2,S-135\n"
+    )
+    assert made(tmp_path, tally=tally, hole="7 7/8 in", casing=("8.681 in to 600 m",)).length == 1500.0
+    with pytest.raises(SceneError, match=r"tally.csv, line 4 .*narrowest hole that it passes"):
+        made(tmp_path, tally=tally, hole="7 7/8 in", casing=("8.681 in to 400 m",))
+
+
+MISTAKES = {
+    "back": ({"survey": SURVEY.replace("900,40", "400,40")}, r"survey.csv, line 4: .*goes back; sort the rows"),
+    "again": ({"survey": SURVEY.replace("900,40", "500,40")}, r"survey.csv, line 4: .*again; take one of them out"),
+    "jump": ({"survey": SURVEY.replace("900,40", "510,40")}, r"survey.csv, line 4: .*jump of 40 deg in 10 m; correct"),
+    "text": ({"survey": SURVEY.replace("900,40", "900,forty")}, r"survey.csv, line 4, inclination: .*forty"),
+    "empty": ({"survey": SURVEY.replace("900,40", "900,")}, r"survey.csv, line 4: .*inclination, found none; give it"),
+    "column": ({"survey": "md,inc\n0,0\n"}, r"survey.csv, line 1: .*found no azimuth; known headings"),
+    "unit of the column": ({"survey": SURVEY.replace("md [m]", "md [kg]")}, r"survey.csv, line 2, md: .*kg"),
+    "mixed units": ({"tally": TALLY.replace("97.5,8", "320 ft,8")}, r"tally.csv, line 4, length: .*in m as in the"),
+    "too long": ({"tally": TALLY.replace("rest", "1500")}, r"tally.csv, line 6: .*\(1500 m\), found 1700 m; shorten"),
+    "two rests": ({"tally": TALLY.replace("hwdp,100", "hwdp,rest")}, r"tally.csv, line 6: .*at most, found 2"),
+    "wide pipe": ({"hole": "7 in"}, r'tally.csv, line 2 \("bit sub"\): .*take a smaller od, or correct hole'),
+    "wide blades": ({"hole": "12 in"}, r'tally.csv, line 3 \("near-bit"\): .*take a smaller gauge, or correct hole'),
+    "no gauge": ({"tally": TALLY.replace("12 1/8", "")}, r"tally.csv, line 3, gauge: .*found nothing"),
+    "grade": ({"tally": TALLY.replace("S-135", "19.5")}, r'tally.csv, line 6, grade: .*S135, found "19.5"; the weight'),
+    "size": ({"tally": TALLY.replace("19.5", "18.0")}, r"tally.csv, line 6: .*5 in 19.5 lb/ft.*weight 18.0"),
+    "kind": ({"tally": TALLY.replace("hwdp", "wire")}, r'tally.csv, line 5, kind: .*found "wire"'),
+    "bore": ({"tally": TALLY.replace("97.5,8,2 13/16", "97.5,8,9")}, r"tally.csv, line 4, id: .*less than the od"),
+    "depth": ({"depth": "1600 m"}, r"--depth: .*within the survey \(1500 m\), found 1600 m"),
+    "bit": ({"bit": "13 in"}, r"--bit: expected at most the hole"),
+    "casing": ({"casing": ("13 in to 500 m", "13 in to 400 m")}, r"--casing .*expected a shoe below 500 m"),
+    "shoe": ({"casing": ("13 in",)}, r'--casing: expected ID and shoe as .*found "13 in"'),
+    "hole": ({"hole": "-12 in"}, r'--hole: expected a length above 0, found "-12 in"'),
+    "above the rotary table": ({"depth": "-5 m"}, r"--depth: expected a length above 0"),
+    "thousands": ({"survey": SURVEY.replace("900,40", "1,900,40")}, r"survey.csv, line 4: .*at most 3 cells"),
+    "heavy in mm": ({"tally": TALLY.replace("hwdp,100,5", "hwdp,100,8")}, r"line 5, od: .*found 8 in"),
+    "no unit": ({"survey": SURVEY.replace("md [m]", "md")}, r"line 2, md: expected its unit, .* as md \[ft\], or give"),
+    "no unit of a size": ({"tally": TALLY.replace("od [in]", "od")}, r'line 2, od: expected its unit, .* "8"'),
+    "size of casing": ({"casing": ("9 5/8 in to 900 m",)}, r'the inner diameter .*found 9 5/8 in, .*"ID 9 5/8 in to'),
+    "the same in mm": ({"casing": ("244.5 mm to 900 m",)}, r"--casing .*found 9 5/8 in, an outer diameter of API 5CT"),
+    "pulled": ({"weight_on_bit": "-12 klb"}, r'--wob: expected a force from 0, found "-12 klb"'),
+    "left-handed": ({"rotation": "-120 rpm"}, r'--rpm: expected a speed of rotation from 0, found "-120 rpm"'),
+    "unit": ({"hole": "12 kg"}, r"--hole: .*12 kg"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_is_one_line_that_names_row_and_remedy(tmp_path: Path, mistake: str) -> None:
+    changes, message = MISTAKES[mistake]
+    with pytest.raises(SceneError, match=message) as caught:
+        made(tmp_path, **changes)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_bore_that_is_also_a_size_of_casing_is_taken_where_it_is_called_one(tmp_path: Path) -> None:
+    """And no bore of API casing is taken for an outer diameter."""
+    hole = made(tmp_path, casing=("ID 13 3/8 in to 900 m",)).hole
+    assert hole.intervals[0].radius == pytest.approx(0.5 * 13.375 * INCH)
+    for bore in ("12.415", "8.681", "19.124", "6.184", "4.494", "5.012", "7.025", "17.755", "9.760"):
+        assert not casing_size(parse(f"{bore} in", LENGTH))
+
+
+def test_friction_of_the_casing(tmp_path: Path) -> None:
+    options = {"casing": ("12.7 in to 400 m", "12.415 in to 900 m"), "friction": 0.3, "cased_friction": 0.15}
+    friction = made(tmp_path, **options).effects.wall_friction
+    assert friction.scale_at(np.array([0.0, 899.0, 901.0])) * friction.coefficient == pytest.approx([0.15, 0.15, 0.3])
+    with pytest.raises(SceneError, match="--cased-friction: expected a casing with it, found none"):
+        made(tmp_path, cased_friction=0.15)
+    with pytest.raises(SceneError, match=r"^--friction: expected a coefficient above 0 beside --cased-friction"):
+        made(tmp_path, **(options | {"friction": 0.0}))
+
+
+def test_semicolons_and_decimal_commas_are_read(tmp_path: Path) -> None:
+    def written(text: str) -> str:
+        return text.replace(",", ";").replace(".", ",")
+
+    assert made(tmp_path, survey=written(SURVEY), tally=written(TALLY)) == made(tmp_path)

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The estimator on a twin with hidden numbers; numbers that change in the middle of a run."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import drill_twin as dt
+from drill_twin.cli.app import app
+from drill_twin.core.errors import ArgumentError
+from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.studies.estimation.branches import Branches
+from drill_twin.studies.estimation.divergence import Divergence
+
+OVER = {"wob": 55e3, "numerics.step": "20 ms", "numerics.frame_rate": 10.0}
+HIDDEN = {"bit_torque_stribeck.sticking": 0.71, "internal_damping.torsion_time": 0.15}
+FREE = {
+    "bit_torque_stribeck.sticking": "0.55..0.95",
+    "internal_damping.torsion_time": "50 ms..400 ms",
+    "load_factor": "0.9..1.1",
+}
+FEW = dt.EstimatorOptions(members=16, horizon=0.0, window=2.0)
+
+
+def hidden(seconds, load=55e3, **changes):
+    """Channels of the hidden twin, with noise; set-points 4 % below the load that it has."""
+    numbers = {key: [value] for key, value in (HIDDEN | changes).items()}
+    found = dt.Ensemble("two_mass", numbers, overrides=OVER | {"wob": load}).run(
+        seconds, outputs=("channels",), mark_rate=10.0
+    )
+    draw = np.random.default_rng(1)
+    return {
+        name: found[name][0] * (1.0 + 0.005 * draw.standard_normal(found["time"].size))
+        for name in ("torque", "hookload", "bit_speed")
+    } | {"time": found["time"]}
+
+
+def feed(estimator, record, shift=0.0):
+    estimates = []
+    for row, time in enumerate(record["time"]):
+        values = {name: record[name][row] for name in ("torque", "hookload")}
+        estimator.take(shift + time, values | {"weight_on_bit": 53e3, "rotation": 100.0})
+        while (found := estimator.step()) is not None:
+            estimates.append(found)
+    return estimates
+
+
+@pytest.fixture(scope="module")
+def record():
+    return hidden(41.0)
+
+
+@pytest.fixture(scope="module")
+def followed(record):
+    estimator = dt.Estimator("two_mass", FREE, overrides=OVER, options=FEW)
+    return feed(estimator, record, shift=1e9)
+
+
+def test_hidden_numbers_and_the_unmeasured_bit_are_found(record, followed):
+    last = followed[-1]
+    wanted = HIDDEN | {"load_factor": 55.0 / 53.0}
+    for key, value in wanted.items():
+        assert last.numbers[key].mean == pytest.approx(value, rel=0.1), key
+        assert last.numbers[key].low < value < last.numbers[key].high, key
+    assert last.sensors["weight_on_bit"].mean == pytest.approx(55e3, rel=0.01)
+    places = [round(each.time * 10.0) - 1 for each in followed]
+    error = [
+        each.sensors["bit_speed"].mean - record["bit_speed"][place]
+        for each, place in zip(followed, places, strict=True)
+    ]
+    assert np.sqrt(np.mean(np.square(error[5:]))) < 0.2 * record["bit_speed"].std()
+    assert last.alarm == ""
+
+
+def test_bad_samples_are_survived_and_told(record):
+    estimator = dt.Estimator("two_mass", FREE, overrides=OVER, options=FEW)
+    bad = {name: values.copy() for name, values in record.items()}
+    bad["torque"][[105, 122]] = [1e12, np.nan]
+    bad["time"][200:] += 3600.0  # the clock is set
+    bad["hookload"][300:310] = np.inf
+    found = feed(estimator, bad)[-1]
+    assert estimator.intake.troubles["absurd"] >= 1
+    assert estimator.intake.troubles["clock jump"] == 1
+    assert found.numbers["load_factor"].mean == pytest.approx(55.0 / 53.0, rel=0.01)
+    assert found.alarm == ""
+
+
+def test_alarm_when_the_rig_does_what_the_model_cannot(record):
+    estimator = dt.Estimator("two_mass", FREE, overrides=OVER, options=FEW)
+    other = {name: values.copy() for name, values in record.items()}
+    other["hookload"][300:] *= 0.5  # half of the load has gone elsewhere
+    alarms = [each.alarm for each in feed(estimator, other)]
+    assert not any(alarms[:15])
+    assert any("misfit far above the usual: hookload since 30.0 s" in alarm for alarm in alarms)
+
+
+def test_numbers_changed_at_the_start_are_those_of_another_twin():
+    first, other = (
+        dt.load_scene("two_mass", OVER | {f"effects.{key}": value for key, value in HIDDEN.items()}) for _ in "ab"
+    )
+    plain = Twin(dt.load_scene("two_mass", OVER))
+    plain.change_numbers(first)
+    wanted = Twin(other)
+    commands = np.tile([53e3, 100.0, 0.0], (50, 1))
+    rows = [twin.rows(50) for twin in (plain, wanted)]
+    for twin, row in zip((plain, wanted), rows, strict=True):
+        twin.advance_frames(commands, 0.1, row)
+    np.testing.assert_array_equal(rows[0].ends, rows[1].ends)
+    plain.change_numbers(dt.load_scene("two_mass", OVER))  # and back, in the middle of the run
+    plain.advance_frames(commands, 0.1, rows[0])
+    wanted.advance_frames(commands, 0.1, rows[1])
+    assert not np.array_equal(rows[0].ends, rows[1].ends)
+
+
+@pytest.mark.parametrize(
+    ("free", "words"),
+    [
+        ({"hole.radius": "0.1..0.2"}, "shapes the mesh"),
+        ({"load_factor": "1.2..0.8"}, "a range of a factor"),
+        ({"load_factor": 3}, "a range of a factor"),
+        ({}, "at least one number"),
+        ({"load_facto": "0.8..1.2"}, "near it: load_factor$"),
+        ({"bit_torque_stribek.stiking": "0.5..0.9"}, "near it: bit_torque_stribeck.sticking"),
+        ({"xyz": "0.5..0.9"}, "known: load_factor, "),
+        ("load_factor=0.8..1.2", "ranges by key"),
+    ],
+)
+def test_what_cannot_be_followed_is_refused_in_a_line(free, words):
+    with pytest.raises(ArgumentError, match=words):
+        dt.Estimator("two_mass", free, overrides=OVER)
+
+
+@pytest.mark.parametrize(
+    ("channels", "words"),
+    [
+        ("torque", "a list of channels"), (["torque", "torque"], "each channel once"), ([], "found 0"),
+        (["hook_load"], 'found hook_load, did you mean "hookload"'),
+    ],
+)  # fmt: skip
+def test_channels_that_cannot_be_are_refused(channels, words):
+    with pytest.raises(ArgumentError, match=words):
+        dt.Estimator("two_mass", FREE, channels=channels, overrides=OVER)
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [({"members": 0}, "whole number of 4"), ({"members": 4.5}, "found 4.5"), ({"rate": -1.0}, "rate: expected"),
+     ({"horizon": "4 s"}, "horizon: expected a number of 0")],
+)  # fmt: skip
+def test_options_that_cannot_be_are_refused(option, words):
+    with pytest.raises(ArgumentError, match=words):
+        dt.EstimatorOptions(**option)
+
+
+def test_samples_that_cannot_be_are_refused():
+    estimator = dt.Estimator("two_mass", FREE, overrides=OVER, options=dt.EstimatorOptions(members=4))
+    with pytest.raises(ArgumentError, match="found torqe"):
+        estimator.take(0.0, {"torqe": 1.0})
+    for sample in [("a",), (0.0, {"torque": "1 kN m"}), (0.0, 3.0), (None, {})]:
+        with pytest.raises(ArgumentError, match="expected a time"):
+            estimator.take(*sample)
+
+
+def test_members_that_swing_while_the_rig_does_not_are_replaced():
+    draw = np.random.default_rng(1)
+    branches = Branches(8, 1)
+    swing = np.sin(np.arange(20.0))
+    predicted = np.stack([np.array([swing if m < 3 else 0.01 * draw.standard_normal(20)]) for m in range(8)])
+    for _ in range(6):
+        branches.weigh(predicted, 0.01 * draw.standard_normal((1, 20)), np.array([0.01]))
+    pairs = branches.replacements()
+    assert sorted(target for _, target in pairs) == [0, 1, 2]
+    assert all(source >= 3 for source, _ in pairs)
+
+
+def test_divergence_begins_with_its_first_window_and_ends():
+    divergence = Divergence(["torque"])
+    seen = []
+    for window in range(40):
+        divergence.take(float(window), np.array([0.3 if 20 <= window < 30 else 0.02]))
+        seen.append(dict(divergence.since))
+    assert seen[21] == {}
+    assert seen[22] == {"torque": 20.0}
+    assert seen[31] == {"torque": 20.0}
+    assert seen[32] == {}
+
+
+def test_command_follows_a_record(record, tmp_path):
+    shown = np.full(record["time"].size, 53.0)  # weight on bit as the rig indicates it; the scene has another
+    rows = [record["time"] - 0.05, record["torque"] / 1e3, record["hookload"] / 1e3, shown, 100.0 + 0.0 * shown]
+    heading = "time_s,torque [kN m],hookload [kN],WOB [kN],speed [rad/s]"
+    np.savetxt(tmp_path / "rig.csv", np.column_stack(rows), delimiter=",", header=heading, comments="")
+    options = [f"--free={key}={span}" for key, span in FREE.items()]
+    options += ["--set=wob=40 kN", "--set=numerics.step=20 ms", "--set=numerics.frame_rate=10 Hz"]
+    options += ["--channel=torque=torque [kN m]", "--channel=hookload=hookload [kN]", "--members=16", "--window=2"]
+    options += ["--channel=weight_on_bit", "--channel=rotation=speed [rad/s]"]
+    options.append(f"--out={tmp_path / 'out'}")
+    done = CliRunner().invoke(
+        app, ["estimate", str(tmp_path / "rig.csv"), "--scene=two_mass", *options, "--horizon=0", "--json"]
+    )
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    assert found["numbers"]["load_factor"]["mean"] == pytest.approx(55.0 / 53.0, rel=0.01)
+    assert "whirls now 0%" in done.stderr
+    written = json.loads((tmp_path / "out" / "estimate.json").read_text("utf-8"))["estimates"]
+    assert [one["time"] for one in written] == pytest.approx(2.0 * np.arange(1, len(written) + 1), abs=0.1)
+    assert written[-1]["numbers"] == found["numbers"]
+    assert {"torque", "hookload"} <= written[-1]["misfit"].keys()
+    assert (tmp_path / "out" / "estimate.png").stat().st_size > 20_000
+    alone = CliRunner().invoke(app, ["estimate", "rig.csv", "--scene=two_mass", options[0], "--channel=rotation"])
+    assert "expected a measured channel, torque, " in str(alone.exception)
+    assert "found rotation alone; set-points are only played" in str(alone.exception)
+    twice = CliRunner().invoke(app, ["estimate", str(tmp_path / "rig.csv"), "--scene=two_mass", *options, options[0]])
+    assert "each number once" in str(twice.exception)

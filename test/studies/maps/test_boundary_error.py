@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Error of a map's boundary against a dense patch, and its journal."""
+
+from dataclasses import replace
+
+import numpy as np
+from coarse_map import COARSE
+
+import drill_twin as dt
+from drill_twin.studies.maps.runs import Key
+from drill_twin_evidence.benchmarks.many_runs_error import boundary_error
+from drill_twin_evidence.benchmarks.map_boundary import error
+
+
+def test_the_distance_to_a_dense_patch_is_that_of_the_boundaries(found, tmp_path):
+    scene = dt.load_scene("pa6_bench", COARSE)
+    distances = error(scene, found, 1, 2, tmp_path, 2)
+    assert distances.size
+    assert distances.max() < 2.0 / found.plane.steps  # of a map with steps of an eighth of the ranges
+    lines = (tmp_path / "patch_0" / "runs.jsonl").read_bytes().splitlines(keepends=True)
+    assert len(lines) == 1 + 5 * 5
+    (tmp_path / "patch_0" / "runs.jsonl").write_bytes(b"".join(lines[:-2]))
+    assert np.array_equal(error(scene, found, 1, 2, tmp_path, 1), distances)
+    moved = {Key(key.i + 1, *key[1:]): record for key, record in found.records.items() if key.i < found.plane.steps}
+    moved |= {Key(0, j): found.records[Key(0, j)] for j in range(found.plane.steps + 1) if Key(0, j) in found.records}
+    shifted = replace(found, records=moved)
+    assert error(scene, shifted, 1, 2, tmp_path / "shifted", 2).max() > distances.max()
+
+
+def test_a_search_with_fewer_runs_has_a_larger_error(found):
+    plain = replace(found, records={key: run for key, run in found.records.items() if not (key.draw or key.origin)})
+    whole, distances = boundary_error(plain, 1000)
+    assert distances.max() == 0.0
+    fewer, distances = boundary_error(plain, 25)
+    assert fewer == 25 < whole
+    assert distances.max() > 0.0
