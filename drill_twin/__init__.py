@@ -11,6 +11,8 @@ Names of the API are loaded on first use, so that a node that needs one module d
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from drill_twin.core.version import __version__
+
 if TYPE_CHECKING:
     from drill_twin.api import (
         AnalysisError,
@@ -62,8 +64,6 @@ if TYPE_CHECKING:
         whirl_states,
         write_scene,
     )
-
-__version__ = "0.1.0"
 
 __all__ = [
     "AnalysisError",

@@ -60,7 +60,8 @@ def fit(
         scene: The scene; its set-points should be those of the record (`rig.table`).
         free: Range of each number by key: "0.05..0.5", with units where they are needed ("1 s/m..1e3 s/m"), or SI.
             The prior is uniform, in the logarithm if the ends are positive and differ by a factor of 20 or more.
-        channels: Columns of a file, as `drill_twin.studies.fitting.record.channel_column` parses them; names of those of a bag.
+        channels: Columns of a file, as `drill_twin.studies.fitting.record.channel_column` parses them; names of those
+            of a bag.
         overrides: Values that replace those of the scene.
         likelihood: "series", or "features" of windows, where the phase of the motion is not determined.
         start: Time from which record and runs are compared [s].

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from drill_twin import __version__
 from drill_twin.cli.added import add_commands
 from drill_twin.cli.bags.analyze import analyze, report
 from drill_twin.cli.bags.drillbotics import drillbotics
@@ -30,6 +29,7 @@ from drill_twin.cli.steady_states.whirl_states import whirl_states
 from drill_twin.cli.studies.compare import compare
 from drill_twin.cli.studies.cost import cost
 from drill_twin.cli.studies.effects import effects
+from drill_twin.core.version import __version__
 
 app = typer.Typer(
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]demo[/], "

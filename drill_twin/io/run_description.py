@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 
 import yaml
 
-from drill_twin import __version__
+from drill_twin.core.version import __version__
 from drill_twin.dynamics.twin.twin import Twin
 
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steady whirls near the findings of a bag, and why its whirl settled where it did.
 
-The states are those of `drill_twin.dynamics.rotordynamics` under weight and rotation at the end of the bag, in the lateral form.
+The states are those of `drill_twin.dynamics.rotordynamics` under weight and rotation at the end of the bag, in the
+lateral form.
 """
 
 from __future__ import annotations

@@ -11,11 +11,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from drill_twin import __version__
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError, MessageError
 from drill_twin.core.extras import import_lasio
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
+from drill_twin.core.version import __version__
 from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import RigSeries
 from drill_twin.io.bag.skipped import stray_stamps

@@ -29,7 +29,7 @@ from drill_twin.dynamics.twin.twin import Twin
 if HIDE:
     used = {*scene.effect_names, "config", "wall", "gravity"}  # the reader of wall forces and the start know these two
     for name in [*sys.modules]:
-        if name.startswith("drill_twin.effects.") and name.rpartition(".")[2] not in used:
+        if name.startswith("drill_twin.physics.effects.") and name.rpartition(".")[2] not in used:
             sys.modules[name] = None
 twin = Twin(scene)
 twin.advance(Command(1.0, 1.0), 0.01)
@@ -57,7 +57,7 @@ def machine_code(folder: Path, form: str, *effects: str, hide: bool = False) -> 
 def test_a_kernel_reaches_the_source_of_its_own_effects_only(form, on):
     """What is compiled is compiled from these; the machine code itself is compared in a long test."""
     reached = modules_reached(kernel_codegen.source(on, form))
-    assert {name for name in EFFECTS if f"drill_twin.effects.{name}" in reached} == set(on)
+    assert {name for name in EFFECTS if f"drill_twin.physics.effects.{name}" in reached} == set(on)
 
 
 @pytest.mark.long
@@ -71,7 +71,8 @@ def test_what_is_off_is_not_in_the_machine_code(tmp_path, form):
 # Edits each source of a copy of the package in turn, and prints which kernels get another name by it.
 EDITS = """
 import importlib.util, json, pathlib
-from drill_twin.dynamics.solver import kernel_cache, kernel_codegen
+from drill_twin.core.compile import kernel_cache
+from drill_twin.dynamics.solver import kernel_codegen
 from drill_twin.core.compile.source_hash import modules_reached
 sets = {"bare": (), "drag": ("drag",), "bow": ("bow", "drag")}
 text = {name: kernel_codegen.source(effects, "spatial") for name, effects in sets.items()}

@@ -51,7 +51,7 @@ def probe(values):
 def package(tmp_path):
     """A copy of the package with a small function for kernels."""
     shutil.copytree(ROOT / "drill_twin", tmp_path / "drill_twin", ignore=shutil.ignore_patterns("__pycache__"))
-    with (tmp_path / "drill_twin" / "model" / "survey.py").open("a", encoding="utf-8") as stream:
+    with (tmp_path / "drill_twin" / "physics" / "model" / "survey.py").open("a", encoding="utf-8") as stream:
         stream.write(PART)
     return tmp_path
 
@@ -91,12 +91,12 @@ def test_a_part_is_shared_made_again_and_never_stale(package):
     assert said == "24.0 total probe"
     assert "of another user, or writable by others" in lines[0]
 
-    source = package / "drill_twin" / "model" / "survey.py"
+    source = package / "drill_twin" / "physics" / "model" / "survey.py"
     source.write_text(source.read_text("utf-8") + "# a comment\n", "utf-8")
     assert use(package, 9) == ("27.0 total", [])
     source.write_text(source.read_text("utf-8").replace("values[1] + values[2]", "values[1] - values[2]"), "utf-8")
     assert use(package, 10) == ("-10.0 total probe", [])
-    imported = package / "drill_twin" / "base" / "arrays.py"
+    imported = package / "drill_twin" / "core" / "arrays.py"
     imported.write_text(imported.read_text("utf-8") + "EDITED = 1\n", "utf-8")
     assert use(package, 11) == ("-11.0 total probe", [])
 

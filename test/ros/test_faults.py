@@ -179,7 +179,8 @@ def test_a_flood_of_commands_does_not_hold_up_time(bench):
     flood = (
         "import time; from drill_twin.ros.core.node_main import init_context; from rclpy.node import Node;"
         "from drill_twin.ros.core.stop_request import StopRequest; from sensor_msgs.msg import JointState;"
-        "from drill_twin.io.messages.rig_messages import CommandEncoder; from drill_twin.scene.set_points import Command;"
+        "from drill_twin.io.messages.rig_messages import CommandEncoder;"
+        "from drill_twin.scene.set_points import Command;"
         "node = Node('flood', context=init_context([], StopRequest()));"
         "publisher = node.create_publisher(JointState, 'rig/command', 10);"
         "raw = CommandEncoder().command(0, Command(40.0, 12.0)); begun = time.monotonic(); sent = 0\n"

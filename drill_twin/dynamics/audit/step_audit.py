@@ -130,8 +130,8 @@ def bind_lateral(build: Any) -> Callable[..., None]:
 def set_axial_velocity(rod: Rod, state: State, h2: float, from_top: bool, out: Array) -> float:
     """Fill in the velocity of the Gauss points along the hole, v_z(s) = int_s^top r'.r'_dot; returns that of the bit.
 
-    Summed as the axial force is (`drill_twin.dynamics.solver.lateral.assembly`), so that the work of both agrees. Where the
-    weight is set at the top the bit is constrained, and the top moves instead.
+    Summed as the axial force is (`drill_twin.dynamics.solver.lateral.assembly`), so that the work of both agrees. Where
+    the weight is set at the top the bit is constrained, and the top moves instead.
     """
     above = 0.0
     for e in range(rod.length.shape[0] - 1, -1, -1):

@@ -74,7 +74,8 @@ def find_equilibrium(string: StringAtRest, growth: float, load: float, seed: int
 
     Args:
         string: The string, in an initial guess.
-        growth: Time in which the fastest buckling wave grows e-fold [s] (`drill_twin.dynamics.discretisation.resolution`).
+        growth: Time in which the fastest buckling wave grows e-fold [s]
+            (`drill_twin.dynamics.discretisation.resolution`).
         load: Largest load, the reference of the residual force [N].
         seed: Seed of the perturbation, which selects the direction of buckling.
 

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Generation of one compiled time loop for exactly the effects of a scene.
 
-The loop is written once (`drill_twin.dynamics.solver.midpoint`) and takes the effects as functions. For a set of effects a small
-module is generated that calls their functions in turn, and nothing else; numba compiles it and saves the machine code
-beside it, under a name that changes with every source reached (`drill_twin.core.compile.kernel_cache`). Numbers, tables and
-sections are arguments, so a change of them compiles nothing.
+The loop is written once (`drill_twin.dynamics.solver.midpoint`) and takes the effects as functions. For a set of
+effects a small module is generated that calls their functions in turn, and nothing else; numba compiles it and saves
+the machine code beside it, under a name that changes with every source reached
+(`drill_twin.core.compile.kernel_cache`). Numbers, tables and sections are arguments, so a change of them compiles
+nothing.
 
 An effect's module holds its block of the scene (`drill_twin.physics.effects.EffectConfig`), and may define any of the
 following. Before the run:

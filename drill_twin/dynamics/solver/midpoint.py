@@ -7,7 +7,8 @@ and an undamped rod's energy without drift (Hairer, Lubich and Wanner 2006, ch. 
 and velocity alone, so the step may change at any time: where Newton's method fails it is halved and counted, and it
 doubles after each success up to the nominal one.
 
-The unknowns of a node are those of a formulation, `drill_twin.dynamics.solver.spatial` or `drill_twin.dynamics.solver.lateral`.
+The unknowns of a node are those of a formulation, `drill_twin.dynamics.solver.spatial` or
+`drill_twin.dynamics.solver.lateral`.
 """
 
 from collections.abc import Callable

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Balance of forces of the string while all of it slides along the hole and turns at constant speeds.
 
-The equations are those of the time loop (`drill_twin.dynamics.rotordynamics.equations`), with every effect of the scene: rod,
-wall, mud, friction. The velocity is prescribed, along the axis of the hole and about it, so that friction has its
-full size and the direction of the operation; position is the unknown.
+The equations are those of the time loop (`drill_twin.dynamics.rotordynamics.equations`), with every effect of the
+scene: rod, wall, mud, friction. The velocity is prescribed, along the axis of the hole and about it, so that friction
+has its full size and the direction of the operation; position is the unknown.
 
 Newton's method begins where the soft string lies (`soft_string`): on the side of the hole to which weight and tension
-press it. As in `drill_twin.dynamics.equilibrium.static_equilibrium` the mass over the square of a step holds the first changes
-small (Kelley and Keyes 1998); the step grows as the residual falls, until the change is Newton's. The system is banded,
-seven unknowns a node.
+press it. As in `drill_twin.dynamics.equilibrium.static_equilibrium` the mass over the square of a step holds the first
+changes small (Kelley and Keyes 1998); the step grows as the residual falls, until the change is Newton's. The system is
+banded, seven unknowns a node.
 """
 
 from __future__ import annotations

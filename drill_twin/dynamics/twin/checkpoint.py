@@ -22,12 +22,12 @@ from typing import Any, Self
 
 import numpy as np
 
-from drill_twin import __version__
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import CheckpointError, DrillTwinError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.json_reader import read_json
 from drill_twin.core.files.whole_file import whole_file
+from drill_twin.core.version import __version__
 from drill_twin.dynamics.twin.dynamics import AXIAL
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene, parse_scene

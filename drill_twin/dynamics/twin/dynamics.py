@@ -133,7 +133,9 @@ class Dynamics:
 
     @property
     def stress(self) -> Array | None:
-        """Sections of the effect `fatigue`, a view, as `drill_twin.dynamics.twin.frame.Frame.stress`; None without it."""
+        """Sections of the effect `fatigue`, a view, as `drill_twin.dynamics.twin.frame.Frame.stress`; None without
+        it.
+        """
         fatigue = getattr(self.parameters, "fatigue", None)
         return None if fatigue is None else fatigue.seen
 

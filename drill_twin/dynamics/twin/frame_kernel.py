@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames of a twin in compiled code: save the state, advance, observe, check.
 
-What a frame calls is bound once (`drill_twin.core.compile.native_call`): the kernel of the scene, the observation and the
-check of a state. The loop itself knows no effects and no types of theirs, so it is compiled once for all scenes. It
+What a frame calls is bound once (`drill_twin.core.compile.native_call`): the kernel of the scene, the observation and
+the check of a state. The loop itself knows no effects and no types of theirs, so it is compiled once for all scenes. It
 judges a frame with `step_guard`'s bounds; where one may be exceeded it leaves the frame to Python, which decides.
 """
 

@@ -32,8 +32,8 @@ class FrameLoop:
     """Advances a twin frame by frame in compiled code.
 
     Attributes:
-        outcome: Outcome of the last frame, see `drill_twin.dynamics.twin.frame_kernel`; PAUSED for one that took longer than
-            `longest`.
+        outcome: Outcome of the last frame, see `drill_twin.dynamics.twin.frame_kernel`; PAUSED for one that took longer
+            than `longest`.
         longest: Most processor time of a frame, its repetitions included [s].
     """
 

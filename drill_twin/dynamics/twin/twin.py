@@ -61,8 +61,8 @@ class Twin:
         self._energy: EnergyBalance | None = None
 
     def change_numbers(self, scene: Scene) -> None:
-        """Take the numbers of another scene in the middle of a run, as `drill_twin.dynamics.twin.number_change`, with the bounds
-        of a plausible state that belong to them.
+        """Take the numbers of another scene in the middle of a run, as `drill_twin.dynamics.twin.number_change`, with
+        the bounds of a plausible state that belong to them.
         """
         change_numbers(self.dynamics, scene)
         self.scene = scene

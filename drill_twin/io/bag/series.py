@@ -95,8 +95,8 @@ class MarkSeries(Series):
 
 
 class RigSeries(Series):
-    """`/rig/state`, as in `drill_twin.dynamics.twin.frame.RigState`; each of shape (T,), NaN where another rig has no such
-    joint.
+    """`/rig/state`, as in `drill_twin.dynamics.twin.frame.RigState`; each of shape (T,), NaN where another rig has no
+    such joint.
     """
 
     top_drive_angle = Column(0)

@@ -66,8 +66,9 @@ def end_load(
 ) -> None:
     """Add a force F and a moment m, both normal to the axis of the hole.
 
-    The moment is conjugate to the angular velocity t x t_dot + omega t of the material (`drill_twin.physics.model.strain`): the
-    force (m x a) / g^2 on a = r' and, for a bent string, the couple m.t on the spin.
+    The moment is conjugate to the angular velocity t x t_dot + omega t of the material
+    (`drill_twin.physics.model.strain`): the force (m x a) / g^2 on a = r' and, for a bent string, the couple m.t on the
+    spin.
     """
     law, bit = parameters.bit_side_force, ends[0]
     share = min(time / law.ramp, 1.0) if law.ramp > 0.0 else 1.0

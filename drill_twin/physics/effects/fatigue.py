@@ -2,7 +2,8 @@
 """Fatigue at chosen sections: bending moment and stress in the turning material, cycles and damage. No force.
 
 After each step the curvature of the centre line at a section is taken into the frame that turns with the material, and
-the stress of `FIBRES` fibres round its surface is counted (`drill_twin.physics.model.rainflow`). Torsion is not counted.
+the stress of `FIBRES` fibres round its surface is counted (`drill_twin.physics.model.rainflow`). Torsion is not
+counted.
 """
 
 from collections.abc import Iterator

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Blocks of `drill_twin.physics.effects.fatigue`: a cross-section whose stress is counted, and an S-N curve of one slope."""
+"""Blocks of `drill_twin.physics.effects.fatigue`: a cross-section whose stress is counted, and an S-N curve of one
+slope.
+"""
 
 from typing import Annotated, Literal, Self
 

@@ -11,7 +11,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from drill_twin import __version__
+from drill_twin.core.version import __version__
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
 from drill_twin.report.page.interactive import plotly_packed, view_data

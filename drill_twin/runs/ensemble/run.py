@@ -47,7 +47,9 @@ class Run:
 
 
 class Executor(Protocol):
-    """Place where members are run: `Threads` of this process, or `drill_twin.runs.ensemble.dask_workers.DaskWorkers`."""
+    """Place where members are run: `Threads` of this process, or
+    `drill_twin.runs.ensemble.dask_workers.DaskWorkers`.
+    """
 
     def run(self, members: Members, request: Request) -> Generator[tuple[int, Run]]:
         """Run all members; the same bits wherever they are run.

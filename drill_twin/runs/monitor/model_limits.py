@@ -14,7 +14,8 @@ from drill_twin.scene import Scene
 KEY = "left_out"
 """Key in the simulator's diagnostics; several sentences are joined by `SEPARATOR`."""
 NOTES = "notes"
-"""Key in the simulator's diagnostics for notes on the scene (`drill_twin.dynamics.discretisation.warnings`), joined likewise."""
+"""Key in the simulator's diagnostics for notes on the scene (`drill_twin.dynamics.discretisation.warnings`), joined
+likewise."""
 SEPARATOR = " | "
 _BIT_FORCE = RigState._fields.index("bit_force")
 

@@ -99,8 +99,8 @@ class Estimate:
     Attributes:
         time: Time [s].
         numbers: Free numbers [SI] by key.
-        sensors: Virtual sensors by name, see `drill_twin.studies.estimation.members.SENSORS`; with a sub also the places of the
-            centre line at the marks at the end of the window [m], MARK/x and MARK/y.
+        sensors: Virtual sensors by name, see `drill_twin.studies.estimation.members.SENSORS`; with a sub also the
+            places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
         whirls: Share of the members that whirl.
         chance: Share of those that whirl within the horizon; NaN if it is not computed.
         unexplained: Time since which the misfit of a channel is far above its usual one [s], by name (`Divergence`).
@@ -153,7 +153,8 @@ class EnsembleFilter:
 
         Args:
             scene: The scene.
-            ranges: Lowest and highest value of each free number [SI], by key; see `drill_twin.studies.estimation.members`.
+            ranges: Lowest and highest value of each free number [SI], by key; see
+                `drill_twin.studies.estimation.members`.
             channels: Channels that correct, of `CHANNELS`.
             options: How it runs.
             subs: Subs of the scene whose readings correct.

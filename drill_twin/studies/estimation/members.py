@@ -189,9 +189,9 @@ class Members:
         """Correct numbers and torsional motion.
 
         Surface channels of a straight hole do not change when the lateral motion is turned about its axis, so they are
-        uncorrelated with it; a sub corrects it (`drill_twin.studies.estimation.phase`). Axial motion follows loads and lateral
-        motion (a bent string is shorter) within the time of a wave: moved by itself it would stretch the string and
-        throw it against the wall.
+        uncorrelated with it; a sub corrects it (`drill_twin.studies.estimation.phase`). Axial motion follows loads and
+        lateral motion (a bent string is shorter) within the time of a wave: moved by itself it would stretch the string
+        and throw it against the wall.
         """
         for correction in found:
             self.normal = np.clip(correction.apply_to_numbers(self.normal), -WIDEST, WIDEST)

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drill_twin import __version__
 from drill_twin.core.errors import ArgumentError, SceneError
+from drill_twin.core.version import __version__
 from drill_twin.runs.ensemble import Executor, Threads
 from drill_twin.scene import Scene
 from drill_twin.studies.maps.check import check

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin import __version__
 from drill_twin.core.arrays import Mask
+from drill_twin.core.version import __version__
 from drill_twin.scene.load import parse_scene
 from drill_twin.studies.maps.operating_map import OperatingMap
 from drill_twin.studies.maps.plane import Plane, on_lattice

@@ -42,7 +42,8 @@ TEXTS = {
 """Ending, begin, row and end by kind."""
 USES = {
     "columns": "from drill_twin.scene.records import read_columns; read_columns(path)",
-    "to play": "from drill_twin.scene.set_points import read_table; read_table(path, wanted=['rotation'], longest_gap=9e9)",
+    "to play": "from drill_twin.scene.set_points import read_table; "
+    "read_table(path, wanted=['rotation'], longest_gap=9e9)",
     "report": "from drill_twin.report import read_recording; read_recording(path)",
 }
 """Programs by use of a record."""

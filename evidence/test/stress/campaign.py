@@ -137,9 +137,13 @@ def verdict(found: RunStatistics, depth: float, stopped: str) -> tuple[str, str]
 def physics() -> str:
     """Hash of the code that decides the results: effects, model, solver, and what draws the scenes."""
     package = Path(drill_twin.__file__).parent
-    rooms = ("effects", "model", "solver/lateral", "solver/spatial", "solver/boundary", "twin")
+    rooms = (
+        "physics/effects",
+        "physics/model",
+        *(f"dynamics/{room}" for room in ("solver/lateral", "solver/spatial", "solver/boundary", "twin")),
+    )
     files = [path for room in rooms for path in sorted((package / room).glob("*.py"))]
-    files += [package / "solver" / "midpoint.py", HERE / "random_scenes.py", Path(effect_sets.__file__)]
+    files += [package / "dynamics" / "solver" / "midpoint.py", HERE / "random_scenes.py", Path(effect_sets.__file__)]
     digest = hashlib.sha256()
     for path in files:
         digest.update(ast.dump(ast.parse(path.read_text("utf-8"))).encode())

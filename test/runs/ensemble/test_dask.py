@@ -48,7 +48,7 @@ def test_workers_give_the_bits_of_this_process(dask, ensemble):
 
 def test_a_worker_with_other_source_is_refused(dask, ensemble, tmp_path):
     shutil.copytree(ROOT / "drill_twin", tmp_path / "drill_twin", ignore=shutil.ignore_patterns("__pycache__"))
-    criteria = tmp_path / "drill_twin" / "twin" / "twin.py"
+    criteria = tmp_path / "drill_twin" / "dynamics" / "twin" / "twin.py"
     criteria.write_text(criteria.read_text("utf-8") + "\nOTHER = 1\n", "utf-8")
     worker = dask.worker(tmp_path)
     with pytest.raises(RunError, match=r"expected source of the runs \w+ as the client, found \w+; install the same"):

@@ -5,11 +5,11 @@ from typing import Annotated, Any, NamedTuple
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
+from drill_twin.core.units import RotationalDamping, Within
 from drill_twin.physics.effects.config import EffectConfig
 from drill_twin.physics.model.bit import BIT_TORQUE
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import SPIN, Rod
-from drill_twin.core.units import RotationalDamping, Within
 
 
 class BitTorqueViscous(EffectConfig):

@@ -5,11 +5,11 @@ from typing import Annotated, Any, NamedTuple
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
+from drill_twin.core.units import LinearStiffness, Within
 from drill_twin.physics.effects.config import EffectConfig
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.point import Point
-from drill_twin.core.units import LinearStiffness, Within
 
 
 class LateralSpring(EffectConfig):

@@ -3,8 +3,8 @@
 
 At a whirl speed omega that is not one of the string's own, an extra force tau M J u along the path keeps the shape in
 whirl. The shape and tau follow by pseudo-transient continuation (Kelley and Keyes 1998), whose short first steps
-descend in energy as in `drill_twin.dynamics.equilibrium.static_equilibrium`, so that it ends on the wall and not on the axis.
-Where tau(omega) changes its sign, a steady whirl is near. Each shape is the first guess of the next speed.
+descend in energy as in `drill_twin.dynamics.equilibrium.static_equilibrium`, so that it ends on the wall and not on the
+axis. Where tau(omega) changes its sign, a steady whirl is near. Each shape is the first guess of the next speed.
 
 Friction with a steep regularisation is entered in stages: its slip is proportional to the regularisation where the
 string rolls, so each stage is foreseen by a straight line through the last two.

@@ -10,8 +10,8 @@ from typing import Any, cast
 
 from mcap.writer import CompressionType, Writer
 
-from drill_twin import __version__
 from drill_twin.core.errors import BagError
+from drill_twin.core.version import __version__
 from drill_twin.io.bag.metadata import RecordedTopic, to_yaml
 from drill_twin.io.bag.writing.checked_stream import CheckedStream
 from drill_twin.io.bag.writing.chunk_indices import pack_indices

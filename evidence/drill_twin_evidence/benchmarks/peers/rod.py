@@ -133,9 +133,9 @@ def wall_force(
 ) -> tuple[float, float, float, float]:
     """Force [N/m] and torque about the axis [N] of the wall per metre of rod, for tools that take our word for it.
 
-    The same law as `drill_twin.physics.effects.wall` and `wall_friction`: K d^1.5 (1 + chi d_dot), not negative, and friction
-    mu N s / sqrt(s^2 + creep^2) / (1 + delta s) against the slip of the contact point, spin and axial sliding included.
-    The last number of the law bounds the slope of friction by slip [N s/m^2], for explicit steps.
+    The same law as `drill_twin.physics.effects.wall` and `wall_friction`: K d^1.5 (1 + chi d_dot), not negative, and
+    friction mu N s / sqrt(s^2 + creep^2) / (1 + delta s) against the slip of the contact point, spin and axial sliding
+    included. The last number of the law bounds the slope of friction by slip [N s/m^2], for explicit steps.
     """
     clearance, stiffness, chi, mu, delta, creep, lever, steepest = law
     radius = np.sqrt(x * x + y * y)
