@@ -11,14 +11,15 @@ import importlib
 import math
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 from drill_twin.ros.analyzer.node import Analyzer
 from drill_twin.ros.bag.recorder import Recorder
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, print_help, run_in_order
-from drill_twin.ros.core.parameters import Parameter
+from drill_twin.ros.core.parameters import Parameter, Value
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment.security import readable_refusal
 from drill_twin.ros.rig_driver.node import RigDriver
@@ -62,6 +63,12 @@ class NodeThread:
         self._thread.join()
 
 
+def _sharing(kind: type[TwinNode], names: Iterable[str], **defaults: Value) -> type[TwinNode]:
+    """Kind of node that accepts parameters of others in its process; `defaults` are in place of those of its table."""
+    rows = tuple(replace(row, default=defaults.get(row.name, row.default)) for row in kind.PARAMETERS)
+    return type(kind.__name__, (kind,), {"PARAMETERS": rows, "OTHER_PARAMETERS": frozenset(names)})
+
+
 def run(arguments: Sequence[str], stop: StopRequest) -> None:
     """Run all nodes until the simulator is done or one fails."""
     kinds: tuple[type[TwinNode], ...] = (ComposedTwin, *_NODES)
@@ -73,13 +80,13 @@ def run(arguments: Sequence[str], stop: StopRequest) -> None:
     failed_at = math.inf
     try:
         with stop.at_once(), readable_refusal():
-            record = ComposedTwin(context, other_parameters=tuple(table))
+            record = _sharing(ComposedTwin, table)(context)
             others = [Analyzer, *([Recorder] if record.settings.record else [])]
             record.destroy_node()
-            nodes = [make(context, other_parameters=tuple(table)) for make in others]
+            nodes = [_sharing(kind, table)(context) for kind in others]
             waited = " ".join(["simulator", *(node.NAME for node in nodes)])
-            driver = RigDriver(context, {"wait_for": waited}, other_parameters=tuple(table))
-            simulator = Simulator(context, other_parameters=tuple(table))
+            driver = _sharing(RigDriver, table, wait_for=waited)(context)
+            simulator = _sharing(Simulator, table)(context)
             # Imported while there is one thread: a signal during an import would leave the others a partial module.
             for module in ("drill_twin.dynamics.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)

@@ -33,7 +33,6 @@ from drill_twin.live.sources import Sources
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, run_in_order
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.core.topics.scene_gate import SceneGate
 from drill_twin.ros.deployment.security import readable_refusal
 from drill_twin.scene.set_points.command import Command
 
@@ -70,22 +69,18 @@ class LivePage(TwinNode):
         self._driver = self.create_client(SetParameters, "rig_driver/set_parameters")
         self._controls = {name: self.create_client(Trigger, f"simulator/{name}") for name in _CONTROLS}
 
-    def open(self) -> None:
+    def on_start(self) -> None:
         """Create the topics."""
-        self._scenes = SceneGate(partial(self.page_state.update, TWIN_SCENE))
-        for topic in INPUTS if self._viewers is None else TOPICS:
-            latched = TOPICS[topic].latched
-            self.topics.subscribe(
-                topic, partial(self._on_message, topic), depth=1 if latched else _DEPTH, latched=latched
-            )
+        self.topics.subscribe_scenes(partial(self.page_state.update, TWIN_SCENE))
+        for topic in set(INPUTS) - {TWIN_SCENE} if self._viewers is None else TOPICS:
+            depth = 1 if TOPICS[topic].latched else _DEPTH
+            self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
 
     def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
         message = bytes(raw)
         if self._viewers is not None:
             self._viewers.publish(topic, message, info["received_timestamp"])
-        if topic == TWIN_SCENE:
-            self._scenes.take(message)
-        elif topic in INPUTS:
+        if topic in INPUTS and topic != TWIN_SCENE:  # scenes pass a gate
             self.page_state.update(topic, message)
 
     def snapshot(self) -> Mapping[str, Any]:
@@ -93,7 +88,7 @@ class LivePage(TwinNode):
         return {**self.page_state.snapshot(), "refused": self._refused}
 
     def on_request(self, request: Mapping[str, Any]) -> None:
-        """Queue set-points and controls of the run, for `work`: called in the server's thread.
+        """Queue set-points and controls of the run, for `step`: called in the server's thread.
 
         Raises:
             DrillTwinError: A name is none of these, nor of an alarm or a limit.
@@ -108,10 +103,9 @@ class LivePage(TwinNode):
                 elif value:
                     self._asked.append(name)
 
-    def work(self) -> None:
+    def step(self) -> None:
         """Process messages, and send the requested set-points."""
         self.spin_once(0.02)
-        self._scenes.work()
         with self._requests_lock:
             requests, self._requests = self._requests, {}
             asked, self._asked = self._asked, []

@@ -34,3 +34,9 @@ def test_the_whole_process_ends_when_one_of_its_nodes_cannot_start(bench):
     assert process.code == 2, process.text
     assert "exists" in process.text
     assert "Traceback" not in process.text
+
+
+def test_what_the_user_gives_stands_before_what_the_process_sets(bench):
+    process = bench.start("twin", wait_for="nobody", wait_timeout=1.0)
+    bench.until(lambda: process.code is not None, what="the end of the wait")
+    assert "waited 1 s for the node /nobody" in process.text

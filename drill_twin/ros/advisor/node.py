@@ -5,16 +5,15 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from rclpy.context import Context
 
 from drill_twin.core.errors import DrillTwinError
-from drill_twin.io.messages.decode import JointStateReader, read_string
+from drill_twin.io.messages.decode import JointState, read_string
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.good_samples import GONE, GoodSamples
+from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.topics import (
@@ -25,11 +24,10 @@ from drill_twin.io.messages.topics import (
     TWIN_SCENE,
     WHIRL_MOTION,
 )
-from drill_twin.io.messages.whirl_encode import STRING_LEVEL, decode_motion
+from drill_twin.io.messages.whirl_encode import STRING_LEVEL, Motion
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
-from drill_twin.ros.core.parameters import Parameter, Value
-from drill_twin.ros.core.topics.scene_gate import SceneGate
+from drill_twin.ros.core.parameters import Parameter
 from drill_twin.studies.maps.advice import Adviser, status_of, whirls_in
 from drill_twin.studies.maps.advice_tracker import Tracker
 
@@ -57,16 +55,12 @@ class Advisor(TwinNode):
         Parameter("margin", 0.05, "share of the ranges that an advised set-point keeps from a boundary", "", 0.0, 0.5),
     )
 
-    def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
-    ) -> None:
-        super().__init__(context, values, other_parameters)
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
         self._maker: MapMaker | None = None
         self._made: OperatingMap | None = None
         self._adviser: Adviser | None = None
         self._trouble = ""
-        self._reader = JointStateReader()
-        self._samples = GoodSamples()
         self._clear()
 
     def _clear(self) -> None:
@@ -76,7 +70,7 @@ class Advisor(TwinNode):
         self._repeat = Tick(_REPEAT)
         self._said = ""
 
-    def open(self) -> None:
+    def on_start(self) -> None:
         """Read the map, and create the topics.
 
         Raises:
@@ -86,10 +80,9 @@ class Advisor(TwinNode):
 
         self._given = read_map(self.settings.map) if self.settings.map else None
         self._due = Tick(_PERIOD)
-        self._scenes = SceneGate(self._on_scene)
         for topic in (ADVICE_STATE, ADVICE_MAP):
             self.topics.advertise(topic)
-        self.topics.subscribe(TWIN_SCENE, lambda raw, _: self._scenes.take(bytes(raw)))
+        self.topics.subscribe_scenes(self._on_scene)
         self.topics.subscribe(RIG_STATE, self._on_rig, depth=1)
         self.topics.subscribe(WHIRL_MOTION, self._on_motion)
 
@@ -116,38 +109,25 @@ class Advisor(TwinNode):
         except DrillTwinError as error:
             self._fail(error)
 
-    def _on_rig(self, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
-        try:
-            state = self._reader.read(bytes(raw))
-            rig = read_rig_state(state)
-        except DrillTwinError:
-            self._samples.unreadable(RIG_STATE)
-            return
+    def _on_rig(self, state: JointState) -> None:
+        rig = read_rig_state(state)
         finite = math.isfinite(rig.bit_force) and math.isfinite(rig.top_drive_speed)
-        self._samples.take(RIG_STATE, finite=finite)
+        self.samples.take(RIG_STATE, finite=finite)
         if not finite:
             return
         if seconds(state.stamp) < self._tracker.time:  # a new run
             self._clear()
         self._tracker.take(seconds(state.stamp), rig.bit_force, rig.top_drive_speed)
 
-    def _on_motion(self, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
-        try:
-            motions = decode_motion(bytes(raw))[1]
-        except DrillTwinError:
-            self._samples.unreadable(WHIRL_MOTION)
-            return
-        self._samples.take(WHIRL_MOTION)
-        self._whirls = any(motion.subject == STRING_LEVEL and whirls_in(motion.state) for motion in motions)
+    def _on_motion(self, found: tuple[int, list[Motion]]) -> None:
+        self.samples.take(WHIRL_MOTION)
+        self._whirls = any(motion.subject == STRING_LEVEL and whirls_in(motion.state) for motion in found[1])
 
     # --- advice ---------------------------------------------------------------------------------------------------
 
-    def work(self) -> None:
+    def step(self) -> None:
         """Process messages, take the map once it is made, and advise."""
-        super().work()
-        self._scenes.work()
+        super().step()
         if not self._due.due():
             return
         if self._maker is not None:
@@ -184,8 +164,8 @@ class Advisor(TwinNode):
     def _advise(self, adviser: Adviser) -> None:
         now: tuple[object, ...]
         advice = self._tracker.advise(adviser, whirls=self._whirls)
-        if self._samples.age(RIG_STATE) > GONE:
-            level, text = self._samples.verdict()
+        if self.samples.age(RIG_STATE) > GONE:
+            level, text = self.samples.verdict()
             status, now = Status("advice", max(level, Level.WARN), f"no advice: {text}"), (level,)
         elif advice is None:
             status, now = Status("advice", Level.OK, self._tracker.waits_for), (self._tracker.waits_for,)
@@ -208,16 +188,16 @@ class Advisor(TwinNode):
             self._maker.close()
             self._maker = None
 
-    def close(self) -> None:
+    def on_stop(self) -> None:
         """End a map that is being made."""
         self._drop_maker()
 
     def health(self) -> Status:
         """Level and sentence: gaps of its inputs, progress of the map, or the last advice."""
-        values = self._samples.values()
+        values = self.samples.values()
         if self._trouble:
             return Status(self.NAME, Level.ERROR, self._trouble, values)
-        level, text = self._samples.verdict()
+        level, text = self.samples.verdict()
         if level is not Level.OK:
             return Status(self.NAME, level, text, values)
         if self._maker is not None:

@@ -7,14 +7,13 @@ It uses the stamps of the messages alone, so a replay gives the findings of the 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from rclpy.context import Context
 
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import (
     MARKS_STATE,
     RIG_STATE,
@@ -24,8 +23,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.parameters import Parameter, Value
-from drill_twin.ros.core.topics.scene_gate import SceneGate
+from drill_twin.ros.core.parameters import Parameter
 
 if TYPE_CHECKING:
     from drill_twin.io.whirl_pipeline import WhirlPipeline
@@ -54,16 +52,14 @@ class Analyzer(TwinNode):
         ),
     )
 
-    def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
-    ) -> None:
-        super().__init__(context, values, other_parameters)
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
         self._pipeline: WhirlPipeline | None = None
-        self._samples, self._counted = GoodSamples(), (0, 0, 0)
+        self._counted = (0, 0, 0)
         self._onset_logged = False
         self._logged_problem = ""
 
-    def open(self) -> None:
+    def on_start(self) -> None:
         """Create the topics."""
         # Imported here: a bad parameter should be refused before.
         from drill_twin.io.downhole import readings_topic
@@ -74,22 +70,21 @@ class Analyzer(TwinNode):
         pipeline = WhirlPipeline(scene, sub=self.settings.sub)
         samples = (readings_topic(self.settings.sub),) if self.settings.sub else (MARKS_STATE, RIG_STATE)
         self._sampled = samples[0]
-        self._scenes = SceneGate(lambda raw: self._on_message(pipeline, TWIN_SCENE, raw, {}))
         self._pipeline = pipeline
         for topic in (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET):
             self.topics.advertise(topic)
         self._publish(pipeline.start())
-        self.topics.subscribe(TWIN_SCENE, lambda raw, _: self._scenes.take(bytes(raw)))
+        self.topics.subscribe_scenes(partial(self._on_message, pipeline, TWIN_SCENE))
         self._inputs = [
-            self.topics.subscribe(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH) for topic in samples
+            self.topics.subscribe_raw(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH)
+            for topic in samples
         ]
 
-    def _on_message(self, pipeline: WhirlPipeline, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
+    def _on_message(self, pipeline: WhirlPipeline, topic: str, raw: bytes, *_: object) -> None:
         runs, malformed = pipeline.runs, pipeline.malformed
         self._publish(pipeline.take(topic, bytes(raw)))
         if pipeline.malformed > malformed:
-            self._samples.unreadable(topic)
+            self.samples.unreadable(topic)
         self._count_samples(pipeline)
         if pipeline.runs != runs and pipeline.scene is not None:
             self._onset_logged = False
@@ -110,20 +105,15 @@ class Analyzer(TwinNode):
         accepted, incomplete, out_of_order = (now > then for now, then in zip(self._counted, before, strict=True))
         if accepted or incomplete or out_of_order:
             sampled = self._sampled if pipeline.bit_only is None else RIG_STATE
-            self._samples.take(sampled, finite=accepted or not incomplete, in_order=accepted)
+            self.samples.take(sampled, finite=accepted or not incomplete, in_order=accepted)
 
     def _publish(self, messages: Iterable[tuple[str, bytes]]) -> None:
         for topic, raw in messages:
             self.topics.publish(topic, raw)
 
-    def work(self) -> None:
-        """Process messages, and the scene that waits for its turn."""
-        super().work()
-        self._scenes.work()
-
     # --- end and health -------------------------------------------------------------------------------------------
 
-    def close(self) -> None:
+    def on_stop(self) -> None:
         """Analyse what has arrived already, and wait until the findings are received."""
         if self._pipeline is None:
             return
@@ -152,8 +142,8 @@ class Analyzer(TwinNode):
             "unpaired": str(pipeline.unpaired),
             "malformed": str(pipeline.malformed),
             "runs": str(pipeline.runs),
-            "scenes_put_off": str(self._scenes.put_off),
-            **self._samples.values(),
+            "scenes_put_off": str(self.topics.scenes_put_off),
+            **self.samples.values(),
         }
         if (sub := pipeline.sub_findings) is not None:
             values |= {"impacts": str(sub.impacts), "impact_rate": _known(sub.impact_rate_hz)}
@@ -162,8 +152,8 @@ class Analyzer(TwinNode):
             return Status(self.NAME, Level.ERROR, pipeline.trouble, values)
         if pipeline.scene is None:
             return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}", values)
-        level, text = self._samples.verdict()
-        waiting = math.isinf(self._samples.age(self._sampled)) and pipeline.bit_only is None
+        level, text = self.samples.verdict()
+        waiting = math.isinf(self.samples.age(self._sampled)) and pipeline.bit_only is None
         return Status(
             self.NAME,
             level,

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, ClassVar
@@ -15,11 +15,10 @@ from drill_twin.core.errors import BagError, RunError
 from drill_twin.io.bag.metadata import RecordedTopic, contract_topic
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, sub_of
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
-from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
+from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.ros.core.topics.raw_subscriptions import Received
 
 _DEPTH = 2000  # messages of one topic; 10 s at 200 Hz
@@ -48,20 +47,17 @@ class Recorder(TwinNode):
         ),
     )
 
-    def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
-    ) -> None:
-        super().__init__(context, values, other_parameters)
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
         self._bag: BagWriter | None = None
         self._namespace = self.get_namespace().rstrip("/")
         self._told = 0  # sentences on changes of the bag by other programs
         self._find_subs = False
         self._recorded: set[str] = set()
         self._search_due = Tick(_SEARCH_PERIOD)
-        self._samples = GoodSamples()
         self._failure = ""  # a bag that failed once is not written to again, so that the first error is reported
 
-    def open(self) -> None:
+    def on_start(self) -> None:
         """Create the bag and subscribe."""
         topics = self.settings.topics.split() or list(TOPICS)
         if unknown := [topic for topic in topics if topic not in TOPICS]:
@@ -75,7 +71,7 @@ class Recorder(TwinNode):
             largest=self.settings.max_bagfile_size * 1e6,
             longest=self.settings.max_bagfile_duration,
         )
-        self._inputs = [self.topics.subscribe(topic, self._writer_of(bag, topic), depth=_DEPTH) for topic in topics]
+        self._inputs = [self.topics.subscribe_raw(topic, self._writer_of(bag, topic), depth=_DEPTH) for topic in topics]
         self._find_subs = not self.settings.topics
         self._recorded = set(topics)
         self.get_logger().info(f"recording {len(topics)} topics to {bag.folder}")
@@ -89,7 +85,7 @@ class Recorder(TwinNode):
             if sub_of(topic) and topic not in self._recorded and TOPICS[topic].type_name in types:
                 with self._writing():
                     self._bag.add_topic(self._described(topic))
-                self._inputs.append(self.topics.subscribe(topic, self._writer_of(self._bag, topic), depth=_DEPTH))
+                self._inputs.append(self.topics.subscribe_raw(topic, self._writer_of(self._bag, topic), depth=_DEPTH))
                 self._recorded.add(topic)
 
     def _described(self, topic: str) -> RecordedTopic:
@@ -108,7 +104,7 @@ class Recorder(TwinNode):
             with self._writing():
                 bag.write(name, info["received_timestamp"], raw)
             if at_a_rate:
-                self._samples.take(topic)
+                self.samples.take(topic)
 
         return write
 
@@ -121,7 +117,7 @@ class Recorder(TwinNode):
             self._failure = str(error)
             raise RunError(str(error)) from error
 
-    def work(self) -> None:
+    def step(self) -> None:
         """Record many messages at a time, by the times at which DDS received them; flush the bag also when idle."""
         self.spin_once(0.05)
         time.sleep(_BATCH_TIME)
@@ -135,7 +131,7 @@ class Recorder(TwinNode):
             self.get_logger().error(f"{text}; going on in {self._bag.file}")
         self._told = len(self._bag.damage)
 
-    def close(self) -> None:
+    def on_stop(self) -> None:
         """Record what is still arriving, and finish the bag."""
         if self._bag is None:
             return
@@ -176,7 +172,7 @@ class Recorder(TwinNode):
             "files": str(self._bag.files if self._bag else 0),
             "lost": str(lost),
             **{f"lost {topic}": str(number) for topic, number in self.topics.dropped.items()},
-            **self._samples.values(),
+            **self.samples.values(),
         }
         if self._failure:
             return Status(self.NAME, Level.ERROR, self._failure, values)
@@ -184,6 +180,6 @@ class Recorder(TwinNode):
             return Status(self.NAME, Level.ERROR, self._bag.damage[-1], values)
         if lost:
             return Status(self.NAME, Level.WARN, f"{lost} messages were lost", values)
-        level, text = self._samples.verdict()
+        level, text = self.samples.verdict()
         said = f"{values['messages']} messages recorded"
         return Status(self.NAME, level, f"{said}; {text}" if text else said, values)

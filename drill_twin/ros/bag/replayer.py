@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from typing import ClassVar
 
 from rclpy.context import Context
@@ -16,7 +16,7 @@ from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, TOPICS, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.parameters import Parameter, ParameterError, Value
+from drill_twin.ros.core.parameters import Parameter, ParameterError
 from drill_twin.ros.core.stop_request import StopRequest
 
 _DISCOVERY = 0.6  # s; longest discovery of a running node
@@ -70,16 +70,14 @@ class Replayer(TwinNode):
         Parameter("loop", False, "whether to begin again at the end"),
     )
 
-    def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
-    ) -> None:
-        super().__init__(context, values, other_parameters)
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
         self._over = False
         self._sent = 0
         self._skipped = SkippedMessages()
         self._repeating = False
 
-    def open(self) -> None:
+    def on_start(self) -> None:
         """Open the bag and create its topics."""
         from drill_twin.io.bag.reader import Bag
         from drill_twin.io.bag.topic_names import parse_remappings
@@ -133,7 +131,7 @@ class Replayer(TwinNode):
         self._steps = self._play()
         super().run(stop)
 
-    def work(self) -> None:
+    def step(self) -> None:
         """Publish the messages that are due, or wait for at most 50 ms."""
         next(self._steps, None)
 
@@ -181,7 +179,7 @@ class Replayer(TwinNode):
         """True once all has been replayed."""
         return self._over
 
-    def close(self) -> None:
+    def on_stop(self) -> None:
         """Wait until the readers have received everything."""
         if self._sent:
             self.topics.flush()

@@ -2,12 +2,11 @@
 """Base class of all nodes: a loop, the topics of the contract, diagnostics, and the start-up barrier.
 
 A node has a loop of its own instead of `rclpy.spin`: each turn waits for messages, processes all that have arrived,
-does the node's work, and checks whether the node was asked to stop.
+does the node's step, and checks whether the node was asked to stop.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
@@ -16,10 +15,11 @@ from rclpy.node import Node
 from rclpy.service import Service
 
 from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.core.diagnostics_publisher import DiagnosticsPublisher
 from drill_twin.ros.core.pacing import Tick
-from drill_twin.ros.core.parameters import Parameter, Value, declare, follow_changes
+from drill_twin.ros.core.parameters import Parameter, declare, follow_changes
 from drill_twin.ros.core.request_guard import Answer, guarded
 from drill_twin.ros.core.startup_barrier import StartupBarrier
 from drill_twin.ros.core.stop_request import StopRequest
@@ -39,25 +39,22 @@ class TwinNode(Node):
     NAME: ClassVar[str]
     PURPOSE: ClassVar[str]
     PARAMETERS: ClassVar[tuple[Parameter, ...]] = ()
+    OTHER_PARAMETERS: ClassVar[frozenset[str]] = frozenset()
+    """Names of parameters of other nodes in this process."""
+    ON_CHANGE: ClassVar[tuple[str, ...]] = ()
+    """Topics of which this node expects a message on change only, so that their silence is no fault."""
 
-    def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
-    ) -> None:
-        """Create the node without topics but the diagnostics.
-
-        Args:
-            context: The rclpy context.
-            values: Defaults of this instance, in place of the table's.
-            other_parameters: Names of parameters of other nodes in this process.
-        """
+    def __init__(self, context: Context) -> None:
+        """Create the node without topics but the diagnostics."""
         super().__init__(self.NAME, context=context)
-        self.settings: SimpleNamespace = declare(self, self.PARAMETERS, values=values, other_names=other_parameters)
+        self.settings: SimpleNamespace = declare(self, self.PARAMETERS, other_names=self.OTHER_PARAMETERS)
         follow_changes(self, self.PARAMETERS, self.settings, check=self.check_change, changed=self.on_change)
         self._raw_subscriptions = RawSubscriptions(self, context)
-        self.topics = NodeTopics(self, self._raw_subscriptions)
-        self.barrier = StartupBarrier(self, self.topics, self.spin_once, self.not_ready)
+        self.samples = GoodSamples(on_change=self.ON_CHANGE)
+        """Good and bad samples by topic."""
+        self.topics = NodeTopics(self, self._raw_subscriptions, self.samples.unreadable)
+        self.barrier = StartupBarrier(self)
         self.services_while_configured: list[Service] = []
-        self.shares_parameters = bool(other_parameters)
         self.ended = False
         """True once the node is being closed in order."""
         self._diagnostics = DiagnosticsPublisher(self, self.topics)
@@ -69,14 +66,14 @@ class TwinNode(Node):
 
     # --- implemented by each node ---------------------------------------------------------------------------------
 
-    def open(self) -> None:
+    def on_start(self) -> None:
         """Create topics and load what is needed; may take long, and a signal ends it at once."""
 
-    def work(self) -> None:
+    def step(self) -> None:
         """Do one turn of the loop."""
         self.spin_once(0.05)
 
-    def close(self) -> None:
+    def on_stop(self) -> None:
         """Complete what is open; called once, also after an error."""
 
     @property
@@ -109,12 +106,13 @@ class TwinNode(Node):
         """Work until finished or asked to stop."""
         self.offer_readiness()
         while not stop and not self.finished:
-            self.work()
+            self.step()
             self.publish_due_diagnostics()
 
     def spin_once(self, seconds: float) -> None:
         """Wait for messages and service calls, at most this long [s], and process all that have arrived."""
         self._raw_subscriptions.spin_once(seconds)
+        self.topics.pass_on_scenes()
 
     def drain(self, quiet: float, longest: float = 2.0) -> None:
         """Process what is still arriving, until nothing has come for `quiet` seconds or `longest` have passed."""

@@ -73,17 +73,17 @@ def _refuse_misplaced(arguments: Sequence[str]) -> None:
 
 
 def run_in_order(node: TwinNode, stop: StopRequest) -> None:
-    """Open, run and close a node; destroys it."""
+    """Start, run and stop a node; destroys it."""
     try:
         with stop.at_once():
-            node.open()
-            if not node.topics_pending and not node.shares_parameters:
+            node.on_start()
+            if not node.topics_pending and not node.OTHER_PARAMETERS:
                 refuse_unused(node)
         node.run(stop)
     finally:
         node.ended = True
         try:
-            node.close()
+            node.on_stop()
         finally:
             node.destroy_node()
 

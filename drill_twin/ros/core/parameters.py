@@ -98,19 +98,12 @@ def given_parameters(node: Node) -> dict[str, RosParameter]:
     return given
 
 
-def declare(
-    node: Node,
-    table: Sequence[Parameter],
-    *,
-    values: Mapping[str, Value] | None = None,
-    other_names: Iterable[str] = (),
-) -> SimpleNamespace:
+def declare(node: Node, table: Sequence[Parameter], other_names: Iterable[str] = ()) -> SimpleNamespace:
     """Declare a table on a node; returns its values by name.
 
     Args:
         node: A node without declared parameters of its own.
         table: The parameters.
-        values: Defaults of this instance; what the user gives still wins.
         other_names: Names that belong to other nodes of the same process.
 
     Raises:
@@ -125,7 +118,7 @@ def declare(
             value = parameter.checked(given[parameter.name].value)
             given[parameter.name] = RosParameter(parameter.name, value=value)
         else:
-            value = parameter.checked((values or {}).get(parameter.name, parameter.default))
+            value = parameter.default
         node.declare_parameter(parameter.name, value, parameter.descriptor())
         result[parameter.name] = value
     return SimpleNamespace(**result)

@@ -9,6 +9,10 @@ The answer of a service is lost as long as DDS has not connected the server to t
 already: mostly for a second, rarely for long, where an earlier process was killed. An unanswered client is made anew
 after some seconds, and where the run is under way the wait ends without an answer.
 
+Latched frame topics do not replace this. In lockstep, at 5 times real time, a recorder that came a second late missed
+the first 11 s although a publisher keeps 1000 frames; and readers that ask for latched messages are not connected to
+publishers of the usual, volatile kind.
+
 A node that compiles offers the service meanwhile too, before its topics. Its answer then begins with `COMPILING`: the
 waiting node takes it for absent, and waits as long as it compiles.
 """
@@ -18,8 +22,8 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy
 from rclpy.service import Service
@@ -28,7 +32,9 @@ from std_srvs.srv import Trigger
 from drill_twin.core.errors import RunError
 from drill_twin.core.files.json_reader import JsonError, read_json
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.core.topics.node_topics import NodeTopics
+
+if TYPE_CHECKING:
+    from drill_twin.ros.core.node import TwinNode
 
 COMPILING = "compiling"
 """First word of the reason of a node that is not ready because it compiles."""
@@ -42,23 +48,9 @@ _GO_ON_AFTER = 2  # requests without an answer, where the run is under way
 class StartupBarrier:
     """Readiness of a node, and its wait for the readiness of others."""
 
-    def __init__(
-        self, node: Node, topics: NodeTopics, spin_once: Callable[[float], None], not_ready: Callable[[], str]
-    ) -> None:
-        """Connect the barrier to its node.
-
-        Args:
-            node: The node.
-            topics: Its topics.
-            spin_once: Called with a time [s] to process messages and service calls meanwhile.
-            not_ready: Called for the reason why the node is not ready, empty when it is.
-        """
+    def __init__(self, node: TwinNode) -> None:
         self._node = node
-        self._topics = topics
-        self._spin_once = spin_once
-        self._not_ready = not_ready
         self._service: Service | None = None
-        self._clients: dict[str, Client] = {}
         self._deadline = 0.0
 
     def create_service(self) -> None:
@@ -72,12 +64,10 @@ class StartupBarrier:
             self._node.destroy_service(self._service)
         self._service = None
 
-    def _answer(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        del request
-        reason = self._not_ready() or self.unmatched_readers()
-        counts = {
-            publisher.topic_name: publisher.get_subscription_count() for publisher in self._topics.publishers.values()
-        }
+    def _answer(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        reason = self._node.not_ready() or self.unmatched_readers()
+        publishers = self._node.topics.publishers.values()
+        counts = {publisher.topic_name: publisher.get_subscription_count() for publisher in publishers}
         response.success = not reason
         response.message = reason or json.dumps(counts)
         return response
@@ -86,7 +76,7 @@ class StartupBarrier:
         """Topics of this node with a reader that is not connected yet, in a sentence; empty when all are."""
         late = [
             topic
-            for topic, publisher in self._topics.publishers.items()
+            for topic, publisher in self._node.topics.publishers.items()
             if publisher.get_subscription_count() < readers_of(self._node, publisher.topic_name)
         ]
         return f"not yet connected to the readers of {', '.join(late)}" if late else ""
@@ -106,84 +96,82 @@ class StartupBarrier:
         Raises:
             RunError: A node was not ready in time.
         """
-        self._clients = {name: self._client(name) for name in names.split()}
+        others = [_Other(self._node, name) for name in names.split()]
         self._deadline = time.monotonic() + seconds
-        # All must be present before the first is asked: its answer is compared with the readers of all the others.
-        for missing, reached in ((self._absence, "there"), (self._unreadiness, "ready")):
-            for name in self._clients:
-                if logged := self._wait_while(missing, name, seconds, stop, under_way):
-                    self._node.get_logger().info(f"{logged} is {reached}")
-        for client in self._clients.values():
-            self._node.destroy_client(client)
+        # All must be there before the first is asked: its answer is compared with the readers of all the others.
+        for ready in (False, True):
+            for other in others:
+                self._wait(other, seconds, stop, under_way, ready=ready)
+        for other in others:
+            other.close()
         while not stop and self.unmatched_readers() and time.monotonic() < self._deadline:
-            self._spin_once(_POLL)
+            self._node.spin_once(_POLL)
 
-    def _wait_while(
-        self,
-        missing: Callable[[Client], str],
-        name: str,
-        seconds: float,
-        stop: StopRequest,
-        under_way: Callable[[], bool],
-    ) -> str:
-        """Wait as long as something is missing; returns the full name of the node if the log says so and it came."""
-        logged, unanswered = "", 0
-        while not stop and (reason := missing(self._clients[name])):
-            node = _node_of(self._clients[name])
+    def _wait(
+        self, other: _Other, seconds: float, stop: StopRequest, under_way: Callable[[], bool], *, ready: bool
+    ) -> None:
+        """Wait until a node is there, or ready; the log says so where it takes a while."""
+        console, logged, unanswered = self._node.get_logger(), "", 0
+        while not stop and (reason := other.lacks(ready=ready)):
             unanswered = unanswered + 1 if reason == _NO_ANSWER else 0
             if unanswered >= _GO_ON_AFTER and under_way():
-                self._node.get_logger().warning(f"{node} did not answer; its run is under way, so this node joins it")
-                return ""
+                console.warning(f"{other.name} did not answer; its run is under way, so this node joins it")
+                return
             if unanswered and unanswered % _RENEW_AFTER == 0:
-                self._node.destroy_client(self._clients[name])
-                self._clients[name] = self._client(name)
+                other.renew()
             if reason.startswith(COMPILING):
                 self._deadline = time.monotonic() + seconds
                 reason = COMPILING  # its progress is in the log of that node
             if reason != logged:
-                self._node.get_logger().info(f"waiting for {node}: {reason}")
+                console.info(f"waiting for {other.name}: {reason}")
                 logged = reason
             if time.monotonic() > self._deadline:
                 raise RunError(
-                    f"waited {seconds:g} s for the node {node}: {reason}; start it in the same "
+                    f"waited {seconds:g} s for the node {other.name}: {reason}; start it in the same "
                     "ROS_DOMAIN_ID and namespace, or take its name out of the parameter wait_for"
                 )
-            self._spin_once(_POLL)
-        return _node_of(self._clients[name]) if logged else ""
+            self._node.spin_once(_POLL)
+        if logged:
+            console.info(f"{other.name} is {'ready' if ready else 'there'}")
 
-    def _client(self, name: str) -> Client:
-        return self._node.create_client(Trigger, f"{name}/ready")
 
-    def _absence(self, client: Client) -> str:
-        if not client.service_is_ready():
+class _Other:
+    """Node that is waited for."""
+
+    def __init__(self, node: TwinNode, name: str) -> None:
+        self._node, self._service = node, f"{name}/ready"
+        self._client = node.create_client(Trigger, self._service)
+
+    @property
+    def name(self) -> str:
+        """Full name of the node."""
+        return str(self._client.service_name).removesuffix("/ready")
+
+    def renew(self) -> None:
+        """Make the client anew."""
+        self.close()
+        self._client = self._node.create_client(Trigger, self._service)
+
+    def close(self) -> None:
+        """Destroy the client."""
+        self._node.destroy_client(self._client)
+
+    def lacks(self, *, ready: bool) -> str:
+        """Reason why the node is not there, or not `ready`; empty when it is."""
+        if not self._client.service_is_ready():
             return "it is not there yet"
-        answer = self._ask(client)
-        if answer is None:
-            return _NO_ANSWER
-        return answer.message if answer.message.startswith(COMPILING) else ""
-
-    def _unreadiness(self, client: Client) -> str:
-        answer = self._ask(client)
-        if answer is None:
-            return _NO_ANSWER
-        message: str = answer.message
-        return missing_readers(self._node, message) if answer.success else message
-
-    def _ask(self, client: Client) -> Trigger.Response | None:
-        """Answer of `~/ready`; None without one in time."""
-        answer = client.call_async(Trigger.Request())
+        answer = self._client.call_async(Trigger.Request())
         deadline = time.monotonic() + _ANSWER_TIME
         while not answer.done():
             if time.monotonic() > deadline:
-                client.remove_pending_request(answer)
-                return None
-            self._spin_once(_POLL)
-        return answer.result()
-
-
-def _node_of(client: Client) -> str:
-    """Full name of the node that a client of `~/ready` asks."""
-    return str(client.service_name).removesuffix("/ready")
+                self._client.remove_pending_request(answer)
+                return _NO_ANSWER
+            self._node.spin_once(_POLL)
+        said = answer.result()
+        message = str(said.message)
+        if ready:
+            return missing_readers(self._node, message) if said.success else message
+        return message if message.startswith(COMPILING) else ""
 
 
 def missing_readers(node: Node, answer: str) -> str:

@@ -8,11 +8,10 @@ from typing import ClassVar
 
 from rclpy.context import Context
 
-from drill_twin.io.messages.decode import read_clock
-from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
+from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, WHIRL_MOTION, WHIRL_ONSET
-from drill_twin.io.messages.whirl_encode import STRING_LEVEL, OnsetMessage, decode_motion, decode_onset
+from drill_twin.io.messages.whirl_encode import STRING_LEVEL, Motion, OnsetMessage
 from drill_twin.ros.core.node import TwinNode
 
 
@@ -38,16 +37,16 @@ class DemoObserver(TwinNode):
         """Progress of the simulator's compilation, while it compiles."""
         self._on_change = on_change
         self._problems: set[str] = set()
-        self.topics.subscribe(CLOCK_TOPIC, lambda raw, _: self._on_clock(raw))
-        self.topics.subscribe(WHIRL_ONSET, lambda raw, _: self._on_onset(raw))
-        self.topics.subscribe(WHIRL_MOTION, lambda raw, _: self._on_motion(raw))
-        self.topics.subscribe(DIAGNOSTICS, lambda raw, _: self._on_diagnostics(raw))
+        self.topics.subscribe(CLOCK_TOPIC, self._on_clock)
+        self.topics.subscribe(WHIRL_ONSET, self._on_onset)
+        self.topics.subscribe(WHIRL_MOTION, self._on_motion)
+        self.topics.subscribe(DIAGNOSTICS, self._on_diagnostics)
 
-    def _on_clock(self, raw: bytes) -> None:
-        self.time = seconds(read_clock(raw))
+    def _on_clock(self, stamp: int) -> None:
+        self.time = seconds(stamp)
 
-    def _on_onset(self, raw: bytes) -> None:
-        _, onset = decode_onset(raw)
+    def _on_onset(self, found: tuple[int, OnsetMessage | None]) -> None:
+        _, onset = found
         if onset is not None and onset != self.onset:
             self._on_change(
                 f"whirl began at {onset.time:.2f} s at {onset.mark}, confidence {onset.confidence:.2f} "
@@ -55,16 +54,15 @@ class DemoObserver(TwinNode):
             )
         self.onset = onset
 
-    def _on_motion(self, raw: bytes) -> None:
-        stamp, motions = decode_motion(raw)
+    def _on_motion(self, found: tuple[int, list[Motion]]) -> None:
+        stamp, motions = found
         for motion in motions:
             if motion.subject == STRING_LEVEL and motion.state != self.motion:
                 self.motion = motion.state
                 self._on_change(f"{motion.state} from {seconds(stamp):.2f} s: {motion.criterion}")
 
-    def _on_diagnostics(self, raw: bytes) -> None:
-        _, statuses = decode_diagnostics(raw)
-        for status in statuses:
+    def _on_diagnostics(self, found: tuple[int, list[Status]]) -> None:
+        for status in found[1]:
             self.compiling = status.values.get("compiling", self.compiling)
             if "realtime_factor" in status.values:
                 self.realtime_factor = float(status.values["realtime_factor"])

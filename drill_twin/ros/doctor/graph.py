@@ -11,7 +11,7 @@ from functools import partial
 from itertools import pairwise
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from drill_twin.core.errors import MessageError
@@ -27,11 +27,13 @@ from drill_twin.io.messages.topics import (
     WOB_COMMAND,
 )
 from drill_twin.ros.core.topics.node_topics import NOT_NAMED_YET
+from drill_twin.ros.core.topics.qos_check import full_name, unmet
 from drill_twin.ros.core.topics.rclpy_topics import message_class, quality
 from drill_twin.ros.doctor.check import Check, Verdict
 
 NODES, TOPIC_SECTION, CLOCKS = "nodes", "topics", "clocks"
 NAME = "doctor"
+_WORDS = {"best_effort": "best effort", "transient_local": "latched", "volatile": "not latched"}
 _SEVERAL = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # topics that several nodes may publish
 
 
@@ -41,15 +43,13 @@ class Endpoint:
 
     node: str
     type_name: str
-    quality: str
+    profile: QoSProfile
 
-    @classmethod
-    def of(cls, info: TopicEndpointInfo) -> Endpoint:
-        """Describe an endpoint of the graph."""
-        profile = info.qos_profile
-        reliable = "reliable" if profile.reliability == ReliabilityPolicy.RELIABLE else "best effort"
-        latched = ", latched" if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL else ""
-        return cls(f"{info.node_namespace.rstrip('/')}/{info.node_name}", info.topic_type, reliable + latched)
+    @property
+    def quality(self) -> str:
+        """Quality of service in words."""
+        reliable = "reliable" if self.profile.reliability == ReliabilityPolicy.RELIABLE else "best effort"
+        return reliable + (", latched" if self.profile.durability == DurabilityPolicy.TRANSIENT_LOCAL else "")
 
 
 @dataclass(frozen=True)
@@ -162,14 +162,13 @@ def _mismatch(publishers: list[Endpoint], readers: list[Endpoint]) -> tuple[str,
     """Finding, verdict and remedy for the first pair that DDS does not connect; None without one."""
     for reader in readers:
         for publisher in publishers:
-            for word, weaker in (("reliable", "best effort"), ("latched", "")):
-                if word in reader.quality and word not in publisher.quality:
-                    offered = weaker or "not latched"
-                    return (
-                        f"{reader.node} asks for {word}, {publisher.node} offers {offered}: nothing arrives",
-                        Verdict.PROBLEM,
-                        f"let {publisher.node} publish {word}, or {reader.node} ask for less (qos_overrides)",
-                    )
+            if mismatch := unmet(reader.profile, publisher.profile):
+                word, offered = (_WORDS.get(value, value) for value in mismatch[1:])
+                return (
+                    f"{reader.node} asks for {word}, {publisher.node} offers {offered}: nothing arrives",
+                    Verdict.PROBLEM,
+                    f"let {publisher.node} publish {word}, or {reader.node} ask for less (qos_overrides)",
+                )
     return None
 
 
@@ -192,7 +191,7 @@ def _contract(topic: str) -> str:
 
 
 def _others(infos: Sequence[TopicEndpointInfo], own: str) -> list[Endpoint]:
-    ends = (Endpoint.of(info) for info in infos)
+    ends = (Endpoint(full_name(info), info.topic_type, info.qos_profile) for info in infos)
     return [end for end in ends if end.node not in {own, NOT_NAMED_YET}]
 
 

@@ -4,24 +4,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import asdict
 from functools import partial
-from typing import Any, ClassVar, TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 
 from drill_twin.api.estimator import Estimator as Following
-from drill_twin.core.errors import DrillTwinError, RunError, RunStopped
+from drill_twin.core.errors import RunError, RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.downhole import readings_topic
-from drill_twin.io.messages.decode import JointStateReader
+from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.rig_messages import read_command
-from drill_twin.io.messages.sensor_messages import read_imu
+from drill_twin.io.messages.sensor_messages import ImuReading
 from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.topics import (
     ESTIMATE,
@@ -51,19 +51,18 @@ class Estimator(TwinNode):
     NAME: ClassVar = "estimator"
     PURPOSE: ClassVar = "Follows a rig with an ensemble: numbers, virtual sensors, chance of whirl, alarm."
     PARAMETERS: ClassVar = PARAMETERS
+    ON_CHANGE: ClassVar = (RIG_COMMAND,)
 
-    def open(self) -> None:
+    def on_start(self) -> None:
         """Create the topics, and begin to make the ensemble on a thread of its own.
 
         Raises:
             DrillTwinError: Scene, numbers or channels cannot be taken.
         """
-        self._reader, self._commands = JointStateReader(), JointStateReader()
         self._set_points: dict[str, float] = {}
         self._following: Following | None = None
         self._nearest: NearestTwin | None = None
         self._found: Estimate | None = None
-        self._samples = GoodSamples(on_change=(RIG_COMMAND,))
         self._channels = GoodSamples()
         self._making, self._closing = "making the ensemble", False
         self._thread = ThreadPoolExecutor(1, "ensemble")
@@ -85,9 +84,9 @@ class Estimator(TwinNode):
         """Reason while the ensemble is being made."""
         return "" if self._following is not None else self._making
 
-    def work(self) -> None:
+    def step(self) -> None:
         """Take what has arrived, publish what has been found, and begin the next window."""
-        super().work()
+        super().step()
         if self._made is not None and self._made.done():
             self._begin(self._made.result())
             self._made = None
@@ -101,13 +100,13 @@ class Estimator(TwinNode):
         if self._step is None and self._following.intake.waiting:
             self._step = self._thread.submit(self._stoppable, self._following.step)
 
-    def close(self) -> None:
+    def on_stop(self) -> None:
         """End a compilation, or the window that is being computed."""
         self._closing = True
         self._thread.shutdown(cancel_futures=True)
 
     def _stoppable(self, function: Callable[[], Result]) -> Result:
-        """Call a function on the thread; `close` ends what it computes."""
+        """Call a function on the thread; `on_stop` ends what it computes."""
 
         def check() -> None:
             if self._closing:
@@ -117,7 +116,7 @@ class Estimator(TwinNode):
             return function()
 
     def _make(self) -> Following:
-        """Make the ensemble; its kernels are compiled by a child process, which `close` ends at once."""
+        """Make the ensemble; its kernels are compiled by a child process, which `on_stop` ends at once."""
         scene = scene_of(self.settings)
         compile_kernel(scene, scene.numerics.frame_period, self._on_compilation)
         return make_estimator(self.settings)
@@ -134,42 +133,25 @@ class Estimator(TwinNode):
             self.topics.publish(TWIN_SCENE, encode_string(following.scene.to_yaml()))
         self.get_logger().info(f"{len(following.filter.members)} members of {following.scene.name} follow the rig")
 
-    def _on_command(self, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
-        try:
-            command = read_command(self._commands.read(bytes(raw)), absent_weight=math.nan)
-        except DrillTwinError:
-            self._samples.unreadable(RIG_COMMAND)
-            return
-        self._samples.take(RIG_COMMAND, finite=math.isfinite(command.rotation))
+    def _on_command(self, state: JointState) -> None:
+        command = read_command(state, absent_weight=math.nan)
+        self.samples.take(RIG_COMMAND, finite=math.isfinite(command.rotation))
         self._set_points = asdict(command)
 
-    def _on_measured(self, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
+    def _on_measured(self, state: JointState) -> None:
         if self._following is None:
             return
-        try:
-            state = self._reader.read(bytes(raw))
-            values = values_of(state, set_points=self.settings.set_points == "measured")
-        except (DrillTwinError, IndexError):
-            self._samples.unreadable(MEASURED_RIG_STATE)
-            return
+        values = values_of(state, set_points=self.settings.set_points == "measured")
         in_order = self._following.take(seconds(state.stamp), values | self._set_points)
         finite = {name: math.isfinite(values[name]) for name in self._following.channels}
-        self._samples.take(MEASURED_RIG_STATE, finite=any(finite.values()), in_order=in_order)
+        self.samples.take(MEASURED_RIG_STATE, finite=any(finite.values()), in_order=in_order)
         for name, known in finite.items():
             self._channels.take(f"{name} of {MEASURED_RIG_STATE}", finite=known, in_order=in_order)
 
-    def _on_readings(self, sub: str, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
+    def _on_readings(self, sub: str, reading: ImuReading) -> None:
         if self._following is None:
             return
-        try:
-            reading = read_imu(bytes(raw))
-        except DrillTwinError:
-            self._samples.unreadable(readings_topic(sub))
-            return
-        self._samples.take(readings_topic(sub), finite=bool(np.isfinite(reading.values).any()))
+        self.samples.take(readings_topic(sub), finite=bool(np.isfinite(reading.values).any()))
         self._following.take_readings(seconds(reading.stamp), sub, reading.values)
 
     def _publish(self, following: Following, found: Estimate | None) -> None:
@@ -192,8 +174,8 @@ class Estimator(TwinNode):
             return Status(self.NAME, Level.OK, self._making)
         intake = self._following.intake
         values = {kind.replace(" ", "_"): str(count) for kind, count in intake.troubles.items()}
-        values |= {**self._samples.values(), **self._channels.values(), "windows_waiting": str(intake.waiting)}
-        (level, text), (_, lacks) = self._samples.verdict(), self._channels.verdict()
+        values |= {**self.samples.values(), **self._channels.values(), "windows_waiting": str(intake.waiting)}
+        (level, text), (_, lacks) = self.samples.verdict(), self._channels.verdict()
         if level is not Level.OK:
             return Status(self.NAME, level, text, values)
         level, text = (Level.OK, "") if self._found is None else trust_in(self._found)

@@ -27,8 +27,7 @@ from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import RIG_STATE, TOPICS, TWIN_SCENE
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
-from drill_twin.ros.core.parameters import ParameterError, Value
-from drill_twin.ros.core.topics.scene_gate import SceneGate
+from drill_twin.ros.core.parameters import ParameterError
 from drill_twin.ros.gateway.commands import CommandOutput
 from drill_twin.ros.gateway.parameters import PARAMETERS
 from drill_twin.ros.gateway.rig import Rig
@@ -51,10 +50,8 @@ class Gateway(TwinNode):
     PURPOSE: ClassVar = "Connects the twin with rig software by OPC UA, with the signals of D-WIS. Needs asyncua."
     PARAMETERS: ClassVar = PARAMETERS
 
-    def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
-    ) -> None:
-        super().__init__(context, values, other_parameters)
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
         if not self.settings.keys and not is_loopback(self.settings.host):
             raise ParameterError(
                 f"parameter host: expected an address of this host only, as keys is not set, found "
@@ -69,9 +66,8 @@ class Gateway(TwinNode):
         self._unread = self._denied = ""
         self._server: OpcUaServer | None = None
         self._rig: Rig | None = None
-        self._scenes = SceneGate(self._on_scene)
 
-    def open(self) -> None:
+    def on_start(self) -> None:
         """Start server and client, and subscribe to the topics of the signals."""
         keys = _read_keys(self.settings.keys)
         self._server = _make_server(self.settings, self._signals, self._control, keys)
@@ -80,14 +76,13 @@ class Gateway(TwinNode):
         topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
         for topic in topics | ({RIG_STATE} if self._signals.command or self._rig else set()):
             depth = 1 if TOPICS[topic].latched else _DEPTH
-            self.topics.subscribe(topic, partial(self._on_message, topic), depth=depth)
-        self.topics.subscribe(TWIN_SCENE, lambda raw, _: self._scenes.take(bytes(raw)), depth=1)
+            self.topics.subscribe_raw(topic, partial(self._on_message, topic), depth=depth)
+        self.topics.subscribe_scenes(self._on_scene)
         self.create_service(Trigger, "~/grant_control", self._on_grant)
         self.create_service(Trigger, "~/withdraw_control", self._on_withdraw)
         self.get_logger().info(f"{len(self._signals.show)} signals at {self._server.url}")
 
-    def _on_message(self, topic: str, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
+    def _on_message(self, topic: str, raw: bytes, _: Mapping[str, Any]) -> None:
         try:
             self._quantities.take(topic, bytes(raw))
         except MessageError as error:
@@ -107,11 +102,10 @@ class Gateway(TwinNode):
         if self._rig is not None:
             self._rig.limits = of
 
-    def work(self) -> None:
+    def step(self) -> None:
         """Take messages, decide about control, and show the values once they are due."""
         time.sleep(_TURN)
         self.spin_once(0.0)
-        self._scenes.work()
         if self._server is None:
             return
         if self._control_due.due():
@@ -193,7 +187,7 @@ class Gateway(TwinNode):
 
     # --- end and health -------------------------------------------------------------------------------------------
 
-    def close(self) -> None:
+    def on_stop(self) -> None:
         """End server and client."""
         if self._rig is not None:
             self._rig.close()

@@ -9,23 +9,18 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from rclpy.context import Context
 
-from drill_twin.core.errors import MessageError
 from drill_twin.core.frame_period import frame_period_ns
-from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.diagnostics import Level, Status
-from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer
-from drill_twin.ros.core.parameters import Value
 from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.rig_driver.parameters import PARAMETERS
@@ -43,10 +38,8 @@ class RigDriver(TwinNode):
     PURPOSE: ClassVar = "Plays weight on bit and top-drive speed, planned or measured, into the simulator."
     PARAMETERS: ClassVar = PARAMETERS
 
-    def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
-    ) -> None:
-        super().__init__(context, values, other_parameters)
+    def __init__(self, context: Context) -> None:
+        super().__init__(context)
         self._encoder = CommandEncoder()
         self._clock_stamp: int | None = None
         self._sent_stamp = -1
@@ -54,9 +47,8 @@ class RigDriver(TwinNode):
         self._sent = 0
         self._last: Command | None = None
         self._echo_due = 0
-        self._samples = GoodSamples()
 
-    def open(self) -> None:
+    def on_start(self) -> None:
         """Load the schedule and create the topics."""
         from drill_twin.scene.set_points import Schedule
 
@@ -87,7 +79,7 @@ class RigDriver(TwinNode):
         received = self.topics.publishers[RIG_COMMAND].get_subscription_count()
         return bool(self._clock_stamp and received)
 
-    def work(self) -> None:
+    def step(self) -> None:
         """Send the set-points for the next frame, once they are due."""
         if self.settings.follow == "wall":
             self.spin_once(0.0)
@@ -110,18 +102,12 @@ class RigDriver(TwinNode):
     def _time(self) -> float:
         return seconds(self._clock_stamp or 0)
 
-    def _on_clock(self, raw: bytes, info: Mapping[str, Any]) -> None:
-        del info
-        try:
-            stamp = read_clock(raw)
-        except MessageError:
-            self._samples.unreadable(CLOCK_TOPIC)
-            return
-        self._samples.take(CLOCK_TOPIC)
+    def _on_clock(self, stamp: int) -> None:
+        self.samples.take(CLOCK_TOPIC)
         if stamp < (self._clock_stamp or 0):  # the simulator was reset
             self._sent_stamp, self._echo_due = -1, 0
             self._plan = self._schedule.at  # as a launch with these set-points: a transition belongs to the run before
-        self._clock_stamp = stamp  # `work` sends once all messages are taken: of several, only the last counts
+        self._clock_stamp = stamp  # `step` sends once all messages are taken: of several, only the last counts
 
     def _send(self, stamp: int) -> None:
         command = self._plan(seconds(stamp))
@@ -157,7 +143,7 @@ class RigDriver(TwinNode):
 
     # --- end and health -------------------------------------------------------------------------------------------
 
-    def close(self) -> None:
+    def on_stop(self) -> None:
         """Wait until the last set-point has been received."""
         if self._sent:
             self.publish_diagnostics()
@@ -175,9 +161,9 @@ class RigDriver(TwinNode):
             "weight_on_bit": f"{command.weight_on_bit:g}",
             "speed_rev_s": f"{command.rotation / math.tau:g}",
             "commands_sent": str(self._sent),
-            **self._samples.values(),
+            **self.samples.values(),
         }
-        level, text = self._samples.verdict()
+        level, text = self.samples.verdict()
         if len(drivers) > 1:
             return Status(self.NAME, Level.WARN, f"more than one driver: {', '.join(drivers)}", values)
         if self._clock_stamp is None and level is Level.OK:

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 from drill_twin.core.errors import MessageError
-from drill_twin.io.messages.decode import JointStateReader, read_float64
+from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
@@ -50,9 +51,9 @@ class CommandSubscriptions:
 
     def subscribe(self) -> None:
         """Create the subscriptions."""
-        self._node.topics.subscribe(RIG_COMMAND, self._on_command)
-        self._node.topics.subscribe(WOB_COMMAND, lambda raw, _: self._on_single(raw, self.arbiter.weight_on_bit))
-        self._node.topics.subscribe(RPS_COMMAND, lambda raw, _: self._on_single(raw, self.arbiter.speed))
+        self._node.topics.subscribe_raw(RIG_COMMAND, self._on_command)
+        for topic, deliver in ((WOB_COMMAND, CommandArbiter.weight_on_bit), (RPS_COMMAND, CommandArbiter.speed)):
+            self._node.topics.subscribe(topic, partial(self._on_single, deliver), malformed=self._malformed)
 
     def apply_settings(self) -> None:
         """Apply the limits in the node's settings."""
@@ -120,10 +121,8 @@ class CommandSubscriptions:
         self._went_back = False
         self.arbiter.both(state.stamp, command)
 
-    def _on_single(self, raw: bytes, deliver: Callable[..., None]) -> None:
-        try:
-            value = read_float64(raw)
-        except MessageError as error:
-            self.arbiter.malformed(str(error))
-            return
-        deliver(value, driver_present=self._node.count_publishers(self._drivers_topic) > 0)
+    def _malformed(self, reason: str) -> None:
+        self.arbiter.malformed(reason)  # of now: a reset makes another
+
+    def _on_single(self, deliver: Callable[..., None], value: float) -> None:
+        deliver(self.arbiter, value, driver_present=self._node.count_publishers(self._drivers_topic) > 0)

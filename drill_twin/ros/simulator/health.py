@@ -9,13 +9,13 @@ from types import SimpleNamespace
 
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.topics import RIG_COMMAND
-from drill_twin.ros.simulator.simulation import Simulation
+from drill_twin.ros.simulator.simulation import SimulatorRun
 
 _RECENT = 10.0  # s; for so long a single stall is told
 _SHARE = 0.01  # of the simulated time; more given up is told until the end
 
 
-def diagnostic_values(settings: SimpleNamespace, simulation: Simulation, sources: Sequence[str]) -> dict[str, str]:
+def diagnostic_values(settings: SimpleNamespace, simulation: SimulatorRun, sources: Sequence[str]) -> dict[str, str]:
     """Named values for the diagnostics; begins a new window of the timing.
 
     Args:
@@ -43,7 +43,7 @@ def diagnostic_values(settings: SimpleNamespace, simulation: Simulation, sources
     }
 
 
-def verdict(settings: SimpleNamespace, simulation: Simulation, sources: Sequence[str]) -> tuple[Level, str]:
+def verdict(settings: SimpleNamespace, simulation: SimulatorRun, sources: Sequence[str]) -> tuple[Level, str]:
     """Level and sentence, the most severe first.
 
     Args:
@@ -81,7 +81,7 @@ def verdict(settings: SimpleNamespace, simulation: Simulation, sources: Sequence
     return loop.verdict()
 
 
-def _real_time_given_up(simulation: Simulation) -> str:
+def _real_time_given_up(simulation: SimulatorRun) -> str:
     """Time given up, in a sentence; empty when there is none, or a single stall is long past."""
     pacer, timing = simulation.pacer, simulation.loop.timing
     if not pacer.gave_up_within(_RECENT) and pacer.given_up <= _SHARE * timing.simulated:

@@ -12,7 +12,6 @@ It is a lifecycle node: `configure` compiles and builds, `activate` lets time ru
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
@@ -29,7 +28,6 @@ from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, STRING_POSES
 from drill_twin.ros.core.lifecycle import answer_any_transition
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
-from drill_twin.ros.core.parameters import Value
 from drill_twin.ros.core.scene_parameters import resolved, scene_of
 from drill_twin.ros.core.stop_request import Stopped, StopRequest
 from drill_twin.ros.core.topics.rclpy_topics import relative
@@ -39,7 +37,7 @@ from drill_twin.ros.simulator.trigger_services import offer
 
 if TYPE_CHECKING:
     from drill_twin.ros.simulator.run_control import RunControl
-    from drill_twin.ros.simulator.simulation import Simulation
+    from drill_twin.ros.simulator.simulation import SimulatorRun
     from drill_twin.scene import Scene
 
 _LEASE = 6.0  # s; a killed node has left the graph by then
@@ -51,7 +49,7 @@ _DONE, _REFUSED = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAI
 class Configured(NamedTuple):
     """Parts of a configured simulator."""
 
-    simulation: Simulation
+    simulation: SimulatorRun
     control: RunControl
 
 
@@ -62,9 +60,7 @@ class Simulator(LifecycleNodeMixin, TwinNode):
     PURPOSE: ClassVar = "Moves the drillstring of a scene under the set-points it receives."
     PARAMETERS: ClassVar = PARAMETERS
 
-    def __init__(
-        self, context: Context, values: Mapping[str, Value] | None = None, other_parameters: Sequence[str] = ()
-    ) -> None:
+    def __init__(self, context: Context) -> None:
         self._parts: Configured | None = None
         self._scene: Scene | None = None
         self._compiling = ""
@@ -73,13 +69,13 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         self._created = time.monotonic()
         self._refusal: Exception | None = None
         self._shut_down = False
-        TwinNode.__init__(self, context, values, other_parameters)
+        TwinNode.__init__(self, context)
         LifecycleNodeMixin.__init__(self)
         answer_any_transition(self, self._service_change_state)
 
     # --- life cycle -----------------------------------------------------------------------------------------------
 
-    def open(self) -> None:
+    def on_start(self) -> None:
         """Configure and activate, unless a lifecycle manager is to do it."""
         if not self.settings.autostart:
             name = self.get_fully_qualified_name()
@@ -99,7 +95,7 @@ class Simulator(LifecycleNodeMixin, TwinNode):
             return _REFUSED
         try:
             self._configure()
-        except Exception as error:  # noqa: BLE001 - rclpy would swallow it; `open` raises it
+        except Exception as error:  # noqa: BLE001 - rclpy would swallow it; `on_start` raises it
             self._refusal = error
             self.destroy_endpoints()
             if not self.settings.autostart:
@@ -142,14 +138,14 @@ class Simulator(LifecycleNodeMixin, TwinNode):
     def _configure(self) -> None:
         # Imported here: it takes long, and a bad parameter should be refused before.
         from drill_twin.ros.simulator.run_control import RunControl
-        from drill_twin.ros.simulator.simulation import Simulation
+        from drill_twin.ros.simulator.simulation import SimulatorRun
 
         settings = self.settings
         scene, self._scene = self._scene or self._compiled_scene(), None
         rate = settings.frame_rate or scene.numerics.frame_rate
         # Before its own topics are there: the one that runs would report a second publisher.
         self._refuse_second_simulator(own=0)
-        simulation = Simulation(self, scene, rate)
+        simulation = SimulatorRun(self, scene, rate)
         control = RunControl(simulation, settings, self.get_fully_qualified_name())
         self._refuse_second_simulator(own=1)
         if settings.checkpoint and Path(settings.checkpoint).exists():
@@ -228,7 +224,7 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         with checked(check), suppress(RunStopped):
             super().run(stop)
 
-    def work(self) -> None:
+    def step(self) -> None:
         """Advance by a frame, or wait for what the run needs."""
         self.spin_once(0.0)
         parts = self._parts
@@ -248,7 +244,7 @@ class Simulator(LifecycleNodeMixin, TwinNode):
             return self._shut_down
         return self._shut_down or self._parts.control.over or self._parts.simulation.complete
 
-    def close(self) -> None:
+    def on_stop(self) -> None:
         """Write the last checkpoint, and wait until the readers have received everything."""
         if self._parts is not None:
             self._parts.simulation.close()

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from drill_twin.core.errors import CheckpointError, DrillTwinError
-from drill_twin.ros.simulator.simulation import Simulation
+from drill_twin.ros.simulator.simulation import SimulatorRun
 from drill_twin.ros.simulator.simulation_interfaces import PAUSED, PLAYING, STOPPED
 
 Action = Callable[[], str]
@@ -24,7 +24,7 @@ class RunControl:
         over: True once the node is to end.
     """
 
-    def __init__(self, simulation: Simulation, settings: SimpleNamespace, node_name: str) -> None:
+    def __init__(self, simulation: SimulatorRun, settings: SimpleNamespace, node_name: str) -> None:
         """Start inactive and not paused.
 
         Args:

@@ -27,7 +27,7 @@ from drill_twin.scene.set_points.command import Command
 _BURST = 200  # frames; as fast as possible must not be faster than the readers
 
 
-class Simulation:
+class SimulatorRun:
     """The run loop of a node, its command topics, its pace and its checkpoints.
 
     Attributes:

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Publishers and subscriptions of a node, by topic of the contract; messages are CDR bytes, never Python objects."""
+"""Publishers and subscriptions of a node, by topic of the contract; messages are CDR bytes, decoded by their row."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -12,11 +13,14 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
-from drill_twin.io.messages.topics import DIAGNOSTICS, RPS_COMMAND, TOPICS, WOB_COMMAND
-from drill_twin.ros.core.topics.qos_check import UNKNOWN_NODE_NAME, incompatible_publisher
+from drill_twin.core.errors import MessageError
+from drill_twin.io.messages.readers import reader_of
+from drill_twin.io.messages.topics import DIAGNOSTICS, RPS_COMMAND, TOPICS, TWIN_SCENE, WOB_COMMAND
+from drill_twin.ros.core.topics.qos_check import UNKNOWN_NODE_NAME, full_name, incompatible_publisher
 from drill_twin.ros.core.topics.qos_overrides import OVERRIDABLE, readable_overrides
 from drill_twin.ros.core.topics.raw_subscriptions import ManualCallbackGroup, RawSubscriptions, Received
 from drill_twin.ros.core.topics.rclpy_topics import message_class, quality, relative
+from drill_twin.ros.core.topics.scene_gate import SceneGate
 
 _SEVERAL_PUBLISHERS = (DIAGNOSTICS, WOB_COMMAND, RPS_COMMAND)  # their sequence numbers cannot be told apart
 
@@ -28,13 +32,22 @@ NOT_NAMED_YET = f"_NODE_NAMESPACE_UNKNOWN_/{UNKNOWN_NODE_NAME}"
 class NodeTopics:
     """Topics of the contract that a node publishes and subscribes to."""
 
-    def __init__(self, node: Node, subscriptions: RawSubscriptions) -> None:
+    def __init__(self, node: Node, subscriptions: RawSubscriptions, unreadable: Callable[[str], object]) -> None:
+        """Connect the topics to their node.
+
+        Args:
+            node: The node.
+            subscriptions: Takes its messages.
+            unreadable: Called with the topic of a message that could not be decoded or used.
+        """
         self.publishers: dict[str, Publisher] = {}
         """Publishers by topic of the contract."""
         self.prefix = ""
         """Namespace of the topics that are advertised from now on, as "/rig2"; empty: the node's."""
         self._node = node
         self._subscriptions = subscriptions
+        self._unreadable = unreadable
+        self._scenes: list[SceneGate] = []
         self._group = ManualCallbackGroup()
         self._inputs: dict[str, tuple[str, QoSProfile]] = {}
 
@@ -57,8 +70,54 @@ class NodeTopics:
         """Destroy the publisher of a topic."""
         self._node.destroy_publisher(self.publishers.pop(topic))
 
-    def subscribe(self, topic: str, received: Received, *, depth: int = 0, latched: bool | None = None) -> Subscription:
-        """Create the subscription to a topic; the callback receives bytes."""
+    def subscribe(
+        self,
+        topic: str,
+        received: Callable[[Any], object],
+        *,
+        depth: int = 0,
+        latched: bool | None = None,
+        malformed: Callable[[str], object] | None = None,
+    ) -> Subscription:
+        """Create the subscription to a topic.
+
+        Args:
+            topic: The topic.
+            received: Called with each message, decoded as the topic's row says; may raise MessageError as well.
+            depth: Messages that wait; 0: those of the contract.
+            latched: Whether earlier messages are asked for; None: as the contract says.
+            malformed: Called with the reason why a message could not be used, in place of counting it.
+        """
+        read = reader_of(topic)
+
+        def decoded(raw: bytes, _: Mapping[str, Any]) -> None:
+            try:
+                received(read(bytes(raw)))
+            except MessageError as error:
+                self._unreadable(topic) if malformed is None else malformed(str(error))
+
+        return self.subscribe_raw(topic, decoded, depth=depth, latched=latched)
+
+    def subscribe_scenes(self, received: Callable[[bytes], None]) -> Subscription:
+        """Create the subscription to `/twin/scene`; the callback receives the bytes when the gate lets them pass."""
+        gate = SceneGate(received)
+        self._scenes.append(gate)
+        return self.subscribe_raw(TWIN_SCENE, lambda raw, _: gate.take(bytes(raw)), depth=1)
+
+    def pass_on_scenes(self) -> None:
+        """Pass on the scenes that wait, if their turn has come."""
+        for gate in self._scenes:
+            gate.work()
+
+    @property
+    def scenes_put_off(self) -> int:
+        """Number of scenes that were replaced by a newer one before their turn."""
+        return sum(gate.put_off for gate in self._scenes)
+
+    def subscribe_raw(
+        self, topic: str, received: Received, *, depth: int = 0, latched: bool | None = None
+    ) -> Subscription:
+        """Create the subscription to a topic; the callback receives bytes, and the times of sending and receiving."""
         row = TOPICS[topic]
         with readable_overrides(topic):
             subscription = self._node.create_subscription(
@@ -101,7 +160,7 @@ class NodeTopics:
     def publisher_nodes(self, topic: str) -> list[str]:
         """Full names of the nodes that publish a topic, one entry a publisher."""
         found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(relative(topic)))
-        return sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in found)
+        return sorted(map(full_name, found))
 
     def incompatible_publisher(self) -> str:
         """First publisher that no subscription of this node can be connected to; empty when there is none."""

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Subscriptions of a node bring decoded messages; one that cannot be used is counted, and ends nothing."""
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
+
+from drill_twin.io.messages.cdr import ClockTemplate
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.topics import CLOCK_TOPIC, TOPICS, TWIN_SCENE, WHIRL_ONSET
+from drill_twin.io.messages.whirl_encode import OnsetMessage, encode_onset
+from drill_twin.ros.core.topics.rclpy_topics import message_class
+from drill_twin.ros.demo.demo_observer import DemoObserver
+
+
+@pytest.fixture
+def observer(bench):
+    context = Context()
+    rclpy.init(args=[], context=context, domain_id=bench.domain, signal_handler_options=SignalHandlerOptions.NO)
+    node = DemoObserver(context, lambda _: None)
+    yield node
+    node.destroy_node()
+    context.try_shutdown()
+
+
+def latched(bench, topic):
+    quality = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    return bench.node.create_publisher(message_class(TOPICS[topic]), topic, quality)
+
+
+def until(node, happened):
+    for _ in range(400):
+        node.spin_once(0.05)
+        if happened():
+            return
+    pytest.fail("expected a message within 20 s")
+
+
+def test_a_message_that_cannot_be_used_is_counted_and_the_next_one_is_taken(bench, observer):
+    clock, onset = bench.publisher(CLOCK_TOPIC), latched(bench, WHIRL_ONSET)
+    clock.publish(b"\x00\x01\x00\x00\x07")  # no Clock
+    onset.publish(encode_string("a message of another type"))
+    until(observer, lambda: len(observer.samples.values()) == 4)
+    assert observer.samples.values()[f"unreadable {CLOCK_TOPIC}"] == "1"
+    clock.publish(ClockTemplate().fill(2_500_000_000))
+    onset.publish(encode_onset(2_500_000_000, OnsetMessage(1.25, "mark", 0.5)))
+    until(observer, lambda: observer.time > 0.0 and observer.onset is not None)
+    assert (observer.time, observer.onset.time) == (2.5, 1.25)
+    assert observer.samples.values()[f"unreadable {WHIRL_ONSET}"] == "1"
+
+
+def test_the_scene_passes_a_gate(bench, observer):
+    found = []
+    observer.topics.subscribe_scenes(found.append)
+    latched(bench, TWIN_SCENE).publish(encode_string("a scene"))
+    until(observer, lambda: bool(found))
+    assert found == [encode_string("a scene")]
+    assert observer.topics.scenes_put_off == 0
