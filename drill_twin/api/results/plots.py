@@ -3,12 +3,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from drill_twin.report.recording import Recording
+
+
+def _plot(name: str, what: str) -> Callable[[Plots], Figure]:
+    """Method that draws the figure of this name (`drill_twin.report.figures`)."""
+
+    def draw_it(plots: Plots) -> Figure:
+        from drill_twin.report.build import draw
+
+        return draw(name, plots.recording)
+
+    draw_it.__name__, draw_it.__qualname__, draw_it.__doc__ = f"plot_{name}", f"Plots.plot_{name}", what
+    return draw_it
 
 
 class Plots:
@@ -20,39 +33,11 @@ class Plots:
         def recording(self) -> Recording:
             """The run as the report reads it."""
 
-    def plot_set_points(self) -> Figure:
-        """Weight on bit and rotation over time, commanded and applied."""
-        return self._draw("set_points")
-
-    def plot_displacement(self) -> Figure:
-        """Displacement of the centre line at the marks over time."""
-        return self._draw("displacement")
-
-    def plot_motion(self) -> Figure:
-        """Motion states and precession over time."""
-        return self._draw("motion")
-
-    def plot_spectrum_over_time(self) -> Figure:
-        """Two-sided spectrum of the motion across the hole over time."""
-        return self._draw("spectrum_over_time")
-
-    def plot_spectrum(self) -> Figure:
-        """Two-sided spectrum of the motion across the hole after the onset."""
-        return self._draw("spectrum")
-
-    def plot_orbits(self) -> Figure:
-        """Orbits of the centre line at the marks across the hole."""
-        return self._draw("orbits")
-
-    def plot_well(self) -> Figure:
-        """The string in the well at the end, and tracks over measured depth."""
-        return self._draw("well")
-
-    def plot_string_shapes(self) -> Figure:
-        """Shapes of the string in the hole, and the paths of the marks."""
-        return self._draw("string_shapes")
-
-    def _draw(self, name: str) -> Figure:
-        from drill_twin.report.build import draw
-
-        return draw(name, self.recording)
+    plot_set_points = _plot("set_points", "Weight on bit and rotation over time, commanded and applied.")
+    plot_displacement = _plot("displacement", "Displacement of the centre line at the marks over time.")
+    plot_motion = _plot("motion", "Motion states and precession over time.")
+    plot_spectrum_over_time = _plot("spectrum_over_time", "Two-sided spectrum of the motion across the hole over time.")
+    plot_spectrum = _plot("spectrum", "Two-sided spectrum of the motion across the hole after the onset.")
+    plot_orbits = _plot("orbits", "Orbits of the centre line at the marks across the hole.")
+    plot_well = _plot("well", "The string in the well at the end, and tracks over measured depth.")
+    plot_string_shapes = _plot("string_shapes", "Shapes of the string in the hole, and the paths of the marks.")
