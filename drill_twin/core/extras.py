@@ -6,35 +6,20 @@ from typing import Any
 
 from drill_twin.core.errors import ArgumentError
 
-
-def import_xarray() -> Any:
-    """Import xarray, for `to_xarray`.
-
-    Raises:
-        ArgumentError: It is not installed.
-    """
-    return _import("xarray", "to_xarray", "xarray")
+_EXTRAS = {"xarray": ("xarray", "to_xarray"), "lasio": ("las", "LAS file"), "distributed": ("dask", "--dask")}
+"""Package -> its extra, and what it is for."""
 
 
-def import_lasio() -> Any:
-    """Import lasio, for LAS files.
+def import_extra(package: str) -> Any:
+    """Import a package.
+
+    Args:
+        package: `xarray`, `lasio` or `distributed`.
 
     Raises:
         ArgumentError: It is not installed.
     """
-    return _import("lasio", "LAS file", "las")
-
-
-def import_distributed() -> Any:
-    """Import Dask's scheduler and client, for ensembles on many machines.
-
-    Raises:
-        ArgumentError: It is not installed.
-    """
-    return _import("distributed", "--dask", "dask")
-
-
-def _import(package: str, purpose: str, extra: str) -> Any:
+    extra, purpose = _EXTRAS[package]
     try:
         return import_module(package)
     except ImportError:

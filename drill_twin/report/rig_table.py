@@ -13,7 +13,7 @@ from pathlib import Path
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError, MessageError
-from drill_twin.core.extras import import_lasio
+from drill_twin.core.extras import import_extra
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.core.version import __version__
 from drill_twin.io.bag.reading.files import bag_path
@@ -104,7 +104,7 @@ def las_text(channels: Sequence[Channel], well: str) -> str:
     Raises:
         ArgumentError: The package lasio is not installed.
     """
-    las = import_lasio().LASFile()
+    las = import_extra("lasio").LASFile()
     las.well["WELL"].value = well
     las.well["COMP"].value = f"drill_twin {__version__}, simulated"
     las.well["NULL"].value = NULL

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from drill_twin.core.units import DIMENSIONS, UnitError, factor_of, parse, write
+from drill_twin.core.units import UnitError, factor_of, parse, write
 from drill_twin.core.units import dimension as dim
+from drill_twin.core.units.dimension import DIMENSIONS
 from drill_twin.core.units.parse import editor_pattern
 from drill_twin.core.units.registry import registry
 

@@ -124,19 +124,6 @@ def test_after_a_long_gap_the_analysis_begins_again():
     assert found.onset_s == pytest.approx(25.0 - math.log(9.0) / 4.0, abs=0.5)
 
 
-def test_readings_at_once_are_those_one_by_one():
-    stamp, values = read(40.0, 0.5, 25.0)
-    one, rows = (SubAnalyzer(MARK, RADIUS, NOISE) for _ in range(2))
-    for at, reading in zip(stamp.tolist(), values, strict=True):
-        one.push(at, reading)
-    for at, reading in zip(stamp[:1000].tolist(), values[:1000], strict=True):
-        rows.push(at, reading)
-    found = rows.push_rows(stamp[1000:], values[1000:])
-    assert found.onset.detected_s == pytest.approx(one.findings.onset.detected_s, abs=1e-9)
-    assert found.orbit_radius == pytest.approx(one.findings.orbit_radius, rel=1e-9)
-    assert found.state == one.findings.state
-
-
 def test_a_whirl_that_is_there_at_the_start_is_found_and_said_to_be():
     found = analyse_sub(*read(20.0, 0.6, -5.0), MARK, RADIUS, NOISE)
     assert found.onset.at_start

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.extras import import_xarray
+from drill_twin.core.extras import import_extra
 
 if TYPE_CHECKING:
     import xarray
@@ -47,7 +47,7 @@ def dataset(result: Result) -> xarray.Dataset:
     Raises:
         ArgumentError: xarray is not installed.
     """
-    labelled = import_xarray()
+    labelled = import_extra("xarray")
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"time": ("time", result.time, {"units": "s"})}
 

@@ -67,9 +67,5 @@ VOLUME = Dimension("volume", "m^3", ("20 L", "10 bbl"))
 VISCOSITY = Dimension("viscosity", "Pa s", ("0.02 Pa s", "20 cP"))
 DIMENSIONLESS = Dimension("number without unit", "", ("0.3", "30 %"))
 
-DIMENSIONS = (
-    LENGTH, MASS, TIME, FORCE, ANGLE, ANGULAR_SPEED, FREQUENCY, SPEED, ACCELERATION, DENSITY, PRESSURE, TORQUE,
-    LINEAR_DRAG, ROTARY_DRAG, HERTZ_STIFFNESS, LINEAR_STIFFNESS, INVERSE_SPEED, ROTATIONAL_STIFFNESS,
-    ROTATIONAL_DAMPING, INERTIA, STIFFNESS, DAMPING, TIME_PER_ANGLE, SQUARED_TIME_PER_ANGLE, SPEED_PER_FORCE,
-    LENGTH_PER_ANGLE, FORCE_TIMES_ANGLE, FORCE_PER_LENGTH, CURVATURE, VOLUME, VISCOSITY, LINEAR_MASS, DIMENSIONLESS,
-)  # fmt: skip
+DIMENSIONS = tuple(value for value in tuple(globals().values()) if isinstance(value, Dimension))
+"""All of them; of those that share a unit the first gives its name in messages."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from drill_twin.core.errors import TableError
-from drill_twin.core.extras import import_lasio
+from drill_twin.core.extras import import_extra
 from drill_twin.gateway.drillbotics.files import LOWEST_RATE, SUGGESTED, TIMESERIES
 from drill_twin.scene.records.csv_file import CSV
 
@@ -90,7 +90,7 @@ def check_log(path: Path) -> Iterator[Rule]:
         TableError: It cannot be read as LAS.
     """
     try:
-        las = import_lasio().read(str(path), encoding="utf-8")
+        las = import_extra("lasio").read(str(path), encoding="utf-8")
         version, well = float(las.version["VERS"].value), str(las.well["WELL"].value)
         units = [curve.mnemonic for curve in las.curves if not curve.unit]
         index = las.curves[0].data

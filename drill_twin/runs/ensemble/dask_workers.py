@@ -24,7 +24,7 @@ import numpy as np
 
 from drill_twin.core.compile.source_hash import source_hash
 from drill_twin.core.errors import DrillTwinError, RunError
-from drill_twin.core.extras import import_distributed
+from drill_twin.core.extras import import_extra
 from drill_twin.core.version import __version__
 from drill_twin.dynamics.solver.kernel_codegen import packages_of, source
 from drill_twin.dynamics.twin.dynamics import kernel_of
@@ -62,7 +62,7 @@ class DaskWorkers:
             RunError: No scheduler answers, or it has no workers.
         """
         self.address = address
-        self._distributed = import_distributed()
+        self._distributed = import_extra("distributed")
         logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what it logs is raised here
         try:
             self._distributed.comm.resolve_address(address)  # a client with an address that is none would not end

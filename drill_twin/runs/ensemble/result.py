@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drill_twin.core.errors import ArgumentError
-from drill_twin.core.extras import import_xarray
+from drill_twin.core.extras import import_extra
 from drill_twin.runs.ensemble.members import Members
 from drill_twin.runs.ensemble.run import Run
 from drill_twin.whirl import Summary
@@ -111,7 +111,7 @@ class EnsembleResult:
         Raises:
             ArgumentError: xarray is not installed.
         """
-        labelled, members = import_xarray(), self._members
+        labelled, members = import_extra("xarray"), self._members
         shape = members.shape
         keys = ("member",) if members.zipped else tuple(members.vary)
         coordinates: dict[str, Any] = {

@@ -88,24 +88,6 @@ class SubAnalyzer:
                 self.motion.torsion.push_sticking(*self._analyzer.bit_speed, self.motion.interval)
         return self._findings
 
-    def push_rows(self, stamps: NDArray[np.int64], values: Array) -> Findings:
-        """Add readings without a gap, as `push` one by one, and return the findings after the last.
-
-        An onset is found, but keeps the time of the detection; impacts and the share at rest are not counted.
-
-        Args:
-            stamps: Middles of the readings [ns], shape (n,).
-            values: Specific force [m/s^2] and rates [rad/s] in the axes of the sub, shape (n, 6).
-
-        Raises:
-            ValueError: There is no place yet.
-        """
-        places = self.motion.push_rows(stamps, values)
-        position = np.stack([places.position.real, places.position.imag], -1)[:, None]
-        self._analyzer.push_block(places.stamp, position, places.spin[:, None], places.speed, None, places.speed)
-        self._last, self._findings = int(stamps[-1]), self._analyzer.findings
-        return self._findings
-
     def summary(self) -> Summary:
         """The findings of the whole run so far."""
         return replace(self._analyzer.summary(), quality=self.quality, sub=self.sub)

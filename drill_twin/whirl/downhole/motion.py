@@ -16,7 +16,6 @@ from collections import deque
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.criteria import Criteria
@@ -53,15 +52,6 @@ class Place(NamedTuple):
     """Spin since the first reading [rad]."""
     speed: float
     """Speed of rotation [rad/s]."""
-
-
-class Places(NamedTuple):
-    """As `Place`, of n readings, each of shape (n,)."""
-
-    stamp: NDArray[np.int64]
-    position: ComplexArray
-    spin: Array
-    speed: Array
 
 
 class Kept(NamedTuple):
@@ -177,35 +167,6 @@ class SubMotion:
             return []
         acceleration = kept.acceleration + self._axial * kept.tilt + self._synchronous * kept.turn
         return [Place(kept.stamp, self._filter(acceleration), kept.spin, kept.speed)]
-
-    def push_rows(self, stamps: NDArray[np.int64], values: Array) -> Places:
-        """Add readings without a gap, once started, as `push` one by one; they are not kept for a time of an onset.
-
-        Args:
-            stamps: Middles of the readings [ns], shape (n,).
-            values: Specific force [m/s^2] and rates [rad/s] in the axes of the sub, shape (n, 6).
-
-        Raises:
-            ValueError: There is no place yet.
-        """
-        if self._filter is None:
-            raise ValueError("expected readings after the first place, found none before")
-        before = [stamp for stamp, _ in self._waiting], [row for _, row in self._waiting]
-        stamps, values = np.concatenate([before[0], stamps]), np.concatenate([before[1], values])
-        self._waiting = [(int(stamps[k]), values[k].tolist()) for k in (-2, -1)]
-        interval, speed, rows = self.interval, values[:, 5], values[1:-1]
-        angle = np.cumsum(np.concatenate([[self._spin], rows[:, 5] * interval]))
-        turn = np.exp(1j * (angle[:-1] + 0.5 * rows[:, 5] * interval))
-        swing = -1j * interval * turn * (rows[:, 3] + 1j * rows[:, 4])
-        tilt = np.cumsum(np.concatenate([[self._tilt], swing]))
-        change = 0.5 * (speed[2:] - speed[:-2]) / interval
-        arm = self._radius * (-(rows[:, 5] ** 2) + 1j * change)
-        acceleration = (rows[:, 0] + 1j * rows[:, 1] - arm) * turn + self._axial * (tilt[:-1] + 0.5 * swing)
-        acceleration += self._synchronous * turn
-        self._spin, self._tilt = float(angle[-1]), complex(tilt[-1])
-        self._revolutions += float(np.abs(rows[:, 5]).sum()) * interval / math.tau
-        position = np.array([self._filter(one) for one in acceleration.tolist()])
-        return Places(stamps[1:-1] + self._interval // 2, position, angle[1:], rows[:, 5])
 
     def _keep(self, stamp: int, values: list[float], change: float) -> Kept:
         """Turn a reading into the frame of the hole, and keep it; `change` of the speed in an interval [rad/s]."""

@@ -131,7 +131,7 @@ def noise_onsets(hours: float) -> int:
 
 
 def _in_noise(part: int, hours: float) -> bool:
-    """Return True if an onset is found in at most an hour of noise; the first minute of it reading by reading."""
+    """Return True if an onset is found in at most an hour of noise."""
     draw = np.random.default_rng([part, 13])
     turn = math.tau * SPEED
     steady = np.array([-SENSOR_RADIUS * turn**2, 0.0, 9.81, 0.0, 0.0, turn]) + np.repeat(BIAS, 3) * draw.normal(size=6)
@@ -141,11 +141,8 @@ def _in_noise(part: int, hours: float) -> bool:
         rows = np.arange(first, min(first + size, count))
         readings = steady + np.repeat(NOISE, 3) * draw.normal(size=(rows.size, 6))
         stamps = np.round((rows + 0.5) / RATE * 1e9).astype(np.int64)
-        begin = round(60.0 * RATE) if first == 0 else 0
-        for stamp, values in zip(stamps[:begin].tolist(), readings[:begin], strict=True):
+        for stamp, values in zip(stamps.tolist(), readings, strict=True):
             analyzer.push(stamp, values)
-        if rows.size > begin:
-            analyzer.push_rows(stamps[begin:], readings[begin:])
     return analyzer.findings.onset is not None
 
 

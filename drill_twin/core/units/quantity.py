@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""pydantic field types that read `"40 N"` and hold 40.0: floats in SI inside, text with its unit in files.
+"""Annotations of pydantic fields that read `"40 N"` and hold 40.0: floats in SI inside, text with its unit in files.
 
 A scene file must write the unit; a bare number is refused there (validation context `{"text": True}`). Code may pass
 plain floats, which are SI.
@@ -7,13 +7,12 @@ plain floats, which are SI.
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import PydanticCustomError, core_schema
 
-from drill_twin.core.units import dimension as dim
 from drill_twin.core.units.dimension import DIMENSIONLESS, Dimension
 from drill_twin.core.units.parse import dimension_of, editor_pattern, parse, short, write
 from drill_twin.core.units.registry import UnitError
@@ -141,36 +140,3 @@ class Within:
         named = (("above", self.above), ("at least", self.at_least), ("below", self.below), ("at most", self.at_most))
         text = " and ".join(f"{name} {bound}" for name, bound in named if bound is not None)
         return f"{text} ({self.reason})" if self.reason else text
-
-
-Length = Annotated[float, Quantity(dim.LENGTH)]
-Mass = Annotated[float, Quantity(dim.MASS)]
-LinearMass = Annotated[float, Quantity(dim.LINEAR_MASS)]
-Time = Annotated[float, Quantity(dim.TIME)]
-Force = Annotated[float, Quantity(dim.FORCE)]
-Angle = Annotated[float, Quantity(dim.ANGLE)]
-AngularSpeed = Annotated[float, Quantity(dim.ANGULAR_SPEED)]
-Frequency = Annotated[float, Quantity(dim.FREQUENCY)]
-Speed = Annotated[float, Quantity(dim.SPEED)]
-Acceleration = Annotated[float, Quantity(dim.ACCELERATION)]
-Density = Annotated[float, Quantity(dim.DENSITY)]
-Pressure = Annotated[float, Quantity(dim.PRESSURE)]
-Torque = Annotated[float, Quantity(dim.TORQUE)]
-LinearDrag = Annotated[float, Quantity(dim.LINEAR_DRAG)]
-RotaryDrag = Annotated[float, Quantity(dim.ROTARY_DRAG)]
-HertzStiffness = Annotated[float, Quantity(dim.HERTZ_STIFFNESS)]
-LinearStiffness = Annotated[float, Quantity(dim.LINEAR_STIFFNESS)]
-InverseSpeed = Annotated[float, Quantity(dim.INVERSE_SPEED)]
-RotationalStiffness = Annotated[float, Quantity(dim.ROTATIONAL_STIFFNESS)]
-RotationalDamping = Annotated[float, Quantity(dim.ROTATIONAL_DAMPING)]
-Inertia = Annotated[float, Quantity(dim.INERTIA)]
-Stiffness = Annotated[float, Quantity(dim.STIFFNESS)]
-Damping = Annotated[float, Quantity(dim.DAMPING)]
-TimePerAngle = Annotated[float, Quantity(dim.TIME_PER_ANGLE)]
-SquaredTimePerAngle = Annotated[float, Quantity(dim.SQUARED_TIME_PER_ANGLE)]
-SpeedPerForce = Annotated[float, Quantity(dim.SPEED_PER_FORCE)]
-LengthPerAngle = Annotated[float, Quantity(dim.LENGTH_PER_ANGLE)]
-ForceTimesAngle = Annotated[float, Quantity(dim.FORCE_TIMES_ANGLE)]
-ForcePerLength = Annotated[float, Quantity(dim.FORCE_PER_LENGTH)]
-Viscosity = Annotated[float, Quantity(dim.VISCOSITY)]
-Dimensionless = Annotated[float, Quantity(dim.DIMENSIONLESS)]
