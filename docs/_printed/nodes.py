@@ -8,7 +8,7 @@ from _printed.markdown import code, table
 from drill_twin.ros import entry_points
 from drill_twin.ros.composed_twin import ComposedTwin
 from drill_twin.ros.core.parameters import Parameter
-from drill_twin.ros.deployment.security import RIGHTS
+from drill_twin.ros.permissions import RIGHTS
 
 
 def nodes() -> str:

@@ -43,7 +43,7 @@ from drill_twin.live.sources import Sources
 from drill_twin.live.supervision import Supervision
 from drill_twin.report.page.well_geometry import well_geometry
 from drill_twin.report.quantities.loads import string_weight
-from drill_twin.report.quantities.string_curve import along_hole
+from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.studies.maps.operating_map import digest_of
 

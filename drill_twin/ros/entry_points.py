@@ -3,7 +3,7 @@
 
 Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go on, 2 refused to start.
 
-A new node is a class of `core.node.TwinNode`, a row in `NODES` and one in `deployment.security.RIGHTS`, and the two
+A new node is a class of `core.node.TwinNode`, a row in `NODES` and one in `permissions.RIGHTS`, and the two
 files printed from its tables: `config/nodes/NAME.yaml` by `python -m drill_twin.ros NAME --parameters`, and
 `config/security/NAME.policy.xml` by `policy_text`. Its executable, help text and tests follow from these.
 """

@@ -6,7 +6,7 @@ import pytest
 
 from drill_twin.dynamics.discretisation.discretise import survey_of
 from drill_twin.io.messages.drawing.pose import orientation, tangent_of
-from drill_twin.report.quantities.string_curve import FINEST, low_side, smooth
+from drill_twin.report.string_curve import FINEST, low_side, smooth
 from drill_twin.scene import load_scene
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.ros.deployment.cpu_load import _processor_time
+from drill_twin.ros.demo.cpu_load import _processor_time
 
 
 def test_processor_time_is_that_of_the_process():

@@ -63,7 +63,7 @@ def test_topics_types_and_services_that_the_guide_names_exist():
         assert topic in TOPICS
     services = set(re.findall(r"ros2 service call /simulator/(\w+) std_srvs/srv/Trigger", GUIDE))
     assert services >= {"pause", "resume", "step", "reset", "save_checkpoint", "load_checkpoint"}
-    from drill_twin.ros.deployment.security import RIGHTS
+    from drill_twin.ros.permissions import RIGHTS
 
     assert {f"~/{name}" for name in services} <= {*RIGHTS["simulator"].reply, "~/ready"}
     from drill_twin.ros.rig_driver.node import RigDriver

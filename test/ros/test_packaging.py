@@ -15,7 +15,7 @@ import drill_twin
 from drill_twin.ros import entry_points
 from drill_twin.ros.composed_twin import ComposedTwin
 from drill_twin.ros.core.parameter_text import file_text
-from drill_twin.ros.deployment.security import RIGHTS
+from drill_twin.ros.permissions import RIGHTS
 from drill_twin.scene import presets
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -17,7 +17,7 @@ from drill_twin.io.messages.topics import (
     SURFACE_STATE,
     TOPICS,
 )
-from drill_twin.ros.deployment.security import RIGHTS, WHERE_INSTALLED, policy_text
+from drill_twin.ros.permissions import RIGHTS, WHERE_INSTALLED, policy_text
 
 FOLDER = Path(__file__).resolve().parents[2] / "config" / "security"
 

@@ -14,11 +14,13 @@ import numpy as np
 from drill_twin.api.results.plots import Plots
 from drill_twin.api.results.whirl import Whirl
 from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError
 from drill_twin.io.bag.memory import copy_bag
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.sensor_series import Measured
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries
+from drill_twin.io.downhole import sub_analyzer
 from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection, open_bag
 from drill_twin.report.summary import summarise
@@ -131,9 +133,13 @@ class Result(Plots):
             ArgumentError: The bag has no readings of this sub, or the scene does not list it.
             AnalysisError: The readings are not evenly spaced, do not turn, or are too few.
         """
-        from drill_twin.api.results.downhole import whirl_from_sub
-
-        return whirl_from_sub(self, name)
+        read = {key: sub for key, sub in self.measured.subs.items() if len(sub.imu)}
+        if name not in read:
+            raise ArgumentError(f"expected a sub with readings, one of {', '.join(read) or 'none'}, found {name!r}")
+        analyzer = sub_analyzer(self.scene, name)
+        for stamp, values in zip(read[name].imu.stamp.tolist(), read[name].imu.values, strict=True):
+            analyzer.push(stamp, values)
+        return analyzer.checked_summary()
 
     @property
     def set_points(self) -> CommandSeries:
@@ -221,7 +227,9 @@ class Result(Plots):
         """
         from drill_twin.api.results.dataset import dataset
 
-        return dataset(self)
+        found = {"onset_s": self.onset_s, "whirl_frequency_hz": self.whirl.frequency_hz}
+        source = {"source": str(self.path), **{key: value for key, value in found.items() if value is not None}}
+        return dataset(self.time, self.rig, self.marks, self.set_points, self.whirl, source)
 
     def to_bag(self, folder: str | Path) -> Path:
         """Write the messages of the run to a new bag folder; returns the folder.

@@ -26,7 +26,7 @@ def load(
     with all threads of DDS. The simulator itself measures its time for the motion and for publishing.
     """
     from drill_twin.cli.show import err, grid, out, print_json
-    from drill_twin.ros.deployment.cpu_load import LoadOptions, run_load
+    from drill_twin.ros.demo.cpu_load import LoadOptions, run_load
 
     with err().status("running the nodes"):
         shares, said = run_load(LoadOptions(scene, rate, elements, seconds))

@@ -18,8 +18,8 @@ from matplotlib.patches import Circle
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, WIDTH, blank, head, note
-from drill_twin.report.quantities.string_curve import VERTICAL, low_side
 from drill_twin.report.recording import Recording
+from drill_twin.report.string_curve import VERTICAL, low_side
 
 COLUMNS = 4
 MAP = "cividis_r"

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Quantities computed from a recording: loads, precession, penetration of the wall, curve and forces of the string."""
+"""Quantities computed from a recording: loads, precession, penetration of the wall, forces of the string."""

@@ -14,8 +14,8 @@ from drill_twin.dynamics.discretisation.resolution import MOST
 from drill_twin.dynamics.twin.state_bounds import bounds_of
 from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import build_rod
-from drill_twin.report.quantities.string_curve import along_hole, refined
 from drill_twin.report.recording import Recording
+from drill_twin.report.string_curve import along_hole, refined
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import extremes
 

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 from drill_twin.core.errors import RunError
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.demo.folder import prepare_folder
+from drill_twin.ros.demo.processes import Child, processes
 from drill_twin.ros.demo.result import check_bag, draw_report
 from drill_twin.ros.demo.stall_detector import STARTING_TIME, StallDetector
-from drill_twin.ros.deployment.processes import Child, processes
 
 if TYPE_CHECKING:
     from rich.console import Console

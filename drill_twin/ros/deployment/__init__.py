@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Deployment of the nodes: discovery, child processes, processor load, security."""
+"""Deployment of the nodes: discovery and security."""

@@ -23,7 +23,7 @@ from drill_twin.physics.model.wellbore_coordinates import (
     to_hole_coordinates,
     transverse_axes,
 )
-from drill_twin.report.quantities.string_curve import along_hole
+from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import load_scene, parse_scene
 
 FACTOR = 20.0

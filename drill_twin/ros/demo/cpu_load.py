@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drill_twin.ros.core.stop_request import StopRequest
+from drill_twin.ros.demo.processes import Child, processes
 from drill_twin.ros.demo.stall_detector import STARTING_TIME, StallDetector
-from drill_twin.ros.deployment.processes import Child, processes
 
 if TYPE_CHECKING:
     from drill_twin.ros.demo.demo_observer import DemoObserver
