@@ -34,7 +34,7 @@ setup(
     install_requires=[
         "lz4",
         "matplotlib",
-        "mcap>=1.6",
+        "mcap>=1.6,<1.7",  # io/bag/writing uses private names of its Writer
         "numba>=0.59",
         "numpy>=1.26,<2.6",  # 1.26: what Ubuntu 24.04 gives ROS Jazzy; 2.6: what numba does not take yet
         "pint>=0.24.4",

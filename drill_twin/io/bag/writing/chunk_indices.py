@@ -53,6 +53,5 @@ class PackedIndices:
 
 
 def pack_indices(writer: Writer) -> None:
-    """Make a new writer keep its chunk indices compressed; no effect if its private list has another name."""
-    if getattr(writer, _LIST, None) == []:
-        setattr(writer, _LIST, PackedIndices())
+    """Make a new writer keep its chunk indices compressed."""
+    setattr(writer, _LIST, PackedIndices())

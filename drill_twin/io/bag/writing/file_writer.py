@@ -81,7 +81,7 @@ class FileWriter:
         channels = self._channels
         try:
             opened = self._append((channels[topic], stamp, raw, number) for topic, stamp, raw, number in messages)
-            if opened is not None and self._stream.tell() > self._kept_size:  # a chunk was full
+            if self._stream.tell() > self._kept_size:  # a chunk was full
                 self._stream.flush()
                 self._kept, self._kept_size = self.count - opened, self._stream.tell()
                 self._open_since = min(stamps[-opened:]) if opened else None
