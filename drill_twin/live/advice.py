@@ -7,8 +7,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from drill_twin.core.errors import MessageError, printable
+from drill_twin.core.errors import MessageError
 from drill_twin.core.files.json_reader import read_json
+from drill_twin.live.plain import short
 
 SHOWN_STEPS = 64
 """Steps of the map along each range on the page; a finer one is shown at every second node, or fewer."""
@@ -50,7 +51,7 @@ def shown_map(text: str) -> dict[str, Any]:
         "digest": digest[:64],
         "wob": [low, high],
         "rps": [slow / math.tau, fast / math.tau],
-        "regimes": [printable(str(name)[:40], keep="") for name in names[:10]],
+        "regimes": [short(str(name), 40) for name in names[:10]],
         "window": edges[4:6] + [edge / math.tau for edge in edges[6:]],
         **{name: "".join(digits[i * side + j] for i in rows for j in rows) for name, digits in fields.items()},
     }

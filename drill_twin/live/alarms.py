@@ -11,12 +11,12 @@ from collections import deque
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from drill_twin.core.errors import DrillTwinError, printable
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level
+from drill_twin.live.plain import short
 
 _MOST_EVENTS, _RECENT = 1000, 8
 _MOST_ALARMS = 100
-_LONGEST_TEXT = 300
 
 
 @dataclass
@@ -64,9 +64,9 @@ class Alarms:
         if alarm is None or not alarm.active or level > alarm.level:
             if alarm is None and len(self._alarms) >= _MOST_ALARMS:
                 return False
-            self._alarms[cause] = Alarm(self.note(text, time, level), _short(text), level, time)
+            self._alarms[cause] = Alarm(self.note(text, time, level), short(text), level, time)
             return True
-        alarm.text = _short(text)
+        alarm.text = short(text)
         return False
 
     def acknowledge(self, number: int | None, time: float | None) -> None:
@@ -93,7 +93,7 @@ class Alarms:
         self._count += 1
         told = "" if self._recorded else clock.strftime("%H:%M:%S")
         self._events.append(
-            {"number": self._count, "time": time, "clock": told, "level": int(level), "text": _short(text)}
+            {"number": self._count, "time": time, "clock": told, "level": int(level), "text": short(text)}
         )
         return self._count
 
@@ -109,7 +109,3 @@ class Alarms:
     def events(self) -> list[dict[str, Any]]:
         """All events that are kept."""
         return list(self._events)
-
-
-def _short(text: str) -> str:
-    return printable(text[:_LONGEST_TEXT], keep="")

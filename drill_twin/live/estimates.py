@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
-from drill_twin.core.errors import MessageError, printable
-from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics
+from drill_twin.core.errors import MessageError
+from drill_twin.io.messages.diagnostics import Level, Status
+from drill_twin.live.plain import short
 
 _MOST = 50
-_LONGEST_NAME, _LONGEST_TEXT = 60, 300
+_LONGEST_NAME = 60
 _TRUST = {"good": Level.OK, "doubtful": Level.WARN, "unusable": Level.ERROR}
 _OWN, _BAND = "estimate", ("mean", "low", "high")
 _QUANTITIES = {
@@ -23,7 +25,7 @@ _QUANTITIES = {
 """Quantity of the page (`units.js`) by the unit of an estimate, and the factor to the page's own unit."""
 
 
-def shown_estimates(raw: bytes) -> dict[str, Any]:
+def shown_estimates(statuses: Sequence[Status]) -> dict[str, Any]:
     """Level and sentence of a `/estimate/state`, and rows of it for the page.
 
     A row has name and text; an estimate with a unit of `_QUANTITIES` also its quantity, and mean, low and high end of
@@ -31,9 +33,8 @@ def shown_estimates(raw: bytes) -> dict[str, Any]:
     level of a warning; of unusable ones there are no rows.
 
     Raises:
-        MessageError: It cannot be read, or has no status of the whole.
+        MessageError: It has no status of the whole.
     """
-    statuses = decode_diagnostics(raw)[1]
     whole = next((status for status in statuses if status.name == _OWN), None)
     if whole is None:
         raise MessageError(f"expected the status {_OWN!r} among the estimates, found none")
@@ -43,15 +44,15 @@ def shown_estimates(raw: bytes) -> dict[str, Any]:
     rows += [_row(status) for status in statuses[: _MOST + 1] if status is not whole]
     return {
         "level": int(whole.level),
-        "text": _short(whole.text),
+        "text": short(whole.text),
         "trust": int(trust),
         "rows": [] if trust is Level.ERROR else rows,
     }
 
 
 def _row(status: Status) -> dict[str, Any]:
-    name = _short(status.name.removeprefix(f"{_OWN}: "), _LONGEST_NAME)
-    shown: dict[str, Any] = {"name": name, "text": _short(status.text)}
+    name = short(status.name.removeprefix(f"{_OWN}: "), _LONGEST_NAME)
+    shown: dict[str, Any] = {"name": name, "text": short(status.text)}
     quantity, factor = _QUANTITIES.get(status.text.partition(") ")[2], ("", 1.0))
     band = {key: factor * value for key in _BAND if (value := _number(status, key)) is not None}
     if quantity and len(band) == len(_BAND):
@@ -66,7 +67,3 @@ def _number(status: Status, key: str) -> float | None:
     except (KeyError, ValueError):
         return None
     return value if math.isfinite(value) else None
-
-
-def _short(text: str, most: int = _LONGEST_TEXT) -> str:
-    return printable(text[:most], keep="")

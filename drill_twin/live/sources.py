@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from drill_twin.core.errors import printable
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.good_samples import GONE, STALE, GoodSamples
 from drill_twin.io.messages.topics import (
@@ -20,6 +19,7 @@ from drill_twin.io.messages.topics import (
     STRING_POSES,
     WHIRL_STATE,
 )
+from drill_twin.live.plain import short
 
 _STREAMS = {
     **dict.fromkeys((STRING_POSES, MARKS_STATE, RIG_STATE), "simulator"),
@@ -56,8 +56,7 @@ class Sources:
         if "ended" in status.values:
             self._reports.pop(status.name, None)
         else:
-            name = printable(status.name[:_LONGEST_NAME], keep="")
-            text = printable(status.text[:_LONGEST_TEXT], keep="")
+            name, text = short(status.name, _LONGEST_NAME), short(status.text, _LONGEST_TEXT)
             values = {key: value for key, value in status.values.items() if key == "state"}
             self._reports.pop(name, None)
             self._reports[name] = _Report(replace(status, name=name, text=text, values=values), self._clock())
@@ -96,3 +95,40 @@ class Sources:
     def missing(self) -> list[str]:
         """Names of the nodes that have not been heard for longer than values last, and did not end in order."""
         return [row["name"] for row in self.nodes() if row["age"] > GONE]
+
+
+_INSTEAD: dict[str, tuple[str, Callable[[str], dict[str, Any]], tuple[str, ...]]] = {
+    "simulator": (
+        "data of the simulator",
+        lambda text: {"time": None, "nodes": [], "trail": {}, "rig": {}, "simulator": {"factor": "", "text": text}},
+        ("x", "y", "z"),
+    ),
+    "analyzer": (
+        "findings of the analyzer",
+        lambda text: {"motion": {"state": "", "criterion": text}, "onset": None},
+        ("orbit", "precession", "motion"),
+    ),
+    "advisor": ("advice", lambda text: {"advice": {"text": text, "level": int(Level.STALE)}}, ()),
+    "estimator": (
+        "estimates",
+        lambda text: {"estimates": {"level": int(Level.STALE), "text": text, "rows": []}},
+        (),
+    ),
+}
+"""By source: its values in words, the picture once they are gone, with a sentence, and its values of each mark."""
+
+
+def without_old_values(picture: dict[str, Any], sources: Sources, starting: str) -> dict[str, Any]:
+    """Add the ages of the sources, and take away what is gone; a simulator that is `starting` has no frames as yet."""
+    ages = {source: sources.age(source) for source in _INSTEAD}
+    picture |= {"ages": ages, "graph": sources.nodes()}
+    for source, (words, instead, of_marks) in _INSTEAD.items():
+        if (age := ages[source]) is not None and age > GONE:
+            picture |= instead(f"no {words} for {age:.0f} s")
+            picture["marks"] = [
+                {key: value for key, value in mark.items() if key not in of_marks} for mark in picture["marks"]
+            ]
+    if starting:
+        text = next((row["text"] for row in picture["graph"] if row["name"] == starting), "the simulator has ended")
+        picture["simulator"] = {"factor": "", "text": text}
+    return picture
