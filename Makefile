@@ -193,6 +193,7 @@ check: setup-test
 	@$(PYTHON) -m ruff format --check .
 	@$(PYTHON) -m mypy
 	@$(VENV)/bin/lint-imports
+	@$(PYTHON) .ci/ratchet.py
 
 clean:
 	@rm -rf build install log *.egg-info evidence/*.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Size of the package against its limits in `pyproject.toml`; part of `make check`.
+
+    python .ci/ratchet.py            # a table; exit code 1 if a limit is exceeded
+
+Who raises a limit says why in the commit. A passage is repeated if six or more lines, without blank ones, comments and
+imports, stand in two places with the same shape: alike but for names, strings and numbers.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import keyword
+import sys
+import tokenize
+import tomllib
+from collections import defaultdict
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+PASSAGE = 6
+"""Lines of a repeated passage."""
+THIN = 5
+"""Words and signs from which a line counts; a bracket that closes does not."""
+_KINDS = {tokenize.NAME: "", tokenize.OP: "", tokenize.STRING: "text", tokenize.NUMBER: "0"}
+TOO_COMMON = 8
+"""Places in which a passage is no longer counted, such as a list of arguments that a library asks for."""
+
+
+def main() -> int:
+    """Print what is measured beside its limit; 1 if one is exceeded."""
+    limits = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["ratchet"]
+    measured = measure()
+    print(f"{'':34}{'now':>8}{'limit':>8}")
+    exceeded = False
+    for name, number in measured.items():
+        above = number > limits[name]
+        exceeded |= above
+        print(f"{name.replace('_', ' '):34}{number:8}{limits[name]:8}{'  exceeded' if above else ''}")
+    if exceeded:
+        print("make it smaller, or raise the limit in pyproject.toml, [tool.ratchet], and say why in the commit")
+    return int(exceeded)
+
+
+def measure() -> dict[str, int]:
+    """Each figure by the name of its limit."""
+    package = ROOT / "drill_twin"
+    texts = {path: path.read_text("utf-8") for path in sorted(package.rglob("*.py"))}
+    lines = [text.count("\n") for text in texts.values()]
+    return {
+        "lines_of_the_package": sum(lines),
+        "files_of_the_package": len(lines),
+        "lines_of_the_longest_file": max(lines),
+        "folders_at_the_top": sum((path / "__init__.py").exists() for path in package.iterdir()),
+        "repeated_passages": repeated({path: _code(text) for path, text in texts.items()}),
+        "parameters_of_commands": _parameters(),
+    }
+
+
+def repeated(files: dict[Path, list[str]]) -> int:
+    """Pairs of places that share a passage; of a longer one only its begin counts.
+
+    Args:
+        files: Lines of code of each file.
+    """
+    places: dict[tuple[str, ...], list[tuple[Path, int]]] = defaultdict(list)
+    for path, lines in files.items():
+        for begin in range(len(lines) - PASSAGE + 1):
+            places[tuple(lines[begin : begin + PASSAGE])].append((path, begin))
+    pairs = {
+        pair
+        for found in places.values()
+        if 1 < len(found) <= TOO_COMMON
+        for pair in combinations(found, 2)
+        if pair[0][0] != pair[1][0] or abs(pair[0][1] - pair[1][1]) >= PASSAGE
+    }
+    return sum(((a, i - 1), (b, j - 1)) not in pairs for (a, i), (b, j) in pairs)
+
+
+def _code(text: str) -> list[str]:
+    """Shape of each line of code: names, strings and numbers replaced, without comments, imports and docstrings."""
+    left_out = {
+        number
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        or (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
+        for number in range(node.lineno, (node.end_lineno or node.lineno) + 1)
+    }
+    shapes: dict[int, list[str]] = defaultdict(list)
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        line = token.start[0]
+        if line not in left_out and token.type in _KINDS:
+            is_name = token.type == tokenize.NAME and not keyword.iskeyword(token.string)
+            shapes[line].append("name" if is_name else _KINDS[token.type] or token.string)
+    return ["".join(shape) for shape in shapes.values() if len(shape) >= THIN]
+
+
+def _parameters() -> int:
+    """Parameters of the commands that the package brings itself."""
+    from typer.main import get_command
+
+    from drill_twin.cli.app import app
+
+    commands: dict[str, Any] = getattr(get_command(app), "commands", {})
+    return sum(
+        len(command.params)
+        for command in commands.values()
+        if str(getattr(command.callback, "__module__", "")).startswith("drill_twin.")
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
