@@ -36,8 +36,8 @@ help:
 	@echo 'make demo       the paper'"'"'s drillstring over DDS: four nodes, a bag, a report in out/demo/'
 	@echo 'make docs       the documentation as a site in out/docs/html'
 	@echo 'make test       the test suite'
-	@echo 'make test-long  soaks and large random samples'
-	@echo 'make evidence   the tests of what shows that the twin is right (evidence/), the long ones too'
+	@echo 'make test-long  its variants, soaks and large random samples, and one variant of each test in evidence/'
+	@echo 'make evidence   the tests of what shows that the twin is right (evidence/), all variants'
 	@echo 'make faults     faults of a rig, applied to real processes; prints a table of the results'
 	@echo 'make kills      kill -9 of each node, KILLS=50 times, while recording; needs a quiet machine'
 	@echo 'make faults-seeded  small faults put into a copy of the package: each is caught by a test of its room'
@@ -123,17 +123,19 @@ PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 # Two workers share the files, those of test/ros in a turn of their own: they start processes, and a worker that compiles
 # would keep these waiting. Long ones, which kill and load the nodes, want the machine for themselves. A test of processes that
 # fails is run once more and reported as such: a machine that others use may keep a node from its processor for seconds.
+# `make test` runs the tests of the package; those of the evidence (`testpaths` has both) go with the long ones.
 ROS_PYTEST := $(PYTEST) --reruns 1 --reruns-delay 3 -rR
 
 test: setup-test
 	@found=0; \
-	$(PYTEST) -n 2 --dist loadfile --ignore=test/ros || found=$$?; \
+	$(PYTEST) -n 2 --dist loadfile --ignore=test/ros test || found=$$?; \
 	$(ROS_PYTEST) -n 2 --dist loadfile test/ros || found=$$?; \
 	exit $$found
 
 test-long: setup-test
 	@found=0; \
-	$(PYTEST) -n 2 --dist loadfile --ignore=test/ros -m long || found=$$?; \
+	$(PYTEST) -n 2 --dist loadfile --ignore=test/ros -m long test || found=$$?; \
+	$(PYTEST) -n 2 --dist loadfile evidence/test || found=$$?; \
 	$(ROS_PYTEST) test/ros -m long || found=$$?; \
 	exit $$found
 

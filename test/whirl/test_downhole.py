@@ -157,10 +157,11 @@ def test_impacts_are_counted_with_their_peaks():
     assert found.largest_impact == pytest.approx(20.0, abs=1.0)
 
 
-def test_stick_slip_has_its_share_of_time_at_rest_and_the_radius_of_the_sensor():
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_stick_slip_has_its_share_of_time_at_rest_and_the_radius_of_the_sensor(sense):
     time = (np.arange(6000) + 0.5) / RATE
     speed = np.maximum(0.0, 8.0 + 14.0 * np.sin(math.tau * 0.5 * time))
-    values = np.stack([-RADIUS * speed**2, 0.0 * time, 0.0 * time + 9.81, 0.0 * time, 0.0 * time, speed], -1)
+    values = np.stack([-RADIUS * speed**2, 0.0 * time, 0.0 * time + 9.81, 0.0 * time, 0.0 * time, sense * speed], -1)
     values += np.repeat(NOISE, 3) * np.random.default_rng(2).normal(size=values.shape)
     analyzer = SubAnalyzer(MARK, RADIUS, NOISE)
     for at, reading in zip(np.round(time * 1e9).astype(np.int64).tolist(), values, strict=True):

@@ -1,18 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cases of `drill-twin verify` as tests."""
 
+from itertools import cycle
+
 import pytest
 
 from drill_twin_evidence.verify import Case, all_cases
+from drill_twin_evidence.verify.case import FORMS, Function
 
 
 def cases_of(*topics: str) -> pytest.MarkDecorator:
-    """Run a test for every case of these topics; the long ones are for `make test-long`."""
+    """Run a test for every case of these topics: one variant of each check without a mark, the other ones long.
+
+    The checks take turns in the form in which they run; those that are slow themselves are long in every variant.
+    """
     chosen = [case for case in all_cases() if case.topic in topics]
     assert {case.topic for case in chosen} == set(topics)
-    marks = {True: [pytest.mark.long], False: []}
-    cases = [pytest.param(case, id=case.name, marks=marks[case.long]) for case in chosen]
-    return pytest.mark.parametrize("case", cases)
+    variants: dict[Function, list[Case]] = {}
+    for case in chosen:
+        variants.setdefault(case.function, []).append(case)
+    turns = zip(variants.values(), cycle(FORMS), strict=False)
+    first = {next((case for case in of if case.form == form), of[0]).name for of, form in turns}
+    marks = {case.name: [pytest.mark.long] if case.long or case.name not in first else [] for case in chosen}
+    return pytest.mark.parametrize(
+        "case", [pytest.param(case, id=case.name, marks=marks[case.name]) for case in chosen]
+    )
 
 
 def check(case: Case) -> None:

@@ -40,6 +40,14 @@ def test_a_calm_set_point_with_margin_is_held():
     assert "75 N or 1.19 rev/s from the boundary: hold" in said.text
 
 
+def test_the_margin_along_each_axis_is_that_to_its_own_boundary():
+    """Whirl from 120 N on at any speed, and from 8 rad/s on at any weight."""
+    nodes = [(i, j) for i in range(STEPS + 1) for j in range(STEPS + 1)]
+    records = {Key(i, j): Record(Regime.FORWARD if i >= 12 or j >= 8 else Regime.SMOOTH) for i, j in nodes}
+    margin = OperatingMap("string", "", "", PLANE, 100.0, (), records).margin(40.0, 4.0)
+    assert margin == pytest.approx((75.0, 3.5, 3.5 / STEPS))
+
+
 def test_near_the_boundary_it_asks_for_more_margin():
     said = adviser().advise(80.0, 7.0, whirls=False)
     assert said.level is Level.WARN
