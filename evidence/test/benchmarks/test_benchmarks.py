@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL, form_of
+from drill_twin_evidence.benchmarks.faults_seeded.__main__ import ROOT
+from drill_twin_evidence.benchmarks.faults_seeded.faults import FAULTS
 from drill_twin_evidence.benchmarks.kernel.examples import EXAMPLES, forms_of, scene_with
 from drill_twin_evidence.benchmarks.kernel.measure import least_cost
 from drill_twin_evidence.benchmarks.peers.parts import PARTS
@@ -143,3 +145,11 @@ def test_the_summary_of_a_tool_that_never_ended_has_no_number():
     assert "| buckled by 40 N | CPU s per simulated s | 0.1 | none ended |" in summary(
         [{"part": "buckled", "rows": rows}]
     )
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
+def test_a_seeded_fault_has_a_place_and_tests(fault):
+    """A text that has moved or changed would be told by `make faults-seeded` only."""
+    assert (ROOT / "drill_twin" / fault.file).read_text("utf-8").count(fault.old) == 1
+    assert fault.old != fault.new
+    assert (ROOT / fault.command[0]).is_file()
