@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.core.errors import MessageError
+from drill_twin.core.rig_channels import channel_of, field_of
 from drill_twin.core.units import Dimension
 from drill_twin.core.units.dimension import (
     ACCELERATION,
@@ -19,7 +20,6 @@ from drill_twin.core.units.dimension import (
     LENGTH,
     SPEED,
     TIME,
-    TORQUE,
 )
 from drill_twin.dynamics.sensors.summaries import SUMMARY
 from drill_twin.io.messages.decode import JointState, JointStateReader, read_float64, read_pose_array
@@ -59,15 +59,17 @@ class Quantity:
     """True if the topic is sent on change only: its value does not grow stale."""
 
 
+_RIG = (
+    "weight_on_bit", "surface_rotation", "surface_torque", "bit_rotation", "bit_torque", "hookload", "block_position",
+    "block_velocity",
+)  # fmt: skip
+_MEANINGS = {
+    "weight_on_bit": "weight on bit as applied, positive in compression",
+    "hookload": "upward force on the string at the top",
+}
 QUANTITIES = {
-    "weight_on_bit": Quantity(RIG_STATE, FORCE, "weight on bit as applied, positive in compression"),
-    "surface_rotation": Quantity(RIG_STATE, ANGULAR_SPEED, "speed of the top drive"),
-    "surface_torque": Quantity(RIG_STATE, TORQUE, "torque of the top drive on the string"),
-    "bit_rotation": Quantity(RIG_STATE, ANGULAR_SPEED, "speed of the bit"),
-    "bit_torque": Quantity(RIG_STATE, TORQUE, "torque of the rock on the bit"),
-    "hookload": Quantity(RIG_STATE, FORCE, "upward force on the string at the top"),
-    "block_position": Quantity(RIG_STATE, LENGTH, "height of the travelling block above its start"),
-    "block_velocity": Quantity(RIG_STATE, SPEED, "velocity of the travelling block, positive up"),
+    **{name: Quantity(RIG_STATE, channel_of(name).dimension, _MEANINGS.get(name) or channel_of(name).heading)
+       for name in _RIG},
     "bit_angular_acceleration": Quantity(RIG_STATE, ANGULAR_ACCELERATION, "change of the bit's speed over a frame"),
     "stick_slip_severity": Quantity(
         RIG_STATE,
@@ -88,32 +90,10 @@ QUANTITIES = {
     "whirl_detected": Quantity(WHIRL_ONSET, DIMENSIONLESS, "1 once a whirl has begun, else 0", on_change=True),
     "rate_of_penetration": Quantity(DIAGNOSTICS, SPEED, "rate of penetration, where the bit drills"),
     "real_time_factor": Quantity(REALTIME_FACTOR, DIMENSIONLESS, "simulated over wall time"),
-}
+}  # fmt: skip
 """Quantities by name."""
 
-_RIG = {
-    "weight_on_bit": "bit_force",
-    "surface_rotation": "top_drive_speed",
-    "surface_torque": "top_drive_torque",
-    "bit_rotation": "bit_speed",
-    "bit_torque": "bit_torque",
-    "hookload": "hookload",
-    "block_position": "block_position",
-    "block_velocity": "block_velocity",
-}
-"""Quantities and their fields of a `RigState`."""
-
-
-MEASURED = {
-    "weight_on_bit": ("bit", "effort"),
-    "surface_rotation": ("top_drive", "velocity"),
-    "surface_torque": ("top_drive", "effort"),
-    "bit_rotation": ("bit", "velocity"),
-    "bit_torque": ("bit_torque", "effort"),
-    "hookload": ("block", "effort"),
-    "block_position": ("block", "position"),
-    "block_velocity": ("block", "velocity"),
-}
+MEASURED = {name: (channel_of(name).joint, channel_of(name).array) for name in _RIG}
 """Quantities that a rig measures, with their joint and array on `/measured/rig/state`."""
 
 
@@ -183,7 +163,7 @@ class TwinQuantities:
     def _on_rig(self, raw: bytes) -> bool:
         message = self._readers[RIG_STATE].read(raw)
         state, time = read_rig_state(message), seconds(message.stamp)
-        self.values.update({name: getattr(state, field) for name, field in _RIG.items()})
+        self.values.update({name: getattr(state, field_of(name)) for name in _RIG})
         if self._bit is not None and 0.0 < time - self._bit[0] < 1.0:
             self.values["bit_angular_acceleration"] = (state.bit_speed - self._bit[1]) / (time - self._bit[0])
         self._bit, self.stamp = (time, state.bit_speed), message.stamp

@@ -13,12 +13,12 @@ import pytest
 
 PATTERNS = {
     "gateway.drillbotics.rules": ("_STAMP", "_UNIT"), "scene.overrides": ("_BARE", "_INDEX"),
-    "scene.write": ("_LINE_BREAKS_OF_UNICODE",), "well_plan.table": ("_BARE", "_DECIMAL_COMMA"),
-    "units.parse": ("_QUANTITY",), "units.registry": ("_UNIT", "_POWER", "_COURSE", "_WORD"),
+    "scene.write": ("_LINE_BREAKS_OF_UNICODE",), "scene.well_plan.table": ("_BARE", "_DECIMAL_COMMA"),
+    "core.units.parse": ("_QUANTITY",), "core.units.registry": ("_UNIT", "_POWER", "_COURSE", "_WORD"),
     "io.messages.topics": ("_NAMED",),
 }  # fmt: skip
 """Compiled patterns by module."""
-MATCHED_WHOLE = {"units.parse._QUANTITY", "units.registry._UNIT"}
+MATCHED_WHOLE = {"core.units.parse._QUANTITY", "core.units.registry._UNIT"}
 """Those that are never searched for in a text; a search for them would take a time that grows as its square."""
 INLINE = (
     r"(?m)^[ \t]*started: ['\"]?([0-9T:.+-]+)", r"\S{201,}", r"[-+\d.]+", r", at [^,\s]+:\d+",

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.drawing.pose import orientation
 from drill_twin.io.messages.encode import MARK_AXES, encode_string
-from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, RIG_STATE, STRING_POSES, TWIN_SCENE
 from drill_twin.scene import Scene, load_scene
 

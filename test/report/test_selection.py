@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from drill_twin.core.errors import BagError
+from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_joint_state
-from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WHIRL_STATE
 from drill_twin.report import build_report, read_recording, summarise
 from drill_twin.report.selection import Selection

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 
+from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.dynamics.sensors.sampling import Reading
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
-from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.sensor_messages import ImuEncoder
 from drill_twin.io.messages.topics import ESTIMATE, ESTIMATE_STATE, MEASURED_RIG_STATE, RIG_STATE
 

@@ -8,10 +8,10 @@ import socket
 import numpy as np
 import pytest
 
+from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
 from drill_twin.io.messages.encode import MARK_AXES
-from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.topics import ESTIMATE_STATE, MARKS_STATE, MEASURED_RIG_STATE, RIG_STATE
 from drill_twin.live.page_state import PageState
 from drill_twin.live.sources import Sources

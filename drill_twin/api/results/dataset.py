@@ -11,23 +11,16 @@ import numpy as np
 from drill_twin.api.results.whirl import Whirl
 from drill_twin.core.arrays import Array
 from drill_twin.core.extras import import_extra
+from drill_twin.core.rig_channels import channel_of, field_of
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, RigSeries
 
 if TYPE_CHECKING:
     import xarray
 
-_RIG = {
-    "hookload": ("hookload", "N"),
-    "torque": ("top_drive_torque", "N m"),
-    "bit_torque": ("bit_torque", "N m"),
-    "weight_on_bit": ("bit_force", "N"),
-    "top_drive_angle": ("top_drive_angle", "rad"),
-    "top_drive_speed": ("top_drive_speed", "rad/s"),
-    "bit_angle": ("bit_angle", "rad"),
-    "bit_speed": ("bit_speed", "rad/s"),
-    "block_position": ("block_position", "m"),
-    "block_velocity": ("block_velocity", "m/s"),
-}
+_RIG = (
+    "hookload", "torque", "bit_torque", "weight_on_bit", "top_drive_angle", "top_drive_speed", "bit_angle", "bit_speed",
+    "block_position", "block_velocity",
+)  # fmt: skip
 _MARKS = {
     "position": (("mark", "axis"), "m"),
     "velocity": (("mark", "axis"), "m/s"),
@@ -36,7 +29,7 @@ _MARKS = {
     "spin_rate": (("mark",), "rad/s"),
 }
 _WHIRL = {"orbit_radius": "m", "precession": "rev/s", "ratio": "1", "confidence": "1"}
-_SET_POINTS = {"weight_on_bit": "N", "rotation": "rad/s"}
+_SET_POINTS = ("weight_on_bit", "rotation")
 
 
 def dataset(
@@ -75,8 +68,8 @@ def dataset(
         return name
 
     if len(rig):
-        for name, (column, unit) in _RIG.items():
-            variables[name] = ("time", getattr(rig, column), {"units": unit})
+        for name in _RIG:
+            variables[name] = ("time", getattr(rig, field_of(name)), {"units": channel_of(name).dimension.unit})
     if len(marks):
         coordinates |= {"mark": list(marks.names), "axis": ["x", "y", "z"]}
         at = times("marks", marks.time)
@@ -84,8 +77,9 @@ def dataset(
             variables[f"mark_{name}"] = ((at, *dimensions), getattr(marks, name), {"units": unit})
     if len(set_points):
         at = times("set_points", set_points.time)
-        for name, unit in _SET_POINTS.items():
-            variables[f"commanded_{name}"] = (at, getattr(set_points, name), {"units": unit})
+        for name in _SET_POINTS:
+            units = {"units": channel_of(name).dimension.unit}
+            variables[f"commanded_{name}"] = (at, getattr(set_points, name), units)
     if whirl.time.size:
         at = times("whirl", whirl.time)
         coordinates.setdefault("mark", list(whirl.marks))

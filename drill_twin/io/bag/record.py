@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from drill_twin.core.errors import TableError
+from drill_twin.core.rig_channels import ARRAYS, RECORDED, RIG_JOINTS, channel_of
 from drill_twin.io.bag.metadata import contract_topic
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.cdr import JointStateTemplate
-from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.topics import RIG_STATE
 from drill_twin.scene.records import CHANNELS, RECORDS, read_columns
@@ -21,11 +21,8 @@ from drill_twin.scene.records import CHANNELS, RECORDS, read_columns
 _SPEEDS = ("rotation", "bit_speed")
 _LATEST = 2.0**31  # s, of a stamp
 _AT_ONCE = 4096  # messages
-_JOINTS = (
-    ("", "", "block_position", ""),
-    ("rotation", "bit_speed", "", ""),
-    ("torque", "weight_on_bit", "hookload", "bit_torque"),
-)
+_PLACES = {(channel.array, channel.joint): name for name in RECORDED for channel in [channel_of(name)]}
+_JOINTS = [[_PLACES.get((array, joint), "") for joint in RIG_JOINTS] for array in ARRAYS]
 """Channels that are positions, velocities and efforts of the joints of a rig."""
 
 

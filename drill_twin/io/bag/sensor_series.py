@@ -6,11 +6,12 @@ from __future__ import annotations
 import numpy as np
 
 from drill_twin.core.errors import MessageError
+from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.series import RigSeries
 from drill_twin.io.bag.time_series import Column, Series
 from drill_twin.io.messages.decode import JointStateReader
-from drill_twin.io.messages.rig_messages import RIG_JOINTS, read_rig_state
+from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
 from drill_twin.io.messages.topics import MEASURED, MEASURED_RIG_STATE, SURFACE_STATE, TWIN_SCENE, sub_of
 

@@ -6,13 +6,13 @@ from __future__ import annotations
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.rig_channels import ARRAYS, RIG_CHANNELS, RIG_JOINTS
 from drill_twin.dynamics.twin.frame import Frames, RigState
 from drill_twin.io.messages.cdr import ClockTemplate, JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.drawing.geometry import StringGeometry, default_exaggeration
 from drill_twin.io.messages.drawing.markers import MarkerArrayTemplate
 from drill_twin.io.messages.drawing.pose import orientation
 from drill_twin.io.messages.finite import check_rows
-from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.stamps import stamps_ns
 from drill_twin.io.messages.topics import (
     FLOAT64,
@@ -27,10 +27,11 @@ from drill_twin.io.messages.type_store import message, serialize
 from drill_twin.physics.model.section_stress import SCALARS
 
 MARK_AXES = ("x", "y", "z", "spin")
-_POSITION = ("top_drive_angle", "bit_angle", "block_position", "bit_angle")
-_VELOCITY = ("top_drive_speed", "bit_speed", "block_velocity", "bit_speed")
-_EFFORT = ("top_drive_torque", "bit_force", "hookload", "bit_torque")
-RIG_COLUMNS = np.array([[RigState._fields.index(name) for name in row] for row in (_POSITION, _VELOCITY, _EFFORT)])
+_FIELDS = {(channel.array, channel.joint): field for field, channel in RIG_CHANNELS.items()}
+_BIT = {"position": "bit_angle", "velocity": "bit_speed"}  # of the joint that has the torque of the bit
+RIG_COLUMNS = np.array([
+    [RigState._fields.index(_FIELDS.get((array, joint)) or _BIT[array]) for joint in RIG_JOINTS] for array in ARRAYS
+])  # fmt: skip
 """Field of `RigState` in position, velocity and effort of each joint of `/rig/state`, shape (3, 4)."""
 
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drill_twin.core.errors import MessageError
+from drill_twin.core.rig_channels import RIG_CHANNELS, RIG_JOINTS
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.messages.cdr import Float64Template, JointStateTemplate
 from drill_twin.io.messages.decode import JointState
@@ -16,7 +17,6 @@ from drill_twin.io.messages.finite import check_rows, finite_number
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.scene.set_points.command import Command
 
-RIG_JOINTS = ("top_drive", "bit", "block", "bit_torque")
 COMMAND_JOINTS = ("bit", "top_drive")
 BLOCK = "block"
 """Joint of a `/rig/command` with the velocity of the travelling block; without it the block rests."""
@@ -91,16 +91,6 @@ def read_rig_state(state: JointState) -> RigState:
     """
     if not (state.position.size and state.velocity.size and state.effort.size):
         raise MessageError("expected a /rig/state with position, velocity and effort, found one of them empty")
-    drive, bit, block, torque = (state.index(name) for name in RIG_JOINTS)
-    return RigState(
-        top_drive_angle=float(state.position[drive]),
-        top_drive_speed=float(state.velocity[drive]),
-        top_drive_torque=float(state.effort[drive]),
-        bit_angle=float(state.position[bit]),
-        bit_speed=float(state.velocity[bit]),
-        bit_torque=float(state.effort[torque]),
-        bit_force=float(state.effort[bit]),
-        block_position=float(state.position[block]),
-        block_velocity=float(state.velocity[block]),
-        hookload=float(state.effort[block]),
-    )
+    at = {joint: state.index(joint) for joint in RIG_JOINTS}
+    found = {field: getattr(state, channel.array)[at[channel.joint]] for field, channel in RIG_CHANNELS.items()}
+    return RigState(**{field: float(value) for field, value in found.items()})

@@ -9,19 +9,18 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
+from drill_twin.core.rig_channels import ARRAYS, RIG_CHANNELS, RIG_JOINTS
 from drill_twin.dynamics.sensors.sampling import Reading
 from drill_twin.dynamics.sensors.summaries import SUMMARY
 from drill_twin.io.messages.cdr import JointStateTemplate, Template, sentinel_header, sentinels
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.finite import check_finite
-from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.stamps import header_stamp, stamp_ns
 from drill_twin.io.messages.topics import IMU, SURFACE_STATE, imu_topic, summary_topic
 from drill_twin.io.messages.type_store import deserialize, message
 
-_ARRAYS = ("position", "velocity", "effort")
-_SURFACE = (("velocity", "top_drive"), ("effort", "top_drive"), ("effort", "block"), ("position", "block"))
-"""Array and joint of each value of `drill_twin.dynamics.sensors.surface.SurfaceValues`."""
+_SURFACE = ("top_drive_speed", "top_drive_torque", "hookload", "block_position")
+"""Channel of each value of `drill_twin.dynamics.sensors.surface.SurfaceValues`."""
 
 
 class ImuReading(NamedTuple):
@@ -101,9 +100,9 @@ class SurfaceEncoder:
 
     def __init__(self) -> None:
         self._template = JointStateTemplate(RIG_JOINTS)
-        self._values = np.full((len(_ARRAYS), len(RIG_JOINTS)), np.nan)
-        self._rows = [_ARRAYS.index(array) for array, _ in _SURFACE]
-        self._columns = [RIG_JOINTS.index(joint) for _, joint in _SURFACE]
+        self._values = np.full((len(ARRAYS), len(RIG_JOINTS)), np.nan)
+        self._rows = [ARRAYS.index(RIG_CHANNELS[field].array) for field in _SURFACE]
+        self._columns = [RIG_JOINTS.index(RIG_CHANNELS[field].joint) for field in _SURFACE]
 
     def encode(self, reading: Reading) -> bytes:
         """CDR of a reading, in the order of `drill_twin.dynamics.sensors.surface.SurfaceValues`."""

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from drill_twin.api.estimator import Estimator
+from drill_twin.core.rig_channels import channel_of
 from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, exact
@@ -20,25 +21,18 @@ _NAME = "estimate"
 _LIKELY = 0.5
 """Share of the members from which a sentence speaks of whirl."""
 _TRUST = {Level.OK: "good", Level.WARN: "doubtful", Level.ERROR: "unusable"}
-_VALUES = {
-    "torque": ("effort", "top_drive"),
-    "motor_torque": ("effort", "top_drive"),
-    "hookload": ("effort", "block"),
-    "top_drive_speed": ("velocity", "top_drive"),
-    "bit_speed": ("velocity", "bit"),
-    "weight_on_bit": ("effort", "bit"),
-    "rotation": ("velocity", "top_drive"),
-}
-"""Array and joint of each value in a message like `/rig/state`."""
+_VALUES = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed", "weight_on_bit", "rotation")
+"""Channels and set-points of a message like `/rig/state`."""
 
 
 def values_of(state: JointState, *, set_points: bool) -> dict[str, float]:
     """Channels of a message like `/rig/state` by name, NaN for what it does not have; set-points if asked for."""
     found = {}
-    for name, (array, joint) in _VALUES.items():
+    for name in _VALUES:
         if name not in {"weight_on_bit", "rotation"} or set_points:
-            values = getattr(state, array)
-            found[name] = float(values[state.names.index(joint)]) if joint in state.names and values.size else math.nan
+            channel = channel_of(name)
+            known = channel.joint in state.names and (values := getattr(state, channel.array)).size
+            found[name] = float(values[state.names.index(channel.joint)]) if known else math.nan
     return found
 
 

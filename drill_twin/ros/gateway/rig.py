@@ -13,13 +13,13 @@ import numpy as np
 
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.loopback import is_loopback
+from drill_twin.core.rig_channels import ARRAYS, RIG_JOINTS
 from drill_twin.dynamics.sensors.summaries import SUMMARY
 from drill_twin.gateway.quantities import MEASURED, downhole
 from drill_twin.gateway.rig_reader import RigReader
 from drill_twin.gateway.signals import Limits, RigSignal, Signals, range_taken
 from drill_twin.gateway.wits0 import WitsReader
 from drill_twin.io.messages.cdr import JointStateTemplate
-from drill_twin.io.messages.rig_messages import RIG_JOINTS
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import MEASURED as MEASURED_NAMESPACE
 from drill_twin.io.messages.topics import MEASURED_RIG_STATE, summary_topic
@@ -30,8 +30,6 @@ from drill_twin.ros.gateway.commands import CommandOutput
 if TYPE_CHECKING:
     from drill_twin.gateway.opc_ua.keys import Keys
     from drill_twin.gateway.soundness import Judged
-
-_ARRAYS = ("position", "velocity", "effort")
 
 
 class Rig:
@@ -83,9 +81,9 @@ class Rig:
         sound = {one.quantity: self._judged[one] for one in self._signals.measure if not self._judged[one].fault}
         surface = {MEASURED[quantity]: judged for quantity, judged in sound.items() if quantity in MEASURED}
         if stamp := self._newer(MEASURED_RIG_STATE, surface.values()):
-            values = np.full((len(_ARRAYS), len(RIG_JOINTS)), np.nan)
+            values = np.full((len(ARRAYS), len(RIG_JOINTS)), np.nan)
             for (joint, array), judged in surface.items():
-                values[_ARRAYS.index(array), RIG_JOINTS.index(joint)] = judged.value
+                values[ARRAYS.index(array), RIG_JOINTS.index(joint)] = judged.value
             self._node.topics.publish(MEASURED_RIG_STATE, self._template.fill(stamp, *values))
         for sub, template in self._summaries.items():
             found = {name: sound[f"{sub}.{name}"] for name in SUMMARY if f"{sub}.{name}" in sound}

@@ -13,7 +13,8 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import TableError
 from drill_twin.core.units import Dimension, UnitError
 from drill_twin.core.units.heading import name_and_unit
-from drill_twin.scene.records.mnemonics import CHANNELS, si_factor
+from drill_twin.core.units.spelling import record_factor
+from drill_twin.scene.records.mnemonics import CHANNELS
 
 _MOST_NAMES, _LONGEST_NAME = 20, 60  # in a message
 _LONGEST = 1000  # characters of a name
@@ -64,7 +65,7 @@ class Columns(dict[str, Array]):
             return found
         ending = name.rpartition("_")[2]
         try:
-            si_factor(ending, dimension)
+            record_factor(ending, dimension)
         except UnitError:
             return ""
         return ending
@@ -88,7 +89,7 @@ class Columns(dict[str, Array]):
             hint = f', did you mean "{close[0]}"?' if close else ""
             raise TableError(f'{self.file}: expected a column "{name}" for {meant}, found {self.listed}{hint}')
         try:
-            factor = si_factor(unit, dimension)
+            factor = record_factor(unit, dimension)
         except UnitError as error:
             raise TableError(f'{self.file}: column "{name}" for {meant}: {error}') from None
         with np.errstate(over="ignore"):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 from drill_twin.core.errors import TableError
@@ -22,7 +23,7 @@ def read_csv(path: Path) -> Columns:
     Raises:
         TableError: It is none, or has a cell that is not a number (with its line).
     """
-    lines = ((place, line) for place, line in CSV.lines(path) if line.strip() and not line.startswith("#"))
+    lines = used_lines(CSV, path)
     place, header = next(lines, (0, ""))
     try:
         names, rows = _begin(header)
@@ -44,7 +45,7 @@ def _begin(header: str) -> tuple[list[str], Rows]:
     Raises:
         RowError: The header is none.
     """
-    delimiter = _delimiter(header)
+    delimiter = delimiter_of(header)
     names = [cell.strip() for cell in split(header, delimiter)]
     if len(names) > MOST_COLUMNS:
         raise RowError(f"expected at most {MOST_COLUMNS} columns, found {len(names)}")
@@ -55,7 +56,12 @@ def _begin(header: str) -> tuple[list[str], Rows]:
     return names, Rows(names, delimiter)
 
 
-def _delimiter(header: str) -> str:
+def used_lines(kind: ForeignFile, path: Path) -> Iterator[tuple[int, str]]:
+    """Lines of a table that are neither empty nor a comment, with their numbers."""
+    return ((place, line) for place, line in kind.lines(path) if line.strip() and not line.startswith("#"))
+
+
+def delimiter_of(header: str) -> str:
     """Most frequent delimiter of the header; a space if there is no other."""
     best = max(_DELIMITERS, key=header.count)
     return best if header.count(best) else " "

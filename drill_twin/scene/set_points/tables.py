@@ -15,13 +15,6 @@ from drill_twin.scene.blocks.rig import Column
 from drill_twin.scene.records import CHANNELS, Columns, read_columns
 from drill_twin.scene.set_points.clean import Cleaning, clean
 
-_WANTED: dict[str, str] = {
-    "time": r"(^|[^a-z])(time|timestamp|stamp|t)([^a-z]|$)",
-    "weight_on_bit": r"(^|[^a-z])(wob|weight[ _-]?on[ _-]?bit)([^a-z]|$)",
-    "rotation": r"(^|[^a-z])(rpm|rps|top[ _-]?(drive)?[ _-]?(speed|rpm)|rotary[ _-]?speed|rotation)([^a-z]|$)",
-}
-"""Quantity -> pattern of its column's name, if the scene does not give it and it is no known mnemonic."""
-
 _LONGEST_NAME = 60  # in a message
 _UNIT_BY_NAME = {"rpm": "rpm", "rps": "rev/s"}
 
@@ -108,7 +101,7 @@ def read_table(
 
 
 def _found(columns: Columns, name: str) -> Column:
-    found = columns.named(name) or [c for c in columns if re.search(_WANTED[name], c, re.IGNORECASE)]
+    found = columns.named(name) or [c for c in columns if re.search(CHANNELS[name].pattern, c, re.IGNORECASE)]
     if len(found) != 1:
         what = f"{len(found)} ({', '.join(found[:3])[:_LONGEST_NAME]})" if found else "none"
         raise TableError(

@@ -14,6 +14,7 @@ from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.units import UnitError, factor_of, parse
 from drill_twin.core.units.dimension import ANGLE, LENGTH, LINEAR_MASS, Dimension
 from drill_twin.core.units.heading import name_and_unit
+from drill_twin.scene.records.csv_file import delimiter_of, used_lines
 
 MOST_ROWS = 10_000
 TABLE = ForeignFile("a CSV table", 4_000_000, SceneError)
@@ -90,12 +91,11 @@ def read_table(file: Path, names: dict[str, tuple[str, ...]], needed: tuple[str,
     Raises:
         SceneError: The file cannot be read, or a column is missing.
     """
-    lines = [(number, line.rstrip("\n")) for number, line in TABLE.lines(file)
-             if line.strip(" ,;\t\n") and not line.startswith("#")]  # fmt: skip
+    lines = [(number, line.rstrip("\n")) for number, line in used_lines(TABLE, file) if line.strip(" ,;\t\n")]
     if not lines or len(lines) - 1 > MOST_ROWS:
         raise SceneError(f"{file}: expected a heading and at most {MOST_ROWS} rows, found {len(lines)} lines")
     heading = lines[0][1]
-    separator = max(",;\t", key=heading.count)
+    separator = delimiter_of(heading)
     columns, units = [], {}
     for cell in next(csv.reader([heading], delimiter=separator)):
         word, unit = name_and_unit(cell.lower())

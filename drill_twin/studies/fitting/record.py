@@ -13,32 +13,24 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, TableError
+from drill_twin.core.rig_channels import RECORDED, channel_of, field_of
 from drill_twin.core.units import Dimension
-from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, TIME, TORQUE
+from drill_twin.core.units.dimension import ANGULAR_SPEED, TIME
 from drill_twin.scene.problems import nearest
 from drill_twin.scene.records import Columns, read_columns
 
 if TYPE_CHECKING:
     from drill_twin.io.bag.reader import Bag
 
-CHANNELS: Mapping[str, Dimension] = {
-    "torque": TORQUE,
-    "motor_torque": TORQUE,
-    "top_drive_speed": ANGULAR_SPEED,
-    "bit_speed": ANGULAR_SPEED,
-    "bit_torque": TORQUE,
-    "bit_force": FORCE,
-    "hookload": FORCE,
-}
+_COMPUTED = ("torque", "motor_torque", "top_drive_speed", "bit_speed", "bit_torque", "bit_force", "hookload")
+CHANNELS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name in _COMPUTED}
 """Channels that a run computes (`drill_twin.runs.ensemble.outputs.series.Channels`), and their dimensions."""
-SET_POINTS: Mapping[str, Dimension] = {"weight_on_bit": FORCE, "rotation": ANGULAR_SPEED}
+SET_POINTS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name in ("weight_on_bit", "rotation")}
 """Set-points of a rig, as commanded or indicated, and dimensions: inputs of the estimator."""
 _KNOWN = {**CHANNELS, **SET_POINTS}
-_OF_BAG = {name: name for name in CHANNELS if name != "motor_torque"} | {
-    "torque": "top_drive_torque", "weight_on_bit": "bit_force", "rotation": "top_drive_speed"
-}  # fmt: skip
-_MNEMONICS = {"motor_torque": "torque", "top_drive_speed": "rotation", "bit_force": "weight_on_bit"}
-"""Channels whose columns have the mnemonics of another name."""
+_OF_BAG = {name: field_of(name) for name in _KNOWN if name != "motor_torque"}
+_MNEMONICS = {name: record for name in _KNOWN for record, field in RECORDED.items() if field == field_of(name)}
+"""Channels, and the names of their columns in records."""
 
 
 class ChannelColumn(NamedTuple):

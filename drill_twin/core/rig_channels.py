@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Channels of a rig: one table of their dimensions, their place in `/rig/state`, and their names in records."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from drill_twin.core.units.dimension import ANGLE, ANGULAR_SPEED, FORCE, LENGTH, SPEED, TORQUE, Dimension
+
+RIG_JOINTS = ("top_drive", "bit", "block", "bit_torque")
+"""Joints of `/rig/state`; position and velocity of the last are those of the bit."""
+ARRAYS = ("position", "velocity", "effort")
+"""Arrays of a JointState."""
+
+
+class RigChannel(NamedTuple):
+    """Quantity of a rig."""
+
+    dimension: Dimension
+    array: str
+    joint: str
+    """Its place in `/rig/state` and `/measured/rig/state`."""
+    heading: str
+    """Name in tables and exported files."""
+    names: tuple[str, ...] = ()
+    """Other names for it: of set-points and records first, of the gateway last."""
+    mnemonics: tuple[str, ...] = ()
+    """Names of its column in a record, those to be preferred first; lower case."""
+
+
+RIG_CHANNELS: Mapping[str, RigChannel] = {
+    "bit_force": RigChannel(
+        FORCE, "effort", "bit", "weight on bit", ("weight_on_bit",),
+        ("wob", "swob", "woba", "wob_avg", "wob_kn"),
+    ),
+    "top_drive_speed": RigChannel(
+        ANGULAR_SPEED, "velocity", "top_drive", "speed of the top drive", ("rotation", "surface_rotation"),
+        ("rpm", "rpma", "srpm", "surf_rpm", "tdrpm", "rpm_avg", "surfacerpm"),
+    ),
+    "top_drive_torque": RigChannel(
+        TORQUE, "effort", "top_drive", "torque of the top drive on the string",
+        ("torque", "motor_torque", "surface_torque"),
+        ("tqa", "torque", "stor", "trq", "tq", "tdtq", "torque_avg", "torque_knm", "surfacetorque"),
+    ),
+    "hookload": RigChannel(
+        FORCE, "effort", "block", "hookload", (), ("hkld", "hkla", "hookload", "hkld_avg", "hookload_kn")
+    ),
+    "bit_speed": RigChannel(
+        ANGULAR_SPEED, "velocity", "bit", "speed of the bit", ("bit_speed", "bit_rotation"),
+        ("brpm", "drpm", "dhrpm", "bit_rpm", "bit_rpm_avg", "downholerpm"),
+    ),
+    "bit_torque": RigChannel(
+        TORQUE, "effort", "bit_torque", "torque of the rock on the bit", (),
+        ("btq", "dtor", "dhtq", "downholetorque"),
+    ),
+    "block_position": RigChannel(
+        LENGTH, "position", "block", "height of the travelling block above its start", (),
+        ("bpos", "blkpos", "block_position", "hookposition"),
+    ),
+    "block_velocity": RigChannel(SPEED, "velocity", "block", "velocity of the travelling block, positive up"),
+    "top_drive_angle": RigChannel(ANGLE, "position", "top_drive", "angle of the top drive"),
+    "bit_angle": RigChannel(ANGLE, "position", "bit", "angle of the bit"),
+}  # fmt: skip
+"""Channels by their field of `RigState`.
+
+Mnemonics are the short ones of WITS level 0 (record 1), those usual in LAS and WITSML, the names of D-WIS and the
+columns of Drillbotics; the heading is one too, so that what is exported is read.
+"""
+
+RECORDED: Mapping[str, str] = {
+    (channel.names or (field,))[0]: field for field, channel in RIG_CHANNELS.items() if channel.mnemonics
+}
+"""Name of each channel of a record, and its field of `RigState`."""
+
+
+def field_of(name: str) -> str:
+    """Field of `RigState` of a channel, by that name or another of its names.
+
+    Raises:
+        KeyError: There is no such channel.
+    """
+    if name in RIG_CHANNELS:
+        return name
+    for field, channel in RIG_CHANNELS.items():
+        if name in channel.names:
+            return field
+    raise KeyError(name)
+
+
+def channel_of(name: str) -> RigChannel:
+    """The channel of any of its names.
+
+    Raises:
+        KeyError: There is none.
+    """
+    return RIG_CHANNELS[field_of(name)]
