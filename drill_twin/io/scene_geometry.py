@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -13,7 +14,7 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.drawing.geometry import Step, StringGeometry
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
-from drill_twin.whirl import MarkInfo
+from drill_twin.whirl import AnalysisError, MarkInfo
 
 MOST_STEPS = 100
 """Most intervals of the string that are drawn one by one."""
@@ -92,3 +93,16 @@ def mark_infos(scene: Scene) -> list[MarkInfo]:
         )
         for mark in scene.string.marks
     ]
+
+
+def select_marks(marks: Sequence[MarkInfo], names: Sequence[str]) -> list[MarkInfo]:
+    """Select the marks of these names, in the order of the string; all if there are no names.
+
+    Raises:
+        AnalysisError: A name is not that of a mark.
+    """
+    known = [mark.name for mark in marks]
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise AnalysisError(f"expected marks of {', '.join(known)}, found {', '.join(unknown)}; name some of these")
+    return [mark for mark in marks if mark.name in names or not names]

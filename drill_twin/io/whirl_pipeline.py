@@ -20,18 +20,15 @@ from drill_twin.io.findings_encoder import FindingsEncoder
 from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_string
 from drill_twin.io.messages.sensor_messages import ImuReading, read_imu
 from drill_twin.io.messages.topics import FRAME_ID, MARKS_STATE, RIG_STATE, TWIN_SCENE
+from drill_twin.io.sample_order import SampleOrder
 from drill_twin.io.samples import FASTEST, UNKNOWN, WAITING, MarkReader, Sample, SamplePairing, SampleRows, speeds
-from drill_twin.io.scene_geometry import mark_infos
-from drill_twin.scene import Scene, parse_scene
-from drill_twin.whirl import AnalysisError, Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
+from drill_twin.io.scene_geometry import mark_infos, select_marks
+from drill_twin.io.scene_texts import SceneTexts
+from drill_twin.scene import Scene
+from drill_twin.whirl import Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
 from drill_twin.whirl.downhole import SubAnalyzer
 from drill_twin.whirl.downhole.motion import Place
 from drill_twin.whirl.findings import FoundRows, Quality, SubFindings
-
-INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
-"""Topics that the analysis needs."""
-STUCK = 200
-"""Number of ordered samples, all before the latest stamp, after which the analysis starts again; 1 to 2 s."""
 
 Message = tuple[str, bytes]
 """Topic and bytes."""
@@ -86,14 +83,12 @@ class WhirlPipeline:
         self._without_rig, self._without_marks = RIG_STATE in lacks, MARKS_STATE in lacks
         self._sub, self._readings = sub, readings_topic(sub) if sub else ""
         self.bit_only = BitOnlyAnalyzer() if self._without_marks and not sub else None
-        self._text: str | None = None
-        self._refused: tuple[str, DrillTwinError] | None = None  # the last scene that is none, not to parse it again
+        self._texts = SceneTexts()
         self._analyzer: Analyzer | SubAnalyzer | None = None
         self._encoder: FindingsEncoder | None = None
         self._mark_reader = MarkReader(())
         self._pairing = SamplePairing()
         self.marks: tuple[MarkInfo, ...] = ()
-        self._latest = -1
         self._clear()
         if scene is not None or self._infos:
             self._start_run(scene)
@@ -139,8 +134,7 @@ class WhirlPipeline:
 
     def start(self) -> list[Message]:
         """Messages to publish before the first sample, if the scene or the marks were given."""
-        given = self._given is not None or self._infos
-        return [self._encoder.no_onset()] if given and self._encoder is not None else []
+        return [] if self._encoder is None else [self._encoder.no_onset()]
 
     def take(self, topic: str, raw: bytes) -> list[Message]:
         """Process one message and return the messages that follow from it.
@@ -163,34 +157,28 @@ class WhirlPipeline:
             self.trouble = str(error)
         return []
 
-    def take_rows(self, stamps: Sequence[int], samples: SampleRows, frame_id: str) -> list[list[Message]] | None:
-        """Process n states of marks and rig at once, as `take` would one after the other.
+    def find_rows(self, stamps: Sequence[int], samples: SampleRows) -> FoundRows | None:
+        """Analyse n states of marks and rig at once, as `take` would one after the other.
 
         Args:
             stamps: Their stamps [ns].
             samples: What is in them.
-            frame_id: Frame of the messages.
 
         Returns:
-            The messages that follow from each; None where they must be taken one by one.
+            The findings of each; None where they must be taken one by one.
         """
-        return None if (found := self.find_rows(stamps, samples)) is None else self.encode_rows(found, frame_id)
-
-    def find_rows(self, stamps: Sequence[int], samples: SampleRows) -> FoundRows | None:
-        """The findings of `take_rows`."""
         analyzer = self._analyzer
         if not isinstance(analyzer, Analyzer) or self._pairing.waits or samples.spin.shape[1] != len(self.marks):
             return None
         fast = any((np.abs(speed) > FASTEST).any() for speed in (samples.top_speed, samples.bit_speed))
-        if fast or stamps[0] <= self._latest or not all(map(operator.lt, stamps, stamps[1:])):
+        if fast or stamps[0] <= self._order.latest or not all(map(operator.lt, stamps, stamps[1:])):
             return None
         spin = samples.spin if self._known_spin(samples.spin[0]) is not None else None
         found = analyzer.push_block(
             np.array(stamps), samples.position, spin, samples.top_speed, samples.wall_force, samples.bit_speed
         )
         self.findings = analyzer.findings
-        self._latest = stamps[-1]
-        self._behind.clear()
+        self._order.pass_by(stamps[-1])
         return found
 
     def encode_rows(self, found: FoundRows, frame_id: str) -> list[list[Message]]:
@@ -228,16 +216,8 @@ class WhirlPipeline:
     # --- runs -----------------------------------------------------------------------------------------------------
 
     def _on_scene(self, text: str) -> list[Message]:
-        if text == self._text:  # the latched message once more
+        if (scene := self._texts.take(text)) is None:
             return []
-        if self._refused is not None and text == self._refused[0]:
-            raise self._refused[1]
-        try:
-            scene = parse_scene(text, name=TWIN_SCENE)
-        except DrillTwinError as error:
-            self._refused = text, error
-            raise
-        self._text = text
         if self.runs:  # waiting samples belong to the run before
             self._clear()
         waiting = list(self._before_scene)
@@ -258,8 +238,7 @@ class WhirlPipeline:
             self._analyzer = None if self.bit_only is not None else Analyzer(self.marks)
         self._encoder = FindingsEncoder(self.marks)
         self._mark_reader = MarkReader([mark.name for mark in self.marks])
-        self._latest = -1
-        self._behind: list[Sample | ImuReading] = []
+        self._order = SampleOrder[Sample | ImuReading]()
         self.scene, self.findings, self.trouble = scene, None, ""
         self.runs += 1
         return [self._encoder.no_onset()]
@@ -309,8 +288,7 @@ class WhirlPipeline:
         if self.findings is None:
             return
         yield from self._encoder.messages(self.findings, frame)
-        if self._time_went_back(sample):
-            behind = list(self._behind)
+        if behind := self._order.take(sample):
             yield from self._start_run(self.scene)
             for again in behind:
                 yield from self._analyse(again)
@@ -320,31 +298,3 @@ class WhirlPipeline:
         if self._has_spin is None:
             self._has_spin = bool(np.isfinite(spin).any())
         return spin if self._has_spin else None
-
-    def _time_went_back(self, sample: Sample | ImuReading) -> bool:
-        """Check for `STUCK` ordered samples that are all before the latest stamp.
-
-        Single late samples are rejected by the analyzer; but after one stamp from the future, or a clock set back, all
-        samples would be rejected.
-        """
-        if sample.stamp >= self._latest:
-            self._latest = sample.stamp
-            self._behind.clear()
-            return False
-        if self._behind and sample.stamp <= self._behind[-1].stamp:
-            self._behind.clear()
-        self._behind.append(sample)
-        return len(self._behind) >= STUCK
-
-
-def select_marks(marks: Sequence[MarkInfo], names: Sequence[str]) -> list[MarkInfo]:
-    """Select the marks of these names, in the order of the string; all if there are no names.
-
-    Raises:
-        AnalysisError: A name is not that of a mark.
-    """
-    known = [mark.name for mark in marks]
-    unknown = [name for name in names if name not in known]
-    if unknown:
-        raise AnalysisError(f"expected marks of {', '.join(known)}, found {', '.join(unknown)}; name some of these")
-    return [mark for mark in marks if mark.name in names or not names]

@@ -204,7 +204,8 @@ class Run:
             self._write(start, commands[:half], frames.part(slice(half)))
             self._write(stamps[half - 1], commands[half:], frames.part(slice(half, None)))
             return
-        found = self.pipeline.take_rows(stamps, SampleRows.of(frames), self._frame_id)
+        found = self.pipeline.find_rows(stamps, SampleRows.of(frames))
+        findings = [] if found is None else self.pipeline.encode_rows(found, self._frame_id)
         batch: list[Recorded] = []
         for row, (stamp, command, raw) in enumerate(
             zip(stamps, commands, self._commands.commands(stamps, commands), strict=True)
@@ -215,7 +216,7 @@ class Run:
                 if found is None:
                     batch += [(name, stamp, message) for name, message in self.pipeline.take(topic, sent)]
                 elif topic == MARKS_STATE:
-                    batch += [(name, stamp, message) for name, message in found[row]]
+                    batch += [(name, stamp, message) for name, message in findings[row]]
         self._recorder.write_all(batch)
 
     def _command(self, batch: list[Recorded], stamp: int, command: Command, raw: bytes) -> None:

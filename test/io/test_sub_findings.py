@@ -17,7 +17,8 @@ from drill_twin.io.messages.sensor_messages import ImuEncoder
 from drill_twin.io.messages.stamps import pack_stamp
 from drill_twin.io.messages.topics import MARKS_STATE, TWIN_SCENE, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import decode_onset
-from drill_twin.io.whirl_pipeline import STUCK, WhirlPipeline
+from drill_twin.io.sample_order import STUCK
+from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection
 from drill_twin.report.summary import summarise

@@ -27,7 +27,10 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
-from drill_twin.io.whirl_pipeline import INPUTS, WhirlPipeline
+from drill_twin.io.whirl_pipeline import WhirlPipeline
+
+INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
+"""Topics that the analysis needs."""
 
 FINDINGS = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET)
 # A weight far above the buckling load at once, so that whirl begins within seconds.

@@ -65,7 +65,7 @@ def topics(
 ) -> None:
     """List the topics of the nodes and of the bags: names, types, units."""
     from drill_twin.cli.show import grid, out, print_json
-    from drill_twin.io.messages.topics import OF_SUBS, TOPICS, topic_table
+    from drill_twin.io.messages.topics import OF_SUBS, TOPICS
 
     topics = (*TOPICS.values(), *OF_SUBS)
     if json:
@@ -80,6 +80,18 @@ def topics(
             for topic in topics
         )
         out().print(grid(("topic", "type", "publisher, rate", "meaning"), rows))
+
+
+def topic_table(*, optional: bool = True) -> str:
+    """Markdown table of the contract, or of the topics that every run has."""
+    from drill_twin.io.messages.topics import OF_SUBS, TOPICS
+
+    lines = ["| topic | type | who | when | meaning |", "| --- | --- | --- | --- | --- |"]
+    for topic in (row for row in (*TOPICS.values(), *OF_SUBS) if optional or not row.optional):
+        when = f"{topic.rate}, latched" if topic.latched else topic.rate
+        type_name = topic.type_name.replace("/msg/", "/")
+        lines.append(f"| `{topic.name}` | {type_name} | {topic.publisher} | {when} | {topic.meaning} |")
+    return "\n".join(lines) + "\n"
 
 
 def rig_table() -> str:

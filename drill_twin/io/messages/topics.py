@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Topic contract, one row a topic; source of the tables in README and reference (`topic_table`)."""
+"""Topic contract, one row a topic; source of the tables in README and reference."""
 
 from __future__ import annotations
 
@@ -292,13 +292,3 @@ OF_EVERY_RUN = tuple(name for name, topic in TOPICS.items() if not topic.optiona
 
 GENERIC = frozenset({DIAGNOSTICS, CLOCK_TOPIC})
 """Topics of any ROS system; a bag with no others is not one of this package."""
-
-
-def topic_table(*, optional: bool = True) -> str:
-    """Markdown table of the contract, or of the topics that every run has."""
-    lines = ["| topic | type | who | when | meaning |", "| --- | --- | --- | --- | --- |"]
-    for topic in (row for row in (*TOPICS.values(), *OF_SUBS) if optional or not row.optional):
-        when = f"{topic.rate}, latched" if topic.latched else topic.rate
-        type_name = topic.type_name.replace("/msg/", "/")
-        lines.append(f"| `{topic.name}` | {type_name} | {topic.publisher} | {when} | {topic.meaning} |")
-    return "\n".join(lines) + "\n"

@@ -5,7 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from drill_twin.io.messages.topics import OF_SUBS, TOPICS, topic_table
+from drill_twin.cli.ros.nodes import topic_table
+from drill_twin.io.messages.topics import OF_SUBS, TOPICS
 from drill_twin.io.messages.type_store import definition
 
 
