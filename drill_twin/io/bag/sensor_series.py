@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from drill_twin.core.errors import MessageError
 from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.series import RigSeries
+from drill_twin.io.bag.series import JointSeries, RigSeries
 from drill_twin.io.bag.time_series import Column, Series
-from drill_twin.io.messages.decode import JointStateReader
+from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
 from drill_twin.io.messages.topics import MEASURED, MEASURED_RIG_STATE, SURFACE_STATE, TWIN_SCENE, sub_of
@@ -36,7 +38,7 @@ class ImuSeries(Series):
         self.append(reading.stamp, reading.values)
 
 
-class SummarySeries(Series):
+class SummarySeries(JointSeries):
     """`/downhole/SUB/summary`; each of shape (T,), NaN where the tool does not send it."""
 
     speed_least = Column(0)
@@ -60,33 +62,17 @@ class SummarySeries(Series):
     axial_peak = Column(9)
     """[m/s^2]"""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._reader = JointStateReader()
-
-    def add_message(self, raw: bytes) -> None:
-        """Append a message.
-
-        Raises:
-            MessageError: It cannot be decoded, or has none of the values.
-        """
-        state = self._reader.read(raw)
-        self.append(state.stamp, read_summary(state))
+    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
+        return read_summary(state), ()
 
 
 class SurfaceSeries(RigSeries):
     """`/surface/state` or `/measured/rig/state`, NaN where nothing was measured."""
 
-    def add_message(self, raw: bytes) -> None:
-        """Append a message.
-
-        Raises:
-            MessageError: It cannot be decoded, or has other joints.
-        """
-        state = self._reader.read(raw)
+    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
         if state.names != RIG_JOINTS:
             raise MessageError(f"expected the joints {', '.join(RIG_JOINTS)}, found {', '.join(state.names) or 'none'}")
-        self.append(state.stamp, read_rig_state(state))
+        return read_rig_state(state), ()
 
 
 class Sub:

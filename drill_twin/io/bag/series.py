@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from drill_twin.core.errors import MessageError
 from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.time_series import Column, Rows, Series, usable
-from drill_twin.io.messages.decode import JointStateReader, JointStates, read_pose_array, read_pose_rows
+from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_pose_array, read_pose_rows
 from drill_twin.io.messages.drawing.pose import spin_of, tangent_of
 from drill_twin.io.messages.encode import MARK_AXES, RIG_COLUMNS
 from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, read_command, read_rig_state
@@ -34,7 +35,28 @@ _ALL, _XYZ, _SPIN = slice(None), slice(3), 3
 _UNKNOWN_RIG = RigState(*[math.nan] * len(RigState._fields))
 
 
-class MarkSeries(Series):
+class JointSeries(Series):
+    """Series of a topic of JointStates, each of which gives a row."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._reader = JointStateReader()
+
+    def add_message(self, raw: bytes) -> None:
+        """Append a message.
+
+        Raises:
+            MessageError: It cannot be decoded, or is not one of the topic.
+        """
+        state = self._reader.read(raw)
+        self.append(state.stamp, *self._row(state))
+
+    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
+        """Values, and names of their parts; raises MessageError where the joints are others than the topic's."""
+        raise NotImplementedError
+
+
+class MarkSeries(JointSeries):
     """`/marks/state`; m marks. NaN where the messages have no z, spin, velocity or force."""
 
     position = Column(0, _ALL, _XYZ)
@@ -50,26 +72,19 @@ class MarkSeries(Series):
 
     def __init__(self) -> None:
         super().__init__()
-        self._reader = JointStateReader()
         self._marks: list[tuple[str, ...]] = []
         self._layout: tuple[str, ...] = ()
         self._layout_marks: tuple[str, ...] = ()
         self._columns = np.zeros((0, len(MARK_AXES)), np.intp)
 
-    def add_message(self, raw: bytes) -> None:
-        """Append a message.
-
-        Raises:
-            MessageError: It cannot be decoded, has no positions, or an x without a y.
-        """
-        state = self._reader.read(raw)
+    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
         if not state.position.size:
             raise MessageError(f"expected x, y, z and spin of marks, found {', '.join(state.names) or 'nothing'}")
         if state.names != self._layout:
             self._set_layout(state.names)
         missing = np.full(len(state.names), np.nan)
         parts = (part if part.size else missing for part in (state.position, state.velocity, state.effort))
-        self.append(state.stamp, [np.append(part, np.nan)[self._columns] for part in parts], self._layout_marks)
+        return [np.append(part, np.nan)[self._columns] for part in parts], self._layout_marks
 
     def rows(self, raws: Sequence[bytes]) -> tuple[Rows, JointStates] | None:
         """Rows that `add_message` would append for messages of one known layout; None for others."""
@@ -95,7 +110,7 @@ class MarkSeries(Series):
             self._marks.append(marks)
 
 
-class RigSeries(Series):
+class RigSeries(JointSeries):
     """`/rig/state`, as in `drill_twin.dynamics.twin.frame.RigState`; each of shape (T,), NaN where another rig has no
     such joint.
     """
@@ -121,23 +136,11 @@ class RigSeries(Series):
     hookload = Column(9)
     """[N]"""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._reader = JointStateReader()
-
-    def add_message(self, raw: bytes) -> None:
-        """Append a message.
-
-        Raises:
-            MessageError: It cannot be decoded, or has no speed of the top drive.
-        """
-        state = self._reader.read(raw)
+    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
         if state.names == RIG_JOINTS:
-            rig = read_rig_state(state)
-        else:
-            top_drive, bit = speeds(state)
-            rig = _UNKNOWN_RIG._replace(top_drive_speed=top_drive, bit_speed=bit)
-        self.append(state.stamp, rig)
+            return read_rig_state(state), ()
+        top_drive, bit = speeds(state)
+        return _UNKNOWN_RIG._replace(top_drive_speed=top_drive, bit_speed=bit), ()
 
     def rows(self, raws: Sequence[bytes]) -> Rows | None:
         """As of `MarkSeries`, for messages of drill_twin: the fields of `RigState`."""
@@ -151,7 +154,7 @@ class RigSeries(Series):
         return usable(Rows(states.stamps, values))
 
 
-class CommandSeries(Series):
+class CommandSeries(JointSeries):
     """`/rig/command`."""
 
     weight_on_bit = Column(0)
@@ -159,19 +162,9 @@ class CommandSeries(Series):
     rotation = Column(1)
     """Top-drive speed [rad/s], shape (T,)."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._reader = JointStateReader()
-
-    def add_message(self, raw: bytes) -> None:
-        """Append a message.
-
-        Raises:
-            MessageError: It cannot be decoded, or lacks a set-point.
-        """
-        state = self._reader.read(raw)
+    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
         command = read_command(state, absent_weight=math.nan)
-        self.append(state.stamp, (command.weight_on_bit, command.rotation))
+        return (command.weight_on_bit, command.rotation), ()
 
     def rows(self, raws: Sequence[bytes]) -> Rows | None:
         """As of `MarkSeries`."""
@@ -181,7 +174,7 @@ class CommandSeries(Series):
         return usable(Rows(states.stamps, np.stack((states.effort[:, 0], states.velocity[:, 1]), axis=1)))
 
 
-class StressSeries(Series):
+class StressSeries(JointSeries):
     """`/string/stress`; s sections."""
 
     moment_x = Column(_ALL, MOMENT_X)
@@ -199,21 +192,11 @@ class StressSeries(Series):
     damage = Column(_ALL, DAMAGE)
     """Its damage so far, shape (T, s)."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._reader = JointStateReader()
-
-    def add_message(self, raw: bytes) -> None:
-        """Append a message.
-
-        Raises:
-            MessageError: It cannot be decoded, or is not one of sections.
-        """
-        state = self._reader.read(raw)
+    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
         names = tuple(dict.fromkeys(name.partition("/")[0] for name in state.names))
         if not names or state.names != tuple(f"{name}/{scalar}" for name in names for scalar in SCALARS):
             raise MessageError(f"expected <section>/{', /'.join(SCALARS)}, found {', '.join(state.names) or 'nothing'}")
-        self.append(state.stamp, state.position.reshape(len(names), len(SCALARS)), names)
+        return state.position.reshape(len(names), len(SCALARS)), names
 
 
 class PoseSeries(Series):
@@ -269,7 +252,7 @@ class PoseSeries(Series):
         return np.unwrap(spin_of(self.orientation), axis=0, period=4.0 * np.pi)
 
 
-class WhirlSeries(Series):
+class WhirlSeries(JointSeries):
     """`/whirl/state`; m marks."""
 
     orbit_radius = Column(0)
@@ -281,17 +264,6 @@ class WhirlSeries(Series):
     confidence = Column(3)
     """Confidence, 0 to 1, shape (T, m)."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._reader = JointStateReader()
-
-    def add_message(self, raw: bytes) -> None:
-        """Append a message.
-
-        Raises:
-            MessageError: It cannot be decoded, or is not one of findings.
-        """
-        state = read_whirl_state(self._reader.read(raw))
-        self.append(
-            state.stamp, (state.orbit_radius, state.precession, state.ratio, state.confidence), names=state.marks
-        )
+    def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
+        found = read_whirl_state(state)
+        return (found.orbit_radius, found.precession, found.ratio, found.confidence), found.marks
