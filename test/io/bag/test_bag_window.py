@@ -11,7 +11,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.reading import mcap_file
+from drill_twin.io.bag.reading import mcap_records
 from drill_twin.io.bag.reading.mcap_index import read_index
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.bag.writing import file_writer
@@ -45,13 +45,13 @@ def small_chunks(monkeypatch):
 @pytest.fixture
 def decompressed(monkeypatch):
     """Sizes of the chunks that are decompressed."""
-    sizes, real = [], mcap_file.decompressed
+    sizes, real = [], mcap_records.decompressed
 
     def counted(kind, data, size):
         sizes.append(size)
         return real(kind, data, size)
 
-    monkeypatch.setattr(mcap_file, "decompressed", counted)
+    monkeypatch.setattr(mcap_records, "decompressed", counted)
     return sizes
 
 

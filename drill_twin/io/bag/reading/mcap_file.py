@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of one MCAP file, complete or truncated: every complete, undamaged chunk is read, one after the other.
+"""Reader of one MCAP file, complete or truncated: its topics and messages, in the order of the file.
 
 A window of time is found by the index at the end of the file; a killed writer leaves none, and all is read.
 """
@@ -7,63 +7,27 @@ A window of time is found by the index at the end of the file; a killed writer l
 from __future__ import annotations
 
 import struct
-import zlib
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
-from io import SEEK_CUR, BytesIO
+from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO
 
 from mcap.data_stream import ReadDataStream
-from mcap.exceptions import EndOfFile, McapError
+from mcap.exceptions import EndOfFile
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Schema
-from mcap.writer import MCAP0_MAGIC
+from mcap.records import Channel, Schema
 
 from drill_twin.core.errors import BagError
 from drill_twin.io.bag.metadata import RecordedTopic
-from drill_twin.io.bag.reading.decompression import DAMAGED, LARGEST_CHUNK, decompressed, decompressed_message
+from drill_twin.io.bag.reading.decompression import decompressed_message
 from drill_twin.io.bag.reading.mcap_index import chunks_between, read_index
+from drill_twin.io.bag.reading.mcap_records import DAMAGED_RECORD, RECORD, RECORDS_IN_CHUNKS, Bounds, record_blocks
 from drill_twin.io.bag.reading.qos import qos_profiles
 from drill_twin.io.bag.reading.window import WITH_HEADER
 from drill_twin.io.messages.stamps import raw_header_stamp
 
-_RECORD = struct.Struct("<BQ")  # opcode, length
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
-_DAMAGED = (McapError, struct.error, *DAMAGED)
-"""Exceptions of the libraries on damaged bytes."""
-_RECORDS_IN_CHUNKS = {Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE}
-_BLOCKS = {*_RECORDS_IN_CHUNKS, Opcode.CHUNK}
-_EXPANSION, _EXPANSION_OF_ANY = 200, 64_000_000  # bytes of content: per byte of the file, and beyond it
 _MOST_NOTES = 10
-_RECORDS_OF_ANY = 100_000  # beyond one per byte of the file
-
-
-@dataclass
-class _Bounds:
-    """Bound on what a file of some size can have recorded; more is a bomb. Recorded motion compresses to a third."""
-
-    file: int
-    """Size of the file [bytes]."""
-    size: int = 0
-    """Bytes of content so far."""
-    records: int = 0
-    """Records so far."""
-
-    def too_large(self, size: int) -> bool:
-        """Check that so many bytes more are too many; they are counted otherwise."""
-        if self.size + size > _EXPANSION * self.file + _EXPANSION_OF_ANY or size > LARGEST_CHUNK:
-            return True
-        self.size += size
-        return False
-
-    def too_many(self) -> bool:
-        """Check the number of records so far."""
-        return self.records > self.file + _RECORDS_OF_ANY
-
-
-class _TooLargeError(Exception):
-    """A chunk that says that it is larger than the bounds."""
 
 
 @dataclass
@@ -116,7 +80,7 @@ class McapFile:
         try:
             for opcode, content in index.definitions:
                 self._register(opcode, ReadDataStream(BytesIO(content)))
-        except _DAMAGED:
+        except DAMAGED_RECORD:
             return None
         names = {channel: self._channels.get(channel) or "" for channel in index.counts}
         chosen = chunks_between(index, names, begin, end, self._stamps_at)
@@ -142,8 +106,8 @@ class McapFile:
         """
         try:
             with self.path.open("rb") as stream:
-                bounds = _Bounds(self.path.stat().st_size)
-                for data in self._record_blocks(stream, bounds):
+                bounds = Bounds(self.path.stat().st_size)
+                for data in record_blocks(stream, self._title, bounds, self._places, self._note):
                     yield from self._messages_in(data, topics, bounds)
                     if bounds.too_many():
                         self._note(f"expands to more than any recording of {bounds.file} bytes; the rest is left out")
@@ -155,57 +119,14 @@ class McapFile:
     def _title(self) -> Path:
         return self.name or self.path
 
-    def _record_blocks(self, stream: BinaryIO, bounds: _Bounds) -> Iterator[bytes]:
-        """Blocks of records: the content of each chunk, and each record outside of chunks."""
-        size = self.path.stat().st_size
-        if stream.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
-            found = f"{size} bytes that do not start as one" if size else "an empty file"
-            raise BagError(f"{self._title}: expected an MCAP file, found {found}; record the run again")
-        for place in self._places or ():
-            stream.seek(place)
-            head = stream.read(_RECORD.size)
-            opcode, length = _RECORD.unpack(head) if len(head) == _RECORD.size else (0, 0)
-            if opcode != Opcode.CHUNK or length > LARGEST_CHUNK:
-                self._note(f"has no chunk at byte {place}, where its index has one")
-            else:
-                yield from self._chunk(stream.read(length), place, bounds)
-        if self._places is not None:
-            return
-        opcode, place = 0, stream.tell()
-        while opcode != Opcode.FOOTER:
-            head = stream.read(_RECORD.size)
-            opcode, length = _RECORD.unpack(head) if len(head) == _RECORD.size else (0, 0)
-            if opcode == 0 or stream.tell() + length > size:
-                self._note(f"ends in the middle of a record, at byte {place} of {size}")
-                return
-            if opcode in _BLOCKS and length > LARGEST_CHUNK:
-                self._note(f"has a record of more than {LARGEST_CHUNK} bytes at byte {place}, which is left out")
-                stream.seek(length, SEEK_CUR)
-            elif opcode == Opcode.CHUNK:
-                yield from self._chunk(stream.read(length), place, bounds)
-            elif opcode in _RECORDS_IN_CHUNKS:
-                yield head + stream.read(length)
-            else:
-                stream.seek(length, SEEK_CUR)
-            place = stream.tell()
-
-    def _chunk(self, record: bytes, place: int, bounds: _Bounds) -> Iterator[bytes]:
-        """Content of a chunk; nothing where it is damaged."""
-        try:
-            yield _content(record, bounds)
-        except _TooLargeError:
-            self._note(f"has a chunk at byte {place} larger than any in {bounds.file} bytes, which is left out")
-        except _DAMAGED:
-            self._note(f"has a damaged chunk at byte {place}, which is left out")
-
     def _messages_in(
-        self, data: bytes, topics: Collection[str] | None, bounds: _Bounds
+        self, data: bytes, topics: Collection[str] | None, bounds: Bounds
     ) -> Iterator[tuple[str, int, bytes]]:
         place, size, unregistered = 0, len(data), 0
         try:
             while place < size:
-                opcode, length = _RECORD.unpack_from(data, place)
-                start, place = place + _RECORD.size, place + _RECORD.size + length
+                opcode, length = RECORD.unpack_from(data, place)
+                start, place = place + RECORD.size, place + RECORD.size + length
                 if place > size or not opcode:
                     raise EndOfFile
                 bounds.records += 1
@@ -218,9 +139,9 @@ class McapFile:
                         unregistered += channel not in self._channels
                     elif topics is None or name in topics:
                         yield name, stamp, self._message(data[start + _MESSAGE.size : place])
-                elif opcode in _RECORDS_IN_CHUNKS:
+                elif opcode in RECORDS_IN_CHUNKS:
                     self._register(opcode, ReadDataStream(BytesIO(data[start:place])))
-        except _DAMAGED:
+        except DAMAGED_RECORD:
             self._note("has damaged records inside a chunk, which are left out")
         if unregistered:
             self._note(f"has {unregistered} messages on topics whose names were lost with a damaged chunk")
@@ -261,19 +182,3 @@ class McapFile:
             self.damage.append(f"{self._title.name} {text}")
         elif self._notes == _MOST_NOTES + 1:
             self.damage.append(f"{self._title.name} has more such parts")
-
-
-def _content(record: bytes, bounds: _Bounds) -> bytes:
-    """Records in a chunk.
-
-    Raises:
-        _TooLargeError: It would be larger than the bounds.
-        Exceptions of `_DAMAGED`: It is damaged, or not as large as it says.
-    """
-    chunk = Chunk.read(ReadDataStream(BytesIO(record)))
-    if bounds.too_large(chunk.uncompressed_size):
-        raise _TooLargeError
-    data = decompressed(chunk.compression, chunk.data, chunk.uncompressed_size)
-    if chunk.uncompressed_crc not in {0, zlib.crc32(data)}:
-        raise ValueError("another checksum")
-    return data

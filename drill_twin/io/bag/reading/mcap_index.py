@@ -14,10 +14,10 @@ from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
 
 from drill_twin.io.bag.reading.decompression import LARGEST_CHUNK
+from drill_twin.io.bag.reading.mcap_records import RECORD
 from drill_twin.io.bag.reading.window import LATCHED, MOST_LATCHED, blocks_between
 from drill_twin.io.messages.topics import DIAGNOSTICS, TWIN_SCENE
 
-_RECORD = struct.Struct("<BQ")  # opcode, length
 _FOOTER = struct.Struct("<BQQQI")  # opcode, length, start of the summary, of its offsets, checksum
 _CHUNK = struct.Struct("<QQQQI")  # first and last time of recording, place, length, bytes of the map of channels
 _STATISTICS = struct.Struct("<QHIIIIQQI")  # messages, schemas, channels, ..., chunks, first and last time, bytes of map
@@ -59,7 +59,7 @@ def read_index(stream: BinaryIO) -> McapIndex | None:
     stream.seek(place)
     footer = stream.read(_FOOTER.size)
     opcode, length, begin, _, checksum = _FOOTER.unpack(footer)
-    if opcode != Opcode.FOOTER or length != _FOOTER.size - _RECORD.size or not 0 < begin < place:
+    if opcode != Opcode.FOOTER or length != _FOOTER.size - RECORD.size or not 0 < begin < place:
         return None
     if place - begin > LARGEST_CHUNK or stream.read() != MCAP0_MAGIC:
         return None
@@ -78,13 +78,13 @@ def _parse(summary: bytes, size: int) -> McapIndex | None:
     chunks: list[tuple[int, bytes]] = []
     counts, times, place, number = dict[int, int](), (0, 0), 0, 0
     while place < len(summary):
-        opcode, length = _RECORD.unpack_from(summary, place)
-        begin, place = place + _RECORD.size, place + _RECORD.size + length
+        opcode, length = RECORD.unpack_from(summary, place)
+        begin, place = place + RECORD.size, place + RECORD.size + length
         if opcode in {Opcode.SCHEMA, Opcode.CHANNEL}:
             definitions.append((Opcode(opcode), summary[begin:place]))
         elif opcode == Opcode.CHUNK_INDEX:
             _, _, at, extent, mapped = _CHUNK.unpack_from(summary, begin)
-            if at + extent > size or extent < _RECORD.size:
+            if at + extent > size or extent < RECORD.size:
                 return None
             chunks.append((at, summary[begin + _CHUNK.size : begin + _CHUNK.size + mapped]))
         elif opcode == Opcode.STATISTICS:
