@@ -6,7 +6,7 @@ import { onUnits, size, unit } from "./units.js";
 
 const SET_POINTS = { wob: "force", rps: "rotation" }, HELD = 2500, SURE = 4000;  // ms
 const touched = { wob: 0, rps: 0, seek: 0 }, due = {};
-let opened = false, sure = null;
+let opened = false, sure = null, paused = false, playing = false;
 
 const rounded = (value, quantity) => +(value / size(quantity)).toPrecision(4);
 
@@ -31,7 +31,7 @@ export function offerControls() {
     $(`${name}_entry`).addEventListener("blur", () => { if (touched[name] === Infinity) touched[name] = Date.now(); });
   }
   onUnits(() => { touched.wob = touched.rps = 0; });
-  $("pause").addEventListener("click", () => say({ [$("pause").textContent]: true }));
+  $("pause").addEventListener("click", () => say({ [paused ? "resume" : "pause"]: true }));
   $("step").addEventListener("click", () => say({ step: true }));
   $("reset").addEventListener("click", () => {
     if (sure) say({ reset: true });
@@ -39,7 +39,7 @@ export function offerControls() {
     sure = sure ? null : setTimeout(() => { sure = null; $("reset").textContent = "reset"; }, SURE);
     $("reset").textContent = sure ? "press again: begin at time zero" : "reset";
   });
-  $("play").addEventListener("click", () => say({ play: $("play").textContent === "play" }));
+  $("play").addEventListener("click", () => say({ play: !playing }));
   const seek = (at) => { touched.seek = Date.now(); state.trails = {}; say({ seek: at }); };
   $("seek").addEventListener("input", () => seek(+$("seek").value));
   $("seek_form").addEventListener("submit", (event) => { event.preventDefault(); if ($("seek_entry").value !== "") seek(+$("seek_entry").value); });
@@ -54,11 +54,12 @@ export function beginControls(scene) {
 export function showControls(picture) {
   const { player } = picture;
   $("rig").hidden = !!player; $("player").hidden = !player;
-  $("pause").textContent = picture.state === "paused" ? "resume" : "pause";
-  $("step").disabled = picture.state !== "paused";
+  paused = picture.state === "paused"; playing = !!player?.playing;  // a label is for people: a browser may translate it
+  $("pause").textContent = paused ? "resume" : "pause";
+  $("step").disabled = !paused;
   if (player && !opened) { opened = true; if (!player.playing) say({ seek: player.begin, play: true }); }
   if (player && Date.now() - touched.seek > 400) {
-    $("seek").max = player.length; $("seek").value = player.at; $("play").textContent = player.playing ? "pause" : "play";
+    $("seek").max = player.length; $("seek").value = player.at; $("play").textContent = playing ? "pause" : "play";
     $("seek_said").textContent = `${player.at.toFixed(1)} of ${player.length.toFixed(1)} s`;
   }
   for (const [name, quantity] of Object.entries(SET_POINTS)) {
