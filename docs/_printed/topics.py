@@ -6,9 +6,9 @@ from drill_twin.cli.ros.nodes import rig_table, topic_table
 
 def topics() -> str:
     """Table of the contract."""
-    return topic_table()
+    return topic_table().markdown()
 
 
 def topics_quality() -> str:
     """Quality of service, stamps and frames."""
-    return rig_table()
+    return rig_table().markdown()

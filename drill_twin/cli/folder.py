@@ -14,7 +14,7 @@ _RESULTS = ("bag_0", "summary.json", "report.html", "compare.json")
 
 
 def new_folder(folder: Path, *, replace: bool) -> Path | None:
-    """Make an empty folder; with `replace` an existing result is moved to `<folder>.old`.
+    """Make an empty folder; with `replace` an existing result is moved to `<folder>.old`, with a line on stderr.
 
     Returns:
         New path of the older result, if there was one.
@@ -34,6 +34,10 @@ def new_folder(folder: Path, *, replace: bool) -> Path | None:
     except OSError as error:
         raise _not_writable(folder, error) from error
     make_folder(folder)
+    if moved:
+        from drill_twin.cli.show import remark
+
+        remark(f"the older result is now {moved}")
     return moved
 
 

@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""SIGINT and SIGTERM in a command: one line and exit code 130 or 143, whenever they come; imports nothing slow."""
+"""SIGINT and SIGTERM in a command: one line and exit code 130 or 143, whenever they come; imports nothing slow.
+
+A command that has something to complete takes them as a request instead (`stop_request`).
+"""
 
 from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 
 from drill_twin.core.process.unraisable import is_unraisable
@@ -34,6 +39,33 @@ def ignore() -> None:
     """Ignore both signals from now on: a second one must not change the exit code of a command that has ended."""
     for number in _SIGNALS:
         signal.signal(number, signal.SIG_IGN)
+
+
+@contextmanager
+def stop_request() -> Iterator[list[int]]:
+    """Numbers of the signals that came: empty until one does; a second one ends the command.
+
+    A signal that the parent ignores stays ignored.
+    """
+    asked: list[int] = []
+    before = {number: signal.getsignal(number) for number in _SIGNALS}
+
+    def ask(number: int, frame: object) -> None:
+        del frame
+        asked.append(number)
+        restore()
+
+    def restore() -> None:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+    for number, handler in before.items():
+        if handler is not signal.SIG_IGN:
+            signal.signal(number, ask)
+    try:
+        yield asked
+    finally:
+        restore()
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:

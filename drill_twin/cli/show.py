@@ -3,16 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from typing import Any
 
-from rich import box
 from rich.console import Console
 from rich.segment import Segment
-from rich.table import Table
-from rich.text import Text
 
 from drill_twin.core.errors import printable
+from drill_twin.core.table import Table
 from drill_twin.studies.json_io import json_text
 
 
@@ -27,12 +26,13 @@ class _PrintableConsole(Console):
 
 def out() -> Console:
     """Console for results, on stdout."""
-    return _PrintableConsole(highlight=False)
+    return _PrintableConsole(highlight=False, emoji=False)
 
 
+@cache
 def err() -> Console:
-    """Console for progress and remarks, on stderr."""
-    return _PrintableConsole(stderr=True, highlight=False)
+    """Console for progress and remarks, on stderr: the same one for all, so that remarks stay above a bar."""
+    return _PrintableConsole(stderr=True, highlight=False, emoji=False)
 
 
 def print_json(value: Any) -> None:
@@ -40,41 +40,37 @@ def print_json(value: Any) -> None:
     print(json_text(value), end="")
 
 
-def pairs(rows: Iterable[tuple[str, str]]) -> Table:
-    """Table of names and values, without lines."""
-    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    table.add_column(style="bold", no_wrap=True)
-    for name, value in rows:
-        table.add_row(*(Text(printable(cell, keep="")) for cell in (name, value)))
-    return table
+grid = Table
+"""Former name of `Table`, for the commands of other packages."""
 
 
-def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "", right: Sequence[int] = ()) -> Table:
-    """Table with headings; the columns in `right` are aligned to the right."""
-    table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", padding=(0, 1), pad_edge=False)
-    for number, column in enumerate(columns):
-        table.add_column(column, justify="right" if number in right else "left", overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(printable(cell, keep="")) for cell in row))
-    return table
+def remark(text: str, style: str = "") -> None:
+    """Print a line on stderr, as it is: above the bar of a progress that is shown."""
+    err().print(text, style=style, markup=False, soft_wrap=True)
 
 
-def print_findings(summary: Mapping[str, Any]) -> None:
-    """Print a summary as tables: findings, marks, timeline and notes."""
+def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
+    """Tables of a summary: findings, marks and timeline; what limits the findings goes to stderr."""
     from drill_twin.report.text import findings, limitations, provenance
 
-    console = out()
-    console.print(pairs([*_without_radii(findings(summary)), *provenance(summary)]))
+    yield Table((), [*_without_radii(findings(summary)), *provenance(summary)])
     if marks := list(_marks(summary)):
-        heads = ("mark", "largest radius", "over the threshold", "motion at the end")
-        console.print(grid(heads, marks, right=(2,)))
-    if periods := [
-        (f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"])
-        for period in summary["motion"]
-    ]:
-        console.print(grid(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1)))
+        yield Table(("mark", "largest radius", "over the threshold", "motion at the end"), marks, right=(2,))
+    if periods := [_period(period) for period in summary["motion"]]:
+        yield Table(("from", "to", "motion of the string", "what decided it"), periods, right=(0, 1))
     for trouble in limitations(summary):
-        err().print(Text(f"note: {trouble}", style="yellow"), soft_wrap=True)
+        remark(f"note: {trouble}", "yellow")
+
+
+def marks_shown(summary: Mapping[str, Any]) -> Iterator[Table]:
+    """Timeline of every mark."""
+    motion = summary["mark_motion"].items()
+    if rows := [(mark, *_period(period)) for mark, periods in motion for period in periods]:
+        yield Table(("mark", "from", "to", "motion", "what decided it"), rows, right=(1, 2))
+
+
+def _period(period: Mapping[str, Any]) -> tuple[str, str, str, str]:
+    return f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"]
 
 
 def _without_radii(rows: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:

@@ -10,6 +10,7 @@ import pytest
 
 from drill_twin.cli import run_command, show
 from drill_twin.core.errors import BagError, DrillTwinError, SceneError, StoppedError, TableError, printable
+from drill_twin.core.table import Table
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.scene import load_scene, parse_scene
@@ -111,8 +112,8 @@ def test_names_of_a_bag_do_not_reach_the_terminal_as_they_are():
     console = show.out()
     console.file = stream
     odd = ODD.replace("\ud800", "")
-    console.print(show.grid(("a", "b"), [(odd, odd)]))
-    console.print(show.pairs([(odd, odd)]))
+    console.print(Table(("a", "b"), [(odd, odd)]))
+    console.print(Table((), [(odd, odd)]))
     console.print(odd, markup=False)
     text = stream.getvalue()
     assert r"\x1b" in text

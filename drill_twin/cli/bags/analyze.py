@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -81,13 +80,17 @@ def analyze(
     The analysis is that of the analyzer node; findings that the node recorded live are compared byte for byte. A bag
     whose recorder was killed is read up to its last complete message.
     """
+    from itertools import chain
+
+    from drill_twin.cli.emit import emit
     from drill_twin.cli.folder import check_new, write_file
-    from drill_twin.cli.show import err, print_findings, print_json
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import findings_shown, marks_shown
     from drill_twin.report.summary import summarise, to_json
 
     if out is not None:
         check_new(out, replace=replace)
-    with err().status("analysing the bag"):
+    with shown_progress("analysing the bag"):
         selection = _selection(marks, begin, end, topics, clearance, rim, namespace, sub)
         recording = _recording(bag, scene, selection)
         summary = summarise(recording)
@@ -97,11 +100,7 @@ def analyze(
             summary["whirl_states"] = near_states(recording, summary)
     if out is not None:
         write_file(out, to_json(summary))
-    if json:
-        print_json(summary)
-    else:
-        print_findings(summary)
-        print_marks(summary)
+    emit(summary, chain(findings_shown(summary), marks_shown(summary)), json=json)
 
 
 def report(
@@ -119,29 +118,28 @@ def report(
     states: StatesOption = False,
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
-    from drill_twin.cli.show import err, print_json
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.progress import shown_progress
 
     folder = out or default_folder(bag)
     existing = folder / "report.html"
     if existing.exists() and not replace:
         raise BagError(f"{existing}: expected none yet, found one; choose another folder with --out, or --replace")
-    with err().status("analysing the bag"):
+    with shown_progress("analysing the bag"):
         recording = _recording(bag, scene, _selection([], begin, end, [], "", "", namespace))
     files = draw(recording, folder, states=states)
-    if json:
-        figures = {name: str(path) for name, path in files.figures.items()}
-        print_json({"report": str(files.page), "summary": str(files.summary), "figures": figures})
-    else:
-        print(files.page)
+    figures = {name: str(path) for name, path in files.figures.items()}
+    data = {"report": str(files.page), "summary": str(files.summary), "figures": figures}
+    emit(data, [str(files.page)], json=json)
 
 
 def draw(recording: Recording, folder: Path, *, states: bool = False) -> ReportFiles:
     """Build the report, with a status line that names the part in progress."""
-    from drill_twin.cli.show import err
+    from drill_twin.cli.progress import shown_progress
     from drill_twin.report import build_report
 
-    with err().status("drawing") as status:
-        return build_report(recording, folder, states=states, progress=lambda part: status.update(f"drawing: {part}"))
+    with shown_progress("drawing") as bar:
+        return build_report(recording, folder, states=states, progress=lambda part: bar.show(f"drawing: {part}"))
 
 
 def default_folder(bag: Path) -> Path:
@@ -156,14 +154,14 @@ def default_folder(bag: Path) -> Path:
 
 
 def _recording(bag: Path, scene: str, selection: Selection | None = None) -> Recording:
-    from drill_twin.cli.show import err
+    from drill_twin.cli.show import remark
     from drill_twin.io.bag.record import RecordBag
     from drill_twin.report.recording import read_recording
     from drill_twin.scene import load_scene
 
     found = read_recording(bag, load_scene(scene) if scene else None, selection)
     if isinstance(found.bag, RecordBag):
-        err().print(found.bag.read, markup=False, soft_wrap=True)
+        remark(found.bag.read)
     return found
 
 
@@ -202,16 +200,3 @@ def _selection(
             raise BagError(f"{option}: {error}") from error
     chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
     return Selection(chosen, begin, end, names, namespace or None, lengths[0], lengths[1] or 0.0, sub or "")
-
-
-def print_marks(summary: Mapping[str, Any]) -> None:
-    """Print the timeline of every mark."""
-    from drill_twin.cli.show import grid, out
-
-    rows = [
-        (mark, f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"])
-        for mark, periods in summary["mark_motion"].items()
-        for period in periods
-    ]
-    if rows:
-        out().print(grid(("mark", "from", "to", "motion", "what decided it"), rows, right=(1, 2)))

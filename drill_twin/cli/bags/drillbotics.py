@@ -39,10 +39,11 @@ def drillbotics(
     Needs the extra `las`. Exit code 1 where a rule is broken.
     """
     from drill_twin.cli.bags.analyze import default_folder
-    from drill_twin.cli.folder import check_new, make_folder, write_file
-    from drill_twin.cli.show import err, grid
-    from drill_twin.cli.show import out as stdout
+    from drill_twin.cli.emit import say, write_files
+    from drill_twin.cli.folder import check_new
+    from drill_twin.cli.progress import shown_progress
     from drill_twin.core.files.yaml_reader import plain_yaml
+    from drill_twin.core.table import Table
     from drill_twin.core.units import UnitError, parse
     from drill_twin.core.units.dimension import FREQUENCY
     from drill_twin.gateway.drillbotics.files import LOWEST_RATE, TIMESERIES, read_log
@@ -58,7 +59,7 @@ def drillbotics(
         raise ArgumentError(f"--rate: expected {LOWEST_RATE:g} Hz, which the rules ask for, to 1000 Hz, found {rate}")
     folder = out or default_folder(bag)
     selection = Selection(begin=begin, end=end, namespace=namespace or None)
-    with err().status("reading the bag"):
+    with shown_progress("reading the bag"):
         source = open_bag(bag_path(bag), selection)
         log = read_log(source, selection, rows, _date(start) if start else None)
     name = well
@@ -69,15 +70,13 @@ def drillbotics(
     timeseries, logs = folder / TIMESERIES, folder / f"{re.sub(r'[^A-Za-z0-9-]+', '_', name)}_logs.las"
     for file in (timeseries, logs):
         check_new(file, replace=replace)
-    make_folder(folder)
-    write_file(timeseries, log.csv_text())
-    write_file(logs, log.las_text(name))
+    write_files(folder, {timeseries.name: log.csv_text(), logs.name: log.las_text(name)})
     verdict, broken = {True: "passed", False: "broken", None: "note"}, False
     for file, check in ((timeseries, check_timeseries), (logs, check_log)):
         rules = list(check(file))
         broken |= any(passed is False for _, passed, _ in rules)
         lines = [(rule, verdict[passed], told) for rule, passed, told in rules]
-        stdout().print(grid(("rule", "", "found"), lines, title=file.name))
+        say(Table(("rule", "", "found"), lines, title=file.name))
     print(timeseries, logs, sep="\n")
     if broken:
         raise typer.Exit(1)

@@ -29,7 +29,8 @@ def export(
     """Write weight on bit, hookload, torques and speeds of a bag over time, as CSV or LAS 2.0, in kN, kN.m and rpm."""
     from drill_twin.cli.bags.analyze import default_folder
     from drill_twin.cli.folder import check_new, write_file
-    from drill_twin.cli.show import err
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import remark
     from drill_twin.report.rig_table import csv_text, las_text, read_rig, rig_channels
     from drill_twin.report.selection import Selection
 
@@ -41,10 +42,10 @@ def export(
     files = [base.with_name(f"{base.name}.{ending}") for ending, wanted in (("csv", csv), ("las", las)) if wanted]
     for file in files:
         check_new(file, replace=replace)
-    with err().status("reading the bag"):
+    with shown_progress("reading the bag"):
         rig, name = read_rig(bag, Selection(begin=begin, end=end, namespace=namespace or None))
     channels = rig_channels(rig)
     for file in files:
         write_file(file, csv_text(channels) if file.suffix == ".csv" else las_text(channels, name))
         print(file)
-    err().print(f"{len(rig)} samples; converted: N to kN, N m to kN.m, rad/s to rpm", markup=False, soft_wrap=True)
+    remark(f"{len(rig)} samples; converted: N to kN, N m to kN.m, rad/s to rpm")

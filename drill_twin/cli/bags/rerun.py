@@ -43,37 +43,30 @@ def rerun(
     """
     from drill_twin.api.recorded_run import rerun as run_again
     from drill_twin.cli.bags.analyze import default_folder
-    from drill_twin.cli.folder import new_folder, write_file
-    from drill_twin.cli.show import err, grid, print_json
-    from drill_twin.cli.show import out as console
-    from drill_twin.report.figures.style import save
-    from drill_twin.studies.json_io import json_text
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.folder import new_folder
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.core.table import Table
 
     changes = overrides(change)
     folder = out or default_folder(bag).with_name(f"{default_folder(bag).name.removesuffix('_report')}_rerun")
-    moved = new_folder(folder, replace=replace)
-    if moved:
-        err().print(f"the older result is now {moved}", markup=False, soft_wrap=True)
-    with err().status("reading the bag") as status:
+    new_folder(folder, replace=replace)
+    with shown_progress("reading the bag") as bar:
         both = run_again(
             bag,
             changes,
             scene=scene or None,
             namespace=namespace or None,
-            progress=lambda now, end: status.update(f"computing: {now:.1f} of {end:g} s"),
+            progress=lambda now, end: bar.show(f"computing: {now:.1f} of {end:g} s"),
         )
-        status.update("drawing")
+        bar.show("drawing")
         both.computed.to_bag(folder / "bag_0")
-        save(both.plot(), folder / "comparison.png")
+        figure = both.plot()
     found = content(both, changes)
-    write_file(folder / "rerun.json", json_text(found))
-    if json:
-        print_json(found)
-    else:
-        rows = both.table()
-        console().print(grid(("", "recorded", "computed again"), rows))
-        console().print(agreement(both, changes), soft_wrap=True, markup=False)
-    err().print(f"{folder}: bag_0, comparison.png, rerun.json", markup=False, soft_wrap=True)
+    emit(
+        found, [Table(("", "recorded", "computed again"), both.table()), agreement(both, changes)], json=json,
+        folder=folder, files={"comparison.png": figure, "rerun.json": found}, also=["bag_0"],
+    )  # fmt: skip
 
 
 def agreement(both: Rerun, changes: dict[str, str]) -> str:

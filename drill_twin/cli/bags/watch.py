@@ -3,14 +3,14 @@
 
 from __future__ import annotations
 
-import signal
-import threading
+import time
 import webbrowser
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from drill_twin.cli.interrupt import stop_request
 from drill_twin.cli.options import NamespaceOption
 from drill_twin.core.errors import DrillTwinError
 
@@ -73,19 +73,20 @@ def watch(
 def _play(
     bag: Path, host: str, port: int, allowed: list[str], namespace: str | None, limits: list[str], *, browser: bool
 ) -> None:
-    from drill_twin.cli.show import err
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import remark
     from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.live.limits import parse_limit
     from drill_twin.live.player import Player
     from drill_twin.live.server import PageServer
 
     parsed = [parse_limit(text) for text in limits]
-    with err().status("reading the bag"):
+    with shown_progress("reading the bag"):
         player = Player(bag_path(bag), namespace)
     for one in parsed:
         player.state.take(one)
     for text in player.damage:
-        err().print(text, markup=False, highlight=False)
+        remark(text)
     server = PageServer(
         player.snapshot,
         player.on_request,
@@ -94,16 +95,15 @@ def _play(
         port=port,
         allowed_hosts=allowed,
     )
-    over = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: over.set())
-    print(f"{bag} at {server.url}", flush=True)
-    if server.remote_url:
-        print(f"on other machines: {server.remote_url}", flush=True)
-    if browser:
-        webbrowser.open(server.url)
-    over.wait()
+    with stop_request() as asked:
+        print(f"{bag} at {server.url}", flush=True)
+        if server.remote_url:
+            print(f"on other machines: {server.remote_url}", flush=True)
+        if browser:
+            webbrowser.open(server.url)
+        while not asked:
+            time.sleep(0.1)
     server.close()
     player.close()
     for text in player.state.skipped.sentences():
-        err().print(text, markup=False, highlight=False)
+        remark(text)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from itertools import groupby
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +13,9 @@ import typer
 from drill_twin.cli.options import JsonOption
 
 if TYPE_CHECKING:
+    from rich.text import Text
+
+    from drill_twin.core.table import Table
     from drill_twin.ros.doctor.check import Check
 
 
@@ -29,42 +33,31 @@ def doctor(
     Works without ROS too, and says so; the nodes of ROS_DOMAIN_ID are checked where rclpy is there. Exit code 1 when
     something is wrong.
     """
-    from drill_twin.cli.show import err, print_json
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.progress import shown_progress
     from drill_twin.ros.doctor.check import Verdict
     from drill_twin.ros.doctor.run import examine
 
-    with err().status("checking"):
+    with shown_progress("checking"):
         checks = examine(seconds)
-    problems = [check for check in checks if check.verdict is Verdict.PROBLEM]
-    if json:
-        print_json({"ok": not problems, "checks": [asdict(check) for check in checks]})
-    else:
-        show(checks)
+    problems = sum(check.verdict is Verdict.PROBLEM for check in checks)
+    emit({"ok": not problems, "checks": [asdict(check) for check in checks]}, _shown(checks, problems), json=json)
     raise typer.Exit(1 if problems else 0)
 
 
-def show(checks: list[Check]) -> None:
-    """Print the checks as a table a section, and what to do below."""
-    from rich.table import Table
+def _shown(checks: list[Check], problems: int) -> Iterator[Table | Text | str]:
+    """A table a section, with what to do below each check that found something."""
     from rich.text import Text
 
-    from drill_twin.cli.show import out
+    from drill_twin.core.table import Column, Table
     from drill_twin.ros.doctor.check import Verdict
 
     styles = {Verdict.OK: "green", Verdict.NOTE: "yellow", Verdict.PROBLEM: "bold red"}
-    console = out()
     for section, members in groupby(checks, key=lambda check: check.section):
-        table = Table(
-            title=section, title_justify="left", title_style="bold", show_header=False, box=None, pad_edge=False
-        )
-        table.add_column(no_wrap=True)
-        table.add_column(overflow="fold", max_width=28)
-        table.add_column(overflow="fold")
+        rows: list[tuple[object, ...]] = []
         for check in members:
-            table.add_row(Text(check.verdict.value, styles[check.verdict]), Text(check.name), Text(check.found))
+            rows.append((Text(check.verdict.value, styles[check.verdict]), check.name, check.found))
             if check.remedy:
-                table.add_row("", "", Text(f"-> {check.remedy}", styles[check.verdict]))
-        console.print(table)
-        console.print()
-    count = sum(check.verdict is Verdict.PROBLEM for check in checks)
-    console.print(f"{count} problem{'' if count == 1 else 's'}" if count else "nothing is wrong")
+                rows.append(("", "", Text(f"-> {check.remedy}", styles[check.verdict])))
+        yield Table([Column("", whole=True), Column(""), Column("")], rows, title=section)
+    yield f"{problems} problem{'' if problems == 1 else 's'}" if problems else "nothing is wrong"

@@ -25,17 +25,20 @@ def load(
     Simulator, rig driver, analyzer and recorder run as processes over DDS; their processor time is that of the kernel,
     with all threads of DDS. The simulator itself measures its time for the motion and for publishing.
     """
-    from drill_twin.cli.show import err, grid, out, print_json
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.core.table import Table
     from drill_twin.ros.demo.cpu_load import LoadOptions, run_load
 
-    with err().status("running the nodes"):
+    with shown_progress("running the nodes"):
         shares, said = run_load(LoadOptions(scene, rate, elements, seconds))
-    if json:
-        print_json({"nodes": [asdict(share) for share in shares], "simulator": dict(said)})
-        return
     rows = [(share.node, f"{share.processor:.1%}", f"{share.memory / 2**20:.0f} MB") for share in shares]
-    out().print(grid(("node", "of one core", "memory"), rows, right=(1, 2)))
-    physics = 1.0 / float(said["physics_speed"])
-    out().print(
-        f"of the simulator: {physics:.1%} the motion, {float(said['publishing_share']):.1%} encoding and publishing"
+    physics, publishing = 1.0 / float(said["physics_speed"]), float(said["publishing_share"])
+    emit(
+        {"nodes": [asdict(share) for share in shares], "simulator": dict(said)},
+        [
+            Table(("node", "of one core", "memory"), rows, right=(1, 2)),
+            f"of the simulator: {physics:.1%} the motion, {publishing:.1%} encoding and publishing",
+        ],
+        json=json,
     )

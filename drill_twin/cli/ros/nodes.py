@@ -5,11 +5,14 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from json import dumps
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from drill_twin.cli.options import BagArgument, JsonOption, NamespaceOption
+
+if TYPE_CHECKING:
+    from drill_twin.core.table import Table
 
 
 def demo(context: typer.Context) -> None:
@@ -64,45 +67,43 @@ def topics(
     json: JsonOption = False,
 ) -> None:
     """List the topics of the nodes and of the bags: names, types, units."""
-    from drill_twin.cli.show import grid, out, print_json
+    from drill_twin.cli.emit import emit
+    from drill_twin.core.table import Table
     from drill_twin.io.messages.topics import OF_SUBS, TOPICS
 
     topics = (*TOPICS.values(), *OF_SUBS)
-    if json:
-        print_json([asdict(topic) for topic in topics])
-    elif rig:
-        print(rig_table(), end="")
-    elif markdown:
-        print(topic_table(), end="")
-    else:
-        rows = (
-            (topic.name, topic.type_name.replace("/msg/", "/"), f"{topic.publisher}, {topic.rate}", topic.meaning)
-            for topic in topics
-        )
-        out().print(grid(("topic", "type", "publisher, rate", "meaning"), rows))
+    rows = (
+        (topic.name, topic.type_name.replace("/msg/", "/"), f"{topic.publisher}, {topic.rate}", topic.meaning)
+        for topic in topics
+    )
+    table = rig_table() if rig else topic_table() if markdown else None
+    shown = Table(("topic", "type", "publisher, rate", "meaning"), rows) if table is None else table.markdown()
+    emit([asdict(topic) for topic in topics], [shown], json=json)
 
 
-def topic_table(*, optional: bool = True) -> str:
-    """Markdown table of the contract, or of the topics that every run has."""
+def topic_table(*, optional: bool = True) -> Table:
+    """Table of the contract, or of the topics that every run has."""
+    from drill_twin.core.table import Table
     from drill_twin.io.messages.topics import OF_SUBS, TOPICS
 
-    lines = ["| topic | type | who | when | meaning |", "| --- | --- | --- | --- | --- |"]
-    for topic in (row for row in (*TOPICS.values(), *OF_SUBS) if optional or not row.optional):
-        when = f"{topic.rate}, latched" if topic.latched else topic.rate
-        type_name = topic.type_name.replace("/msg/", "/")
-        lines.append(f"| `{topic.name}` | {type_name} | {topic.publisher} | {when} | {topic.meaning} |")
-    return "\n".join(lines) + "\n"
+    rows = [
+        (
+            f"`{topic.name}`", topic.type_name.replace("/msg/", "/"), topic.publisher,
+            f"{topic.rate}, latched" if topic.latched else topic.rate, topic.meaning,
+        )
+        for topic in (*TOPICS.values(), *OF_SUBS)
+        if optional or not topic.optional
+    ]  # fmt: skip
+    return Table(("topic", "type", "who", "when", "meaning"), rows)
 
 
-def rig_table() -> str:
-    """Table of the topics for rig software, in Markdown: publisher, quality of service, stamp and frame."""
+def rig_table() -> Table:
+    """Table of the topics for rig software: publisher, quality of service, stamp and frame."""
+    from drill_twin.core.table import Table
     from drill_twin.io.messages.topics import CLOCK_TOPIC, FLOAT64, FRAME_ID, IMU, OF_SUBS, STRING, TOPICS
 
     unstamped = (FLOAT64, STRING)
-    lines = [
-        "| topic | type | from | rate | quality of service | stamp and frame |",
-        "| --- | --- | --- | --- | --- | --- |",
-    ]
+    rows = []
     for topic in (*TOPICS.values(), *OF_SUBS):
         latched = ", latched" if topic.latched or topic.name == CLOCK_TOPIC else ""
         stamp = "none" if topic.type_name in unstamped else f"simulated time, `{FRAME_ID}`"
@@ -112,8 +113,6 @@ def rig_table() -> str:
             stamp = "time of the measurement, name of the sub"
         elif topic.publisher == "all nodes":
             stamp = "wall time"
-        lines.append(
-            f"| `{topic.name}` | {topic.type_name} | {topic.publisher} | {topic.rate} "
-            f"| reliable, keep last {topic.publisher_depth}{latched} | {stamp} |"
-        )
-    return "\n".join(lines) + "\n"
+        depth = f"reliable, keep last {topic.publisher_depth}{latched}"
+        rows.append((f"`{topic.name}`", topic.type_name, topic.publisher, topic.rate, depth, stamp))
+    return Table(("topic", "type", "from", "rate", "quality of service", "stamp and frame"), rows)

@@ -14,34 +14,28 @@ if TYPE_CHECKING:
 
 def planned(scene: Scene, show: Callable[[str], None]) -> Plan:
     """Choose the resolution and print the expected error; `show` takes the progress in words."""
-    from drill_twin.cli.show import err
+    from drill_twin.cli.show import remark
     from drill_twin.studies.accuracy import resolve
     from drill_twin.studies.accuracy.progress import in_words
 
     plan = resolve(scene, progress=in_words(show), compiling=show)
-    err().print(plan.sentence, markup=False, soft_wrap=True)
+    remark(plan.sentence)
     return plan
 
 
 def checked(plan: Plan, recording: Recording, motion_seconds: float, *, rerun: bool) -> dict[str, Any]:
     """Compare a run with its plan, print the result, and return it for the summary."""
-    from rich.progress import Progress
-
-    from drill_twin.cli.show import err
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import remark
     from drill_twin.studies.accuracy import check
 
-    console = err()
-    with Progress(console=console, transient=True) as bar:
-        task = bar.add_task("checking: the part before the onset at a finer resolution", total=recording.duration)
-        result = check(
-            plan, recording, motion_seconds, rerun=rerun, progress=lambda time: bar.update(task, completed=time)
-        )
+    what = "checking: the part before the onset at a finer resolution"
+    with shown_progress(what, recording.duration, unit="s") as bar:
+        result = check(plan, recording, motion_seconds, rerun=rerun, progress=lambda time: bar.show(what, time))
     actual = "not checked" if result.actual is None else f"{result.actual * 100:.2g} %"
-    console.print(
+    remark(
         f"error before the onset: {actual}, expected {result.expected * 100:.2g} %, asked {result.asked * 100:g} %; "
         f"processor time of the motion: {result.actual_seconds:.2g} s, expected {result.expected_seconds:.2g} s"
-        f"{f'; of the check: {result.check_seconds:.2g} s' if rerun else ''}",
-        markup=False,
-        soft_wrap=True,
+        f"{f'; of the check: {result.check_seconds:.2g} s' if rerun else ''}"
     )
     return result.to_dict()

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,8 +14,8 @@ from drill_twin.cli.options import JsonOption, SetOption, overrides
 from drill_twin.cli.runs.fit import range_option
 
 if TYPE_CHECKING:
+    from drill_twin.core.table import Table
     from drill_twin.studies.estimation import Estimate
-    from drill_twin.studies.fitting import Record
 
 FILES = ("estimate.json", "estimate.png")
 """Files of `--out`."""
@@ -57,11 +58,12 @@ def estimate(
 ) -> None:
     """Follow a record as the node `estimator` follows a rig: numbers, virtual sensors, chance of whirl, alarms."""
     import drill_twin as dt
-    from drill_twin.cli.show import err, grid, print_json
-    from drill_twin.cli.show import out as stdout
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.show import remark
     from drill_twin.core.errors import ArgumentError, RunError
     from drill_twin.studies.estimation import CHANNELS, SET_POINTS
     from drill_twin.studies.estimation.bands import held_text
+    from drill_twin.studies.estimation.figure import estimate_figure
     from drill_twin.studies.fitting.record import channel_column
 
     options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)
@@ -83,44 +85,40 @@ def estimate(
         over_time.append(found)
         if found.time >= due or found.alarm != alarm:
             alarm, due = found.alarm, found.time + _TOLD
-            err().print(_line(found), markup=False, soft_wrap=True)
+            remark(_line(found))
     if not over_time:
         raise RunError(f"{record}: expected more than {window:g} s of record, found less")
     found = over_time[-1]
     troubles = dict(estimator.intake.troubles)
-    if out is not None:
-        _write(over_time, measurements, troubles, out)
-    if json:
-        print_json(_plain(found) | {"troubles": troubles, "bands": held_text(bool(sub))})
-        return
+    held = held_text(bool(sub))
+    emit(
+        _plain(found) | {"troubles": troubles, "bands": held}, _shown(found, estimator.scene.name, held, troubles),
+        json=json, folder=out,
+        files={
+            FILES[0]: lambda: {"estimates": [_plain(one) for one in over_time], "troubles": troubles},
+            FILES[1]: lambda: estimate_figure(over_time, measurements),
+        },
+    )  # fmt: skip
+
+
+def _shown(found: Estimate, name: str, held: str, troubles: dict[str, int]) -> Iterator[Table | str]:
+    from drill_twin.core.table import Table
+
     rows = [
         (name, f"{band.mean:.4g}", f"{band.deviation:.2g}", f"{band.low:.4g}", f"{band.high:.4g}")
         for name, band in {**found.numbers, **found.sensors}.items()
     ]
-    title = f"{estimator.scene.name} at {found.time:g} s"
-    stdout().print(grid(("SI", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4)))
-    stdout().print(held_text(bool(sub)), markup=False, soft_wrap=True)
-    stdout().print(_line(found), markup=False, soft_wrap=True)
+    title = f"{name} at {found.time:g} s"
+    yield Table(("SI", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
+    yield held
+    yield _line(found)
     if troubles:
-        stdout().print(", ".join(f"{count} {kind}" for kind, count in troubles.items()), markup=False, soft_wrap=True)
+        yield ", ".join(f"{count} {kind}" for kind, count in troubles.items())
 
 
 def _line(found: Estimate) -> str:
     chance = "" if found.chance != found.chance else f", whirl soon {found.chance:.0%}"
     return f"{found.time:6.1f} s: whirls now {found.whirls:.0%}{chance}" + (f"; {found.alarm}" if found.alarm else "")
-
-
-def _write(found: list[Estimate], record: Record, troubles: dict[str, int], folder: Path) -> None:
-    from drill_twin.cli.folder import make_folder, write_file
-    from drill_twin.cli.show import err
-    from drill_twin.report.figures.style import save
-    from drill_twin.studies.estimation.figure import estimate_figure
-    from drill_twin.studies.json_io import json_text
-
-    make_folder(folder)
-    write_file(folder / FILES[0], json_text({"estimates": [_plain(one) for one in found], "troubles": troubles}))
-    save(estimate_figure(found, record), folder / FILES[1])
-    err().print(f"{folder}: {', '.join(FILES)}", markup=False, soft_wrap=True)
 
 
 def _plain(found: Estimate) -> dict[str, Any]:

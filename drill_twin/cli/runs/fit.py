@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +12,9 @@ import typer
 from drill_twin.cli.options import JsonOption, SetOption, overrides
 
 if TYPE_CHECKING:
+    from rich.text import Text
+
+    from drill_twin.core.table import Table
     from drill_twin.studies.fitting import Posterior, Sampling
 
 
@@ -48,16 +52,16 @@ def fit(
 ) -> None:
     """Numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
     import drill_twin as dt
-    from drill_twin.cli.show import err, print_json
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.show import remark
     from drill_twin.core.errors import SceneError
+    from drill_twin.studies.fitting.figure import fit_figure
 
     ranges = dict(range_option(text) for text in free)
 
     def told(number: int, found: Sampling) -> None:
         power = "" if found.power == 1.0 else f", likelihood to the power {found.power:.2g}"
-        err().print(
-            f"round {number}: {found.effective:.0f} effective draws of {len(found.weights)}{power}", markup=False
-        )
+        remark(f"round {number}: {found.effective:.0f} effective draws of {len(found.weights)}{power}")
 
     try:
         found = dt.fit(
@@ -67,12 +71,12 @@ def fit(
         )  # fmt: skip
     except ValueError as error:
         raise SceneError(str(error)) from error
-    if json:
-        print_json(found.to_dict())
-    else:
-        _show(found)
-    if out is not None:
-        _write(found, scene, out)
+    base = str(Path(scene).resolve()) if Path(scene).is_file() else scene
+    emit(
+        found.to_dict(), _shown(found), json=json, folder=out,
+        files={"fit.json": found.to_dict, "fitted.yaml": lambda: found.scene_text(base),
+               "fit.png": lambda: fit_figure(found)},
+    )  # fmt: skip
 
 
 def range_option(text: str) -> tuple[str, str]:
@@ -89,32 +93,18 @@ def range_option(text: str) -> tuple[str, str]:
     return key.strip(), ends
 
 
-def _show(found: Posterior) -> None:
-    from drill_twin.cli.show import grid, out
+def _shown(found: Posterior) -> Iterator[Table | Text | str]:
+    from rich.text import Text
+
+    from drill_twin.core.table import Table
 
     rows = []
     for key in found.ranges:
         inside = [f"{found.quantile(key, share):.4g}" for share in (0.05, 0.5, 0.95)]
         rows.append((key, f"{found.best[key]:.4g}", *inside))
     heading = ("number (SI)", "best", "5 %", "median", "95 %")
-    out().print(grid(heading, rows, title=f"{found.scene.name}: {len(found.values)} runs", right=(1, 2, 3, 4)))
+    yield Table(heading, rows, title=f"{found.scene.name}: {len(found.values)} runs", right=(1, 2, 3, 4))
     if found.sampling.power < 1.0:
-        told = "the draws are still wider than the record allows; more --rounds narrow the intervals"
-        out().print(told, style="yellow", markup=False, soft_wrap=True)
+        yield Text("the draws are still wider than the record allows; more --rounds narrow the intervals", "yellow")
     for line in found.undetermined:
-        out().print(f"not determined: {line}", markup=False, soft_wrap=True)
-
-
-def _write(found: Posterior, scene: str, folder: Path) -> None:
-    from drill_twin.cli.folder import make_folder, write_file
-    from drill_twin.cli.show import err
-    from drill_twin.report.figures.style import save
-    from drill_twin.studies.fitting.figure import fit_figure
-    from drill_twin.studies.json_io import json_text
-
-    make_folder(folder)
-    base = str(Path(scene).resolve()) if Path(scene).is_file() else scene
-    write_file(folder / "fit.json", json_text(found.to_dict()))
-    write_file(folder / "fitted.yaml", found.scene_text(base))
-    save(fit_figure(found), folder / "fit.png")
-    err().print(f"{folder}: fit.json, fitted.yaml, fit.png", markup=False, soft_wrap=True)
+        yield f"not determined: {line}"

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
@@ -81,13 +81,10 @@ def operating_map(
     time asked check the windows. Writes map.json, map.csv, map.html and map.png.
     """
     from drill_twin.api.maps import operating_map as make
-    from drill_twin.cli.folder import folder_name, make_folder, write_file
-    from drill_twin.cli.show import err, print_json
-    from drill_twin.cli.show import out as stdout
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.folder import folder_name, make_folder
     from drill_twin.core.errors import SceneError
-    from drill_twin.report.figures.style import save
     from drill_twin.scene import load_scene
-    from drill_twin.studies.json_io import json_text
     from drill_twin.studies.maps.figure import map_figure
     from drill_twin.studies.maps.page import build_page
 
@@ -104,71 +101,49 @@ def operating_map(
     runs_file = folder / "runs.jsonl"
     if replace and runs_file.exists():
         runs_file.replace(folder / "runs.jsonl.old")
-    with _Bar(runs, folder) as progress:
+    with _shown_runs(runs, folder) as progress:
         found = make(
             described, wob=wob, rps=rps, seeds=seeds, vary=ranges, runs=runs, hysteresis=not no_hysteresis,
             growth=not no_growth, steps=steps, folder=folder, workers=workers, dask=dask,
             calm_for=calm_for or None, progress=progress,
         )  # fmt: skip
     data = found.to_dict()
-    write_file(folder / "map.json", json_text(data))
-    write_file(folder / "map.csv", found.csv())
-    save(map_figure(found), folder / "map.png")
     options = [f"--set {quote(f'{key}={value}')}" for key, value in changes.items() if key != "duration"]
-    write_file(folder / "map.html", build_page(found, " ".join([quote(scene), *options])))
-    if json:
-        print_json(data)
-    else:
-        stdout().print(_text(found, described), markup=False, soft_wrap=True)
-    err().print(f"{folder}: map.json, map.csv, map.html, map.png, runs.jsonl", markup=False, soft_wrap=True)
+    emit(
+        data, _shown(found, described), json=json, folder=folder, also=["runs.jsonl"],
+        files={
+            "map.json": data, "map.csv": found.csv(), "map.html": build_page(found, " ".join([quote(scene), *options])),
+            "map.png": lambda: map_figure(found),
+        },
+    )  # fmt: skip
 
 
-class _Bar(AbstractContextManager[Callable[[str, int, int], None]]):
-    """Progress on stderr, with the time that all runs allowed would take, and what to do after Ctrl-C."""
+@contextmanager
+def _shown_runs(runs: int, folder: Path) -> Iterator[Callable[[str, int, int], None]]:
+    """Progress with the time that all runs allowed would take, and what to do after Ctrl-C."""
+    from drill_twin.cli.interrupt import Interrupted
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import remark
 
-    def __init__(self, runs: int, folder: Path) -> None:
-        self._runs, self._folder = runs, folder
-        self._began, self._first = time.monotonic(), -1
+    began, first = time.monotonic(), -1
 
-    def __enter__(self) -> Callable[[str, int, int], None]:
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
-        from drill_twin.cli.show import err
-
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[left]}"),
-        )
-        self._bar = Progress(*columns, console=err(), transient=True, disable=not err().is_terminal)
-        self._bar.start()
-        task = self._bar.add_task("calm", total=None, left="")
-
-        def progress(phase: str, done: int, expected: int) -> None:
-            self._bar.update(task, description=phase, completed=done, total=expected, left=self._left(done))
-
-        return progress
-
-    def _left(self, done: int) -> str:
+    def left(done: int) -> str:
         """Time that the runs allowed take at the pace so far; a map often ends before them."""
-        if self._first < 0:
-            self._first, self._began = done, time.monotonic()
-        made = done - self._first
-        if done >= self._runs or made < FEWEST:
+        nonlocal began, first
+        if first < 0:
+            first, began = done, time.monotonic()
+        made = done - first
+        if done >= runs or made < FEWEST:
             return ""
-        seconds = (time.monotonic() - self._began) / made * (self._runs - done)
-        return f"at most {said_time(seconds)} left for {self._runs} runs"
+        seconds = (time.monotonic() - began) / made * (runs - done)
+        return f", at most {said_time(seconds)} left for {runs} runs"
 
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        from drill_twin.cli.interrupt import Interrupted
-        from drill_twin.cli.show import err
-
-        self._bar.stop()
-        if kind is not None and issubclass(kind, Interrupted):
-            err().print(
-                f"stopped; the same command goes on from {self._folder / 'runs.jsonl'}", markup=False, soft_wrap=True
-            )
+    try:
+        with shown_progress("calm", unit="runs", left=False) as bar:
+            yield lambda phase, done, expected: bar.show(f"{phase}{left(done)}", done, expected)
+    except Interrupted:
+        remark(f"stopped; the same command goes on from {folder / 'runs.jsonl'}")
+        raise
 
 
 def said_time(seconds: float) -> str:
@@ -179,7 +154,7 @@ def said_time(seconds: float) -> str:
     return f"{seconds:.0f} s"
 
 
-def _text(found: OperatingMap, scene: Scene) -> str:
+def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
     """Runs, shares of the regimes, window, and margin of the scene's own set-point."""
     import math
     from collections import Counter
@@ -188,22 +163,21 @@ def _text(found: OperatingMap, scene: Scene) -> str:
 
     turns = math.tau
     counts = Counter(found.regimes.ravel().tolist())
-    lines = [f"{found.name}: {found.said_runs}"]
+    yield f"{found.name}: {found.said_runs}"
     whole = found.regimes.size
-    lines += [f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges" for code, count in sorted(counts.items())]
+    for code, count in sorted(counts.items()):
+        yield f"  {REGIMES[code].value}: {count / whole:.1%} of the ranges"
     unknown = 1.0 - float(found.known.mean())
     if unknown:
-        lines.append(
-            f"  {unknown:.0%} of the ranges lie between no runs: what is said there is that of the nearest run"
-        )
+        yield f"  {unknown:.0%} of the ranges lie between no runs: what is said there is that of the nearest run"
     if not found.windows:
-        lines.append("  no safe window: nowhere in these ranges do enough runs show that the string stays calm")
+        yield "  no safe window: nowhere in these ranges do enough runs show that the string stays calm"
     for weight, speed in found.windows:
-        lines.append(
+        yield (
             f"  safe window: {weight.low:.4g} to {weight.high:.4g} N at {speed.low / turns:.4g} to "
             f"{speed.high / turns:.4g} rev/s"
         )
-    lines += [f"    rests on: {sentence}" for sentence in found.basis]
+    yield from (f"    rests on: {sentence}" for sentence in found.basis)
     load, turn = scene.rig.weight_on_bit.value, scene.rig.rotation.value
     if found.contains(load, turn):
         margin = found.margin(load, turn)
@@ -213,8 +187,8 @@ def _text(found: OperatingMap, scene: Scene) -> str:
             for value, unit, name in ((margin.weight, 1.0, "N"), (margin.speed, turns, "rev/s"))
             if math.isfinite(value)
         ]
-        lines.append(
+        yield (
             f"  set-point of the scene, {load:g} N at {turn / turns:.4g} rev/s: {found.regime(load, turn).value}"
             + (f"; {word} {' or '.join(apart)}" if apart else "")
         )
-    return "\n".join([*lines, *(f"  note: {note}" for note in found.notes)])
+    yield from (f"  note: {note}" for note in found.notes)

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import signal
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,15 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.interrupt import Interrupted
+from drill_twin.cli.interrupt import Interrupted, stop_request
 from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
 
 if TYPE_CHECKING:
     from drill_twin.runs import Outcome, Session
     from drill_twin.scene import Scene
     from drill_twin.scene.set_points import Schedule
-
-_LINE_PERIOD = 10.0  # s between two lines of progress outside a terminal
 
 
 def run(
@@ -57,38 +53,35 @@ def run(
 
     Physics, analysis and bag are those of the ROS nodes. Ctrl-C ends the run early and keeps the bag.
     """
-    from drill_twin.cli.folder import folder_name, new_folder, write_file
-    from drill_twin.cli.show import err, print_findings, print_json
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.folder import folder_name, new_folder
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import findings_shown, remark
     from drill_twin.scene import load_scene
     from drill_twin.scene.set_points import Schedule
 
-    console = err()
     described = load_scene(scene, overrides=overrides(change, wob=wob, rps=rps, duration=duration, accuracy=accuracy))
     schedule = Schedule.from_scene(described)
     folder = out or Path("out") / folder_name(described.name)
-    moved = new_folder(folder, replace=replace)
-    if moved:
-        console.print(f"the older result is now {moved}", markup=False, soft_wrap=True)
+    new_folder(folder, replace=replace)
     plan = None
     if described.numerics.accuracy is not None:
         from drill_twin.cli.runs.accuracy import planned
 
-        with _shown("reading the cost curve") as show:
+        with _stoppable("reading the cost curve") as show:
             plan = planned(described, show)
         described = plan.scene
     session = _compiled(described, schedule)
     if schedule.record is not None:
-        console.print(schedule.record.report, markup=False, soft_wrap=True)
+        remark(schedule.record.report)
     outcome, stopped_by = _drill(session, folder / "bag_0")
     if not outcome.finished:
-        console.print(
+        remark(
             f"stopped at {outcome.simulated:.2f} s; the bag is whole up to there: {outcome.bag} "
-            f"(drill-twin analyze {outcome.bag})",
-            markup=False,
-            soft_wrap=True,
+            f"(drill-twin analyze {outcome.bag})"
         )
         raise typer.Exit(128 + stopped_by)
-    with console.status("analysing the bag"):
+    with shown_progress("analysing the bag"):
         from drill_twin.report.recording import read_recording
         from drill_twin.report.summary import summarise, to_json
 
@@ -98,50 +91,38 @@ def run(
         from drill_twin.cli.runs.accuracy import checked
 
         summary["accuracy"] = checked(plan, recording, outcome.motion_seconds, rerun=rerun)
-    write_file(folder / "summary.json", to_json(summary))
     if with_report:
         from drill_twin.cli.bags.analyze import draw
 
         draw(recording, folder)
-    if json:
-        print_json(summary)
-    else:
-        print_findings(summary)
-    console.print(
-        f"{folder}: bag_0, summary.json{', report.html and figures' if with_report else ''}",
-        markup=False,
-        soft_wrap=True,
-    )
+    emit(
+        summary, findings_shown(summary), json=json, folder=folder, files={"summary.json": to_json(summary)},
+        also=["bag_0", *(["report.html and figures"] if with_report else [])],
+    )  # fmt: skip
 
 
 def _compiled(scene: Scene, schedule: Schedule) -> Session:
     """Compile with progress."""
-    with _shown("loading the effects of the scene") as show:
+    with _stoppable("loading the effects of the scene") as show:
         from drill_twin.runs import Session
 
         return Session(scene, schedule, show)
 
 
 @contextmanager
-def _shown(first: str) -> Iterator[Callable[[str], None]]:
-    """Progress in words: a line that changes in a terminal, else a line every 10 s; SIGINT and SIGTERM end it."""
-    from drill_twin.cli.show import err
+def _stoppable(first: str) -> Iterator[Callable[[str], None]]:
+    """Progress in words; SIGINT and SIGTERM end the block between two of them, or between slices of compiled work."""
+    from drill_twin.cli.progress import shown_progress
 
-    console = err()
-    with _stop_request() as asked, console.status(first) as status:
-        printed = -_LINE_PERIOD
+    with stop_request() as asked, shown_progress(first) as progress:
 
         def check() -> None:
             if asked:
                 raise Interrupted(asked[0])
 
         def show(text: str) -> None:
-            nonlocal printed
             check()
-            status.update(text)
-            if not console.is_terminal and time.monotonic() - printed >= _LINE_PERIOD:
-                printed = time.monotonic()
-                console.print(text, markup=False, soft_wrap=True)
+            progress.show(text)
 
         from drill_twin.dynamics.solver.slices import checked
 
@@ -156,58 +137,25 @@ def _drill(session: Session, bag: Path) -> tuple[Outcome, int]:
     Returns:
         The outcome, and the number of the signal; 0 without one.
     """
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    from drill_twin.cli.show import err
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import remark
     from drill_twin.core.errors import RunStopped
     from drill_twin.runs import Progress as State
 
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:5.1f} of {task.total:g} s"),
-        TimeRemainingColumn(),
-    )
     announced = False
-    with _stop_request() as asked, Progress(*columns, console=err(), transient=True) as progress:
-        task = progress.add_task("drilling", total=session.schedule.duration)
+    with stop_request() as asked, shown_progress("drilling", session.schedule.duration, unit="s") as progress:
 
         def show(state: State) -> None:
             nonlocal announced
             findings = state.findings
             motion = findings.motion.value if findings else "drilling"
-            progress.update(
-                task, completed=state.simulated, description=f"{motion}, {state.realtime_factor:.3g} x real time"
-            )
+            progress.show(f"{motion}, {state.realtime_factor:.3g} x real time", state.simulated)
             if findings and findings.onset and not announced:
                 announced = True
-                progress.console.print(
-                    f"whirl began at {findings.onset.time_s:.2f} s at {findings.onset.mark}",
-                    markup=False,
-                    soft_wrap=True,
-                )
+                remark(f"whirl began at {findings.onset.time_s:.2f} s at {findings.onset.mark}")
 
         try:
             outcome = session.run(bag, progress=show, stop=lambda: bool(asked))
         except RunStopped:
             raise Interrupted(asked[0]) from None
     return outcome, asked[0] if asked else 0
-
-
-@contextmanager
-def _stop_request() -> Iterator[list[int]]:
-    """List that is empty until SIGINT or SIGTERM arrives; a second signal has its default effect."""
-    asked: list[int] = []
-
-    def ask(number: int, frame: object) -> None:
-        del frame
-        asked.append(number)
-        for name, handler in before.items():
-            signal.signal(name, handler)
-
-    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield asked
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -56,7 +56,7 @@ def new(
 ) -> None:
     """Make a scene from a well plan; in a terminal, what is not given is asked for."""
     from drill_twin.cli.folder import check_new, write_file
-    from drill_twin.cli.show import err
+    from drill_twin.cli.show import remark
     from drill_twin.core.errors import SceneError
     from drill_twin.scene.well_plan.plan import WellPlan
     from drill_twin.scene.write import yaml_text
@@ -73,11 +73,10 @@ def new(
     )  # fmt: skip
     scene, data = plan.scene()
     write_file(out, "# SPDX-License-Identifier: Apache-2.0\n" + yaml_text(data))
-    err().print(
+    remark(
         f"{out}: {scene.length:g} m, {len(scene.string.sections)} sections, {len(scene.hole.survey)} stations. "
-        f"Next: drill-twin statics {out}; drill-twin run {out}",
-        markup=False, soft_wrap=True,
-    )  # fmt: skip
+        f"Next: drill-twin statics {out}; drill-twin run {out}"
+    )
 
 
 def _ask(option: str) -> str:

@@ -21,13 +21,12 @@ if TYPE_CHECKING:
 
 def scenes(json: JsonOption = False) -> None:
     """List the installed scenes."""
-    from drill_twin.cli.show import grid, out, print_json
+    from drill_twin.cli.emit import emit
+    from drill_twin.core.table import Table
     from drill_twin.scene import load_scene, presets, well_scenes
 
     loaded = {name: (path, load_scene(path)) for name, path in (presets() | well_scenes()).items()}
-    if json:
-        print_json([{"file": str(path), **_facts(scene), "scene": name} for name, (path, scene) in loaded.items()])
-        return
+    data = [{"file": str(path), **_facts(scene), "scene": name} for name, (path, scene) in loaded.items()]
     rows = (
         (
             name,
@@ -39,7 +38,7 @@ def scenes(json: JsonOption = False) -> None:
         for name, (_, scene) in loaded.items()
     )
     headings = ("scene", "string", "weight on bit", "rotation", "time", "what it is")
-    out().print(grid(headings, rows, right=(1, 2, 3, 4)))
+    emit(data, [Table(headings, rows, right=(1, 2, 3, 4))], json=json)
 
 
 def check(
@@ -49,7 +48,9 @@ def check(
     json: JsonOption = False,
 ) -> None:
     """Check a scene file: prints every problem, one a line, with its place, what was expected and what was found."""
-    from drill_twin.cli.show import out, pairs, print_json
+    from drill_twin.cli.emit import say
+    from drill_twin.cli.show import print_json
+    from drill_twin.core.table import Table
     from drill_twin.dynamics.discretisation.warnings import notes_on
     from drill_twin.scene import load_scene, scene_path
     from drill_twin.scene.set_points import Schedule
@@ -69,7 +70,7 @@ def check(
         print(described.to_yaml(), end="")
     else:
         notes = [("note", note) for note in notes_on(described)]
-        out().print(pairs([("scene", f"{scene_path(scene)} is right"), *_lines(described), *notes]))
+        say(Table((), [("scene", f"{scene_path(scene)} is right"), *_lines(described), *notes]))
         if schedule.record is not None:
             print(schedule.record.report)
 

@@ -11,18 +11,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrides
+from drill_twin.cli.options import (
+    JsonOption,
+    SceneArgument,
+    SetOption,
+    TurnOption,
+    WeightOption,
+    WithoutOption,
+    overrides,
+)
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
+    from drill_twin.core.table import Table
+    from drill_twin.dynamics.rotordynamics.campbell import Campbell
     from drill_twin.dynamics.rotordynamics.modes import ModeTable
-
-WithoutOption = Annotated[
-    list[str], typer.Option("--without", metavar="EFFECT", help="Leave an effect of the scene out; repeatable.")
-]
-WeightOption = Annotated[str, typer.Option("--wob", metavar="FORCE", help='Weight on bit, as "40 N".')]
-TurnOption = Annotated[str, typer.Option("--rps", metavar="SPEED", help='Speed, as "2 rev/s"; a bare number is rev/s.')]
 
 
 def modes(
@@ -51,11 +53,10 @@ def modes(
     import numpy as np
 
     from drill_twin.api import rotordynamics
-    from drill_twin.cli.show import err, print_json
-    from drill_twin.cli.show import out as stdout
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.progress import shown_progress
     from drill_twin.dynamics.discretisation.refinement import mesh
     from drill_twin.dynamics.discretisation.resolution import resolution_of
-    from drill_twin.report.figures.style import save
     from drill_twin.studies.rotordynamics import data, linear_figures
 
     changes = overrides(change, wob=wob, rps=rps)
@@ -65,7 +66,7 @@ def modes(
 
         make_folder(out)
     command = rotordynamics.final_command(own)
-    with err().status("computing"):
+    with shown_progress("computing"):
         table = rotordynamics.modes(own, count=count)
         fastest, heaviest = 2.0 * (abs(command.rotation) or 10.0), 2.0 * (abs(command.weight_on_bit) or 1.0)
         diagram = grown = None
@@ -77,35 +78,28 @@ def modes(
         if growth:
             speeds, loads = np.linspace(0.0, fastest, growth + 1)[1:], np.linspace(0.0, heaviest, growth)
             grown = rotordynamics.growth_map(own, weights=loads, speeds=speeds)
-    result = data.modes_data(table)
-    figures = {"modes": linear_figures.shapes_figure(table, mesh(own, resolution_of(own)[0]).arc, own.name)}
+    result, named = data.modes_data(table), own.name
+    arc = mesh(own, resolution_of(own)[0]).arc
+    figures = {"modes.png": lambda: linear_figures.shapes_figure(table, arc, named)}
     if diagram is not None:
-        result["campbell"], figures["campbell"] = (
-            data.campbell_data(diagram), linear_figures.campbell_figure(diagram, own.name),
-        )  # fmt: skip
+        result["campbell"] = data.campbell_data(diagram)
+        figures["campbell.png"] = lambda: linear_figures.campbell_figure(diagram, named)
     if grown is not None:
-        result["growth"], figures["growth"] = data.growth_data(grown), linear_figures.growth_figure(grown, own.name)
-    if json:
-        print_json(result)
-    else:
-        stdout().print(_table(table, own.name))
-        for sentence in _sentences(table):
-            stdout().print(sentence, markup=False, soft_wrap=True)
-    if diagram is not None and not json:
-        named = ", ".join(f"{speed / math.tau:.4g} rev/s (mode {mode + 1})" for mode, speed in diagram.critical)
-        stdout().print(f"critical speeds: {named or 'none up to the largest speed'}", markup=False, soft_wrap=True)
-    if out is not None:
-        from drill_twin.cli.folder import write_file
-        from drill_twin.studies.json_io import json_text
+        result["growth"] = data.growth_data(grown)
+        figures["growth.png"] = lambda: linear_figures.growth_figure(grown, named)
+    emit(result, _shown(table, diagram, named), json=json, folder=out, files={"modes.json": result, **figures})
 
-        write_file(out / "modes.json", json_text(result))
-        for name, figure in figures.items():
-            save(figure, out / f"{name}.png")
-        err().print(f"{out}: modes.json, {', '.join(f'{name}.png' for name in figures)}", markup=False, soft_wrap=True)
+
+def _shown(table: ModeTable, diagram: Campbell | None, name: str) -> Iterator[Table | str]:
+    yield _table(table, name)
+    yield from _sentences(table)
+    if diagram is not None:
+        named = ", ".join(f"{speed / math.tau:.4g} rev/s (mode {mode + 1})" for mode, speed in diagram.critical)
+        yield f"critical speeds: {named or 'none up to the largest speed'}"
 
 
 def _table(table: ModeTable, name: str) -> Table:
-    from drill_twin.cli.show import grid
+    from drill_twin.core.table import Table
 
     command = table.balance.command
     rows = []
@@ -123,7 +117,7 @@ def _table(table: ModeTable, name: str) -> Table:
         "Frequency in Hz, growth in 1/s (above 0: unstable), +- their change on a mesh twice as fine, damping ratio."
     )
     columns = ("mode", "whirl", "frequency", "+-", "growth", "+-", "damping")
-    return grid(columns, rows, title=title, right=(2, 3, 4, 5, 6))
+    return Table(columns, rows, title=title, right=(2, 3, 4, 5, 6))
 
 
 def _change(value: float) -> str:

@@ -10,10 +10,18 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrides
-from drill_twin.cli.steady_states.modes import TurnOption, WeightOption, WithoutOption
+from drill_twin.cli.options import (
+    JsonOption,
+    SceneArgument,
+    SetOption,
+    TurnOption,
+    WeightOption,
+    WithoutOption,
+    overrides,
+)
 
 if TYPE_CHECKING:
+    from drill_twin.core.table import Table
     from drill_twin.dynamics.torque_drag.analysis import Statics
     from drill_twin.studies.torque_drag.unit_system import UnitSystem
 
@@ -48,39 +56,27 @@ def statics(
     soft string. JSON is in SI.
     """
     from drill_twin.api.torque_drag import statics as computed
-    from drill_twin.cli.show import err, print_json
-    from drill_twin.cli.show import out as stdout
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.folder import make_folder
+    from drill_twin.cli.progress import shown_progress
     from drill_twin.studies.torque_drag.data import depth_table, statics_data
+    from drill_twin.studies.torque_drag.figure import tracks
     from drill_twin.studies.torque_drag.unit_system import unit_system
 
     speeds = {option: _speed(option, text) for option, text in (("--trip-speed", trip_speed), ("--rop", feed))}
     if out is not None:
-        from drill_twin.cli.folder import make_folder
-
         make_folder(out)
-    with err().status("computing"):
+    with shown_progress("computing"):
         found = computed(
             scene, overrides(change, wob=wob, rps=rps), without=without,
             trip_speed=speeds["--trip-speed"], feed=speeds["--rop"],
         )  # fmt: skip
     shown, data = unit_system(units, found.scene.length), statics_data(found)
-    if json:
-        print_json(data)
-    else:
-        from drill_twin.cli.show import grid
-
-        for title, columns, rows in _tables(found, shown):
-            stdout().print(grid(columns, rows, title=title, right=tuple(range(1, len(columns)))))
-    if out is not None:
-        from drill_twin.cli.folder import write_file
-        from drill_twin.report.figures.style import save
-        from drill_twin.studies.json_io import json_text
-        from drill_twin.studies.torque_drag.figure import tracks
-
-        write_file(out / "statics.json", json_text(data))
-        write_file(out / "statics.csv", depth_table(found, shown))
-        save(tracks(found, shown), out / "statics.png")
-        err().print(f"{out}: statics.json, statics.csv, statics.png", markup=False, soft_wrap=True)
+    emit(
+        data, _shown(found, shown), json=json, folder=out,
+        files={"statics.json": data, "statics.csv": lambda: depth_table(found, shown).csv(),
+               "statics.png": lambda: tracks(found, shown)},
+    )  # fmt: skip
 
 
 def _speed(option: str, text: str) -> float:
@@ -106,7 +102,9 @@ def _weight(found: Statics, units: UnitSystem) -> str:
     return f"; {own:.4g} {units.force} at the top are {bit:.4g} {units.force} at the bit"
 
 
-def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
+def _shown(found: Statics, units: UnitSystem) -> Iterator[Table]:
+    from drill_twin.core.table import Table
+
     operations, u = found.operations, units
 
     def column(values: Iterable[float], quantity: str = "") -> list[str]:
@@ -114,10 +112,9 @@ def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str,
         nothing = _NOTHING * max(abs(value) for value in shown)
         return [f"{value if abs(value) > nothing else 0.0:.4g}" for value in shown]
 
-    yield (
-        f"{found.scene.name}: in {u.force}, {u.torque} and {u.length}; neutral point from the bit{_weight(found, u)}",
+    yield Table(
         ("operation", "hookload", "soft", "torque", "soft", "neutral", "stretch", "turns"),
-        list(zip(
+        zip(
             [of.operation.name for of in operations],
             column((of.hookload for of in operations), "force"),
             column((of.soft.hookload for of in operations), "force"),
@@ -126,10 +123,12 @@ def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str,
             column((of.neutral_point for of in operations), "length"),
             column((of.stretch for of in operations), "length"), column(of.twist / math.tau for of in operations),
             strict=True,
-        )),
+        ),
+        title=f"{found.scene.name}: in {u.force}, {u.torque} and {u.length}; neutral point from the bit"
+        f"{_weight(found, u)}",
+        right=range(1, 8),
     )  # fmt: skip
-    yield (
-        f"margins: limit over load where least, below 1 it is passed; largest stress in {u.stress}",
+    yield Table(
         ("operation", "snaking", "helix", "lock-up", "yield", "make-up", "stress", "shape"),
         [
             (
@@ -140,9 +139,10 @@ def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str,
             )
             for of in operations
         ],
+        title=f"margins: limit over load where least, below 1 it is passed; largest stress in {u.stress}",
+        right=range(1, 8),
     )  # fmt: skip
-    yield (
-        f"force of the wall on bit and stabilisers in {u.force}, tilt against the hole in deg",
+    yield Table(
         ("operation", *(contact.name for contact in operations[0].contacts)),
         [
             (
@@ -151,6 +151,8 @@ def _tables(found: Statics, units: UnitSystem) -> Iterator[tuple[str, tuple[str,
             )
             for of in operations
         ],
+        title=f"force of the wall on bit and stabilisers in {u.force}, tilt against the hole in deg",
+        right=range(1, 1 + len(operations[0].contacts)),
     )  # fmt: skip
 
 

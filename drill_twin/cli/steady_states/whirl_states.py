@@ -4,18 +4,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, overrides
-from drill_twin.cli.steady_states.modes import TurnOption, WeightOption, WithoutOption
+from drill_twin.cli.options import (
+    JsonOption,
+    SceneArgument,
+    SetOption,
+    TurnOption,
+    WeightOption,
+    WithoutOption,
+    overrides,
+)
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
+    from drill_twin.core.table import Table
+    from drill_twin.dynamics.rotordynamics.steady.branches import Branch
     from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState
     from drill_twin.scene import Scene
     from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
@@ -58,8 +65,8 @@ def whirl_states(
     eccentricity, which modulate them.
     """
     from drill_twin.api import rotordynamics
-    from drill_twin.cli.show import err, print_json
-    from drill_twin.cli.show import out as stdout
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.progress import shown_progress
     from drill_twin.studies.rotordynamics.data import state_data
     from drill_twin.studies.rotordynamics.whirl_figures import states_figure
 
@@ -67,33 +74,27 @@ def whirl_states(
     if over:
         _follow(own, over, starts, simulate, out, json=json)
         return
-    with err().status("searching"):
+    with shown_progress("searching"):
         found = rotordynamics.whirl_states(own, random_starts=starts)
         modulations, locked = rotordynamics.imperfect_states(own, found)
     sizes = [*(one.size for one in modulations), *(None for _ in locked)]
     data = [state_data(state, size) for state, size in zip((*found, *locked), sizes, strict=True)]
-    if json:
-        print_json(data)
-    else:
-        shares = [None if size is None else size / own.least_clearance for size in sizes]
-        if data:
-            stdout().print(_table((*found, *locked), shares, own.name))
-        for state in (*found, *locked):
-            if state.lost_at:
-                where = f"{state.kind} at {state.frequency:+.4f} Hz: not found again on {state.lost_at} elements"
-                stdout().print(f"{where}, so it may be of the mesh of {state.elements}", markup=False, soft_wrap=True)
-        if not found:
-            stdout().print(f"{own.name}: {_none_found(own)}", markup=False, soft_wrap=True)
-    if out is not None:
-        from drill_twin.cli.folder import make_folder, write_file
-        from drill_twin.report.figures.style import save
-        from drill_twin.studies.json_io import json_text
+    shares = [None if size is None else size / own.least_clearance for size in sizes]
+    files = {"states.json": data, **({"states.png": lambda: states_figure(found, own)} if found else {})}
+    emit(data, _shown(own, found, locked, shares), json=json, folder=out, files=files)
 
-        make_folder(out)
-        write_file(out / "states.json", json_text(data))
-        if found:
-            save(states_figure(found, own), out / "states.png")
-        err().print(f"{out}: states.json{', states.png' if found else ''}", markup=False, soft_wrap=True)
+
+def _shown(
+    own: Scene, found: Sequence[WhirlState], locked: Sequence[WhirlState], shares: Sequence[float | None]
+) -> Iterator[Table | str]:
+    if states := (*found, *locked):
+        yield _table(states, shares, own.name)
+    for state in states:
+        if state.lost_at:
+            where = f"{state.kind} at {state.frequency:+.4f} Hz: not found again on {state.lost_at} elements"
+            yield f"{where}, so it may be of the mesh of {state.elements}"
+    if not found:
+        yield f"{own.name}: {_none_found(own)}"
 
 
 def _none_found(scene: Scene) -> str:
@@ -110,7 +111,7 @@ def _none_found(scene: Scene) -> str:
 
 
 def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], name: str) -> Table:
-    from drill_twin.cli.show import grid
+    from drill_twin.core.table import Table
 
     command = states[0].whirl.command
     rows = [
@@ -132,58 +133,55 @@ def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], name
         "the bent string turns with the rotation."
     )
     columns = ("whirl", "Hz", "ratio", "stable", "growth", "+-", "at", "wall", "mod.")
-    return grid(columns, rows, title=title, right=(1, 2, 4, 5, 6, 7, 8))
+    return Table(columns, rows, title=title, right=(1, 2, 4, 5, 6, 7, 8))
 
 
 def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | None, *, json: bool) -> None:
     """Branches over a number: table or JSON, and the figure."""
     from drill_twin.api import rotordynamics
-    from drill_twin.cli.show import err, grid, print_json
-    from drill_twin.cli.show import out as stdout
-    from drill_twin.dynamics.discretisation.resolution import resolution_of
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.progress import shown_progress
     from drill_twin.studies.rotordynamics.data import branch_data, run_data
     from drill_twin.studies.rotordynamics.whirl_figures import LABELS, branches_figure
 
     key, low, high = _range(over)
     label, unit = LABELS.get(key, (key, 1.0))
-    with err().status("following"):
+    with shown_progress("following"):
         found = rotordynamics.branches(scene, over=key, low=low * unit, high=high * unit, random_starts=starts)
     runs = _simulated(scene, key, low * unit, high * unit, simulate)
     data = {"branches": [branch_data(one) for one in found], "simulated": [run_data(value, run) for value, run in runs]}
-    if json:
-        print_json(data)
-    else:
-        rows = [
-            (
-                str(number + 1), f"{one.values.min() / unit:.4g} to {one.values.max() / unit:.4g}",
-                f"{min(s.ratio for s in one.states):+.3f} to {max(s.ratio for s in one.states):+.3f}",
-                f"{100.0 * sum(s.is_stable for s in one.states) / len(one.states):.0f} %",
-                ", ".join(f"{one.values[k] / unit:.4g}" for k in one.folds) or "none",
-                ", ".join(f"{one.values[k] / unit:.4g}" for k in one.hopf) or "none", "; ".join(one.ends),
-            )
-            for number, one in enumerate(found)
-        ]  # fmt: skip
-        columns = ("branch", label, "ratio", "points stable", "folds", "Hopf points", "ends (low, high side)")
-        stdout().print(grid(columns, rows, title=f"{scene.name}: branches of steady whirl"))
-        stdout().print(
-            f"Branches are those of a mesh of {resolution_of(scene)[0]} elements, the run's; without --over, the "
-            "states at one set-point show how far finer meshes move them.", markup=False, soft_wrap=True,
-        )  # fmt: skip
-        for value, run in runs:
-            steady = "steady" if run.is_steady else f"not steady, shape changes by {run.change:.2g} clearances"
-            line = f"simulated at {value / unit:.4g}: {run.frequency:+.4f} Hz, ratio {run.ratio:+.4f}, {steady}"
-            stdout().print(line, markup=False, soft_wrap=True)
-    if out is not None:
-        from drill_twin.cli.folder import make_folder, write_file
-        from drill_twin.report.figures.style import save
-        from drill_twin.studies.json_io import json_text
+    files: dict[str, Any] = {"branches.json": data}
+    if found:
+        dots = [(value, run.frequency, run.ratio, run.is_steady) for value, run in runs]
+        files["branches.png"] = lambda: branches_figure(found, scene.name, dots)
+    emit(data, _shown_branches(scene, found, runs, label, unit), json=json, folder=out, files=files)
 
-        make_folder(out)
-        write_file(out / "branches.json", json_text(data))
-        if found:
-            dots = [(value, run.frequency, run.ratio, run.is_steady) for value, run in runs]
-            save(branches_figure(found, scene.name, dots), out / "branches.png")
-        err().print(f"{out}: branches.json{', branches.png' if found else ''}", markup=False, soft_wrap=True)
+
+def _shown_branches(
+    scene: Scene, found: Sequence[Branch], runs: Sequence[tuple[float, SimulatedWhirl]], label: str, unit: float
+) -> Iterator[Table | str]:
+    from drill_twin.core.table import Table
+    from drill_twin.dynamics.discretisation.resolution import resolution_of
+
+    rows = [
+        (
+            str(number + 1), f"{one.values.min() / unit:.4g} to {one.values.max() / unit:.4g}",
+            f"{min(s.ratio for s in one.states):+.3f} to {max(s.ratio for s in one.states):+.3f}",
+            f"{100.0 * sum(s.is_stable for s in one.states) / len(one.states):.0f} %",
+            ", ".join(f"{one.values[k] / unit:.4g}" for k in one.folds) or "none",
+            ", ".join(f"{one.values[k] / unit:.4g}" for k in one.hopf) or "none", "; ".join(one.ends),
+        )
+        for number, one in enumerate(found)
+    ]  # fmt: skip
+    columns = ("branch", label, "ratio", "points stable", "folds", "Hopf points", "ends (low, high side)")
+    yield Table(columns, rows, title=f"{scene.name}: branches of steady whirl")
+    yield (
+        f"Branches are those of a mesh of {resolution_of(scene)[0]} elements, the run's; without --over, the "
+        "states at one set-point show how far finer meshes move them."
+    )
+    for value, run in runs:
+        steady = "steady" if run.is_steady else f"not steady, shape changes by {run.change:.2g} clearances"
+        yield f"simulated at {value / unit:.4g}: {run.frequency:+.4f} Hz, ratio {run.ratio:+.4f}, {steady}"
 
 
 def _simulated(scene: Scene, key: str, low: float, high: float, count: int) -> list[tuple[float, SimulatedWhirl]]:

@@ -3,13 +3,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, ReplaceOption, SetOption, overrides
+from drill_twin.cli.options import DurationOption, JsonOption, ReplaceOption, SetOption, overrides
 from drill_twin.core.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from drill_twin.api.compare.quantities import Quantity
+    from drill_twin.core.table import Table
 
 
 def compare(
@@ -21,9 +26,7 @@ def compare(
             "what the others are compared with.",
         ),
     ],
-    duration: Annotated[
-        str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
-    ] = "",
+    duration: DurationOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     tolerance: Annotated[
         float, typer.Option("--tolerance", min=0.0, max=1.0, help="Share from which numbers differ.")
@@ -41,12 +44,11 @@ def compare(
     from drill_twin.api.compare.case import finish, prepare
     from drill_twin.api.compare.page import page
     from drill_twin.api.compare.quantities import quantities
-    from drill_twin.cli.folder import new_folder, write_file
-    from drill_twin.cli.show import err, grid, print_json
-    from drill_twin.cli.show import out as stdout
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.folder import new_folder
+    from drill_twin.cli.progress import shown_progress
     from drill_twin.report.comparison import draw_runs
     from drill_twin.report.figures.style import save
-    from drill_twin.studies.json_io import json_text
 
     if len(cases) < 2:
         raise ArgumentError(
@@ -56,9 +58,9 @@ def compare(
     prepared = [prepare(text, common) for text in cases]
     new_folder(out, replace=replace)
     found = []
-    with err().status("computing") as status:
+    with shown_progress("computing") as bar:
         for text, what in zip(cases, prepared, strict=True):
-            found.append(finish(text, what, lambda time, text=text: status.update(f"{text}: {time:.1f} s")))  # type: ignore[misc]
+            found.append(finish(text, what, lambda time, text=text: bar.show(f"{text}: {time:.1f} s")))  # type: ignore[misc]
     rows = quantities(found)
     notes = [
         f"{case.name}: its motion is irregular; a run that differs in anything shares its statistics, not its path."
@@ -70,23 +72,23 @@ def compare(
         "cases": cases, "tolerance": tolerance, "differing": [row.name for row in differing], "notes": notes,
         "quantities": [{**row._asdict(), "differs": row.differs(tolerance)} for row in rows],
     }  # fmt: skip
-    write_file(out / "compare.json", json_text(content))
-    save(draw_runs([(case.name, case.result.recording) for case in found], "Runs over time"), out / "compare.png")
-    write_file(out / "compare.html", page(cases, rows, tolerance, notes, out / "compare.png"))
-    if json:
-        print_json(content)
-    else:
-        shown = rows if everything else differing
-        letters = [chr(ord("A") + number) for number in range(len(cases))]
-        for letter, text in zip(letters, cases, strict=True):
-            stdout().print(f"{letter}: {text}", markup=False, soft_wrap=True)
-        columns = ("", "", *letters)
-        table = [(row.name, row.shown_unit, *(row.text(k) for k in range(len(cases)))) for row in shown]
-        if table:
-            stdout().print(grid(columns, table))
-        if not everything:
-            same = len(rows) - len(differing)
-            stdout().print(f"{same} quantities agree to {100 * tolerance:g} %; --all shows them", markup=False)
-        for note in notes:
-            stdout().print(note, markup=False, soft_wrap=True)
-    err().print(f"{out}: compare.html, compare.json, compare.png", markup=False, soft_wrap=True)
+    picture = draw_runs([(case.name, case.result.recording) for case in found], "Runs over time")
+    save(picture, out / "compare.png")  # the page holds it
+    agree = f"{len(rows) - len(differing)} quantities agree to {100 * tolerance:g} %; --all shows them"
+    emit(
+        content, _shown(cases, rows, notes) if everything else _shown(cases, differing, [agree, *notes]), json=json,
+        folder=out,
+        files={"compare.html": page(cases, rows, tolerance, notes, out / "compare.png"), "compare.json": content},
+        also=["compare.png"],
+    )  # fmt: skip
+
+
+def _shown(cases: Sequence[str], rows: Sequence[Quantity], notes: Sequence[str]) -> Iterator[Table | str]:
+    from drill_twin.core.table import Table
+
+    letters = [chr(ord("A") + number) for number in range(len(cases))]
+    yield from (f"{letter}: {text}" for letter, text in zip(letters, cases, strict=True))
+    if rows:
+        cells = ((row.name, row.shown_unit, *(row.text(k) for k in range(len(cases)))) for row in rows)
+        yield Table(("", "", *letters), cells)
+    yield from notes

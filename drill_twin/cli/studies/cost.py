@@ -3,27 +3,30 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, SceneArgument, SetOption, WorkersOption, meshes, overrides
+from drill_twin.cli.options import (
+    DurationOption,
+    JsonOption,
+    SceneArgument,
+    SetOption,
+    WorkersOption,
+    meshes,
+    overrides,
+)
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
+    from drill_twin.core.table import Table
     from drill_twin.studies.accuracy.errors import Errors
     from drill_twin.studies.convergence import Curve
 
 
 def cost(
     scene: SceneArgument,
-    duration: Annotated[
-        str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
-    ] = "",
+    duration: DurationOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     replicas: Annotated[
         int, typer.Option("--replicas", min=0, max=50, help="Replicas of the converged run, for its spread.")
@@ -57,65 +60,52 @@ def cost(
     An interrupted study continues. Writes cost.json, cost.csv and cost.png. `drill-twin run --accuracy` chooses a
     resolution by a smaller study of its own.
     """
-    from rich.progress import Progress
-
-    from drill_twin.cli.folder import folder_name, make_folder, write_file
-    from drill_twin.cli.show import err, print_json
-    from drill_twin.cli.show import out as stdout
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.folder import folder_name, make_folder
+    from drill_twin.cli.progress import shown_progress
     from drill_twin.scene import load_scene
     from drill_twin.studies.convergence import choose_resolutions, measure, on_meshes, require_marks
     from drill_twin.studies.convergence.curve import ELEMENTS, STEPS
-    from drill_twin.studies.convergence.figure import draw
-    from drill_twin.studies.json_io import json_text
+    from drill_twin.studies.convergence.figure import cost_figure
 
     changes = overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)
     require_marks(described)
     folder = out or Path("out") / f"cost_{folder_name(described.name)}"
     make_folder(folder / "runs")
-    with err().status("building the string"):
+    with shown_progress("building the string"):
         if elements:
             resolutions = on_meshes(described, meshes(elements, "125,250,500"))
         else:
             shares = (ELEMENTS[1::2], STEPS[1::2]) if coarse else (ELEMENTS, STEPS)
             resolutions = choose_resolutions(described, *shares)
-    with Progress(console=err(), transient=True) as progress:
-        task = progress.add_task("running", total=len(resolutions) + 1 + replicas)
+    with shown_progress("running", len(resolutions) + 1 + replicas) as bar:
         curve = measure(
-            scene, changes, resolutions, folder / "runs", replicas=replicas, workers=workers,
-            progress=lambda line: progress.update(task, advance=1, description=line),
-        )  # fmt: skip
-    write_file(folder / "cost.json", json_text(curve.to_dict()))
-    write_file(folder / "cost.csv", _csv(curve))
-    draw(curve, folder / "cost.png")
-    if json:
-        print_json(curve.to_dict())
-    elif elements:
-        stdout().print(_meshes(curve))
-    elif markdown:
-        print(_markdown(curve))
-    else:
-        stdout().print(_table(curve))
-        stdout().print(_tolerances(curve))
-    err().print(f"{folder}: cost.json, cost.csv, cost.png, runs", markup=False, soft_wrap=True)
+            scene, changes, resolutions, folder / "runs", replicas=replicas, workers=workers, progress=bar.step
+        )
+    data = curve.to_dict()
+    tables = (_meshes,) if elements else (_markdown,) if markdown else (_table, _tolerances)
+    emit(
+        data, (table(curve) for table in tables), json=json, folder=folder, also=["runs"],
+        files={"cost.json": data, "cost.csv": _all(curve).csv(), "cost.png": lambda: cost_figure(curve)},
+    )  # fmt: skip
 
 
 def _markdown(curve: Curve) -> str:
     """The cheapest resolution for an error of the path and of the onset below each power of ten."""
-    lines = [
-        "| error at most | form | elements | step | path | onset | processor ms per s | x real time |",
-        "| --- | --- | --- | --- | --- | --- | --- | --- |",
-    ]
+    from drill_twin.core.table import Table
+
+    rows = []
     for power in range(-1, -10, -1):
         fit = [one for one in curve.front if one.errors.controlled <= 10.0**power]
         if fit:
             one, at = fit[0], fit[0].resolution
-            lines.append(
-                f"| 1e{power} | {at.form} | {at.elements} | {at.step * 1e3:.2g} ms | "
-                f"{_share(one.errors.path)} | {_share(one.errors.onset)} | {one.cost * 1e3:.3g} | "
-                f"{one.realtime_factor:.3g} |"
-            )
-    return "\n".join(lines)
+            rows.append((
+                f"1e{power}", at.form, at.elements, f"{at.step * 1e3:.2g} ms", _share(one.errors.path),
+                _share(one.errors.onset), f"{one.cost * 1e3:.3g}", f"{one.realtime_factor:.3g}",
+            ))  # fmt: skip
+    heads = ("error at most", "form", "elements", "step", "path", "onset", "processor ms per s", "x real time")
+    return Table(heads, rows).markdown()
 
 
 def _share(value: float | None) -> str:
@@ -123,7 +113,7 @@ def _share(value: float | None) -> str:
 
 
 def _tolerances(curve: Curve) -> Table:
-    from drill_twin.cli.show import grid
+    from drill_twin.core.table import Table
 
     tried = [one for one in curve.runs if one.resolution.tolerance is not None]
     rows = [
@@ -132,11 +122,11 @@ def _tolerances(curve: Curve) -> Table:
     ]
     at = f" at {tried[0].resolution.elements} elements, {tried[0].resolution.step * 1e3:.3g} ms" if tried else ""
     title = f"Tolerance{at}"
-    return grid(("tolerance", "path", "onset", "ms/s"), rows, title=title, right=range(4))
+    return Table(("tolerance", "path", "onset", "ms/s"), rows, title=title, right=range(4))
 
 
 def _table(curve: Curve) -> Table:
-    from drill_twin.cli.show import grid
+    from drill_twin.core.table import Table
 
     rows = [
         (
@@ -162,11 +152,11 @@ def _table(curve: Curve) -> Table:
         "Time: processor ms per simulated second, times faster than real time, us that 95 % of the frames stay below; "
         f"compiling or loading took {compiling:.0f} s, once. Spread: of runs set apart by a push of 0.1 mm/s."
     )
-    return grid(columns, rows, title=title, right=range(1, 11))
+    return Table(columns, rows, title=title, right=range(1, 11))
 
 
 def _meshes(curve: Curve) -> Table:
-    from drill_twin.cli.show import grid
+    from drill_twin.core.table import Table
 
     def row(elements: str, errors: Errors, *price: str) -> tuple[str, ...]:
         found = (
@@ -187,21 +177,24 @@ def _meshes(curve: Curve) -> Table:
         "Spread: of runs set apart by a push of 0.1 mm/s."
     )
     columns = ("el.", "path", "onset", "hookload", "torque", "stick-slip", "whirl", "ms/s", "RTF")
-    return grid(columns, rows, title=title, right=range(9))
+    return Table(columns, rows, title=title, right=range(9))
 
 
-def _csv(curve: Curve) -> str:
-    text = io.StringIO()
+def _all(curve: Curve) -> Table:
+    """All runs with the numbers of each."""
+    from drill_twin.core.table import Table
+
     names = ("path", "onset", "frequency", "radius", "contact", "hookload", "torque", "stick_slip")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow((
+    columns = (
         "form", "elements", "step_s", "tolerance", *(f"error_{name}" for name in names), "cost_s_per_s",
         "realtime_factor", "frame_p95_s", "compile_s", "iterations_per_s", "on_front",
-    ))  # fmt: skip
-    for one in curve.runs:
-        writer.writerow((
+    )  # fmt: skip
+    rows = (
+        (
             one.resolution.form, one.resolution.elements, one.resolution.step, one.resolution.tolerance,
             *(getattr(one.errors, name) for name in names), one.cost,
             one.realtime_factor, one.frame_p95, one.compile_seconds, one.iterations, int(one.on_front),
-        ))  # fmt: skip
-    return text.getvalue()
+        )
+        for one in curve.runs
+    )  # fmt: skip
+    return Table(columns, rows)

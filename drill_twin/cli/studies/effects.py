@@ -8,11 +8,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, WorkersOption, overrides
+from drill_twin.cli.options import (
+    DurationOption,
+    JsonOption,
+    ReplaceOption,
+    SceneArgument,
+    SetOption,
+    WorkersOption,
+    overrides,
+)
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
+    from drill_twin.core.table import Table
     from drill_twin.studies.ablation import Ablation, Change
     from drill_twin.studies.ablation.compare import Quantity
 
@@ -33,9 +40,7 @@ def effects(
         int,
         typer.Option("--replicas", min=2, max=100, help="Runs per set of effects, with small random differences."),
     ] = 5,
-    duration: Annotated[
-        str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
-    ] = "",
+    duration: DurationOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     workers: WorkersOption = 2,
     out: Annotated[
@@ -49,54 +54,40 @@ def effects(
 
     Each set of effects is compiled once and then cached. Writes effects.json and effects.png.
     """
-    from rich.progress import Progress
-
-    from drill_twin.cli.folder import folder_name, new_folder, write_file
-    from drill_twin.cli.show import err, print_json
-    from drill_twin.cli.show import out as stdout
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.folder import folder_name, new_folder
+    from drill_twin.cli.progress import shown_progress
     from drill_twin.scene import load_scene
     from drill_twin.studies.ablation import ablate, groups
-    from drill_twin.studies.json_io import json_text
+    from drill_twin.studies.ablation.figure import ablation_figure
 
     changes = overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)
     folder = out or Path("out") / f"effects_{folder_name(described.name)}"
     new_folder(folder, replace=replace)
-    with Progress(console=err(), transient=True) as progress:
-        task = progress.add_task("running", total=len(groups(tuple(described.effect_names))) + 2)
-
-        def done(left_out: str) -> None:
-            progress.update(task, advance=1, description=f"done without {left_out}")
-
-        ablation = ablate(scene, changes, tolerance=tolerance, replicas=replicas, workers=workers, progress=done)
-    write_file(folder / "effects.json", json_text(ablation.to_dict()))
-    from drill_twin.studies.ablation.figure import draw
-
-    draw(ablation, folder / "effects.png")
-    if json:
-        print_json(ablation.to_dict())
-    else:
-        stdout().print(_table(ablation))
-        stdout().print(_verdict(ablation), markup=False, soft_wrap=True)
-    err().print(f"{folder}: effects.json, effects.png", markup=False, soft_wrap=True)
+    with shown_progress("running", len(groups(tuple(described.effect_names))) + 2) as bar:
+        ablation = ablate(
+            scene, changes, tolerance=tolerance, replicas=replicas, workers=workers,
+            progress=lambda left_out: bar.step(f"done without {left_out}"),
+        )  # fmt: skip
+    data = ablation.to_dict()
+    files = {"effects.json": data, "effects.png": lambda: ablation_figure(ablation)}
+    emit(data, (part(ablation) for part in (_table, _verdict)), json=json, folder=folder, files=files)
 
 
 def _table(ablation: Ablation) -> Table:
-    from drill_twin.cli.show import grid
+    from drill_twin.core.table import Column, Table
     from drill_twin.studies.ablation.compare import NAMES
 
     known = next(change.quantities for change in (*ablation.changes, ablation.reduced) if change.quantities)
     runs = ablation.replicas
     first = ("nothing", "", "", *(_value(key, known[key].before, known[key].runs_before, runs) for key in NAMES))
     title = f"{ablation.scene}, {runs} runs each; * = beyond the tolerance and beyond chance, ? = too few runs to tell"
-    table = grid(
-        ("left out", "step time", "run time", *NAMES.values()),
-        [first, *(_row(change, runs) for change in ablation.changes)],
-        title=title,
-        right=(1, 2, 3, 4, 5, 6),
-    )
-    table.columns[0].no_wrap = True
-    return table
+    columns = [
+        Column("left out", whole=True),
+        *(Column(one, right=True) for one in ("step time", "run time", *NAMES.values())),
+    ]
+    return Table(columns, [first, *(_row(change, runs) for change in ablation.changes)], title=title)
 
 
 def _row(change: Change, runs: int) -> tuple[str, ...]:

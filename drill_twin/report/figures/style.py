@@ -186,7 +186,7 @@ def save(figure: Figure, path: Path) -> None:
         BagError: It cannot be written.
     """
     try:
-        with whole_file(path) as stream:
+        with styled(), whole_file(path) as stream:
             figure.savefig(stream, format="png", dpi=DPI, facecolor="white", metadata={"Software": None})
     except OSError as error:
         raise BagError(f"{path}: cannot be written: {error.strerror or error}; choose another place") from error

@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from drill_twin.report.figures.style import GREY, INK, VERMILION, laid_out, save, styled
+from drill_twin.report.figures.style import GREY, INK, VERMILION, laid_out, styled
 from drill_twin.studies.ablation.ablation import Ablation, Change
 from drill_twin.studies.ablation.compare import NAMES
 
@@ -16,8 +15,8 @@ NEEDED, NOT_NEEDED = VERMILION, GREY
 SMALLEST, LARGEST = 1e-2, 1e2  # tolerances shown
 
 
-def draw(ablation: Ablation, path: Path) -> None:
-    """Write the figure as PNG."""
+def ablation_figure(ablation: Ablation) -> Figure:
+    """Bars of each effect, a panel for each quantity and one for the cost."""
     changes = ablation.changes
     with styled():
         figure = laid_out(
@@ -42,7 +41,7 @@ def draw(ablation: Ablation, path: Path) -> None:
         axes[-1].set_xlabel("% of an\niteration", fontsize=9)
         axes[0].set_yticks(rows, [_label(change) for change in changes])
         axes[0].invert_yaxis()
-        save(figure, path)
+    return figure
 
 
 def _bars(axis: Axes, rows: np.ndarray, values: list[float], matters: list[bool], unknown: list[bool]) -> None:

@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from drill_twin.core.arrays import Array
-from drill_twin.report.figures.style import BLUE, GREY, INK, VERMILION, laid_out, save, styled
+from drill_twin.report.figures.style import BLUE, GREY, INK, VERMILION, laid_out, styled
 from drill_twin.studies.convergence.curve import Curve, MeasuredRun
 
 COLOURS = {"spatial": BLUE, "lateral": VERMILION}
@@ -21,8 +21,8 @@ LABEL_RATIO = 0.6  # a point is labelled if its error is below this share of the
 FLOOR = 1e-9  # drawn in place of zero
 
 
-def draw(curve: Curve, path: Path) -> None:
-    """Write the figure as PNG."""
+def cost_figure(curve: Curve) -> Figure:
+    """Error over processor time: of the path, and of the onset or, without one, of the radius."""
     with styled():
         figure = laid_out(5.0, f"{curve.scene}: what accuracy costs in time")
         left, right = figure.subplots(1, 2)
@@ -32,7 +32,7 @@ def draw(curve: Curve, path: Path) -> None:
         else:
             _panel(right, curve, "onset", f"onset time ({curve.onset_s:.2f} s)")
         figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
-        save(figure, path)
+    return figure
 
 
 def _panel(axis: Axes, curve: Curve, quantity: str, title: str) -> None:

@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from typing import Any
 
 import numpy as np
 
+from drill_twin.core.table import Column, Table
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, Statics
 from drill_twin.dynamics.torque_drag.buckling import BucklingState
 from drill_twin.studies.torque_drag.unit_system import UnitSystem
@@ -53,28 +52,23 @@ def _operation(loads: OperationLoads) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def depth_table(found: Statics, units: UnitSystem) -> str:
-    """CSV of the loads along the string, a row an element from the top down, units in the headings."""
+def depth_table(found: Statics, units: UnitSystem) -> Table:
+    """Loads along the string, a row an element from the top down, units in the headings."""
     quantities = (
         ("measured depth", "length"), ("tension", "force"), ("soft string tension", "force"), ("torque", "torque"),
         ("soft string torque", "torque"), ("side force", "force_per_length"), ("bending moment", "torque"),
         ("equivalent stress", "stress"), ("sinusoidal buckling load", "force"), ("helical buckling load", "force"),
     )  # fmt: skip
-    stream = io.StringIO()
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow(
-        ["operation", *(f"{name} [{getattr(units, quantity)}]" for name, quantity in quantities), "buckling"]
-    )
+    columns = [Column("operation"), *(Column(name, getattr(units, of)) for name, of in quantities), Column("buckling")]
+    rows = []
     for loads in found.operations:
         along, soft = loads.along, loads.soft
-        columns = np.column_stack([
+        values = np.column_stack([
             along.depth, along.tension, 0.5 * (soft.tension[1:] + soft.tension[:-1]), along.torque,
             0.5 * (soft.torque[1:] + soft.torque[:-1]), along.side_force, along.bending_moment, along.stress,
             loads.buckling.sinusoidal, loads.buckling.helical,
         ])  # fmt: skip
-        for row, state in zip(columns[::-1], loads.states[::-1], strict=True):
+        for row, state in zip(values[::-1], loads.states[::-1], strict=True):
             shown = (units.show(float(value), quantity) for value, (_, quantity) in zip(row, quantities, strict=True))
-            table.writerow(
-                [loads.operation.name, *(f"{value:.6g}" for value in shown), BucklingState(int(state)).label]
-            )
-    return stream.getvalue()
+            rows.append([loads.operation.name, *(f"{value:.6g}" for value in shown), BucklingState(int(state)).label])
+    return Table(columns, rows)

@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 
 import drill_twin as dt
+from drill_twin.core.table import Table
 from drill_twin.runs.ensemble import dask_workers
 
 RESOLUTION: dict[str, float | str] = {"numerics.elements": 8, "numerics.step": "10 ms"}
@@ -62,9 +63,8 @@ def main() -> None:
     of_task = [1e3 * (one - other) / tasks for one, other in zip(single, many, strict=True)]
     of_member = [1e3 * other / given.short - cost / size for other, cost in zip(many, of_task, strict=True)]
     of_member[2] = 1e3 * real[2] / given.long
-    print("| processor time, ms | of a task | of a member |\n| --- | --- | --- |")
-    for part, task, member in zip(PARTS, of_task, of_member, strict=True):
-        print(f"| {part} | {task:.2f} | {member:.3g} |")
+    costs = zip(PARTS, (f"{ms:.2f}" for ms in of_task), (f"{ms:.3g}" for ms in of_member), strict=True)
+    print(Table(("processor time, ms", "of a task", "of a member"), costs).markdown())
     client, served, work = (
         RUNS * (member + task / size) / 6e4 for member, task in zip(of_member, of_task, strict=True)
     )

@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 import drill_twin as dt
+from drill_twin.core.table import Table
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.runs import Session
@@ -62,12 +63,11 @@ def main() -> None:
     for _ in range(rounds):
         for name, measure in cases.items():
             least[name] = min(least[name], measure())
-    print("| processor time of 30 s of `pa6_bench` | ms | over the compiled loop |\n| --- | --- | --- |")
-    for name, seconds in least.items():
-        print(f"| {name} | {1e3 * seconds:.0f} | {seconds / least[LOOP]:.1f} |")
-    print("\n| analyzer, 4 marks | us a sample |\n| --- | --- |")
-    for name, seconds in zip(("one `push` for each", "many in a block"), pushed(scene, rounds), strict=True):
-        print(f"| {name} | {1e6 * seconds / (DURATION * RATE):.1f} |")
+    rows = ((name, f"{1e3 * seconds:.0f}", f"{seconds / least[LOOP]:.1f}") for name, seconds in least.items())
+    print(Table(("processor time of 30 s of `pa6_bench`", "ms", "over the compiled loop"), rows).markdown())
+    ways = zip(("one `push` for each", "many in a block"), pushed(scene, rounds), strict=True)
+    pushes = ((name, f"{1e6 * seconds / (DURATION * RATE):.1f}") for name, seconds in ways)
+    print(f"\n{Table(('analyzer, 4 marks', 'us a sample'), pushes).markdown()}")
     print(f"\n32 members on two threads: {two_threads(scene, rounds):.2f} times as fast as on one")
     print(
         f"\nshare of the compiled loop without findings {max(shares[::2]):.0%}, with findings {max(shares[1::2]):.0%}"

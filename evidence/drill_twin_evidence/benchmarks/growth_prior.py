@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
 from drill_twin.scene import parse_scene
 from drill_twin.studies.maps import read_map
@@ -41,7 +42,7 @@ def main() -> None:
     """Print a line a map."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("maps", nargs="+", type=Path)
-    print("| map | steps | runs without growth rates | wrong | with | wrong |\n| --- | --- | --- | --- | --- | --- |")
+    print(Table(("map", "steps", "runs without growth rates", "wrong", "with", "wrong"), ()).markdown())
     for file in parser.parse_args().maps:
         found = read_map(file)
         growth = growth_of(parse_scene(found.scene), found.plane)
@@ -49,15 +50,15 @@ def main() -> None:
         runner = Replayed(
             parse_scene(found.scene), found.plane, found.duration, found.asked, (), Threads(), found.regimes
         )
-        cells = []
+        cells: list[object] = []
         for given in (None, None if growth is None else growth.lateral):
             search = Search(runner, None, 10**6, lambda *_: None, given)
             search.onset()
             labels = found.plane.labels()
             for key, record in search.records.items():
                 labels[key.node] = record.whirls
-            cells.append(f"{len(search.records)} | {np.mean((filled(labels) == 1) != whirls):.1%}")
-        print(f"| {found.name} | {found.plane.steps} | {' | '.join(cells)} |")
+            cells += [len(search.records), f"{np.mean((filled(labels) == 1) != whirls):.1%}"]
+        print(markdown_row([found.name, found.plane.steps, *cells]))
 
 
 if __name__ == "__main__":

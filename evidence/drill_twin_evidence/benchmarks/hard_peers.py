@@ -17,7 +17,9 @@ from typing import Annotated, Any
 
 import typer
 
-from drill_twin.cli.show import err, grid, out
+from drill_twin.cli.emit import say
+from drill_twin.cli.progress import shown_progress
+from drill_twin.core.table import Table
 from drill_twin_evidence.benchmarks.peers.parts import EXUDYN, MS, OURS, PYELASTICA
 from drill_twin_evidence.benchmarks.peers.rows import row
 from drill_twin_evidence.benchmarks.peers.run import Outcome, run_apart, usable
@@ -60,22 +62,24 @@ def main(
     tools = usable(STEPS)
     folder.mkdir(parents=True, exist_ok=True)
     found = []
-    with err().status("") as status:
+    with shown_progress("running") as bar:
         for name, changes in CASES.items():
             if any(text.strip() in name for text in only.split(",")):
-                status.update(name)
+                bar.show(name)
                 found.append(judge(name, {"duration": duration, **changes}, tools, limit))
                 _write(folder, found, tools)
-    rows = [cells(case, tools) for case in found]
-    out().print(grid((*HEADS, *tools), rows, title="Hard cases: verdict, and simulated over processor time"))
+    say(_table(found, tools))
 
 
 def _write(folder: Path, found: list[dict[str, Any]], tools: list[str]) -> None:
     """After each case, so that a run that is broken off leaves what it has."""
     (folder / "hard_peers.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
-    heads = (*HEADS, *tools)
-    lines = [f"| {' | '.join(line)} |" for line in (heads, ["---"] * len(heads), *(cells(c, tools) for c in found))]
-    (folder / "hard_peers.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (folder / "hard_peers.md").write_text(_table(found, tools).markdown() + "\n", encoding="utf-8")
+
+
+def _table(found: list[dict[str, Any]], tools: list[str]) -> Table:
+    rows = [cells(case, tools) for case in found]
+    return Table((*HEADS, *tools), rows, title="Hard cases: verdict, and simulated over processor time")
 
 
 def judge(name: str, changes: Mapping[str, str], tools: list[str], limit: float) -> dict[str, Any]:

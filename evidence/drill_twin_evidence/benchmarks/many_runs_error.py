@@ -18,6 +18,7 @@ import numpy as np
 
 import drill_twin as dt
 from drill_twin.core.arrays import Array
+from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
 from drill_twin.scene import parse_scene
 from drill_twin.studies.maps import OperatingMap, read_map
@@ -38,18 +39,19 @@ def main() -> None:
     parser.add_argument("map", type=Path)
     found = read_map(parser.parse_args().map)
     whirls, seconds = draws_at(found, *on_boundary(found))
-    print("| runs | processor time, s | boundary: median | 95 % |\n| --- | --- | --- | --- |")
+    print(Table(("runs", "processor time, s", "boundary: median", "95 %"), ()).markdown())
     for budget in BUDGETS:
         runs, distances = boundary_error(found, budget)
         median, most = np.quantile(distances, [0.5, 0.95])
-        print(f"| {runs} | {runs * seconds:.0f} | {median:.1%} | {most:.1%} |")
+        print(markdown_row([runs, f"{runs * seconds:.0f}", f"{median:.1%}", f"{most:.1%}"]))
         if runs < budget:
             break
     print(f"\n{DRAWS} draws: share that whirls {whirls.mean():.3f}\n")
-    print("| draws | processor time, s | error of the share |\n| --- | --- | --- |")
+    rows = []
     for count in (8, 16, 32, 64, 128):
         error = np.sqrt(np.mean((whirls.reshape(-1, count).mean(axis=1) - whirls.mean()) ** 2))
-        print(f"| {count} | {count * seconds:.1f} | {error:.3f} |")
+        rows.append((count, f"{count * seconds:.1f}", f"{error:.3f}"))
+    print(Table(("draws", "processor time, s", "error of the share"), rows).markdown())
 
 
 def boundary_error(found: OperatingMap, budget: int) -> tuple[int, Array]:

@@ -22,6 +22,7 @@ import drill_twin as dt
 from drill_twin.api.scenes import as_scene
 from drill_twin.core.arrays import Mask
 from drill_twin.core.proportions import proportion_interval, proportion_text
+from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
 from drill_twin.studies.maps import OperatingMap, Plane, Regime
 from drill_twin.studies.maps.journal import Journal
@@ -52,13 +53,12 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/safe_windows"))
     given = parser.parse_args()
     began, judged = time.process_time(), list[dict[str, Any]]()
-    print("| scene | runs | windows | whirl or stick | calm of the grid | of it in windows |")
-    print("| --- " * 6 + "|")
+    print(Table(("scene", "runs", "windows", "whirl or stick", "calm of the grid", "of it in windows"), ()).markdown())
     for seed in range(given.first, given.first + given.scenes):
         judged.append(judge(seed, given.points, given.grid, given.out, given.workers))
         one = judged[-1]
-        print(f"| {seed} | {one['runs']} | {one['windows']} | {one['bad']} of {one['points']} | {one['calm']} of "
-              f"{given.grid**2} | {one['covered']} |", flush=True)  # fmt: skip
+        bad, calm = f"{one['bad']} of {one['points']}", f"{one['calm']} of {given.grid**2}"
+        print(markdown_row([seed, one["runs"], one["windows"], bad, calm, one["covered"]]), flush=True)
     bad, points, calm, covered = (sum(one[name] for one in judged) for name in ("bad", "points", "calm", "covered"))
     most = proportion_interval(bad, points, 0.9)[1] if points else math.nan
     print(f"in windows, {ASKED:g} s: {proportion_text(bad, points)} whirl or stick; at most {most:.1%} (95 %)")

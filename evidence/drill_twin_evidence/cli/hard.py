@@ -47,8 +47,10 @@ def hard(
 
     Ends with exit code 1 if one is not in order. `drill-twin run hard/NAME` runs one of them as any other scene.
     """
-    from drill_twin.cli.show import err, grid, out, print_json
+    from drill_twin.cli.emit import emit, say
+    from drill_twin.cli.show import remark
     from drill_twin.core.errors import SceneError
+    from drill_twin.core.table import Table
     from drill_twin_evidence.cli.output import write_page
     from drill_twin_evidence.stress import choose_hard
     from drill_twin_evidence.stress.page import ALLOWED, COLUMNS, cells, summary, to_data, to_page
@@ -61,48 +63,45 @@ def hard(
         raise SceneError(f'--only: expected a part of the name of a case, found "{only}"; see drill-twin hard --list')
     if names:
         reasons = {case.scene_name: case.why for case in cases}
-        out().print(grid(("scene", "why it is hard"), list(reasons.items())))
+        say(Table(("scene", "why it is hard"), reasons.items()))
         return
     results = _run(cases, workers, energy=energy)
     checks = _check(workers) if exact else []
-    if json:
-        print_json(to_data(results, checks))
-    else:
-        lines = [[line[0].replace("_", " "), *line[1:ALLOWED], *line[ALLOWED + 1 :]] for line in map(cells, results)]
-        out().print(grid((*COLUMNS[:ALLOWED], *COLUMNS[ALLOWED + 1 :]), lines, right=(2, 3, 4, 5, 6, 7)))
-        for result in results:
-            if result.verdict != "ok":
-                out().print(f"{result.name}: {result.verdict}", markup=False, soft_wrap=True)
-    err().print(summary(results), markup=False, soft_wrap=True)
+    data = to_data(results, checks)
+    lines = [[line[0].replace("_", " "), *line[1:ALLOWED], *line[ALLOWED + 1 :]] for line in map(cells, results)]
+    table = Table((*COLUMNS[:ALLOWED], *COLUMNS[ALLOWED + 1 :]), lines, right=(2, 3, 4, 5, 6, 7))
+    emit(data, [table, *(f"{one.name}: {one.verdict}" for one in results if one.verdict != "ok")], json=json)
+    remark(summary(results))
     if page is not None:
-        data, flags = to_data(results, checks), {"--quick": quick, "--exact": exact, "--energy": energy}
+        flags = {"--quick": quick, "--exact": exact, "--energy": energy}
         write_page(page, partial(to_page, results, checks), data, command="hard", only=only, flags=flags)
     if not (all(result.ok for result in results) and all(check.ok for check in checks)):
         raise typer.Exit(NOT_IN_ORDER)
 
 
 def _run(cases: Sequence[HardCase], workers: int, *, energy: bool) -> list[Result]:
-    from drill_twin_evidence.cli.output import counting_bar
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import remark
     from drill_twin_evidence.stress import run_hard
 
-    progress, task = counting_bar("hard scenes", len(cases))
-    with progress:
+    with shown_progress("hard scenes", len(cases)) as bar:
 
         def done(result: Result) -> None:
-            progress.update(task, advance=1, description=result.name)
+            bar.step(result.name)
             if not result.ok:
-                progress.console.print(f"{result.name}: {result.verdict}", style="red", markup=False, soft_wrap=True)
+                remark(f"{result.name}: {result.verdict}", "red")
 
         return run_hard(cases, workers=workers, energy=energy, progress=done)
 
 
 def _draw_map(path: Path) -> None:
-    from drill_twin.cli.show import err
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import remark
     from drill_twin_evidence.stability import draw, stability_map
 
-    with err().status("half a minute of runs over step, stiffness of the wall and damping"):
+    with shown_progress("half a minute of runs over step, stiffness of the wall and damping"):
         draw({what: stability_map(what) for what in ("wall", "damping_time")}, path)
-    err().print(f"{path}: see docs/stability.md", markup=False, soft_wrap=True)
+    remark(f"{path}: see docs/stability.md")
 
 
 def _check(workers: int) -> list[CaseResult]:

@@ -11,8 +11,9 @@ import typer
 from drill_twin.cli.options import JsonOption
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
+    from drill_twin.core.table import Table
     from drill_twin_evidence.validation import Validation
 
 
@@ -37,7 +38,8 @@ def validate(
     json: JsonOption = False,
 ) -> None:
     """Measured beside computed, and of each number whether it is a fit or a prediction."""
-    from drill_twin.cli.show import err, print_json
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.show import remark
     from drill_twin.core.errors import ArgumentError
     from drill_twin_evidence.validation import RECORDS, data_folder
 
@@ -49,50 +51,41 @@ def validate(
     if not there:
         raise ArgumentError(f"{folder}: expected a folder {' or '.join(wanted or RECORDS)}, found none; see --only")
     for name in set(wanted) - set(there):
-        err().print(f"{name}: left out, no folder {folder / name}", markup=False, soft_wrap=True)
+        remark(f"{name}: left out, no folder {folder / name}")
     if blind is not None:
         _predict(folder / "well_b", blind)
         return
     found = [RECORDS[name](folder / name, refit=refit) for name in there]
-    if json:
-        print_json([one.to_dict() for one in found])
-    else:
-        _show(found)
+    emit([one.to_dict() for one in found], _shown(found), json=json)
     if page is not None:
         _write(found, page)
 
 
-def _show(found: Sequence[Validation]) -> None:
-    from drill_twin.cli.show import grid, out
-    from drill_twin_evidence.validation.page import HEADING, cells
+def _shown(found: Sequence[Validation]) -> Iterator[Table | str]:
+    from drill_twin_evidence.validation.page import table
 
     for one in found:
-        out().print(grid(HEADING, cells(one), title=f"{one.record} by scene {one.scene}", right=(2, 3, 4, 5)))
-        out().print(one.about, markup=False)
+        yield table(one)
+        yield one.about
 
 
 def _write(found: Sequence[Validation], page: Path) -> None:
-    from drill_twin.cli.folder import make_folder, write_file
-    from drill_twin.report.figures.style import save
+    from drill_twin.cli.emit import write_files
     from drill_twin_evidence.validation.page import figure, to_page
 
-    make_folder(page.parent / "figures")
-    write_file(page, to_page(found, page.stem))
-    for one in found:
-        save(figure(one), page.parent / "figures" / f"{page.stem}_{one.record}.png")
+    write_files(page.parent, {page.name: to_page(found, page.stem)})
+    write_files(page.parent / "figures", {f"{page.stem}_{one.record}.png": figure(one) for one in found})
 
 
 def _predict(record: Path, folder: Path) -> None:
     from tempfile import TemporaryDirectory
 
     from drill_twin.api import load_scene
-    from drill_twin.cli.folder import make_folder, write_file
-    from drill_twin.report.figures.style import save
+    from drill_twin.cli.emit import write_files
     from drill_twin_evidence.validation import blind_test, well_b
 
-    make_folder(folder)
     with TemporaryDirectory() as place:
         found = well_b.fitted(record, load_scene("well_b", well_b.set_point(record, Path(place))))
         time, bands = blind_test.predict(record, found)
-    write_file(folder / "well_b_2235.csv", blind_test.csv_text(time, bands))
-    save(blind_test.figure(time, bands), folder / "well_b_2235.png")
+    files = {"well_b_2235.csv": blind_test.csv_text(time, bands), "well_b_2235.png": blind_test.figure(time, bands)}
+    write_files(folder, files)

@@ -12,10 +12,11 @@ import typer
 from drill_twin.cli.options import JsonOption, WorkersOption
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-    from rich.table import Table
+    from rich.text import Text
 
+    from drill_twin.core.table import Table
     from drill_twin_evidence.verify import Case
     from drill_twin_evidence.verify.run import CaseResult
 
@@ -45,10 +46,12 @@ def verify(
 
     Ends with exit code 1 if a number misses its tolerance. The first run compiles a few kernels.
     """
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.show import remark
     from drill_twin.core.errors import SceneError
     from drill_twin_evidence.cli.output import write_page
     from drill_twin_evidence.verify import choose
-    from drill_twin_evidence.verify.page import to_data, to_page
+    from drill_twin_evidence.verify.page import summary, to_data, to_page
 
     cases = choose(only, quick=quick)
     if not cases:
@@ -57,10 +60,11 @@ def verify(
         _print_names(cases)
         return
     checks = _run(cases, workers)
-    _show(checks, json=json)
+    data = to_data(checks)
+    emit(data, _shown(checks), json=json)
+    remark(summary(checks))
     if page is not None:
-        data, flags = to_data(checks), {"--quick": quick}
-        write_page(page, partial(to_page, checks), data, command="verify", only=only, flags=flags)
+        write_page(page, partial(to_page, checks), data, command="verify", only=only, flags={"--quick": quick})
     if not all(check.ok for check in checks):
         raise typer.Exit(MISSED)
 
@@ -68,56 +72,40 @@ def verify(
 def _print_names(cases: Sequence[Case]) -> None:
     from itertools import groupby
 
-    from drill_twin.cli.show import grid, out
+    from drill_twin.cli.emit import say
+    from drill_twin.core.table import Table
 
     rows = []
     for name, group in groupby(cases, key=lambda case: case.name.partition("[")[0]):
         members = list(group)
-        rows.append((name, str(len(members)), members[0].about.split("\n\n")[0].replace("\n", " ")))
-    out().print(grid(("case", "variants", "what it shows"), rows, right=(1,)))
+        rows.append((name, len(members), members[0].about.split("\n\n")[0].replace("\n", " ")))
+    say(Table(("case", "variants", "what it shows"), rows, right=(1,)))
 
 
 def _run(cases: Sequence[Case], workers: int) -> list[CaseResult]:
-    from drill_twin_evidence.cli.output import counting_bar
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import remark
     from drill_twin_evidence.verify.run import run_cases
 
-    progress, task = counting_bar("verifying", len(cases))
-    with progress:
+    with shown_progress("verifying", len(cases)) as bar:
 
         def done(check: CaseResult) -> None:
-            progress.update(task, advance=1, description=check.case.name)
+            bar.step(check.case.name)
             if not check.ok:
-                progress.console.print(f"miss: {check.case.name}", style="red", markup=False)
+                remark(f"miss: {check.case.name}", "red")
 
         return run_cases(cases, workers=workers, progress=done)
 
 
-def _show(checks: Sequence[CaseResult], *, json: bool) -> None:
-    from drill_twin.cli.show import err, out, print_json
-    from drill_twin_evidence.verify.page import summary, to_data
-
-    if json:
-        print_json(to_data(checks))
-    else:
-        out().print(_table(checks))
-        for check in checks:
-            if check.failure:
-                out().print(f"{check.case.name}: {check.failure}", style="red", markup=False, soft_wrap=True)
-    err().print(summary(checks), markup=False, soft_wrap=True)
-
-
-def _table(checks: Sequence[CaseResult]) -> Table:
+def _shown(checks: Sequence[CaseResult]) -> Iterator[Table | Text]:
     from rich.text import Text
 
-    from drill_twin.cli.show import grid
+    from drill_twin.core.table import Column, Table
     from drill_twin_evidence.verify.page import computed, error, number, tolerance
 
-    table = grid(("case, number and reference (source)", "expected", "computed", "error", "tolerance", ""), (),
-                 right=(1, 2, 3, 4))  # fmt: skip
-    for column in table.columns[1:]:
-        column.no_wrap = True
+    rows: list[tuple[object, ...]] = []
     for check in checks:
-        table.add_row(Text(check.case.name, style="bold"))
+        rows.append((Text(check.case.name, style="bold"), *[""] * 5))
         said = ""
         for row in check.rows:
             reference = f"{row.reference} ({row.source})"
@@ -125,7 +113,10 @@ def _table(checks: Sequence[CaseResult]) -> Table:
             if reference != said:
                 told.append(f"\n    {reference}", style="dim")
             said = reference
-            cells = (number(row.expected), computed(row), error(row), tolerance(row))
             verdict = Text("ok") if row.ok else Text("MISS", style="red")
-            table.add_row(told, *map(Text, cells), verdict)
-    return table
+            rows.append((told, number(row.expected), computed(row), error(row), tolerance(row), verdict))
+    numbers = (Column(name, right=True, whole=True) for name in ("expected", "computed", "error", "tolerance"))
+    yield Table([Column("case, number and reference (source)"), *numbers, Column("", whole=True)], rows)
+    for check in checks:
+        if check.failure:
+            yield Text(f"{check.case.name}: {check.failure}", "red")

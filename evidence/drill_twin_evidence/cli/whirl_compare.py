@@ -38,26 +38,22 @@ def whirl_compare(
     from dataclasses import asdict
 
     from drill_twin.api.scenes import as_scene
-    from drill_twin.cli.show import grid, print_json
-    from drill_twin.cli.show import out as stdout
-    from drill_twin_evidence.cli.output import counting_bar
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.core.table import Table
     from drill_twin_evidence.whirl_compare.comparison import compare
     from drill_twin_evidence.whirl_compare.points import sentences
 
     weights, turns = _values("--loads", loads), [math.tau * value for value in _values("--speeds", speeds)]
     own = as_scene(scene, overrides(change))
-    progress, task = counting_bar("points", len(weights) * len(turns))
-    with progress:
+    with shown_progress("points", len(weights) * len(turns)) as bar:
         points = compare(
             own, weights, turns, duration=duration, record=record, workers=workers,
-            progress=lambda count: progress.update(task, completed=count),
+            progress=lambda count: bar.show("points", count),
         )  # fmt: skip
-    if json:
-        print_json([asdict(point) for point in points])
-        return
     columns = ("load N", "rev/s", "simulated", "ratio", "second", "stable states", "verdict", "tested")
-    stdout().print(grid(columns, [_cells(point) for point in points], title=own.name, right=(0, 1, 3, 4)))
-    stdout().print(" ".join(sentences(points)), markup=False, soft_wrap=True)
+    table = Table(columns, [_cells(point) for point in points], title=own.name, right=(0, 1, 3, 4))
+    emit([asdict(point) for point in points], [table, " ".join(sentences(points))], json=json)
 
 
 def _cells(point: Point) -> tuple[str, ...]:

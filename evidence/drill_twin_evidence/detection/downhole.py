@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from drill_twin.core.table import Table
 from drill_twin.whirl import MarkInfo, Summary
 from drill_twin.whirl.downhole import SubAnalyzer
 from drill_twin.whirl.downhole.motion import SLOWEST
@@ -108,21 +109,21 @@ def markdown(plain: dict[str, Any]) -> str:
         ("median error [rev]", [_number(one["median_error_rev"]) for one in sets]),
         ("sense right (95 % asked for)", [_share(one["sense"]) for one in sets]),
     ]
-    names = " | ".join(f"{count} {name} runs" for name, count in plain["runs"].items())
-    lines = [f"| one sub | {names} |", "| --- | --- | --- |"]
-    lines += [f"| {name} | {' | '.join(values)} |" for name, values in rows]
     error = events["largest_error"]
-    lines += [
-        "", "| events of the section | |", "| --- | --- |",
-        f"| hard impacts in bouncing runs, found | {events['hard_impacts']}, {_share(events['hard_impacts_found'])} |",
-        (f"| impacts found, in contact with the wall | {events['impacts_found']}, "
-        f"{_share(events['impacts_in_contact'])} |"),
-        f"| runs in stick-slip, found | {events['stick_slip_runs']}, {events['stick_slip_found']} |",
-        (f"| largest error of period, severity, share of time at rest | {_share(error['period'])}, "
-        f"{_share(error['severity'])}, {_number(error['rest'])} |"),
-        "", f"{plain['hours']:g} h of noise: {plain['noise_onsets']} onsets (0 asked for).", "",
+    of_events = [
+        ("hard impacts in bouncing runs, found", f"{events['hard_impacts']}, {_share(events['hard_impacts_found'])}"),
+        ("impacts found, in contact with the wall",
+         f"{events['impacts_found']}, {_share(events['impacts_in_contact'])}"),
+        ("runs in stick-slip, found", f"{events['stick_slip_runs']}, {events['stick_slip_found']}"),
+        ("largest error of period, severity, share of time at rest",
+         f"{_share(error['period'])}, {_share(error['severity'])}, {_number(error['rest'])}"),
     ]  # fmt: skip
-    return "\n".join(lines)
+    heads = ("one sub", *(f"{count} {name} runs" for name, count in plain["runs"].items()))
+    noise = f"{plain['hours']:g} h of noise: {plain['noise_onsets']} onsets (0 asked for)."
+    runs = Table(heads, ((name, *values) for name, values in rows))
+    return "\n".join([
+        runs.markdown(), "", Table(("events of the section", ""), of_events).markdown(), "", noise, "",
+    ])  # fmt: skip
 
 
 def noise_onsets(hours: float) -> int:

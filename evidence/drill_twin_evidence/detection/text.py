@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from drill_twin.core.proportions import proportion_text
+from drill_twin.core.table import Table
 
 TARGETS = {"kinematic": 0.95, "simulated": 0.85, "simulated_with_forces": 0.85}
 """Required macro-F1."""
@@ -23,24 +24,24 @@ def markdown(measured: dict[str, Any]) -> str:
 
 
 def _onsets(measured: dict[str, Any]) -> Iterator[str]:
-    yield (
-        "| set | records | onsets | within half a revolution | missed | false | median error [rev] "
-        "| announced after [rev], median and 95 % |"
-    )
-    yield "| --- | --- | --- | --- | --- | --- | --- | --- |"
+    heads = (
+        "set", "records", "onsets", "within half a revolution", "missed", "false", "median error [rev]",
+        "announced after [rev], median and 95 %",
+    )  # fmt: skip
+    rows: list[tuple[object, ...]] = []
     for key, name in NAMES.items():
         one = measured["sets"][key]
-        yield (
-            f"| {name} | {one['records']} | {one['onsets']} "
-            f"| {proportion_text(one['met'], one['onsets'])}; 95 % asked for "
-            f"| {one['missed']} | {one['false']} | {_number(one['median_error_rev'])} "
-            f"| {_number(one['median_delay_rev'])}, {_number(one['delay_95_rev'])} |"
-        )
+        rows.append((
+            name, one["records"], one["onsets"], f"{proportion_text(one['met'], one['onsets'])}; 95 % asked for",
+            one["missed"], one["false"], _number(one["median_error_rev"]),
+            f"{_number(one['median_delay_rev'])}, {_number(one['delay_95_rev'])}",
+        ))  # fmt: skip
     sets = [measured["sets"][key] for key in ("kinematic", "simulated")]
     onsets = sum(one["onsets"] for one in sets)
     met = sum(one["met"] for one in sets)
     records = sum(one["records"] for one in sets)
-    yield f"| both sets | {records} | {onsets} | {proportion_text(met, onsets)} | | | | |"
+    rows.append(("both sets", records, onsets, proportion_text(met, onsets), "", "", "", ""))
+    yield Table(heads, rows).markdown()
     yield ""
     yield (
         f"Steady rotation with noise of 5 % of the clearance: {measured['plan']['hours']:g} h of four marks, "
@@ -50,18 +51,18 @@ def _onsets(measured: dict[str, Any]) -> Iterator[str]:
 
 def _states(measured: dict[str, Any]) -> Iterator[str]:
     sets = {key: measured["sets"][key] for key in NAMES}
-    yield "| F1 of | " + " | ".join(f"{NAMES[key]}: string | marks" for key in sets) + " |"
-    yield "| --- |" + " --- |" * (2 * len(sets))
+    heads = ["F1 of", *(head for key in sets for head in (f"{NAMES[key]}: string", "marks"))]
+    rows = []
     states = [state for state in next(iter(sets.values()))["states"] if state not in {"at rest", "not observable"}]
     for state in states:
         cells = [_number(one[f"{level}_f1"].get(state)) for one in sets.values() for level in ("string", "marks")]
         if any(cell != "-" for cell in cells):
-            yield f"| {state} | " + " | ".join(cells) + " |"
+            rows.append([state, *cells])
     macro = []
     for key, one in sets.items():
         macro.append(f"**{_number(one['string_macro_f1'])}** ({TARGETS[key]} asked for)")
         macro.append(f"**{_number(one['marks_macro_f1'])}**")
-    yield "| macro-F1 | " + " | ".join(macro) + " |"
+    yield Table(heads, [*rows, ["macro-F1", *macro]]).markdown()
 
 
 def _number(value: float | None) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.proportions import proportion_interval, proportion_text
+from drill_twin.core.table import Table
 from drill_twin_evidence.estimation.hidden_truth import Followed
 
 NEAR = 0.1
@@ -71,13 +72,16 @@ def _share(hits: Sequence[bool]) -> dict[str, float]:
 
 def lines(name: str, found: Mapping[str, Any]) -> list[str]:
     """The score as lines of Markdown."""
-    table = [f"| {name}: {found['truths']} truths | median error | within 10 % | 90 % band holds |",
-             "| --- | --- | --- | --- |"]  # fmt: skip
-    for key, of_key in found["numbers"].items():
-        table.append(f"| {key} | {of_key['median_error']:.1%} | {_told(of_key['found'])} | {_told(of_key['held'])} |")
-    table += ["", "| virtual sensor | error over open loop's | 90 % band holds |", "| --- | --- | --- |"]
-    for sensor, of_sensor in found["sensors"].items():
-        table.append(f"| {sensor} | {of_sensor['error_over_open_loop']:.2f} | {of_sensor['held']:.0%} |")
+    heads = (f"{name}: {found['truths']} truths", "median error", "within 10 %", "90 % band holds")
+    numbers = (
+        (key, f"{one['median_error']:.1%}", _told(one["found"]), _told(one["held"]))
+        for key, one in found["numbers"].items()
+    )
+    sensors = (
+        (sensor, f"{one['error_over_open_loop']:.2f}", f"{one['held']:.0%}") for sensor, one in found["sensors"].items()
+    )
+    of_sensors = Table(("virtual sensor", "error over open loop's", "90 % band holds"), sensors)
+    tables = [Table(heads, numbers).markdown(), "", of_sensors.markdown()]
     told = found["warnings"]
     sentence = (
         f"Bands of all numbers hold {found['numbers_held']:.0%}. Whirl: {told['onsets']} onsets, "
@@ -86,7 +90,7 @@ def lines(name: str, found: Mapping[str, Any]) -> list[str]:
         f"{told['calm_hours']:.2f} h before or without whirl. "
         f"Processor: {found['processor']:.2f} of a core."
     )
-    return [*table, "", sentence, ""]
+    return [*tables, "", sentence, ""]
 
 
 def _told(share: Mapping[str, float]) -> str:
@@ -95,11 +99,11 @@ def _told(share: Mapping[str, float]) -> str:
 
 def cost_lines(name: str, by_members: Mapping[int, Mapping[str, Any]]) -> list[str]:
     """Error against members and processor time as lines of Markdown."""
-    table = [f"| {name}: members | median error of the numbers | bands hold | error over open loop's | of a core |",
-             "| --- | --- | --- | --- | --- |"]  # fmt: skip
+    rows = []
     for members, found in by_members.items():
         error = np.median([of_key["median_error"] for of_key in found["numbers"].values()])
         ratio = np.median([of_sensor["error_over_open_loop"] for of_sensor in found["sensors"].values()])
         held, processor = found["numbers_held"], found["processor"]
-        table.append(f"| {members} | {error:.2%} | {held:.0%} | {ratio:.2f} | {processor:.2f} |")
-    return [*table, ""]
+        rows.append((members, f"{error:.2%}", f"{held:.0%}", f"{ratio:.2f}", f"{processor:.2f}"))
+    heads = (f"{name}: members", "median error of the numbers", "bands hold", "error over open loop's", "of a core")
+    return [Table(heads, rows).markdown(), ""]

@@ -8,6 +8,7 @@ from itertools import groupby
 from typing import Any
 
 from drill_twin import __version__
+from drill_twin.core.table import Table
 from drill_twin_evidence.stress.run import Result
 from drill_twin_evidence.verify.page import number
 from drill_twin_evidence.verify.page import summary as verified
@@ -88,9 +89,8 @@ def to_page(results: Sequence[Result], checks: Sequence[CaseResult], command: st
         checks: Results of the cases with an exact answer.
         command: Command line that writes it.
     """
-    lines = [_line(*COLUMNS), _line(*["---"] * len(COLUMNS)), *(_line(*cells(result)) for result in results)]
     text = _HEAD.format(command=command, summary=summary(results))
-    text += "\n".join(lines) + "\n\n## Why they are hard\n\n"
+    text += Table(COLUMNS, map(cells, results), right=range(2, 9)).markdown() + "\n\n## Why they are hard\n\n"
     text += "\n".join(f"* `{name}`: {why}" for name, why in _reasons(results)) + "\n\n"
     if checks:
         text += "\n".join([_EXACT + verified(checks), *_missed(checks)]) + "\n\n"
@@ -113,7 +113,3 @@ def _missed(checks: Sequence[CaseResult]) -> Iterator[str]:
             if not row.ok:
                 found = f"expected {number(row.expected)}, computed {number(row.computed)}"
                 yield f"* **miss**: `{check.case.name}`, {row.what}: {found}"
-
-
-def _line(*values: str) -> str:
-    return "| " + " | ".join(" ".join(value.split()).replace("|", "\\|") for value in values) + " |"

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from drill_twin.core.table import Table
 from drill_twin_evidence.validation.comparison import Validation
 
 if TYPE_CHECKING:
@@ -22,26 +23,23 @@ they were not. The records are not part of the package: `DRILL_TWIN_DATA` or `--
 """
 
 
-def cells(found: Validation) -> list[tuple[str, ...]]:
-    """Rows of the table."""
+def table(found: Validation) -> Table:
+    """Numbers of a record beside those of the twin."""
     rows: list[tuple[str, ...]] = []
     for row in found.comparisons:
         measured = "" if row.measured is None else f"{row.measured:.4g}"
         aim = (f"{row.aim:.0%}", "met" if row.met else "missed") if math.isfinite(row.aim) else ("", "")
         rows.append((row.what, row.kind, measured, f"{row.computed:.4g}", f"{abs(row.difference):.1%}", *aim))
-    return rows
-
-
-HEADING = ("number", "kind", "measured", "computed", "difference", "aim", "")
+    heads = ("number", "kind", "measured", "computed", "difference", "aim", "")
+    return Table(heads, rows, title=f"{found.record} by scene {found.scene}", right=(2, 3, 4, 5))
 
 
 def to_page(found: Sequence[Validation], name: str) -> str:
     """Markdown; figures are `NAME_RECORD.png` in `figures/` beside it."""
     parts = [_HEAD]
     for one in found:
-        table = "\n".join("| " + " | ".join(row) + " |" for row in (HEADING, ("---",) * len(HEADING), *cells(one)))
         picture = f"![{one.record}: measured and computed](figures/{name}_{one.record}.png)"
-        parts.append(f"## {one.record}\n\nScene `{one.scene}`. {one.about}\n\n{table}\n\n{picture}\n")
+        parts.append(f"## {one.record}\n\nScene `{one.scene}`. {one.about}\n\n{table(one).markdown()}\n\n{picture}\n")
     return "\n".join(parts)
 
 

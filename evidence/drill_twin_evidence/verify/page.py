@@ -9,6 +9,7 @@ from itertools import groupby
 from typing import Any
 
 from drill_twin import __version__
+from drill_twin.core.table import Table
 from drill_twin_evidence.verify.not_validated import NOT_VALIDATED
 from drill_twin_evidence.verify.row import Row
 from drill_twin_evidence.verify.run import CaseResult
@@ -81,21 +82,19 @@ def to_page(checks: Sequence[CaseResult], command: str) -> str:
 def _table(checks: Sequence[CaseResult]) -> list[str]:
     """Lines of the table of a case, one for each formulation; its references are printed above it."""
     references = list(dict.fromkeys(_reference(row) for check in checks for row in check.rows))
-    columns = ["form", "of", "number nearest to its tolerance", "expected", "computed", "error", "tolerance", ""]
-    lines = [f"Reference: {'; '.join(references)}.\n"] if references else []
-    lines += [_line(*columns), _line(*["---"] * len(columns))]
+    columns = ("form", "of", "number nearest to its tolerance", "expected", "computed", "error", "tolerance", "")
+    rows: list[tuple[object, ...]] = []
     for form, of_form in groupby(
         sorted(checks, key=lambda check: check.case.form, reverse=True), lambda c: c.case.form
     ):
-        lines += _lines(form, list(of_form))
-    return lines
+        rows += _rows(form, list(of_form))
+    table = Table(columns, rows, right=(1, 3, 4, 5, 6)).markdown()
+    return [*([f"Reference: {'; '.join(references)}.\n"] if references else []), table]
 
 
-def _lines(form: str, checks: Sequence[CaseResult]) -> list[str]:
+def _rows(form: str, checks: Sequence[CaseResult]) -> list[tuple[object, ...]]:
     """Cases that did not run, numbers that miss their tolerance, and else the one that comes nearest to it."""
-    failed = [
-        _line(form, "", check.case.name, check.failure, "", "", "", "**miss**") for check in checks if check.failure
-    ]
+    failed = [(form, "", check.case.name, check.failure, "", "", "", "**miss**") for check in checks if check.failure]
     rows = [(check, row) for check in checks for row in check.rows]
     missed = [pair for pair in rows if not pair[1].ok]
     shown = (
@@ -103,7 +102,7 @@ def _lines(form: str, checks: Sequence[CaseResult]) -> list[str]:
         or sorted(rows, key=lambda pair: abs(pair[1].error) / pair[1].tolerance if pair[1].tolerance else 0.0)[-1:]
     )
     return failed + [
-        _line(form, str(len(rows)), f"{_variant(check)}{row.what}", number(row.expected), computed(row), error(row),
+        (form, len(rows), f"{_variant(check)}{row.what}", number(row.expected), computed(row), error(row),
               tolerance(row), "ok" if row.ok else "**miss**")
         for check, row in shown
     ]  # fmt: skip
@@ -116,10 +115,6 @@ def _reference(row: Row) -> str:
 def _variant(check: CaseResult) -> str:
     arguments = [f"{key} {value}".replace("_", " ") for key, value in check.case.arguments.items() if key != "form"]
     return f"{', '.join(arguments)}: " if arguments else ""
-
-
-def _line(*cells: str) -> str:
-    return "| " + " | ".join(" ".join(cell.split()).replace("|", "\\|") for cell in cells) + " |"
 
 
 def number(value: float) -> str:

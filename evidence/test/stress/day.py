@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from drill_twin.core.table import Table
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble.parts import frames_of
@@ -103,13 +104,14 @@ def table(done: Sequence[Hour]) -> str:
         "turns of the bit",
         "",
     )
-    lines = [f"| {' | '.join(columns)} |", "| --- " * len(columns) + "|"]
-    lines += [
-        f"| {hour.number} | {hour.steps} | {hour.iterations} | {hour.halvings} | {hour.interventions} | "
-        f"{1e3 * hour.depth:.3g} | {hour.speed:.3g} | {hour.turns:.1f} | {hour.verdict} |"
+    rows = (
+        (
+            hour.number, hour.steps, hour.iterations, hour.halvings, hour.interventions, f"{1e3 * hour.depth:.3g}",
+            f"{hour.speed:.3g}", f"{hour.turns:.1f}", hour.verdict,
+        )
         for hour in done
-    ]
-    return "\n".join(lines)
+    )  # fmt: skip
+    return Table(columns, rows).markdown()
 
 
 def main(words: Sequence[str] | None = None) -> int:

@@ -15,7 +15,7 @@ from drill_twin.core.errors import ArgumentError
 from drill_twin.scene.keys import number_at
 from drill_twin_evidence.validation import Comparison, data_folder, ufrj, well_b
 from drill_twin_evidence.validation.comparison import VARIABLE, Trace, Validation, cycle_length
-from drill_twin_evidence.validation.page import cells, to_page
+from drill_twin_evidence.validation.page import table, to_page
 
 FOLDER = Path(os.environ.get(VARIABLE, "no such folder"))
 NO_RECORD = f"the record is not part of the package; {VARIABLE} names the folder that has it"
@@ -72,7 +72,7 @@ def test_a_missed_aim_is_told_and_a_number_without_an_aim_is_not_judged():
     ]
     line = np.arange(3.0)
     found = Validation("made_up", "a_scene", "About.", rows, [Trace("torque", line, line, line)], 1.0)
-    assert [row[-1] for row in cells(found)] == ["met", "missed", "missed", ""]
+    assert [row[-1] for row in table(found).rows] == ["met", "missed", "missed", ""]
     assert "| period [s] | fit | 4 | 5 | 25.0% | 5% | missed |" in to_page([found], "validation")
 
 

@@ -16,7 +16,8 @@ from typing import Annotated, Any
 
 import typer
 
-from drill_twin.cli.show import grid, out
+from drill_twin.cli.emit import say
+from drill_twin.core.table import Table
 from drill_twin_evidence.benchmarks.faults_seeded.faults import FAULTS, Fault
 
 ROOT = Path(__file__).parents[4]
@@ -49,7 +50,7 @@ def main(
     }
     rows = [(fault.name, fault.file, found["caught_by"] or "NOT CAUGHT", f"{found['seconds']:.0f}")
             for fault, found in results.items()]  # fmt: skip
-    out().print(grid(("fault", "file", "caught by", "s"), rows))
+    say(Table(("fault", "file", "caught by", "s"), rows))
     if page is not None:
         page.write_text(_markdown(rows), encoding="utf-8")
     if any(not found["caught_by"] for found in results.values()):
@@ -123,9 +124,10 @@ def _markdown(rows: list[tuple[str, str, str, str]]) -> str:
         "failure, compiling included.",
         f"Caught: {caught} of {len(rows)}.",
         "",
-        "| fault | file | caught by | s |",
-        "| --- | --- | --- | ---: |",
-        *(f"| {name} | `drill_twin/{file}` | `{test}` | {seconds} |" for name, file, test, seconds in rows),
+        Table(
+            ("fault", "file", "caught by", "s"),
+            ((name, f"`drill_twin/{file}`", f"`{test}`", seconds) for name, file, test, seconds in rows), right=(3,),
+        ).markdown(),
     ]  # fmt: skip
     return "\n".join(lines) + "\n"
 

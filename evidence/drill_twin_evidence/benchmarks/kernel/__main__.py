@@ -7,7 +7,9 @@ from typing import Annotated
 
 import typer
 
-from drill_twin.cli.show import err, grid, out, pairs
+from drill_twin.cli.emit import say
+from drill_twin.cli.progress import shown_progress
+from drill_twin.core.table import Table
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL, SPATIAL
 from drill_twin_evidence.benchmarks.kernel import machine as limits
 from drill_twin_evidence.benchmarks.kernel.examples import EXAMPLES, forms_of, full_scene, scene_with
@@ -27,10 +29,10 @@ def effects(
     """Print the cost of each effect on top of the bare rod, in both forms; each set of effects compiles once (20 s)."""
     names = [BARE, *(name for name in EXAMPLES if only in name)]
     found: dict[tuple[str, str], Cost] = {}
-    with err().status("") as status:
+    with shown_progress("measuring") as bar:
         for form in (SPATIAL, LATERAL):
             for name in (name for name in names if form in forms_of(name)):
-                status.update(f"{form}: {name}")
+                bar.show(f"{form}: {name}")
                 found[form, name] = least_cost(scene_with(name, form, elements))
     rows = []
     for name in names:
@@ -42,7 +44,7 @@ def effects(
         rows.append([*cells, *("" for _ in range(7 - len(cells)))])
     heads = ("effect", *(f"{form}: ns per element-{unit}" if unit else "over the bare rod"
                          for form in (SPATIAL, LATERAL) for unit in ("step", "iteration", "")))  # fmt: skip
-    out().print(grid(heads, rows, title=f"What each effect costs, {elements} elements, step 1 ms", right=range(1, 7)))
+    say(Table(heads, rows, title=f"What each effect costs, {elements} elements, step 1 ms", right=range(1, 7)))
 
 
 @app.command()
@@ -57,7 +59,7 @@ def growth() -> None:
         rows.append(cells)
     heads = ("elements", *(f"{form}: {what}" for form in (SPATIAL, LATERAL)
                            for what in ("time of a step", "ns per element-iteration")))  # fmt: skip
-    out().print(grid(heads, rows, title="The peers' scene, step 1 ms", right=range(5)))
+    say(Table(heads, rows, title="The peers' scene, step 1 ms", right=range(5)))
 
 
 @app.command()
@@ -65,7 +67,7 @@ def machine() -> None:
     """Print the limit of one core, and the shares of the block solver and of a whole iteration."""
     peak, flops, spent = limits.peak_gigaflops(), limits.solve_flops(), limits.solve_nanoseconds()
     whole = least_cost(scene_with(BARE, SPATIAL, 200)).per_iteration
-    out().print(pairs([
+    say(Table((), [
         ("multiply-adds in registers", f"{peak:.1f} GFLOP/s"),
         ("block solve, 7 x 7", f"{spent:.0f} ns per element, {flops} operations: {flops / spent:.1f} GFLOP/s"),
         ("at the machine's limit it would take", f"{flops / peak:.0f} ns"),
@@ -83,8 +85,8 @@ def memory(
     looks = []
     for taken, time, mebibytes in memory_over(int(steps), elements, form):
         looks.append(mebibytes)
-        out().print(f"{taken:>12,} steps  {time:>10,.0f} s simulated  {mebibytes:8.2f} MiB")
-    out().print(f"growth from the first look to the last: {looks[-1] - looks[0]:+.2f} MiB")
+        say(f"{taken:>12,} steps  {time:>10,.0f} s simulated  {mebibytes:8.2f} MiB")
+    say(f"growth from the first look to the last: {looks[-1] - looks[0]:+.2f} MiB")
 
 
 if __name__ == "__main__":

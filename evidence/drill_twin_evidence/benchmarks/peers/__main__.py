@@ -9,13 +9,15 @@ from typing import Annotated, Any
 
 import typer
 
-from drill_twin.cli.show import err, out
+from drill_twin.cli.emit import say
+from drill_twin.cli.progress import shown_progress
+from drill_twin.cli.show import remark
 from drill_twin_evidence.benchmarks.peers.figure import draw
 from drill_twin_evidence.benchmarks.peers.parts import PARTS, Part
 from drill_twin_evidence.benchmarks.peers.rows import result
 from drill_twin_evidence.benchmarks.peers.run import TOOLS, run_apart, run_rounds, usable
 from drill_twin_evidence.benchmarks.peers.summary import summary
-from drill_twin_evidence.benchmarks.peers.tables import markdown, terminal
+from drill_twin_evidence.benchmarks.peers.tables import markdown, note, table
 
 
 def main(
@@ -40,20 +42,21 @@ def main(
     results = [json.loads(path.read_text()) for name in PARTS if (path := folder / f"{name}.json").is_file()]
     for each in results:
         if each["part"] in names:
-            out().print(terminal(each))
-    table = summary(results)
-    out().print(table, markup=False, soft_wrap=True)
-    (folder / "peers.md").write_text("\n".join([table, *map(markdown, results)]), encoding="utf-8")
+            say(table(each))
+            say(note(each))
+    in_short = summary(results)
+    say(in_short)
+    (folder / "peers.md").write_text("\n".join([in_short, *map(markdown, results)]), encoding="utf-8")
     if any(each["reference"] for each in results):
         draw(results, folder / "peers.png")
-    err().print(f"{folder}: peers.md, peers.png, *.json", markup=False)
+    remark(f"{folder}: peers.md, peers.png, *.json")
 
 
 def _measure(part: Part, tools: list[str], rounds: int) -> dict[str, Any]:
-    with err().status(part.title) as status:
+    with shown_progress(part.title) as bar:
 
         def progress(line: str) -> None:
-            status.update(f"{part.name}: {line}")
+            bar.show(f"{part.name}: {line}")
 
         progress("reference")
         reference = run_apart(part.reference) if part.reference else None

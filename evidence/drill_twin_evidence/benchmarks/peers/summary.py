@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from drill_twin.core.table import Table
 from drill_twin_evidence.benchmarks.peers.parts import EXUDYN, MUJOCO, OURS, PYELASTICA
 from drill_twin_evidence.benchmarks.peers.tables import remark, speed
 
@@ -22,13 +23,9 @@ def summary(results: Sequence[Row]) -> str:
     """Markdown: a line for each measure of a case, a column for each tool that was run."""
     parts = {result["part"]: result["rows"] for result in results}
     tools = [tool for tool in TOOLS if any(row["tool"] == tool for rows in parts.values() for row in rows)]
-    lines = [
-        ("case", "measure", *(NAMES[tool] for tool in tools)),
-        ("---", "---", *("---:" for _ in tools)),
-        *_lines(parts, tools),
-        ("torsion", "", *("no" if tool == EXUDYN else "yes" for tool in tools)),
-    ]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
+    columns = ("case", "measure", *(NAMES[tool] for tool in tools))
+    rows = [*_lines(parts, tools), ("torsion", "", *("no" if tool == EXUDYN else "yes" for tool in tools))]
+    return Table(columns, rows, right=range(2, len(columns))).markdown() + "\n"
 
 
 def _lines(parts: Mapping[str, Sequence[Row]], tools: Sequence[str]) -> list[tuple[str, ...]]:

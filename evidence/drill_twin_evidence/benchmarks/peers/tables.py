@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
-from rich.table import Table
-
-from drill_twin.cli.show import grid
+from drill_twin.core.table import Column, Table
 
 HEADS = (
     "tool",
@@ -52,11 +50,12 @@ def remark(row: Mapping[str, Any]) -> str:
     return str(row["failure"]).split(",", maxsplit=1)[0]
 
 
-def shown(result: Mapping[str, Any]) -> tuple[Sequence[str], list[tuple[str, ...]]]:
-    """Heads and rows, without columns that are empty throughout."""
+def table(result: Mapping[str, Any]) -> Table:
+    """Table without columns that are empty throughout."""
     rows = [cells(row) for row in result["rows"]]
     used = [column for column in range(len(HEADS)) if any(row[column] for row in rows)]
-    return [HEADS[column] for column in used], [tuple(row[column] for column in used) for row in rows]
+    columns = [Column(HEADS[column], right=HEADS[column] not in {"tool", "remarks"}) for column in used]
+    return Table(columns, [tuple(row[column] for column in used) for row in rows], title=result["title"])
 
 
 def note(result: Mapping[str, Any]) -> str:
@@ -69,18 +68,6 @@ def note(result: Mapping[str, Any]) -> str:
     return f"error: largest distance of the mid-span path from {of}, over its largest value{apart}"
 
 
-def terminal(result: Mapping[str, Any]) -> Table:
-    """For the terminal."""
-    heads, rows = shown(result)
-    table = grid(heads, rows, title=result["title"], right=range(1, len(heads) - (heads[-1] == "remarks")))
-    table.caption = note(result)
-    table.caption_justify = "left"
-    return table
-
-
 def markdown(result: Mapping[str, Any]) -> str:
     """For a page."""
-    heads, rows = shown(result)
-    dashes = ["---" if head in {"tool", "remarks"} else "---:" for head in heads]
-    lines = [f"| {' | '.join(line)} |" for line in (heads, dashes, *rows)]
-    return "\n".join([f"**{result['title']}**", "", *lines, "", note(result), ""])
+    return "\n".join([f"**{result['title']}**", "", table(result).markdown(), "", note(result), ""])

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""End of a command: its files in a folder, and JSON or what people read on stdout."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from drill_twin.cli.folder import make_folder, write_file
+from drill_twin.cli.show import out, print_json, remark
+from drill_twin.core.table import Table
+from drill_twin.studies.json_io import json_text
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+Shown = Iterable["Table | Text | str"]
+"""Tables and lines for people; computed only where they are printed, if it is a generator."""
+
+
+def emit(
+    data: Any,
+    shown: Shown,
+    *,
+    json: bool,
+    folder: Path | None = None,
+    files: Mapping[str, Any] | None = None,
+    also: Sequence[str] = (),
+) -> None:
+    """Write the files of a command, print its result, and name the files on stderr.
+
+    The result is printed even if a file cannot be written.
+
+    Args:
+        data: Plain types, printed with `--json`.
+        shown: Printed without it.
+        json: Value of `--json`.
+        folder: Folder of the files; None: none are written.
+        files: Content by name, see `write_files`.
+        also: Names of what is in the folder already.
+
+    Raises:
+        BagError: A file cannot be written.
+    """
+    names: Sequence[str] = ()
+    try:
+        if folder is not None:
+            names = write_files(folder, files or {})
+    finally:
+        if json:
+            print_json(data)
+        else:
+            for part in shown:
+                say(part)
+    if folder is not None:
+        remark(f"{folder}: {', '.join([*names, *also])}")
+
+
+def say(part: Table | Text | str) -> None:
+    """Print a table or a line on stdout, as it is."""
+    if isinstance(part, Table):
+        out().print(part)
+    else:
+        out().print(part, markup=False, soft_wrap=True)
+
+
+def write_files(folder: Path, files: Mapping[str, Any]) -> Sequence[str]:
+    """Write files, each as a whole or not at all.
+
+    Args:
+        folder: Their folder; made if there is none.
+        files: By name a text, a matplotlib figure, or plain types, which become JSON; or a function that makes one.
+
+    Returns:
+        Their names.
+
+    Raises:
+        BagError: One cannot be written.
+    """
+    make_folder(folder)
+    for name, given in files.items():
+        content = given() if callable(given) else given
+        if hasattr(content, "savefig"):
+            from drill_twin.report.figures.style import save
+
+            save(content, folder / name)
+        else:
+            write_file(folder / name, content if isinstance(content, str) else json_text(content))
+    return list(files)

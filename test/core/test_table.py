@@ -1,0 +1,56 @@
+"""One table, four ways to show it."""
+
+from rich.console import Console
+from rich.text import Text
+
+from drill_twin.core.table import Column, Table
+
+TABLE = Table(
+    (Column("mark", whole=True), Column("radius", "mm", right=True), "motion"),
+    [("bit|1", 36.25, Text("spiral", "red")), ("\x1b[31mtop", None, "at <rest>")],
+    title="Marks",
+)
+
+
+def printed(table, width=60):
+    console = Console(width=width, color_system=None)
+    with console.capture() as said:
+        console.print(table)
+    return said.get()
+
+
+def test_a_terminal_shows_headings_with_units_and_no_control_characters():
+    lines = [line.rstrip() for line in printed(TABLE).splitlines()]
+    assert lines[0] == "Marks"
+    assert lines[2].split() == ["mark", "radius", "[mm]", "motion"]
+    assert lines[4].split() == ["bit|1", "36.25", "spiral"]
+    assert lines[5].split() == ["\\x1b[31mtop", "at", "<rest>"]
+    assert lines[2].index("[mm]") + 4 == lines[4].index("36.25") + 5  # to the right
+
+
+def test_a_column_that_is_whole_is_not_broken():
+    text = "a long name of a mark"
+    assert text in printed(Table([Column("", whole=True), Column("")], [(text, "words " * 20)]), width=40)
+
+
+def test_names_and_values_have_no_headings():
+    assert printed(Table((), [("scene", "pa6_bench")])).split() == ["scene", "pa6_bench"]
+
+
+def test_markdown_escapes_pipes_and_keeps_a_row_on_one_line():
+    assert Table(("a", Column("b", "N", right=True)), [("x|y\nz", 1.5), ("", None)]).markdown() == (
+        "| a | b [N] |\n| --- | ---: |\n| x\\|y z | 1.5 |\n|  |  |"
+    )
+
+
+def test_csv_has_the_numbers_as_they_are():
+    assert TABLE.csv() == "mark,radius [mm],motion\nbit|1,36.25,spiral\n\x1b[31mtop,,at <rest>\n"
+
+
+def test_html_escapes_and_aligns():
+    text = TABLE.html()
+    assert "<thead><tr><th>mark</th><th>radius [mm]</th><th>motion</th></tr></thead>" in text
+    assert '<tr><th>bit|1</th><td class="number">36.25</td><td>spiral</td></tr>' in text
+    assert "at &lt;rest&gt;" in text
+    assert '<td class="name">bit|1</td>' in TABLE.html(named=False)
+    assert Table((), [("a", "b")]).html() == "<table><tbody><tr><th>a</th><td>b</td></tr></tbody></table>"
