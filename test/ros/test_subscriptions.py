@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Subscriptions of a node bring decoded messages; one that cannot be used is counted, and ends nothing."""
 
+import time
+
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -51,10 +53,21 @@ def test_a_message_that_cannot_be_used_is_counted_and_the_next_one_is_taken(benc
     assert observer.samples.values()[f"unreadable {WHIRL_ONSET}"] == "1"
 
 
-def test_the_scene_passes_a_gate(bench, observer):
+def test_after_a_scene_that_took_long_the_newest_waits_for_its_turn(bench, observer):
     found = []
-    observer.topics.subscribe_scenes(found.append)
-    latched(bench, TWIN_SCENE).publish(encode_string("a scene"))
+
+    def take(raw):
+        found.append(raw)
+        time.sleep(0.06)
+
+    observer.topics.subscribe_scenes(take)
+    scenes, (first, second, third) = latched(bench, TWIN_SCENE), map(encode_string, ("one", "two", "three"))
+    scenes.publish(first)
     until(observer, lambda: bool(found))
-    assert found == [encode_string("a scene")]
-    assert observer.topics.scenes_put_off == 0
+    scenes.publish(second)
+    observer.spin_once(0.05)
+    scenes.publish(third)
+    until(observer, lambda: observer.topics.scenes_put_off == 1)
+    assert found == [first]
+    until(observer, lambda: len(found) > 1)
+    assert found == [first, third]
