@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -22,9 +23,10 @@ from drill_twin.core.units.dimension import (
     TIME,
 )
 from drill_twin.dynamics.sensors.summaries import SUMMARY
-from drill_twin.io.messages.decode import JointState, JointStateReader, read_float64, read_pose_array
-from drill_twin.io.messages.diagnostics import decode_diagnostics
+from drill_twin.io.messages.decode import JointState, PoseArray
+from drill_twin.io.messages.diagnostics import Status
 from drill_twin.io.messages.good_samples import GoodSamples
+from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import (
@@ -38,7 +40,7 @@ from drill_twin.io.messages.topics import (
     sub_of,
     summary_topic,
 )
-from drill_twin.io.messages.whirl_encode import decode_onset, read_whirl_state
+from drill_twin.io.messages.whirl_encode import OnsetMessage, read_whirl_state
 from drill_twin.whirl import StickSlip
 
 ANGULAR_ACCELERATION = Dimension("angular acceleration", "rad/s^2", ("3 rad/s^2",))
@@ -120,7 +122,6 @@ class TwinQuantities:
         Args:
             clock: Monotonic time [s].
         """
-        self._readers = {topic: JointStateReader() for topic in (RIG_STATE, MARKS_STATE, WHIRL_STATE)}
         self._marks: JointState | None = None
         self._bit: tuple[float, float] | None = None
         self._bit_motion = StickSlip()
@@ -130,7 +131,7 @@ class TwinQuantities:
         """Good and bad samples by topic."""
         self.stamp = 0
         """Stamp of the last `/rig/state` [ns]."""
-        self._take: dict[str, Callable[[bytes], bool | None]] = {
+        self._take: dict[str, Callable[[Any], bool | None]] = {
             RIG_STATE: self._on_rig,
             MARKS_STATE: self._on_marks,
             STRING_POSES: self._on_poses,
@@ -139,6 +140,7 @@ class TwinQuantities:
             DIAGNOSTICS: self._on_diagnostics,
             REALTIME_FACTOR: self._on_factor,
         }
+        self._read = {topic: reader_of(topic) for topic in self._take}
 
     def take(self, topic: str, raw: bytes) -> None:
         """Use a message of a topic.
@@ -147,7 +149,7 @@ class TwinQuantities:
             MessageError: It cannot be read.
         """
         try:
-            finite = self._take[topic](raw)
+            finite = self._take[topic](self._read[topic](raw))
         except MessageError:
             self.samples.unreadable(topic)
             raise
@@ -160,8 +162,7 @@ class TwinQuantities:
 
     # Each returns whether the message has a finite number; None for one that is not for the gateway.
 
-    def _on_rig(self, raw: bytes) -> bool:
-        message = self._readers[RIG_STATE].read(raw)
+    def _on_rig(self, message: JointState) -> bool:
         state, time = read_rig_state(message), seconds(message.stamp)
         self.values.update({name: getattr(state, field_of(name)) for name in _RIG})
         if self._bit is not None and 0.0 < time - self._bit[0] < 1.0:
@@ -174,8 +175,8 @@ class TwinQuantities:
         self.values["simulated_time"] = time
         return message.has_number
 
-    def _on_marks(self, raw: bytes) -> bool:
-        now, before = self._readers[MARKS_STATE].read(raw), self._marks
+    def _on_marks(self, now: JointState) -> bool:
+        before = self._marks
         if len(now.names) % 4 or now.velocity.size != len(now.names) or now.effort.size != len(now.names):
             raise MessageError("expected four joints a mark with velocity and effort on /marks/state")
         self._marks = now
@@ -189,14 +190,14 @@ class TwinQuantities:
         self.values["lateral_acceleration"] = float(np.hypot(rate[:, 0], rate[:, 1]).max())
         return now.has_number
 
-    def _on_poses(self, raw: bytes) -> bool:
-        position = read_pose_array(raw).position
+    def _on_poses(self, poses: PoseArray) -> bool:
+        position = poses.position
         if position.size:
             self.values["bit_depth"] = -float(position[0, 2])
         return bool(np.isfinite(position).any())
 
-    def _on_whirl(self, raw: bytes) -> bool:
-        state = read_whirl_state(self._readers[WHIRL_STATE].read(raw))
+    def _on_whirl(self, message: JointState) -> bool:
+        state = read_whirl_state(message)
         known = np.flatnonzero(np.isfinite(state.orbit_radius))
         if not known.size:  # no orbit yet, or none any more
             return True
@@ -207,17 +208,17 @@ class TwinQuantities:
         self.values["whirl_confidence"] = float(state.confidence[mark])
         return True
 
-    def _on_factor(self, raw: bytes) -> bool:
-        self.values["real_time_factor"] = read_float64(raw)
-        return math.isfinite(self.values["real_time_factor"])
+    def _on_factor(self, factor: float) -> bool:
+        self.values["real_time_factor"] = factor
+        return math.isfinite(factor)
 
-    def _on_onset(self, raw: bytes) -> bool:
-        self.values["whirl_detected"] = float(decode_onset(raw)[1] is not None)
+    def _on_onset(self, found: tuple[int, OnsetMessage | None]) -> bool:
+        self.values["whirl_detected"] = float(found[1] is not None)
         return True
 
-    def _on_diagnostics(self, raw: bytes) -> bool | None:
+    def _on_diagnostics(self, message: tuple[int, list[Status]]) -> bool | None:
         """Rate of penetration in the diagnostics of a simulator; None for those of other nodes."""
-        for status in decode_diagnostics(raw)[1]:
+        for status in message[1]:
             if found := status.values.get("rate_of_penetration_m_h"):
                 try:
                     self.values["rate_of_penetration"] = float(found) / _HOUR

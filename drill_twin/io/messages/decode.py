@@ -93,7 +93,7 @@ class JointStateReader:
         if len(raw) == self._length and raw[self._text] == self._text_bytes and self._gaps_agree(raw):
             arrays = [np.frombuffer(raw, np.float64, count, offset).copy() for count, offset in self._places]
             return JointState(unpack_stamp(raw), self._names, arrays[0], arrays[1], arrays[2], self._frame_id)
-        state = _decoded(raw)
+        state = read_joint_state(raw)
         self._keep_layout(raw, state)
         return state
 
@@ -156,16 +156,11 @@ def _gaps_after(places: list[tuple[int, int]], length: int) -> list[slice]:
 
 
 def read_joint_state(raw: bytes) -> JointState:
-    """Decode a JointState of any writer.
+    """Decode a JointState of any writer, by rosbags.
 
     Raises:
         MessageError: Not a JointState.
     """
-    return _decoded(raw)
-
-
-def _decoded(raw: bytes) -> JointState:
-    """JointState, decoded by rosbags."""
     content = deserialize(raw, JOINT_STATE)
     names = tuple(content.name)
     arrays = [np.array(values, np.float64) for values in (content.position, content.velocity, content.effort)]
