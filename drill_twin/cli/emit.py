@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drill_twin.cli.folder import make_folder, write_file
+from drill_twin.cli.folder import write_file
 from drill_twin.cli.show import out, print_json, remark
+from drill_twin.core.files.result_folder import make_folder
 from drill_twin.core.table import Table
 from drill_twin.studies.json_io import json_text
 

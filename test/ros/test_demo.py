@@ -64,7 +64,7 @@ def test_a_short_demo_leaves_bag_report_figures_and_summary(bench, demo):
     # Once more: refused without --replace, and then nothing is lost.
     again = demo("--duration", "3")
     assert again.wait() == 2
-    assert "expected a new folder, found one that exists" in again.text
+    assert "expected a new or empty folder, found one with" in again.text
     assert (out / "summary.json").is_file()
 
 

@@ -82,8 +82,9 @@ def operating_map(
     """
     from drill_twin.api.maps import operating_map as make
     from drill_twin.cli.emit import emit
-    from drill_twin.cli.folder import folder_name, make_folder
+    from drill_twin.cli.folder import folder_name
     from drill_twin.core.errors import SceneError
+    from drill_twin.core.files.result_folder import make_folder
     from drill_twin.scene import load_scene
     from drill_twin.studies.maps.figure import map_figure
     from drill_twin.studies.maps.page import build_page

@@ -62,7 +62,7 @@ def modes(
     changes = overrides(change, wob=wob, rps=rps)
     own = rotordynamics.steady_scene(scene, changes, without)
     if out is not None:  # before the figures are computed
-        from drill_twin.cli.folder import make_folder
+        from drill_twin.core.files.result_folder import make_folder
 
         make_folder(out)
     command = rotordynamics.final_command(own)

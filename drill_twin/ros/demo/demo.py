@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drill_twin.core.errors import RunError
+from drill_twin.core.files.result_folder import RESULTS, make_folder, new_folder
 from drill_twin.ros.core.stop_request import StopRequest
-from drill_twin.ros.demo.folder import prepare_folder
 from drill_twin.ros.demo.processes import Child, processes
 from drill_twin.ros.demo.result import check_bag, draw_report
 from drill_twin.ros.demo.stall_detector import STARTING_TIME, StallDetector
@@ -54,7 +54,9 @@ def run_demo(options: DemoOptions, stop: StopRequest) -> None:
     console = Console(highlight=False)
     scene = load_scene(options.scene)
     duration = options.duration or scene.rig.duration
-    prepare_folder(options.out, replace=options.replace)
+    if older := new_folder(options.out, replace=options.replace, results=(*RESULTS, "log")):
+        console.print(f"the older result is now {older}")
+    make_folder(options.out / "log")
     claim = DomainClaim(domain_of_environment())
     os.environ["ROS_DOMAIN_ID"] = str(claim.domain)
     os.environ["ROS_LOG_DIR"] = str((options.out / "log").absolute())
