@@ -58,7 +58,8 @@ FAULTS = (
           "            self._stream.flush()\n",
           "io/bag/test_bag_killed.py", "flushed"),
     Fault("swapped component: set-points of a checkpoint", "dynamics/twin/checkpoint.py",
-          "Command(numbers[1], numbers[2])", "Command(numbers[2], numbers[1])", "dynamics/twin/test_checkpoint.py"),
+          'Command(*map(float, head["set_points"]))', 'Command(*map(float, head["set_points"][::-1]))',
+          "dynamics/twin/test_checkpoint.py"),
     # Analysis
     Fault("off-by-one: mean of a bin over one sample too many", "whirl/sample_bins.py",
           "found = n - bins.missed[k]", "found = n + 1 - bins.missed[k]", "whirl/test_precession.py"),
