@@ -55,6 +55,7 @@ def test_the_wheel_runs_a_scene_without_a_clone(tmp_path):
     assert found["samples"] == 50
 
 
+@pytest.mark.long
 def test_the_examples_pass_a_strict_type_check():
     scripts = [str(EXAMPLES / name) for name in ("analyst.py", "controller.py")]
     run("-m", "mypy", "--strict", *scripts, PYTHONPATH=str(ROOT))
@@ -86,6 +87,7 @@ def test_every_name_of_the_api_is_there():
         dt.nothing  # noqa: B018
 
 
+@pytest.mark.long
 def test_the_code_of_the_documentation_runs(tmp_path):
     blocks = re.findall(
         r"^```python\n(.*?)^```", (ROOT / "docs" / "api.md").read_text("utf-8"), re.MULTILINE | re.DOTALL

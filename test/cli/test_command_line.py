@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from variants import one_of
 
 from drill_twin import __version__
 from drill_twin.cli.app import app
@@ -157,7 +158,7 @@ def test_help_loads_nothing_heavy(call):
     assert "run" in call().out  # no command at all shows the help
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", one_of(2, [signal.SIGINT, signal.SIGTERM]))
 def test_interrupted_run_keeps_a_whole_bag_and_says_so(start, inside, number):
     child = start("run", "pa6_bench", *QUICK, "--duration", "500", "--out", "long")
     deadline = time.monotonic() + 240.0

@@ -22,6 +22,8 @@ from drill_twin.scene.set_points import Schedule
 
 KNOWN = json.loads(FILE.read_text("utf-8"))
 HALF_A_SECOND = 0.5
+QUICK = ("pa6_bench/lateral/least", "pa6_bench/spatial/own")
+"""Each form, and each tolerance, once."""
 
 
 def _scene(case, tolerance="own"):
@@ -32,7 +34,7 @@ def _scene(case, tolerance="own"):
 
 
 @pytest.mark.parametrize(
-    "key", [key if key.startswith("pa6_bench") else pytest.param(key, marks=pytest.mark.long) for key in sorted(KNOWN)]
+    "key", [key if key in QUICK else pytest.param(key, marks=pytest.mark.long) for key in sorted(KNOWN)]
 )
 def test_a_run_moves_as_before(key: str) -> None:
     case, _, tolerance = key.rpartition("/")

@@ -28,6 +28,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy  # noqa: E
 from rclpy.signals import SignalHandlerOptions  # noqa: E402
 from rclpy.subscription import Subscription  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
+from warm_start import Warmed, WarmPopen  # noqa: E402
 
 from drill_twin.dynamics.twin.twin import Twin  # noqa: E402
 from drill_twin.io.bag.reader import Bag  # noqa: E402
@@ -59,6 +60,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.user_properties.append(("fault", mark.args))
 
 
+def pytest_sessionfinish() -> None:
+    """End the process that has made the imports."""
+    WARMED.close()
+
+
 def pytest_terminal_summary(terminalreporter, config: pytest.Config) -> None:
     """The table of faults, where a run was about them."""
     if not os.environ.get("DRILL_TWIN_FAULTS"):
@@ -75,15 +81,23 @@ def pytest_terminal_summary(terminalreporter, config: pytest.Config) -> None:
         terminalreporter.write_line(f"| {what} | {then} | {word} |")
 
 
-class Process:
-    """A node, or another command, as a process with a log."""
+_NODE, _COMMAND = ([sys.executable, "-m", module] for module in ("drill_twin.ros", "drill_twin.cli"))
+WARMED = Warmed()
 
-    def __init__(self, command: list[str], environment: dict[str, str], log: Path) -> None:
+
+class Process:
+    """A node, or another command, as a process with a log; both may be forked with their imports done."""
+
+    def __init__(self, command: list[str], environment: dict[str, str], log: Path, *, warm: bool) -> None:
         self.log = log
+        self._popen: subprocess.Popen[bytes] | WarmPopen
         with log.open("wb") as stream:
-            self._popen = subprocess.Popen(
-                command, env=environment, cwd=log.parent, stdin=subprocess.DEVNULL, stdout=stream, stderr=stream
-            )
+            if warm and command[:3] in (_NODE, _COMMAND) and WARMED.fits(environment):
+                self._popen = WARMED.start(command[2:], environment, log)
+            else:
+                self._popen = subprocess.Popen(
+                    command, env=environment, cwd=log.parent, stdin=subprocess.DEVNULL, stdout=stream, stderr=stream
+                )
         self.pid = self._popen.pid
 
     @property
@@ -145,6 +159,7 @@ class Bench:
         self.folder = folder
         self._claim = discovery.DomainClaim(start=next(_DOMAINS))
         self.domain = self._claim.domain
+        discovery.prepare()
         self.environment = dict(
             os.environ,
             ROS_DOMAIN_ID=str(self.domain),
@@ -154,7 +169,7 @@ class Bench:
             PYTHONPATH=os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]),
             PYTHONUNBUFFERED="1",
         )
-        discovery.prepare()
+        WARMED.prepare(self.environment)
         self._context = Context()
         rclpy.init(
             args=[], context=self._context, domain_id=self.domain, signal_handler_options=SignalHandlerOptions.NO
@@ -167,6 +182,8 @@ class Bench:
         self.history: list[Status] = []
         self._subscriptions: list[Subscription] = []
         self._taken = 0
+        self.warm = True
+        """Nodes and commands are forked with their imports done; False: each begins with the start of Python."""
         self.asked_ready = 0.0
         self.node.create_service(Trigger, "~/ready", self._answer_ready)
         self.subscribe(DIAGNOSTICS, self._on_diagnostics)
@@ -178,16 +195,15 @@ class Bench:
         ]
         words = [word.replace("True", "true").replace("False", "false") for word in words]
         given = [part for word in words for part in ("-p", word)]
-        command = [sys.executable, "-m", "drill_twin.ros", node, "--ros-args", *given, *arguments]
-        return self.command(node, command)
+        return self.command(node, [*_NODE, node, "--ros-args", *given, *arguments])
 
     def start_with(self, words: list[str], node: str) -> Process:
         """A node with arguments that are not of ROS."""
-        return self.command(node, [sys.executable, "-m", "drill_twin.ros", node, *words])
+        return self.command(node, [*_NODE, node, *words])
 
     def command(self, name: str, command: list[str], **environment: str) -> Process:
         log = self.folder / f"{name}_{len(self._processes)}.log"
-        process = Process(command, {**self.environment, **environment}, log)
+        process = Process(command, {**self.environment, **environment}, log, warm=self.warm)
         self._processes.append(process)
         return process
 

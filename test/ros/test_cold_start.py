@@ -21,7 +21,7 @@ def cold(bench, tmp_path):
     return bench
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.long)])
 def test_it_reports_answers_and_ends_on_a_signal(cold, number):
     simulator = cold.start("simulator")
     cold.until_status("simulator", _compiles)

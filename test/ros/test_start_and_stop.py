@@ -17,6 +17,22 @@ from drill_twin.ros.core.stop_request import END_WITH_PARENT
 from drill_twin.ros.entry_points import NODES
 
 EXECUTABLES = (*NODES, "twin")
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+@pytest.fixture
+def bench(bench):
+    """Each process begins with the start of Python."""
+    bench.warm = False
+    return bench
+
+
+def _ends():
+    """Each executable with one of the signals, in turn; with the other one it is long."""
+    for number, node in enumerate(EXECUTABLES):
+        for which, asked in enumerate(SIGNALS):
+            marks = [pytest.mark.long] if (number + which) % 2 else []
+            yield pytest.param(node, asked, id=f"{node}-{asked.name}", marks=marks)
 
 
 def _parameters(node, bench, small_bag):
@@ -28,8 +44,7 @@ def _parameters(node, bench, small_bag):
     }.get(node, {})
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
-@pytest.mark.parametrize("node", EXECUTABLES)
+@pytest.mark.parametrize(("node", "number"), _ends())
 def test_a_running_node_ends_when_asked(bench, small_bag, node, number):
     process = bench.start(node, **_parameters(node, bench, small_bag))
     bench.until(lambda: (process.code is not None) or bool(bench.statuses), what=f"diagnostics of {node}")
@@ -39,7 +54,7 @@ def test_a_running_node_ends_when_asked(bench, small_bag, node, number):
     assert "rror" not in process.text
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("number", [SIGNALS[0], pytest.param(SIGNALS[1], marks=pytest.mark.long)])
 def test_a_simulator_in_an_endless_frame_ends_when_asked(bench, number):
     """Ten million steps a frame: compiled code returns to Python in between."""
     scene = bench.folder / "endless.yaml"
@@ -75,7 +90,9 @@ def test_a_signal_in_the_middle_of_an_import_waits_for_its_end(bench):
     assert process.text == "stopped True True\n"
 
 
-@pytest.mark.parametrize("delay", [0.05, 0.4, 1.0, 2.0])
+@pytest.mark.parametrize(
+    "delay", [0.4, 1.0, pytest.param(0.05, marks=pytest.mark.long), pytest.param(2.0, marks=pytest.mark.long)]
+)
 def test_a_signal_during_the_start_ends_it_too(bench, delay):
     process = bench.start("twin")
     # Before Python itself has started the default action of the signal holds, in any program.
@@ -88,9 +105,7 @@ def test_a_signal_during_the_start_ends_it_too(bench, delay):
 _DELAYS = np.random.default_rng(28).uniform(0.0, 4.0, 20)
 
 
-@pytest.mark.parametrize(
-    "delay", [*_DELAYS[:3], *(pytest.param(delay, marks=pytest.mark.long) for delay in _DELAYS[3:])]
-)
+@pytest.mark.parametrize("delay", [_DELAYS[0], *(pytest.param(delay, marks=pytest.mark.long) for delay in _DELAYS[1:])])
 def test_two_signals_at_once_end_a_node_at_any_moment_of_its_start(bench, delay):
     """As `timeout` sends them to a launch and its group."""
     process = bench.start("analyzer")
@@ -149,7 +164,7 @@ def test_a_node_ends_whose_launch_is_gone_before_it_can_watch(bench):
     assert node.wait(60.0) == 0, node.text
 
 
-@pytest.mark.parametrize("node", ["rig_driver", "analyzer"])
+@pytest.mark.parametrize("node", ["rig_driver", pytest.param("analyzer", marks=pytest.mark.long)])
 def test_signals_after_the_first_do_not_change_the_exit_code(bench, small_bag, node):
     """As in a launch, whose terminal sends a SIGINT beside that of the launch itself."""
     process = bench.start(node, **_parameters(node, bench, small_bag))

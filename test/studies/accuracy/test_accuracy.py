@@ -54,7 +54,9 @@ def true_error(plan: Plan) -> float:
     return compare(run_motion(plan.scene, until=float(exact.time[-1])), exact).controlled
 
 
-@pytest.mark.parametrize("changes", [SWING, WHIRL], ids=["swing", "whirl"])
+@pytest.mark.parametrize(
+    "changes", [pytest.param(SWING, marks=pytest.mark.long, id="swing"), pytest.param(WHIRL, id="whirl")]
+)
 def test_the_error_is_below_the_accuracy(changes: dict[str, str]) -> None:
     """1 % and 0.02 % of scenes that no curve is of; the expectation is met within a factor of two."""
     chosen = []
