@@ -120,7 +120,7 @@ KILLS := 50
 # Field checks: a message refuses an int where a float belongs, which the wheels would send as rubbish.
 PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 
-# Two workers share the files, those of test/ros in a turn of their own: they start processes, and a worker that compiles
+# Two workers share the files, those of test/ros three, in a turn of their own: they wait for processes, and a worker that compiles
 # would keep these waiting. Long ones, which kill and load the nodes, want the machine for themselves. A test of processes that
 # fails is run once more and reported as such: a machine that others use may keep a node from its processor for seconds.
 # `make test` runs the tests of the package; those of the evidence (`testpaths` has both) go with the long ones.
@@ -129,7 +129,7 @@ ROS_PYTEST := $(PYTEST) --reruns 1 --reruns-delay 3 -rR
 test: setup-test
 	@found=0; \
 	$(PYTEST) -n 2 --dist loadfile --ignore=test/ros test || found=$$?; \
-	$(ROS_PYTEST) -n 2 --dist loadfile test/ros || found=$$?; \
+	$(ROS_PYTEST) -n 3 --dist loadfile test/ros || found=$$?; \
 	exit $$found
 
 test-long: setup-test

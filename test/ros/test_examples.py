@@ -50,7 +50,7 @@ def test_an_own_driver_and_an_own_analyzer_take_part(bench, joints):
 
 
 def test_the_table_shows_the_depth_that_publishers_offer(bench):
-    topics = NodeTopics(bench.node, RawSubscriptions(bench.node, bench.node.context))
+    topics = NodeTopics(bench.node, RawSubscriptions(bench.node, bench.node.context), lambda _: None)
     for name in TOPICS:
         row = next(line for line in rig_table().markdown().splitlines() if line.startswith(f"| `{name}` |"))
         assert f"keep last {topics.advertise(name).qos_profile.depth}" in row

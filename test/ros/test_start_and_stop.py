@@ -44,7 +44,7 @@ def _parameters(node, bench, small_bag):
     }.get(node, {})
 
 
-@pytest.mark.parametrize(("node", "number"), _ends())
+@pytest.mark.parametrize(("node", "number"), list(_ends()))
 def test_a_running_node_ends_when_asked(bench, small_bag, node, number):
     process = bench.start(node, **_parameters(node, bench, small_bag))
     bench.until(lambda: (process.code is not None) or bool(bench.statuses), what=f"diagnostics of {node}")
