@@ -42,7 +42,7 @@ def test_frames_come_at_their_times_whatever_they_cost(wall):
         pacer.wait()
     assert wall.now - start == pytest.approx(60.0 + cost[0], abs=1e-6)  # the first frame sets the beat
     assert pacer.overruns == 0
-    assert pacer.given_up == 0.0
+    assert pacer.lag_dropped == 0.0
 
 
 def test_a_late_frame_is_counted_and_made_up_for(wall):
@@ -54,7 +54,7 @@ def test_a_late_frame_is_counted_and_made_up_for(wall):
         pacer.wait()
     assert wall.now - start == pytest.approx(1.0)
     assert 1 <= pacer.overruns <= 5
-    assert pacer.given_up == 0.0
+    assert pacer.lag_dropped == 0.0
 
 
 def test_a_machine_that_is_too_slow_falls_behind_without_a_rush(wall):
@@ -66,7 +66,7 @@ def test_a_machine_that_is_too_slow_falls_behind_without_a_rush(wall):
         times.append(wall.now)
     assert times[-1] - times[0] == pytest.approx(999 * 0.02)
     assert pacer.overruns >= 999
-    assert pacer.given_up == pytest.approx(10.0, abs=0.3)
+    assert pacer.lag_dropped == pytest.approx(10.0, abs=0.3)
     # Once frames are cheap again, they come at their pace at once: nothing is caught up that was given up.
     since = wall.now
     for _ in range(100):

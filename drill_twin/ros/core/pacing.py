@@ -22,17 +22,17 @@ class Pacer:
         self._deadline: float | None = None
         self.overruns = 0
         """Frames that were not ready at their time."""
-        self.given_up = 0.0
+        self.lag_dropped = 0.0
         """Dropped lag: wall time by which simulated time has fallen behind for good [s]."""
-        self._gave_up: float | None = None
+        self._dropped_at: float | None = None
 
     def restart(self) -> None:
         """Start afresh: the next frame is on time."""
         self._deadline = None
 
-    def gave_up_within(self, seconds: float) -> bool:
+    def dropped_lag_within(self, seconds: float) -> bool:
         """Return True if lag was dropped in the last seconds."""
-        return self._gave_up is not None and time.monotonic() - self._gave_up < seconds
+        return self._dropped_at is not None and time.monotonic() - self._dropped_at < seconds
 
     def wait(self) -> None:
         """Sleep until the next frame is due; returns at once when it is late."""
@@ -44,8 +44,8 @@ class Pacer:
         if late > 0.0:
             self.overruns += 1
             if late > self._max_lag:
-                self.given_up += late
-                self._gave_up = now
+                self.lag_dropped += late
+                self._dropped_at = now
                 self._deadline = now
             return
         while (left := self._deadline - time.monotonic()) > 0.0:

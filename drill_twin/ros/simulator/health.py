@@ -29,7 +29,7 @@ def diagnostic_values(settings: SimpleNamespace, simulation: SimulatorRun, sourc
         "pace": settings.pace,
         **simulation.loop.diagnostics(),
         "overruns": str(pacer.overruns),
-        "time_given_up": f"{pacer.given_up:.3f}",
+        "time_given_up": f"{pacer.lag_dropped:.3f}",
         "weight_on_bit": f"{arbiter.applied.weight_on_bit:g}",
         "speed_rev_s": f"{arbiter.applied.rotation / math.tau:g}",
         "command_age": f"{arbiter.age:.3f}",
@@ -84,10 +84,10 @@ def verdict(settings: SimpleNamespace, simulation: SimulatorRun, sources: Sequen
 def _real_time_given_up(simulation: SimulatorRun) -> str:
     """Time given up, in a sentence; empty when there is none, or a single stall is long past."""
     pacer, timing = simulation.pacer, simulation.loop.timing
-    if not pacer.gave_up_within(_RECENT) and pacer.given_up <= _SHARE * timing.simulated:
+    if not pacer.dropped_lag_within(_RECENT) and pacer.lag_dropped <= _SHARE * timing.simulated:
         return ""
     return (
-        f"real time is not held: {pacer.given_up:.3g} s given up, real-time factor of the last second "
+        f"real time is not held: {pacer.lag_dropped:.3g} s given up, real-time factor of the last second "
         f"{timing.recent_realtime_factor:.2g}, the physics alone {timing.physics_speed:.2g}; "
         "take fewer elements, or give the node a core of its own"
     )
