@@ -123,12 +123,13 @@ PYTEST := ROS_PYTHON_CHECK_FIELDS=1 $(PYTHON) -m pytest
 # Two workers share the files, those of test/ros three, in a turn of their own: they wait for processes, and a worker that compiles
 # would keep these waiting. Long ones, which kill and load the nodes, want the machine for themselves. A test of processes that
 # fails is run once more and reported as such: a machine that others use may keep a node from its processor for seconds.
+# Files in the order of their names, not of their numbers of tests: the few that compile most are then not the last.
 # `make test` runs the tests of the package; those of the evidence (`testpaths` has both) go with the long ones.
 ROS_PYTEST := $(PYTEST) --reruns 1 --reruns-delay 3 -rR
 
 test: setup-test
 	@found=0; \
-	$(PYTEST) -n 2 --dist loadfile --ignore=test/ros test || found=$$?; \
+	$(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder --ignore=test/ros test || found=$$?; \
 	$(ROS_PYTEST) -n 3 --dist loadfile test/ros || found=$$?; \
 	exit $$found
 

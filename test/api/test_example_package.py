@@ -96,6 +96,7 @@ def test_schedule_is_the_one_of_the_package(target):
     assert values == pytest.approx([0.0, 1.0, 1.0 + math.sqrt(0.5), 2.0, 2.0])
 
 
+@pytest.mark.long
 def test_an_edit_of_the_package_gives_another_kernel(target, found, tmp_path):
     edited = shutil.copytree(target, tmp_path / "site")
     file = edited / "drill_twin_example" / "lateral_spring.py"

@@ -35,7 +35,7 @@ from drill_twin.scene.paths import config_dir
 from drill_twin.scene.set_points.tables import read_table
 
 SEED = 20261121
-COUNT = int(os.environ.get("DRILL_TWIN_FUZZ", "300"))
+COUNT = int(os.environ.get("DRILL_TWIN_FUZZ", "150"))
 SLOW = 5  # s of processor time, children included: how busy the machine is is not the input's doing
 HANGS = 60  # s
 MUCH = 300 * 1024  # kB

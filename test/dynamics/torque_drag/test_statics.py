@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from bent_well import COLLAR, PIPE, well
 from typer.testing import CliRunner
+from variants import one_of
 
 import drill_twin as dt
 from drill_twin.cli.app import app
@@ -169,7 +170,7 @@ def test_the_command_refuses_what_has_no_balance(arguments: list[str], words: st
     assert words in str(said.exception)
 
 
-@pytest.mark.parametrize("name", well_scenes())
+@pytest.mark.parametrize("name", one_of(3, well_scenes()))
 def test_shipped_wells_have_a_balance_in_each_operation(name: str) -> None:
     found = dt.statics(name)
     assert len(found.operations) == 5

@@ -10,6 +10,7 @@ from itertools import count
 
 import numpy as np
 import pytest
+from variants import one_of
 
 from drill_twin.core.errors import RunStopped, StoppedError
 from drill_twin.dynamics.solver import slices
@@ -54,7 +55,7 @@ def shortest(monkeypatch):
     monkeypatch.setattr(slices, "WORK", 1)
 
 
-@pytest.mark.parametrize("audit", ["none", "energy"])
+@pytest.mark.parametrize("audit", one_of(2, ["none", "energy"]))
 @pytest.mark.parametrize("form", FORMS)
 def test_the_shortest_slices_give_the_same_bits(form, audit, monkeypatch):
     scene = hard_scene(form, **{"numerics.audit": audit})

@@ -124,6 +124,7 @@ def test_the_command_measures_resumes_and_finds_the_order_of_the_scheme(tmp_path
     assert sorted(map(str, errors[0])) == sorted(map(str, errors[1]))
 
 
+@pytest.mark.long
 def test_given_meshes_are_compared_at_the_rig_too(tmp_path, monkeypatch):
     """Of a string that turns free: its weight on bit and nothing else at the top, no onset and no stick-slip."""
     monkeypatch.chdir(tmp_path)
