@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from drill_twin.cli.added import add_commands
+from drill_twin.cli.added import CommandGroup
 from drill_twin.cli.bags.analyze import analyze, report
 from drill_twin.cli.bags.drillbotics import drillbotics
 from drill_twin.cli.bags.export import export
@@ -32,6 +32,7 @@ from drill_twin.cli.studies.effects import effects
 from drill_twin.core.version import __version__
 
 app = typer.Typer(
+    cls=CommandGroup,
     help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]demo[/], "
     "[bold]replay[/], [bold]load[/], and [bold]watch[/] without a bag, need ROS 2 (rclpy).",
     epilog='For example: [bold]drill-twin run pa6_bench --wob "40 N" --rps 2 --duration 30 --out out/first --report[/]',
@@ -88,4 +89,3 @@ app.command(rich_help_panel=_ROS)(load)
 app.command(rich_help_panel=_ROS)(gateway_keys)
 app.command(rich_help_panel=_ROS)(doctor)
 app.command(rich_help_panel=_ROS)(topics)
-add_commands(app)

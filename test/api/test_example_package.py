@@ -142,6 +142,21 @@ def test_command_is_one_of_drill_twin(target):
     assert "Print the radial clearance" in listed
 
 
+LOADED = """
+import sys
+from typer.main import get_command
+from drill_twin.cli.app import app
+group = get_command(app)
+for name in ("scenes", "clearance"):
+    assert group.get_command(None, name).name == name
+    print("drill_twin_example.clearance" in sys.modules)
+"""
+
+
+def test_a_package_is_imported_only_for_its_command(target):
+    assert python(target, LOADED).split() == ["False", "True"]
+
+
 def test_a_broken_command_is_told_and_leaves_the_others(target, tmp_path):
     site = shutil.copytree(target, tmp_path / "site")
     broken = site / "broken-1.0.dist-info"

@@ -81,7 +81,6 @@ def field(inside, bench_run):
             "expected a start before the end, found 5 s and 1 s",
         ),
         (["analyze", "good", "--from", "nan"], "expected a start before the end, found nan s and inf s"),
-        (["validate", "--only", "nope"], "--only: expected ufrj_rig or well_b, found nope"),
         (["analyze", "no_bag", "--sub", "near_bit", "--marks", "mark_2"], "--marks: expected none beside --sub, which"),
         (["analyze", "no_bag", "--sub", ""], "--sub: expected the name of a downhole sub, found"),
         (["modes", "pa6_bench", "--out", "text.mcap"], "text.mcap: expected a place to write the result"),

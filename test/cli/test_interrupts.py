@@ -23,7 +23,7 @@ COMMANDS = (
     (*CLI, "check", "pa6_bench"),
     (*CLI, "run", "pa6_bench", "--duration", "500 s"),
 )
-OF_EVIDENCE = (*CLI, "verify", "--only", "buckling.heavy_string", "--workers", "2")
+WITH_WORKERS = (*CLI, "effects", "pa6_bench", "--duration", "100 s", "--workers", "2")
 NODES = tuple(("-m", "drill_twin.ros", name) for name in ("simulator", "rig_driver", "analyzer", "recorder"))
 
 
@@ -87,7 +87,7 @@ def test_a_signal_at_any_time_of_the_start_gives_one_line(tmp_path):
 @pytest.mark.long
 def test_many_signals_at_any_time(tmp_path):
     nodes = NODES if find_spec("rclpy") else ()
-    sweep(seed=2, count=LONG, longest=3.0, folder=tmp_path, choices=(*COMMANDS, OF_EVIDENCE, *nodes))
+    sweep(seed=2, count=LONG, longest=3.0, folder=tmp_path, choices=(*COMMANDS, WITH_WORKERS, *nodes))
 
 
 def test_a_signal_before_the_first_import_of_a_command_ends_it(tmp_path):

@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = """
 import hashlib, re, sys
 from drill_twin.physics.effects import EFFECTS
-from drill_twin_evidence.verify.scenes import rod_scene
+from rod_scenes import rod_scene
 from drill_twin.scene.set_points.command import Command
 effects = {name: {"linear": 0.1} for name in sys.argv[2:]}
 scene = rod_scene(effects=effects, elements=8, step=1e-3, form=sys.argv[1], weight_on_bit=1.0)
@@ -43,7 +43,9 @@ print(hashlib.sha256("\\n".join(code).encode()).hexdigest(), len(code))
 
 def machine_code(folder: Path, form: str, *effects: str, hide: bool = False) -> str:
     """Hash and length of the machine code of a scene's kernel, compiled in a process and a cache of its own."""
-    environment = dict(os.environ, PYTHONPATH=str(ROOT), DRILL_TWIN_CACHE=str(folder))
+    environment = dict(
+        os.environ, PYTHONPATH=os.pathsep.join((str(ROOT), str(ROOT / "test"))), DRILL_TWIN_CACHE=str(folder)
+    )
     program = PROGRAM.replace("HIDE", str(hide))
     done = subprocess.run(
         [sys.executable, "-c", program, form, *effects], env=environment, capture_output=True, text=True, check=False

@@ -6,12 +6,12 @@ import itertools
 import numpy as np
 import pytest
 from effect_sets import SWITCHES, Choice, covering, pairs_of
+from rod_scenes import rod_scene
 
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.effects import EFFECTS
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
-from drill_twin_evidence.verify.scenes import rod_scene
 
 
 def test_no_effect_is_forgotten():

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from typer.main import get_command
 
 import drill_twin as dt
 from drill_twin.io.messages.diagnostics import decode_diagnostics
@@ -64,7 +65,7 @@ def test_commands_and_parameters(printed):
     from drill_twin.cli.app import app
     from drill_twin.ros import entry_points
 
-    names = [command.name or command.callback.__name__.replace("_", "-") for command in app.registered_commands]
+    names = get_command(app).list_commands(None)
     assert _headings(printed("commands")) == [f"drill-twin {name}" for name in names]
     text = printed("nodes")
     assert _headings(text) == [*entry_points.NODES, "twin"]

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from poison import Poison, install, poisoned
+from rod_scenes import WALLED, rod_scene
 
 from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import RunError, StoppedError
@@ -25,7 +26,6 @@ from drill_twin.report.summary import summarise
 from drill_twin.runs import Session
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Command
-from drill_twin_evidence.verify.scenes import WALLED, rod_scene
 
 NAN, EVER = math.nan, math.inf
 FRAME, STEP = 0.01, 5e-3

@@ -59,9 +59,16 @@ def test_hookload_torque_and_drag_of_a_run(bench_run):
     assert rows["hookload"].endswith(" N")
 
 
+SOFT = {
+    "wob": "20 N", "rps": "2", "rig.weight_on_bit.duration": "1 s", "rig.rotation.duration": "0.5 s", "duration": "5 s",
+    "effects.wall.stiffness": "1e3 N/m^2.5",
+}  # fmt: skip
+"""A wall as soft as foam: the string sinks in by centimetres."""
+
+
 def test_depth_in_a_soft_wall_beside_that_at_rest(tmp_path):
     """The largest of all frames, to the sampling of the poses; at rest (q / K)^(2/3) of a helix and the weight."""
-    scene = load_scene("hard/wall_1e3")
+    scene = load_scene("pa6_bench", overrides=SOFT)
     found = summarise(Session(scene).run(tmp_path / "bag_0").bag)
     twin, schedule, period = Twin(scene), Schedule.from_scene(scene), 1.0 / scene.numerics.frame_rate
     deepest = max(

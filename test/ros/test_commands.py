@@ -5,6 +5,7 @@ import math
 import re
 
 import pytest
+from drilling_scenes import rig
 from rclpy.qos import qos_profile_sensor_data
 from std_msgs.msg import Float32, Float64
 
@@ -14,7 +15,6 @@ from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.simulator.publisher_check import PublisherCheck
 from drill_twin.scene.set_points import Command
-from drill_twin_evidence.verify.statics.block import rig
 
 TURN = 2.0 * math.pi
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rod_scenes import rod_scene
 from std_msgs.msg import Float64
 
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
@@ -15,7 +16,6 @@ from drill_twin.io.messages.decode import JointStateReader, read_pose_array
 from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS, RIG_STATE, STRING_POSES, WOB_COMMAND
 from drill_twin.report.summary import summarise
-from drill_twin_evidence.verify.scenes import rod_scene
 
 POISON = Path(__file__).parents[1] / "faults" / "poison.py"
 

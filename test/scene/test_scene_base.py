@@ -89,15 +89,18 @@ def test_a_base_that_leads_nowhere_is_refused(tmp_path):
 
 
 def test_a_table_lies_beside_the_file_that_names_it(tmp_path):
-    assert load_scene("hard/weight_jumps").rig.table.file.endswith(
-        "evidence/drill_twin_evidence/config/hard/weight_jumps.csv"
-    )
-    child = load_scene(written(tmp_path, "base: hard/weight_jumps\n"))
-    assert child.rig.table.file == load_scene("hard/weight_jumps").rig.table.file
+    (tmp_path / "far").mkdir()
+    (tmp_path / "far" / "jumps.csv").write_text("time,wob\n0,0\n1,300\n2,0\n")
+    table = "{file: jumps.csv, time: {column: time, unit: s}, weight_on_bit: {column: wob, unit: N}}"
+    weight = "weight_on_bit: {shape: table, value: ~, duration: ~}"
+    far = written(tmp_path / "far", f"base: pa6_bench\nname: jumps\nrig: {{{weight}, table: {table}}}\n", "jumps.yaml")
+    assert load_scene(far).rig.table.file == str(tmp_path / "far" / "jumps.csv")
+    child = load_scene(written(tmp_path, "base: far/jumps.yaml\n"))
+    assert child.rig.table.file == load_scene(far).rig.table.file
 
 
 def test_the_resolved_scene_stands_alone():
-    scene = load_scene("hard/load_300_n")
+    scene = load_scene("pa6_calibrated")
     assert "base" not in scene.to_yaml()
     assert parse_scene(scene.to_yaml()) == scene
 

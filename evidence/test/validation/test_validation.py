@@ -76,6 +76,11 @@ def test_a_missed_aim_is_told_and_a_number_without_an_aim_is_not_judged():
     assert "| period [s] | fit | 4 | 5 | 25.0% | 5% | missed |" in to_page([found], "validation")
 
 
+def test_a_record_of_another_name_is_told():
+    with pytest.raises(ArgumentError, match="--only: expected ufrj_rig or well_b, found nope"):
+        CliRunner().invoke(app, ["validate", "--only", "nope"], catch_exceptions=False)
+
+
 def test_records_that_are_not_there_are_asked_for(tmp_path):
     with pytest.raises(ArgumentError, match=f"expected a folder with ufrj_rig/ or well_b/, found none.*{VARIABLE}"):
         data_folder(None, {})

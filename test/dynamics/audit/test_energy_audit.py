@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rod_scenes import WALLED, rod_scene
 
 from drill_twin.dynamics.audit.energy_ledger import FIRST_EFFECT, WORK
 from drill_twin.dynamics.solver import kernel_codegen
@@ -17,7 +18,6 @@ from drill_twin.dynamics.twin.frame import EnergyBalance
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Command
-from drill_twin_evidence.verify.scenes import WALLED, rod_scene
 
 IDLE: dict[str, dict[str, Any]] = {**WALLED, "lateral_kick": {"velocity": 0.0, "shape": "half_wave"}}
 BOTH = ["lateral", pytest.param("spatial", marks=pytest.mark.long)]

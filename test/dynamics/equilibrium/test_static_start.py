@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rod_scenes import EULER_LOAD, FIRST, WALLED, in_equilibrium, quiet_scene
 
 from drill_twin.core.errors import RunError, SceneError
 from drill_twin.dynamics.discretisation.refinement import mesh
@@ -15,8 +16,6 @@ from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.set_points import Command, Schedule
 from drill_twin.studies.accuracy.errors import statistics
 from drill_twin.studies.accuracy.motion_run import run_motion
-from drill_twin_evidence.verify.scenes import FIRST, WALLED, quiet_scene
-from drill_twin_evidence.verify.statics.statics import EULER_LOAD, in_equilibrium
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 STILL = {"rig.start": "equilibrium", "rps": "0"}

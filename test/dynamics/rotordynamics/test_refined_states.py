@@ -1,11 +1,10 @@
-"""States on finer meshes, and beside equations that are not ours."""
+"""States on finer meshes."""
 
-import ast
-import inspect
 import math
 from dataclasses import replace
 
 import pytest
+from rod_scenes import WALLED, quiet_scene
 
 from drill_twin import whirl_states
 from drill_twin.api import load_scene
@@ -14,37 +13,34 @@ from drill_twin.dynamics.rotordynamics.steady import refinement
 from drill_twin.dynamics.rotordynamics.steady.refinement import refined, refined_states
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import search
 from drill_twin.scene.set_points.command import Command
-from drill_twin_evidence.verify.contact import whirling_rod
-from drill_twin_evidence.verify.contact.whirl_states import guided, reference
 
+ROD = {
+    "gravity": {"magnitude": 9.81},
+    "internal_damping": {"bending_time": 48e-3},
+    "drag": {"linear": 0.0032},
+    "wall": {"stiffness": 1e7, "restitution": 0.5},
+    "wall_friction": {"coefficient": 0.308, "decay": 1.0},
+}
+"""Effects of pa6_calibrated, without imperfections."""
+SET = {**WALLED, "bit_friction": {"coefficient": 0.0, "radius": 5.5e-3}}
 FORM = {"effects.stretch": "off", "effects.torsion": "off"}
 
 
 @pytest.fixture(scope="module")
 def coarse():
-    """The state of 20 N and 2 rev/s on 16 elements."""
-    scene, command = guided(16)
-    return scene, search(EquationsOfMotion(scene), command, random_starts=0).states
+    """The state of 20 N and 2 rev/s on 16 elements; the string touches the wall in a few points alone."""
+    scene = quiet_scene(ROD, of=SET, form="lateral", bit_end="guided", radius=0.09, elements=16, step=1e-3)
+    return scene, search(EquationsOfMotion(scene), Command(20.0, 2.0 * math.tau), random_starts=0).states
 
 
 def test_two_contact_points_on_16_elements_change_the_sign_of_the_growth(coarse):
-    """The mesh says that it grows, the rod decays: by ours on finer meshes, and by code that is not ours."""
+    """The mesh says that it grows, the rod decays; `evidence/test/verify` has the same by code that is not ours."""
     scene, (state,) = coarse
     assert state.growth == pytest.approx(0.92, abs=0.01)
     assert state.verdict == "not determined"
     fine = refined(scene, state)
     assert (fine.verdict, fine.elements) == ("stable", 128)
     assert fine.growth_change > 0.1
-    for elements, points, growth in ((16, 2, state.growth), (64, 2, -1.265), (64, 8, fine.growth)):
-        omega, values = reference(scene, state, elements, points)
-        assert omega == pytest.approx(fine.whirl.omega, rel=3e-4)
-        assert values[0].real == pytest.approx(growth, rel=0.03)
-
-
-def test_the_reference_imports_nothing_of_ours():
-    tree = ast.walk(ast.parse(inspect.getsource(whirling_rod)))
-    named = [node.module for node in tree if isinstance(node, ast.ImportFrom)]
-    assert not [name for name in named if name.startswith("drill_twin")]
 
 
 def test_a_state_that_a_finer_mesh_has_not_is_told(coarse, monkeypatch):

@@ -35,7 +35,7 @@ def test_a_whirl_is_named_by_the_state_that_it_is_on(tmp_path):
 
 
 def test_an_inclined_hole_gives_one_sentence(tmp_path):
-    run("run", "hard/level_hole", "--duration", "0.2", "--out", tmp_path / "run", *FORM)
+    run("run", "pa6_bench", "--set", "hole.inclination=90 deg", "--duration", "0.2", "--out", tmp_path / "run", *FORM)
     (note,) = json.loads(run("analyze", tmp_path / "run" / "bag_0", "--states", "--json"))["whirl_states"]["notes"]
     assert "in which no steady whirl exists" in note
 

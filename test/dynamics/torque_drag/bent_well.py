@@ -3,8 +3,9 @@
 
 import math
 
+from rod_scenes import WALLED, rod_scene
+
 from drill_twin.scene import Scene
-from drill_twin_evidence.verify.scenes import WALLED, rod_scene
 
 PIPE = {
     "name": "pipe", "length": 900.0, "outer_diameter": 0.127, "inner_diameter": 0.1086, "youngs_modulus": 206e9,

@@ -3,13 +3,12 @@
 
 import numpy as np
 import pytest
+from rod_scenes import ROLLING, STRESSED, quiet_scene
 
 from drill_twin.dynamics.twin.packed_arrays import named_arrays
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command
-from drill_twin_evidence.verify.contact.fatigue import STRESSED
-from drill_twin_evidence.verify.scenes import ROLLING, quiet_scene
 
 
 def test_the_same_numbers_change_nothing():

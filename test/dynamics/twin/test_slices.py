@@ -27,13 +27,20 @@ FORMS = {
     "spatial": {},
     "lateral": {"effects.stretch": "off", "effects.torsion": "off", "rig.weight_on_bit.at": "top"},
 }
+PUSHED = {
+    "wob": "300 N",
+    "rps": "2",
+    "rig.weight_on_bit.duration": "1 s",
+    "rig.rotation.duration": "0.5 s",
+    "duration": "10 s",
+}
 ENDLESS = {"numerics.step": "1 ns"}
 """Of a frame of 10 ms: ten million steps."""
 
 
 def hard_scene(form, **changes):
     """300 N and a wall: contact, steps that are cut, and in the spatial form loose ones."""
-    return load_scene("hard/load_300_n", overrides=FORMS[form] | changes)
+    return load_scene("pa6_bench", overrides=PUSHED | FORMS[form] | changes)
 
 
 def run(scene, seconds):
@@ -161,7 +168,17 @@ def test_a_run_asked_to_stop_within_a_frame_keeps_the_frames_before(tmp_path, sh
 
 def test_a_command_in_an_endless_frame_ends_when_asked(tmp_path):
     """Ten million steps a frame: without slices the process would go on for minutes."""
-    command = [sys.executable, "-m", "drill_twin.cli", "run", "hard/load_300_n", "--set", "numerics.step=1 ns"]
+    command = [
+        sys.executable,
+        "-m",
+        "drill_twin.cli",
+        "run",
+        "pa6_bench",
+        "--wob",
+        "300 N",
+        "--set",
+        "numerics.step=1 ns",
+    ]
     child = subprocess.Popen(
         [*command, "--out", str(tmp_path / "out")], stderr=subprocess.PIPE, text=True, cwd=tmp_path,
         env=dict(os.environ, PYTHONUNBUFFERED="1", PYTHONPATH=os.pathsep.join(sys.path)),

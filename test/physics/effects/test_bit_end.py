@@ -3,11 +3,11 @@
 
 import numpy as np
 import pytest
+from rod_scenes import EI, LENGTH, rod_scene
 
 from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene.set_points.command import Command
-from drill_twin_evidence.verify.scenes import EI, LENGTH, rod_scene
 
 SPRING = 3.0 * EI / LENGTH**3  # of the rod's end, held at the top [N/m]
 HOLE, GAUGE = 0.1, 0.16

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from end_scenes import steel
 from pydantic import ValidationError
+from rod_scenes import rod_scene
 
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.dynamics.twin.twin import Twin
@@ -14,7 +15,6 @@ from drill_twin.physics.effects.random_matrix import MOST_SCATTER, random_matrix
 from drill_twin.runs.monitor.drilling_progress import DrillingProgress
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
-from drill_twin_evidence.verify.scenes import rod_scene
 
 SPEED = 100.0 * np.pi / 30.0
 A1, A2, A3, A4, A5, E = 3.429e-3, 5.672e-8, 1.374e-4, 9.537e6, 1.475e3, 2.0  # Ritto, Soize and Sampaio 2009

@@ -3,11 +3,10 @@
 
 import numpy as np
 import pytest
-from quiet import AT_REST, quiet_scene
+from rod_scenes import AT_REST, LENGTH, quiet_scene
 
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.effects.random_field import generator, random_line
-from drill_twin_evidence.verify.scenes import LENGTH
 
 DAMPING = {"bending_time": 0.02, "stretch_time": 2e-3, "torsion_time": 2e-3}
 AMPLITUDE, ANGLE, DRAG = 4e-3, 0.6, 0.4

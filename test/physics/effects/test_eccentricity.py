@@ -3,13 +3,12 @@
 
 import numpy as np
 import pytest
-from quiet import quiet_scene
+from rod_scenes import LINE_MASS, quiet_scene
 
 from drill_twin.dynamics.audit.energy import element_unknowns, energy
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.effects.eccentricity import Eccentricity, offsets
 from drill_twin.scene.set_points.command import Command
-from drill_twin_evidence.verify.scenes import LINE_MASS
 
 OFFSET, ANGLE, DRAG = 1e-3, -0.4, 0.25
 

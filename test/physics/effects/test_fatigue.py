@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from rod_scenes import FATIGUE, ROLLING, STRESSED, WALLED, quiet_scene
 
 from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import SceneError
@@ -14,8 +15,6 @@ from drill_twin.physics.model.steel import CURVES, GRADES, steel_of
 from drill_twin.runs.loop import RunLoop
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
-from drill_twin_evidence.verify.contact.fatigue import FATIGUE, STRESSED
-from drill_twin_evidence.verify.scenes import ROLLING, WALLED, quiet_scene
 
 ADD, TURN = as_python(rainflow.add_stress), as_python(rainflow.add_turning_point)
 CUBIC = rainflow.Law(1.0, 1.0, 3.0, 3.0, 1e-9)

@@ -4,12 +4,12 @@
 import numpy as np
 import pytest
 from hole_scenes import ON_THE_WALL, SETTLING, bend, with_parts
+from rod_scenes import DIAMETER, EA, EI, LINE_MASS
 
 from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
-from drill_twin_evidence.verify.scenes import DIAMETER, EA, EI, LINE_MASS
 
 CLEARANCE = 0.01
 RADIUS = CLEARANCE + DIAMETER / 2

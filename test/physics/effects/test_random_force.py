@@ -3,10 +3,9 @@
 
 import numpy as np
 import pytest
-from quiet import AT_REST, FIRST, FORMS, first_mode, quiet_scene
+from rod_scenes import AT_REST, FIRST, FORMS, LENGTH, LINE_MASS, first_mode, quiet_scene
 
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin_evidence.verify.scenes import LENGTH, LINE_MASS
 
 
 def test_the_force_itself() -> None:

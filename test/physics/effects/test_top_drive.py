@@ -5,12 +5,16 @@ import numpy as np
 import pytest
 from end_scenes import with_rig
 from pydantic import ValidationError
+from rod_scenes import LENGTH, rod_scene
 
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene.set_points.command import Command
-from drill_twin_evidence.verify.dynamics.torsion import IDLE
-from drill_twin_evidence.verify.scenes import LENGTH, rod_scene
 
+IDLE = {
+    "internal_damping": {"bending_time": 0.0},
+    "bit_torque_stribeck": {"radius": 0.1, "sliding": 0.5, "sticking": 0.8, "decay": 0.9},
+}
+"""Effects of the scene two_mass, so that no other kernel is compiled; without weight the bit torque is zero."""
 ROD_INERTIA = 1100.0 * np.pi / 32.0 * 0.0165**4 * LENGTH
 
 

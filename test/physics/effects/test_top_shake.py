@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from quiet import AT_REST, quiet_scene
+from rod_scenes import AT_REST, quiet_scene
 
 from drill_twin.dynamics.twin.twin import Twin
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hole_scenes import ON_THE_WALL, bend, with_parts
 from pydantic import ValidationError
+from rod_scenes import DIAMETER, LINE_MASS
 
 from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import SceneError
@@ -18,7 +19,6 @@ from drill_twin.physics.effects import function_name, wall, wall_friction, with_
 from drill_twin.physics.model.point import Point
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.set_points.command import Command
-from drill_twin_evidence.verify.scenes import DIAMETER, LINE_MASS
 
 PLACE, H2, CLEARANCE = 17, 1e-3, 0.01
 

@@ -4,12 +4,25 @@
 from dataclasses import replace
 
 import numpy as np
-from coarse_map import COARSE
+import pytest
 
 import drill_twin as dt
 from drill_twin.studies.maps.runs import Key
 from drill_twin_evidence.benchmarks.many_runs_error import boundary_error
 from drill_twin_evidence.benchmarks.map_boundary import error
+
+COARSE = {
+    "numerics.elements": 8, "numerics.step": "10 ms", "numerics.frame_rate": "50 Hz",
+    "rig.rotation.duration": 1.0, "rig.weight_on_bit.duration": 1.0,
+}  # fmt: skip
+VARY = {"wall_friction.coefficient": "0.1..0.3", "bow.amplitude": "0.01..0.2 mm"}
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """A map of a coarse bench string."""
+    asked = {"wob": "1..40 N", "rps": "0.5..3", "duration": 3.0, "steps": 8, "seeds": 2, "growth": False, "vary": VARY}
+    return dt.operating_map("pa6_bench", COARSE, folder=tmp_path_factory.mktemp("map"), workers=2, **asked)
 
 
 def test_the_distance_to_a_dense_patch_is_that_of_the_boundaries(found, tmp_path):

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from rod_scenes import DENSITY, DIAMETER, LENGTH, SHEAR, YOUNG, quiet_scene
 
 from drill_twin.dynamics.rotordynamics.campbell import campbell
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin_evidence.verify.dynamics.modes import SET
-from drill_twin_evidence.verify.scenes import DENSITY, DIAMETER, LENGTH, SHEAR, YOUNG, quiet_scene
 
 try:
     import ross

@@ -3,8 +3,9 @@
 
 from typing import Any
 
+from rod_scenes import rod_scene
+
 from drill_twin.scene import Scene
-from drill_twin_evidence.verify.scenes import rod_scene
 
 ON_THE_WALL: dict[str, Any] = {
     "gravity": {"magnitude": 0.0},
