@@ -3,20 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any
 
 import typer
 
 from drill_twin.cli.options import JsonOption, ReplaceOption, WorkersOption
 
-if TYPE_CHECKING:
-    from drill_twin_evidence.paper.runs.reproduction import Reproduction
-
 BENCH = "pa6_calibrated"
-RESULT = ("paper.json", "paper.html", "paper.md")
+RESULT = ("paper.json", "paper.md")
 CALIBRATION, TRADE_OFF = "calibration.json", "paper_trade_off.png"
 
 
@@ -32,36 +27,24 @@ def paper(
     json: JsonOption = False,
 ) -> None:
     """Run all cases of the paper and print each published number beside that of the twin: tables, figures, one page."""
-    import time
-
-    from drill_twin.cli.folder import check_new, write_file
-    from drill_twin.cli.show import err, print_json
-    from drill_twin.studies.json_io import json_text
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.folder import check_new
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin_evidence.paper.pages.figures import draw
+    from drill_twin_evidence.paper.pages.tables import lead, page, tables
     from drill_twin_evidence.paper.runs.reproduction import bench, reproduce
 
     described = bench(scene)
     for name in RESULT:
         check_new(out / name, replace=replace)
-    began = time.monotonic()
-    with _bar("the paper's runs") as show:
+    with shown_progress("the paper's runs", unit="runs") as bar:
         done = reproduce(
-            described, processes=workers, variants=not only_bench, full_size_too=not only_bench, progress=show
+            described, processes=workers, variants=not only_bench, full_size_too=not only_bench, progress=bar.show
         )
-    spent = time.monotonic() - began
-    with err().status("drawing"):
-        from drill_twin_evidence.paper.pages.figures import draw
-        from drill_twin_evidence.paper.pages.markdown import build_markdown
-        from drill_twin_evidence.paper.pages.page import build_page
-
-        write_file(out / RESULT[0], json_text(done.to_dict()))
-        figures = draw(done, out)
-        write_file(out / RESULT[1], build_page(done, figures))
-        write_file(out / RESULT[2], build_markdown(done))
-    if json:
-        print_json(done.to_dict())
-    else:
-        _print(done)
-    err().print(f"{out}: {', '.join(RESULT)} and {len(figures)} figures; the runs took {spent:.0f} s", markup=False)
+    figures = draw(done)
+    files: dict[str, Any] = {f"{name}.png": figure for name, figure in figures.items()}
+    files |= dict(zip(RESULT, (done.to_dict(), page(done, figures)), strict=True))
+    emit(done.to_dict(), (lead(done), *tables(done)), json=json, folder=out, files=files)
 
 
 def calibrate(
@@ -82,64 +65,20 @@ def calibrate(
     validates it (`drill-twin paper`). A figure shows which numbers contradict each other. The search is differential
     evolution; the same seed gives the same result.
     """
-    from drill_twin.cli.folder import check_new, write_file
-    from drill_twin.cli.show import err, grid, print_json
-    from drill_twin.cli.show import out as screen
-    from drill_twin.studies.json_io import json_text
-    from drill_twin_evidence.paper.calibration import text
-    from drill_twin_evidence.paper.calibration.calibrate import calibrate as search
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.folder import check_new
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.report.figures.style import styled
     from drill_twin_evidence.paper.runs.reproduction import bench
+    from drill_twin_evidence.paper.search import calibrate as search
+    from drill_twin_evidence.paper.search.trade_off import draw_trade_off
 
     described = bench(scene)
     for name in (CALIBRATION, TRADE_OFF):
         check_new(out / name, replace=replace)
-    with _bar("calibration") as show:
-        done = search(
-            described, seed=seed, population=population, generations=generations, processes=workers,
-            progress=lambda count, of, best: show(f"least loss {best:.3f}", count, of),
-        )  # fmt: skip
-    write_file(out / CALIBRATION, json_text(text.to_dict(done)))
-    with err().status("drawing"):
-        from drill_twin.report.figures.style import save, styled
-        from drill_twin_evidence.paper.calibration.trade_off import draw_trade_off
-
-        with styled():
-            save(draw_trade_off(done.tried, done.best), out / TRADE_OFF)
-    if json:
-        print_json(text.to_dict(done))
-    else:
-        screen().print(text.title(done), markup=False)
-        screen().print(grid(text.FOUND, text.found_rows(done), title="Values found", right=(1,)))
-        screen().print(grid(text.RESIDUALS, text.residual_rows(done), title="Residuals", right=(1, 2, 3)))
-    err().print(f"{out}: {CALIBRATION} and {TRADE_OFF}", markup=False)
-
-
-def _print(done: Reproduction) -> None:
-    from drill_twin.cli.show import grid, out
-    from drill_twin_evidence.paper.pages import text
-
-    screen = out()
-    screen.print(text.lead(done), markup=False)
-    screen.print(grid(text.NUMBERS, text.number_rows(done.rows), title="Numbers of the bench", right=(2, 3, 4)))
-    screen.print(grid(text.TRENDS, text.trend_rows(done.trends), title="Trends"))
-    screen.print(grid(text.RUNS, text.run_rows(done), title="All runs", right=(1, 2, 3, 4)))
-    if done.variants:
-        screen.print(
-            grid(text.VARIANT, text.variant_rows(done.variants), title="Other readings of the bench", right=(2, 3, 4))
-        )
-    screen.print(grid(text.SCALES, text.scale_rows(done.scales), title="Rod and field"))
-    if done.full_size:
-        rows = text.full_size_rows(done.full_size)
-        screen.print(grid(text.FULL_SIZE, rows, title="The full-size assembly, a stand-in", right=(2, 3)))
-        disorder = text.disorder_rows(done.disorder)
-        screen.print(grid(text.DISORDER, disorder, title="Disorder at 180 kN", right=(1, 2, 3)))
-
-
-@contextmanager
-def _bar(name: str) -> Iterator[Callable[[str, int, int], None]]:
-    """Progress bar on stderr; called with a description, the number of runs done, and their total."""
-    from drill_twin_evidence.cli.output import counting_bar
-
-    progress, task = counting_bar(name)
-    with progress:
-        yield lambda what, count, of: progress.update(task, description=what, completed=count, total=of)
+    with shown_progress("calibration", unit="runs") as bar:
+        on = search.fit_bench(described, workers, ended=lambda: bar.step("calibration"))
+        done = search.calibrate(on, seed=seed, population=population, generations=generations)
+    with styled():
+        files = {CALIBRATION: done.to_dict(), TRADE_OFF: draw_trade_off(done.tried, done.best)}
+        emit(done.to_dict(), done.shown(), json=json, folder=out, files=files)

@@ -7,13 +7,13 @@ import pytest
 
 from drill_twin.core.errors import SceneError
 from drill_twin.scene import load_scene
-from drill_twin_evidence.paper.calibration.objective import FITTED, HELD_OUT, deviation
 from drill_twin_evidence.paper.runs.cases import LOADS, MATRIX, SPEEDS, Case, changed, scene_of, value_at
 from drill_twin_evidence.paper.runs.full_size import CASES as FULL_SIZE
 from drill_twin_evidence.paper.runs.published import Published, published
 from drill_twin_evidence.paper.runs.run import Measured
 from drill_twin_evidence.paper.runs.similarity import similarity
 from drill_twin_evidence.paper.runs.table import rows, surge_speed, trends
+from drill_twin_evidence.paper.search.calibrate import FITTED, HELD_OUT, deviation
 
 # The paper's text: sections 3.2.1 and 3.2.2.2, conclusions 2 and 3.
 BENCH = {
@@ -116,7 +116,7 @@ def test_backward_whirl_counts_as_a_frequency_but_not_as_a_forward_ratio():
 def test_fitted_and_judged_numbers_are_all_of_them_and_none_twice():
     names = [number.name for number in (*FITTED, *HELD_OUT)]
     assert sorted(names) == sorted(BENCH)
-    assert (deviation(0.6, 0.5), deviation(None, 1.0), deviation(-0.5, 0.5)) == (pytest.approx(1.0), 8.0, 8.0)
+    assert (deviation(0.6, 0.5), deviation(math.nan, 1.0), deviation(-0.5, 0.5)) == (pytest.approx(1.0), 8.0, 8.0)
 
 
 def test_the_scene_of_a_case_changes_what_it_says_and_nothing_else():

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,6 @@ from drill_twin.report.figures.style import (
     VERMILION,
     blank,
     head,
-    save,
     styled,
 )
 from drill_twin.whirl import MotionState
@@ -263,13 +261,9 @@ FIGURES: dict[str, Callable[[Reproduction], Figure]] = {
 """Figures by the name of their file."""
 
 
-def draw(done: Reproduction, folder: Path) -> dict[str, Path]:
-    """Draw all figures whose runs are available, as PNG files in a folder."""
-    files = {}
+def draw(done: Reproduction) -> dict[str, Figure]:
+    """All figures whose runs are available, by the name of their file."""
     with styled():
-        for name, figure in FIGURES.items():
-            if name == "paper_full_size" and not done.full_size_runs:
-                continue
-            files[name] = folder / f"{name}.png"
-            save(figure(done), files[name])
-    return files
+        return {
+            name: figure(done) for name, figure in FIGURES.items() if name != "paper_full_size" or done.full_size_runs
+        }

@@ -21,6 +21,10 @@ class Case(NamedTuple):
     def __str__(self) -> str:
         return f"{self.weight_on_bit:g} N, {self.speed:g} rev/s"
 
+    def keys(self) -> dict[str, float]:
+        """Load and speed by their keys in a scene, in SI."""
+        return {"rig.weight_on_bit.value": self.weight_on_bit, "rig.rotation.value": self.speed * math.tau}
+
 
 LOADS = (20.0, 40.0, 60.0, 80.0, 100.0, 150.0, 200.0, 250.0, 300.0)
 """Weights on bit of the paper's Table 2 [N]."""
@@ -43,12 +47,7 @@ def scene_of(scene: Scene, case: Case, changes: Mapping[str, float | str] | None
         case: Load and speed.
         changes: Values in SI by their key in the scene, as `effects.drag.linear`.
     """
-    wanted: dict[str, float | str] = {
-        "rig.weight_on_bit.value": case.weight_on_bit,
-        "rig.rotation.value": case.speed * math.tau,
-        **(changes or {}),
-    }
-    for place, value in wanted.items():
+    for place, value in {**case.keys(), **(changes or {})}.items():
         scene = changed(scene, place, value)
     return scene
 

@@ -44,6 +44,10 @@ class Number:
         mark = f" {self.mark}" if self.mark else ""
         return f"{self.what}{mark}, {self.weight_on_bit:g} N, {self.speed:g} rev/s"
 
+    def shown(self, value: float) -> str:
+        """A value of this quantity with its unit."""
+        return f"{value:.3g} {self.unit}".rstrip()
+
 
 @dataclass(frozen=True)
 class Range:

@@ -4,36 +4,41 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from io import StringIO
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.table import Table
 from drill_twin_evidence.paper.runs.cases import Case
-from drill_twin_evidence.paper.runs.published import RATIO, Number
-from drill_twin_evidence.paper.search.assumptions import ASSUMPTIONS, LOOSE, STRICT, Score, score
-from drill_twin_evidence.paper.search.evaluate import TIMED, Bench
+from drill_twin_evidence.paper.runs.published import FREQUENCY, RATIO, Number
+from drill_twin_evidence.paper.search.bench import Bench
+from drill_twin_evidence.paper.search.goals import ASSUMPTIONS, LOOSE, PAIRS, STRICT, Archive, Evaluated
 from drill_twin_evidence.paper.search.readings import (
     BASE,
+    FRAME_RATE,
     IRREGULAR,
     KINDS,
+    MARKS,
     NEAR,
     NUMBERS,
-    READINGS,
+    Motion,
     Results,
     misfit,
-    values,
-    window_rates,
+    misfits,
+    values_of,
 )  # fmt: skip
-from drill_twin_evidence.paper.search.record import Evaluated, Record
-from drill_twin_evidence.paper.search.search import PAIRS, Archive
-from drill_twin_evidence.paper.search.short_spectra import Short, short_spectra
-from drill_twin_evidence.paper.search.space import BIT, CHOICES, LAW, PLAY, SHARE_LEFT, SPRING, Trial
+from drill_twin_evidence.paper.search.space import CHOICES, ParameterSet
 
 SHOWN = 3
 """Sets that are shown of those that meet most numbers."""
+WINDOWS = (2.5, 3.5, 5.0, 10.0)
+"""Lengths of short plain spectra, from the onset on [s]: their lines are at whole multiples of 1 / T."""
+FREQUENCIES = tuple(number for number in NUMBERS if number.what == FREQUENCY)
 
 
 class Value(NamedTuple):
@@ -44,16 +49,9 @@ class Value(NamedTuple):
     """In the reading of the set [unit of the number]; NaN: none, or its run was not made."""
     misfit: float
     """In units of 20 %; NaN: its run was not made."""
-    spread: float
-    """Range of the precession of mark_2 over windows of the last half, over its mean."""
     low: float = np.nan
-    """Of an irregular whirl the least and the most precession of mark_2 over these windows [unit of the number]."""
+    """Of an irregular whirl the least and the most precession of mark_2 over windows [unit of the number]."""
     high: float = np.nan
-
-    @property
-    def irregular(self) -> bool:
-        """True where the whirl is irregular, so that one value of it is a matter of the window."""
-        return KINDS[self.number.what] == "whirl" and self.spread > IRREGULAR
 
 
 @dataclass(frozen=True)
@@ -61,36 +59,22 @@ class Finalist:
     """A set that meets many numbers.
 
     Attributes:
-        trial: The set.
-        under: Assumptions that it keeps to, by their place in `ASSUMPTIONS`.
-        score: What it meets.
+        parameters: The set.
+        under: Name of the assumptions that it keeps to.
+        met: How many numbers it meets.
+        steady: How many of them are no line of an irregular whirl.
+        readings: The reading of each kind of number in which that is so.
         values: Each number.
-        short: Readings of short spectra that give the two frequencies at high load.
+        short: Lines at 20, 150 and 300 N [Hz] by each reading of a short spectrum that meets the two at high load.
     """
 
-    trial: Trial
-    under: int
-    score: Score
+    parameters: ParameterSet
+    under: str
+    met: int
+    steady: int
+    readings: dict[str, str]
     values: tuple[Value, ...]
-    short: tuple[Short, ...] = ()
-
-    @property
-    def steady(self) -> int:
-        """Count of the numbers that it meets and that are no line of an irregular whirl."""
-        return sum(value.misfit <= NEAR and not value.irregular for value in self.values)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain types for JSON."""
-        return {
-            "under": ASSUMPTIONS[self.under].name, "met": self.score.met, "steady": self.steady,
-            "readings": self.score.readings, "numbers": numbers_of(self.trial), "choices": choices_of(self.trial),
-            "values": [
-                {"number": one.number.name, "ours": one.ours, "misfit": one.misfit, "irregular": one.irregular,
-                 "low": one.low, "high": one.high}
-                for one in self.values
-            ],
-            "short_spectra": [one._asdict() for one in self.short],
-        }  # fmt: skip
+    short: dict[str, tuple[float, ...]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,50 +82,31 @@ class Exclusion:
     """Result of a search.
 
     Attributes:
-        sets: Sets evaluated, by growth or by runs.
-        grown: Sets whose critical times were computed by growth.
-        run: Sets of which runs were made.
+        sets: Sets that were run.
         runs: Runs made.
         least: Least misfit of each two numbers under each of the assumptions, shape (assumptions, 15, 15); the
             diagonal is that of a number alone; infinite: nothing was run for it.
-        best: The set that has it.
         finalists: Sets that meet most numbers, under all assumptions and under none.
-        growth_error: Error of critical times by growth against the same set's runs, median and 9th decile [-].
     """
 
     sets: int
-    grown: int
-    run: int
     runs: int
     least: Array
-    best: dict[tuple[int, int, int], Trial]
     finalists: tuple[Finalist, ...]
-    growth_error: tuple[float, float]
 
     def excluded(self, under: int) -> list[tuple[int, int]]:
         """Pairs that no set meets under some assumptions."""
         return [pair for pair in PAIRS if self.least[under][pair] > NEAR]
 
-    def opened_by(self, pair: tuple[int, int]) -> list[int]:
-        """Assumptions of which each, given up alone, lets a set meet a pair."""
-        return [k for k in range(1, LOOSE) if self.least[k][pair] <= NEAR]
-
     def to_dict(self) -> dict[str, Any]:
         """Plain types for JSON."""
-        return {
-            "sets": self.sets, "grown": self.grown, "run": self.run, "runs": self.runs,
-            "growth_error": list(self.growth_error),
-            "numbers": [number.name for number in NUMBERS],
-            "least_misfit": {
-                assumptions.name: self.least[k].tolist() for k, assumptions in enumerate(ASSUMPTIONS)
-            },
-            "best_sets": [
-                {"first": NUMBERS[j].name, "second": NUMBERS[i].name, "under": ASSUMPTIONS[k].name,
-                 "misfit": float(self.least[k, i, j]), "numbers": numbers_of(one), "choices": choices_of(one)}
-                for (k, i, j), one in sorted(self.best.items()) if i > j and k in (STRICT, LOOSE)
-            ],
-            "finalists": [one.to_dict() for one in self.finalists],
-        }  # fmt: skip
+        plain = [
+            vars(one) | {"parameters": one.parameters.described()}
+            | {"values": [value._asdict() | {"number": value.number.name} for value in one.values]}
+            for one in self.finalists
+        ]  # fmt: skip
+        least = {assumptions.name: self.least[k].tolist() for k, assumptions in enumerate(ASSUMPTIONS)}
+        return vars(self) | {"numbers": [one.name for one in NUMBERS], "least": least, "finalists": plain}
 
     def to_csv(self) -> str:
         """A row a pair: least misfit under each of the assumptions, in units of 20 %."""
@@ -153,91 +118,152 @@ class Exclusion:
         return stream.getvalue()
 
 
-def exclusion_of(record: Record, bench: Bench) -> Exclusion:
-    """Result of a record."""
-    archive, evaluated = Archive(), list(record.evaluated)
+def exclusion_of(evaluated: list[Evaluated], bench: Bench) -> Exclusion:
+    """Result of the sets that were run."""
+    archive = Archive()
     for one in evaluated:
         archive.add(one)
-    loose, strict = (finalists_of(evaluated, under) for under in (LOOSE, STRICT))
-    known = {one.trial for one in loose}
-    finalists = tuple(examined(bench, one) for one in (*loose, *(one for one in strict if one.trial not in known)))
+    loose, strict = (finalists_of(bench, evaluated, under) for under in (LOOSE, STRICT))
+    known = {one.parameters for one in loose}
     return Exclusion(
-        record.sets, record.grown, len(evaluated), sum(len(one.results) for one in evaluated),
-        archive.least, archive.best, finalists, growth_error(bench, evaluated),
+        len(evaluated), sum(len(one.runs) for one in evaluated), archive.least,
+        (*loose, *(one for one in strict if one.parameters not in known)),
     )  # fmt: skip
 
 
-def finalists_of(evaluated: list[Evaluated], under: int) -> list[Finalist]:
+def finalists_of(bench: Bench, evaluated: list[Evaluated], under: int) -> list[Finalist]:
     """Sets that meet most numbers under some assumptions, the best first."""
-    assumptions = ASSUMPTIONS[under]
-    found = [
-        (score(one.results, any_reading=assumptions.any_reading), one)
-        for one in evaluated
-        if assumptions.hold(one.trial)
-    ]
-    best = sorted(found, key=lambda item: -item[0].met)[: 10 * SHOWN]
-    finalists = [Finalist(one.trial, under, near, values_of(one.results, near)) for near, one in best]
-    return sorted(finalists, key=lambda one: (-one.score.met, -one.steady))[:SHOWN]
-
-
-def values_of(results: Results, near: Score) -> tuple[Value, ...]:
-    """Each number of a set in its readings."""
     found = []
-    for number in NUMBERS:
-        run, kind = results.get(Case(number.weight_on_bit, number.speed)), KINDS[number.what]
-        if run is None:
-            found.append(Value(number, np.nan, np.nan, np.nan))
-        else:
-            reading = READINGS[kind].index(near.readings[kind])
-            found.append(
-                Value(number, float(values(number, run)[reading]), float(misfit(number, run)[reading]), run.spread)
-            )
-    return tuple(found)
+    for one in evaluated:
+        if ASSUMPTIONS[under].hold(one.parameters):
+            results = one.results
+            met, readings = score(results, any_reading=ASSUMPTIONS[under].any_reading)
+            values = [_value(results, number, readings[KINDS[number.what]]) for number in NUMBERS]
+            steady = sum(value.misfit <= NEAR and not _irregular(results, value.number) for value in values)
+            found.append((met, steady, one, readings, values))
+    best = sorted(found, key=lambda item: (-item[0], -item[1]))[:SHOWN]
+    return [
+        Finalist(
+            one.parameters, ASSUMPTIONS[under].name, met, steady, readings,
+            tuple(_with_interval(bench, one, value) for value in values), short_spectra(bench, one.parameters),
+        )
+        for met, steady, one, readings, values in best
+    ]  # fmt: skip
 
 
-def examined(bench: Bench, one: Finalist) -> Finalist:
-    """A finalist with the intervals of its irregular whirls and its readings of short spectra, by runs."""
-    return replace(
-        one,
-        values=tuple(_interval(bench, one.trial, value) for value in one.values),
-        short=tuple(short_spectra(bench, one.trial)),
-    )
+def score(results: Results, *, any_reading: bool) -> tuple[int, dict[str, str]]:
+    """Most numbers within 20 % in one reading of each kind, and these readings; at a tie those of `BASE`."""
+    count, names = 0, dict(BASE)
+    for kind in BASE:
+        near = int((misfits(results, kind, any_reading=False) <= NEAR).sum())
+        every = (misfits(results, kind, any_reading=True) <= NEAR).sum(axis=0)
+        if any_reading and every.max() > near:
+            near = int(every.max())
+            of_kind = next(number for number in NUMBERS if KINDS[number.what] == kind and _case(number) in results)
+            names[kind] = list(values_of(of_kind, results[_case(of_kind)]))[int(np.argmax(every))]
+        count += near
+    return count, names
 
 
-def _interval(bench: Bench, one: Trial, value: Value) -> Value:
+def _case(number: Number) -> Case:
+    return Case(number.weight_on_bit, number.speed)
+
+
+def _value(results: Results, number: Number, reading: str) -> Value:
+    if _case(number) not in results:
+        return Value(number, np.nan, np.nan)
+    ours = values_of(number, results[_case(number)])[reading]
+    return Value(number, ours, float(misfit(number, np.array(ours))))
+
+
+def _irregular(results: Results, number: Number) -> bool:
+    """True where the whirl is irregular, so that one value of it is a matter of the window."""
+    run = results.get(_case(number))
+    return KINDS[number.what] == "whirl" and run is not None and run.spread > IRREGULAR
+
+
+def _with_interval(bench: Bench, one: Evaluated, value: Value) -> Value:
+    """The value with the interval of an irregular whirl, by a run."""
     number = value.number
-    motion = bench.motion(one, Case(number.weight_on_bit, number.speed)) if value.irregular else None
+    (motion,) = bench.motions([(one.parameters, _case(number))]) if _irregular(one.results, number) else (None,)
     if motion is None:
         return value
-    rates = window_rates(motion)[:, 1] / (number.speed if number.what == RATIO else 1.0)
+    rates = motion.window_rates()[:, 1] / (number.speed if number.what == RATIO else 1.0)
     return value._replace(low=float(rates.min()), high=float(rates.max()))
 
 
-def growth_error(bench: Bench, evaluated: list[Evaluated]) -> tuple[float, float]:
-    """Median and 9th decile of the error of critical times by growth against those of the runs [-]."""
-    errors = []
-    for one in evaluated:
-        times = bench.grown_times(one.trial)
-        for k, number in enumerate(TIMED):
-            found = one.results.get(Case(number.weight_on_bit, number.speed))
-            if times is not None and found is not None and np.isfinite(found.time[BASE["time"]]):
-                error = abs(times[k, BASE["time"]] / found.time[BASE["time"]] - 1.0)
-                errors.append(error if np.isfinite(error) else 1.0)
-    return (float(np.quantile(errors, 0.5)), float(np.quantile(errors, 0.9))) if errors else (np.nan, np.nan)
+def short_spectra(bench: Bench, one: ParameterSet) -> dict[str, tuple[float, ...]]:
+    """Readings of short plain spectra of a set that give 0.28 and 0.29 Hz, by the length of the window alone."""
+    motions = [motion for motion in bench.motions([(one, _case(number)) for number in FREQUENCIES]) if motion]
+    found = {}
+    for mark, signal, seconds in product(MARKS, ("x", "radius", "speed"), WINDOWS):
+        lines = tuple(_short_line(motion, mark, signal, seconds) for motion in motions)
+        off = [misfit(number, np.array(line)) for number, line in zip(FREQUENCIES, lines, strict=False)]
+        if len(lines) == len(FREQUENCIES) and max(off[1:]) <= NEAR:
+            found[f"{signal} of {mark}, {seconds:g} s after the onset"] = lines
+    return found
 
 
-def numbers_of(one: Trial) -> dict[str, str]:
-    """Numbers of a set with their units; those that its choices do not use are left out."""
-    unused = {"fall of friction with slip"} if one.joined else {SHARE_LEFT} if one.choices[LAW] == 0 else set()
-    unused |= {PLAY, SPRING} if one.choices[BIT] != 2 else set()
-    unused |= {"friction at the bit", "radius at which the bit rubs"} if one.choices[BIT] != 0 else set()
-    return {
-        parameter.name: f"{parameter.value(share) / parameter.scale:.3g} {parameter.unit}".rstrip()
-        for parameter, share in zip(one.parameters, one.shares, strict=True)
-        if parameter.name not in unused
-    }
+def _short_line(motion: Motion, mark: str, signal: str, seconds: float) -> float:
+    onset, point = motion.crossings()[BASE["time"]], motion.paths(mark)["wall, 30 s"]
+    if not np.isfinite(onset):
+        return float("nan")
+    since = int(onset * FRAME_RATE)
+    series = {"x": point.real, "radius": np.abs(point), "speed": np.abs(np.gradient(point))}[signal]
+    x = series[since : since + round(seconds * FRAME_RATE)]
+    return float((1 + np.argmax(np.abs(np.fft.rfft(x - x.mean()))[1:])) * FRAME_RATE / x.size)
 
 
-def choices_of(one: Trial) -> dict[str, str]:
-    """Choices of a set in words."""
-    return {choice.name: choice.options[option] for choice, option in zip(CHOICES, one.choices, strict=True)}
+def lead(found: Exclusion) -> str:
+    """Size of the search and its result."""
+    best = max(one.met for one in found.finalists)
+    return (
+        f"{found.sets} sets by {found.runs} runs. At most {best} of {len(NUMBERS)} numbers within 20 % in one set. "
+        "Misfits are in units of 20 %: a pair is met at 1, with the larger of its two."
+    )
+
+
+def tables(found: Exclusion) -> Iterator[Table]:
+    """What `docs/paper_search.md` tells of a search."""
+    names, least = [f"{number.q} {number.name}" for number in NUMBERS], found.least
+    counted = [(one.name, str(len(found.excluded(k))), str(len(PAIRS))) for k, one in enumerate(ASSUMPTIONS)]
+    yield Table(("assumptions", "pairs excluded", "of"), counted, title="Pairs of numbers that no set meets")
+    alone = [
+        (name, number.shown(number.value), *(f"{least[under, k, k]:.2f}" for under in (STRICT, LOOSE)))
+        for k, (name, number) in enumerate(zip(names, NUMBERS, strict=True))
+    ]
+    yield Table(("number", "published", "least misfit, all kept", "none kept"), alone, title="Each number")
+    opened = []
+    for i, j in sorted(found.excluded(STRICT), key=lambda pair: -least[LOOSE][pair]):
+        by = [ASSUMPTIONS[k].name for k in range(1, LOOSE) if least[k, i, j] <= NEAR]
+        opened.append((names[j], names[i], f"{least[STRICT, i, j]:.2f}", "; ".join(by), f"{least[LOOSE, i, j]:.2f}"))
+    yield Table(
+        ("number", "and", "all kept", "opened alone by", "none kept"),
+        opened,
+        title="Pairs excluded with all assumptions kept",
+    )
+    best, short = [], []
+    for k, one in enumerate(found.finalists, 1):
+        differing = [
+            f"{choice.name} {choice.options[option]}"
+            for choice, option in zip(CHOICES, one.parameters.choices, strict=True)
+            if option
+        ]
+        best.append(
+            (str(k), str(one.met), str(one.steady), one.under, "; ".join(one.readings.values()), "; ".join(differing))
+        )
+        short += [(str(k), reading, *(f"{line:.3g} Hz" for line in lines)) for reading, lines in one.short.items()]
+    yield Table(
+        ("set", "met of 15", "in steady whirl", "assumptions", "readings", "choices that differ"),
+        best,
+        title="Sets that meet most numbers",
+    )
+    values = [
+        (f"{number.q} {number.name}", number.shown(number.value), number.shown(ours), f"{off:.2f}",
+         f"irregular: {low:.2g} to {high:.2g} over windows" if np.isfinite(low) else "")
+        for number, ours, off, low, high in found.finalists[0].values
+    ]  # fmt: skip
+    yield Table(("number", "published", "set 1", "off by, in 20 %", ""), values, title="Numbers of set 1")
+    yield Table(
+        ("set", "reading", "20 N", "150 N", "300 N"), short, title="Short plain spectra that give 0.28 and 0.29 Hz"
+    )

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from drill_twin.core.arrays import Array
 from drill_twin.report.figures.style import INK, LIGHT, blank, head
 from drill_twin_evidence.paper.runs.published import Number
-from drill_twin_evidence.paper.search.assumptions import LOOSE, STRICT
 from drill_twin_evidence.paper.search.exclusion import Exclusion
+from drill_twin_evidence.paper.search.goals import LOOSE, STRICT
 from drill_twin_evidence.paper.search.readings import NEAR, NUMBERS
 
 BOUNDS = (0.0, 0.5, NEAR, 1.5, 2.0, 3.0, 8.01)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Readings of a motion: the numbers that one who looks at curves and spectra could have taken from it."""
+"""Readings of a motion: the numbers that one who looks at curves and spectra could have taken from it, by name."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
 
@@ -23,26 +24,12 @@ LOWEST_LINE = 0.1
 FINER = 4
 """Zero padding of the spectra."""
 MARKS = ("mark_1", "mark_2", "mark_3")
-LEVELS = {"1 mm": 1e-3, "5 % of the clearance": -0.05, "half the clearance": -0.5}
-"""Displacement of the centre line that ends the quiet phase [m]; negative: of the clearance."""
+LEVELS = {"1 mm": (1e-3, 0.0), "5 % of the clearance": (0.0, 0.05), "half the clearance": (0.0, 0.5)}
+"""Displacement of the centre line that ends the quiet phase: metres, and a share of the clearance."""
+TIMES = tuple(f"{level}, {where}" for level in LEVELS for where in ("any mark", "mark_2"))
 KINDS = {CRITICAL_TIME: "time", FREQUENCY: "whirl", RATIO: "whirl", DISPLACEMENT: "size"}
-TIMES = tuple(f"{level}, {where}" for level, where in product(LEVELS, ("any mark", "mark_2")))
-WHIRLS = (
-    *(f"precession of {mark}" for mark in MARKS),
-    *(
-        f"highest line of {mark}, {on}, {part}, every {sampled}"
-        for mark, on, part, sampled in product(MARKS, ("wall", "centre"), ("30 s", "last half"), ("25 ms", "150 ms"))
-    ),
-)
-SIZES = tuple(f"{on}, {part}" for on, part in product(("wall", "centre"), ("30 s", "last half")))
-READINGS = {"time": TIMES, "whirl": WHIRLS, "size": SIZES}
-"""Readings by kind; numbers of one kind are read in one way."""
-BASE = {
-    "time": TIMES.index("5 % of the clearance, any mark"),
-    "whirl": WHIRLS.index("precession of mark_2"),
-    "size": SIZES.index("wall, 30 s"),
-}
-"""Readings of `drill-twin paper`, as near as these come."""
+BASE = {"time": "5 % of the clearance, any mark", "whirl": "precession of mark_2", "size": "wall, 30 s"}
+"""Readings of `drill-twin paper`, as near as these come; numbers of one kind are read in one way."""
 IRREGULAR = 0.2
 """Spread of the precession from which a motion is irregular."""
 LARGEST = 8.0
@@ -65,16 +52,43 @@ class Motion(NamedTuple):
     clearance: float
     """[m]"""
 
+    def paths(self, mark: str) -> dict[str, ComplexArray]:
+        """A marked point on the string's surface ("wall") and the centre line there, x + i y [m], of both lengths."""
+        centre, half = self.centre[:, MARKS.index(mark)], self.time.size // 2
+        wall = centre + self.surface * np.exp(1j * self.angle)
+        return {"wall, 30 s": wall, "wall, last half": wall[half:],
+                "centre, 30 s": centre, "centre, last half": centre[half:]}  # fmt: skip
 
-class Readings(NamedTuple):
-    """All readings of one run."""
+    def window_rates(self, windows: int = 5) -> Array:
+        """Mean rate of precession of each mark in windows of the last half [Hz], shape (windows, 3)."""
+        half = self.time.size // 2
+        turned = np.unwrap(np.angle(self.centre[half:]), axis=0)
+        edges = np.linspace(0, turned.shape[0] - 1, windows + 1).astype(int)
+        spent = np.diff(self.time[half:][edges])[:, None]
+        return np.asarray(np.diff(turned[edges], axis=0) / spent / math.tau)
 
-    time: Array
-    """Critical times [s], shape of `TIMES`; NaN: none."""
-    whirl: Array
-    """Frequencies [Hz], shape of `WHIRLS`; those of the precession with a sign."""
-    size: Array
-    """Largest displacement of each mark [m], shape (3, sizes)."""
+    def crossings(self) -> dict[str, float]:
+        """First time beyond each of `LEVELS`, at any mark and at mark_2 [s], as `TIMES`; NaN: never."""
+        radius = np.abs(self.centre)
+        beyond = [values >= limit for limit in limits(self.clearance) for values in (radius.max(axis=1), radius[:, 1])]
+        first = (float(self.time[np.argmax(late)]) if late.any() else math.nan for late in beyond)
+        return dict(zip(TIMES, first, strict=True))
+
+
+@dataclass(frozen=True)
+class Readings:
+    """All readings of one run by their names, to four digits: as they are in a record."""
+
+    weight_on_bit: float
+    """[N]"""
+    speed: float
+    """[rev/s]"""
+    time: dict[str, float]
+    """Critical times [s]; NaN: none."""
+    whirl: dict[str, float]
+    """Frequencies [Hz]; those of the precession with a sign."""
+    size: dict[str, dict[str, float]]
+    """Largest displacement along x or y [m], by mark and reading."""
     spread: float
     """Range of the precession of mark_2 over windows of the last half, over its mean; large: irregular."""
 
@@ -83,101 +97,92 @@ Results = dict[Case, Readings]
 """Readings by run."""
 
 
-def read(motion: Motion) -> Readings:
+def limits(clearance: float) -> Array:
+    """The levels [m]."""
+    return np.array([metres + share * clearance for metres, share in LEVELS.values()])
+
+
+def read(case: Case, motion: Motion) -> Readings:
     """All readings of a run."""
-    wall, half = wall_points(motion), motion.time.size // 2
-    rates = window_rates(motion)
-    lines = []
-    for mark in range(len(MARKS)):
-        for place in (wall, motion.centre):
-            for part in (place[:, mark].real, place[half:, mark].real):
-                lines += [highest_line(part, 1.0), highest_line(part[::COARSE], float(COARSE))]
-    size = np.array([[
-        max(np.abs(part.real).max(), np.abs(part.imag).max())
-        for place in (wall, motion.centre) for part in (place[:, mark], place[half:, mark])
-    ] for mark in range(len(MARKS))])  # fmt: skip
-    mean = rates.mean(axis=0)
-    spread = float(np.ptp(rates[:, 1]) / max(abs(mean[1]), 1e-3))
-    return Readings(crossings(motion.time, motion.centre, motion.clearance), np.array([*mean, *lines]), size, spread)
+    rates = motion.window_rates()
+    whirl = {f"precession of {mark}": rate for mark, rate in zip(MARKS, rates.mean(axis=0), strict=True)}
+    size: dict[str, dict[str, float]] = {}
+    for mark in MARKS:
+        paths = motion.paths(mark)
+        for (name, path), every in product(paths.items(), (1, COARSE)):
+            reading = f"highest line of {mark}, {name}, every {1e3 * every / FRAME_RATE:g} ms"
+            whirl[reading] = highest_line(path[::every].real, every / FRAME_RATE)
+        size[mark] = _short(
+            {name: max(np.abs(path.real).max(), np.abs(path.imag).max()) for name, path in paths.items()}
+        )
+    (spread,) = _short({"": float(np.ptp(rates[:, 1]) / max(abs(rates[:, 1].mean()), 1e-3))}).values()
+    return Readings(*case, _short(motion.crossings()), _short(whirl), size, spread)
 
 
-def wall_points(motion: Motion) -> ComplexArray:
-    """Marked points on the string's surface, x + i y [m], shape (T, 3)."""
-    return np.asarray(motion.centre + motion.surface * np.exp(1j * motion.angle)[:, None])
+def failed(case: Case) -> Readings:
+    """Readings of a run that failed: none is near."""
+    still = read(case, Motion(np.arange(1.0, 100.0), np.zeros((99, 3), complex), np.zeros(99), 0.0, 1.0))
+    nothing = {mark: dict.fromkeys(sizes, math.nan) for mark, sizes in still.size.items()}
+    return Readings(*case, dict.fromkeys(still.time, math.nan), dict.fromkeys(still.whirl, math.nan), nothing, 0.0)
 
 
-def crossings(time: Array, centre: ComplexArray, clearance: float) -> Array:
-    """First times at which the centre line is beyond each level, at any mark and at mark_2."""
-    radius = np.abs(centre)
-    found = []
-    for level in LEVELS.values():
-        limit = level if level > 0.0 else -level * clearance
-        for value in (radius.max(axis=1), radius[:, 1]):
-            beyond = value >= limit
-            first = int(np.argmax(beyond))
-            found.append(float(time[first]) if beyond[first] else math.nan)
-    return np.array(found)
+def _short(values: dict[str, float]) -> dict[str, float]:
+    return {name: float(f"{value:.4g}") for name, value in values.items()}
 
 
-def highest_line(x: Array, every: float) -> float:
+def highest_line(x: Array, period: float) -> float:
     """Frequency of the highest line of a spectrum with a Hann window [Hz], a parabola through its top.
 
     Args:
         x: Samples, shape (T,).
-        every: Frames between them.
+        period: Time between them [s].
     """
-    window = np.hanning(x.size)
-    height = np.abs(np.fft.rfft((x - x.mean()) * window, FINER * x.size))
-    resolution = FRAME_RATE / every / (FINER * x.size)
+    height = np.abs(np.fft.rfft((x - x.mean()) * np.hanning(x.size), FINER * x.size))
+    resolution = 1.0 / (period * FINER * x.size)
     least = max(1, math.ceil(LOWEST_LINE / resolution))
     k = least + int(np.argmax(height[least:]))
-    if 0 < k < height.size - 1:
+    if k < height.size - 1:
         a, b, c = height[k - 1 : k + 2]
         bend = a - 2.0 * b + c
         return float((k + (0.5 * (a - c) / bend if bend < 0.0 else 0.0)) * resolution)
     return float(k * resolution)
 
 
-def window_rates(motion: Motion, windows: int = 5) -> Array:
-    """Mean rate of precession of each mark in windows of the last half [Hz], shape (windows, 3)."""
-    half = motion.time.size // 2
-    turned = np.unwrap(np.angle(motion.centre[half:]), axis=0)
-    edges = np.linspace(0, turned.shape[0] - 1, windows + 1).astype(int)
-    spent = np.diff(motion.time[half:][edges])[:, None]
-    return np.asarray(np.diff(turned[edges], axis=0) / spent / math.tau)
-
-
-def misfits(results: Results) -> dict[str, Array]:
-    """Misfit of each number in each reading of its kind, in units of 20 % and at most 8; NaN: its run was not made.
-
-    Args:
-        results: Readings by run.
-
-    Returns:
-        By kind, shape (numbers of the kind, readings).
-    """
-    table: dict[str, list[Array]] = {kind: [] for kind in READINGS}
-    for number in NUMBERS:
-        kind, found = KINDS[number.what], results.get(Case(number.weight_on_bit, number.speed))
-        table[kind].append(np.full(len(READINGS[kind]), np.nan) if found is None else misfit(number, found))
-    return {kind: np.array(rows) for kind, rows in table.items()}
-
-
-def misfit(number: Number, found: Readings) -> Array:
-    """Misfit of one number in each reading of its kind."""
-    off = np.abs(values(number, found) / number.value - 1.0) / 0.2
-    return np.asarray(np.minimum(np.where(np.isfinite(off), off, LARGEST), LARGEST))
-
-
-def values(number: Number, found: Readings) -> Array:
+def values_of(number: Number, found: Readings) -> dict[str, float]:
     """A number in each reading of its kind, in its own unit; the sense of a whirl frequency is not published."""
     if number.what == CRITICAL_TIME:
         return found.time
     if number.what == DISPLACEMENT:
-        return np.asarray(1e3 * found.size[MARKS.index(number.mark)])
-    return np.asarray(np.abs(found.whirl) if number.what == FREQUENCY else found.whirl / number.speed)
+        return {name: 1e3 * size for name, size in found.size[number.mark].items()}
+    return {
+        name: abs(whirl) if number.what == FREQUENCY else whirl / number.speed for name, whirl in found.whirl.items()
+    }
 
 
-def of_kind(kind: str) -> list[int]:
-    """Places in `NUMBERS` of the numbers of a kind, in order."""
-    return [k for k, number in enumerate(NUMBERS) if KINDS[number.what] == kind]
+def misfit(number: Number, ours: Array) -> Array:
+    """Misfit of values of a number, in units of 20 % and at most 8."""
+    off = np.abs(ours / number.value - 1.0) / 0.2
+    return np.asarray(np.minimum(np.where(np.isfinite(off), off, LARGEST), LARGEST))
+
+
+def misfits(results: Results, kind: str, *, any_reading: bool) -> Array:
+    """Misfits of the numbers of a kind, shape (numbers, readings); infinite where a run was not made.
+
+    Args:
+        results: Readings by run.
+        kind: "time", "whirl" or "size".
+        any_reading: In all readings of the kind, in their order; or in that of `BASE` alone.
+    """
+    rows = []
+    for number in of_kind(kind):
+        found = results.get(Case(number.weight_on_bit, number.speed))
+        given = values_of(number, found) if found else {}
+        chosen = list(given) if any_reading else [BASE[kind]]
+        rows.append(misfit(number, np.array([given[name] for name in chosen])) if given else np.array([np.inf]))
+    width = max(row.size for row in rows)
+    return np.array([np.broadcast_to(row, width) if np.isinf(row).all() else row for row in rows])
+
+
+def of_kind(kind: str) -> list[Number]:
+    """Numbers of a kind, in order."""
+    return [number for number in NUMBERS if KINDS[number.what] == kind]

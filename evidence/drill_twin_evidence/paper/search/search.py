@@ -2,119 +2,106 @@
 """Search for sets that meet two published numbers at once, for each two of them, and for sets that meet most of all.
 
 Each set is proposed for a goal: a pair of numbers, or the whole table. A proposal is a neighbour of the best set known
-for the goal, or one drawn at random. Where the goal has a critical time, many are proposed, and growth along the ramps
-(`growth`), a hundredth of the price of a run, rejects those whose critical times are farther off. Runs that cannot
-improve on the goal are not made (`evaluate`). A generation depends on the seed, its number and the generations before
-alone, so a search that was broken off and taken up again is the same, for any number of threads.
+for the goal, or one drawn at random. Runs that cannot improve on the goal are not made. A generation depends on the
+seed, its number and the generations before alone, so a search that was broken off and taken up again is the same, for
+any number of workers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from drill_twin_evidence.paper.search.assumptions import (
+from drill_twin.core.files.json_lines import JsonLines
+from drill_twin_evidence.paper.runs.cases import Case, changed
+from drill_twin_evidence.paper.runs.variants import VARIANTS
+from drill_twin_evidence.paper.search.bench import Bench
+from drill_twin_evidence.paper.search.goals import (
     ASSUMPTIONS,
-    ENOUGH,
     LOOSE,
+    PAIRS,
     STRICT,
-    pair_misfits,
-    total,
+    Archive,
+    Evaluated,
+    Goal,
 )  # fmt: skip
-from drill_twin_evidence.paper.search.evaluate import ORDER, TIMED, Bench, evaluate_pair, evaluate_whole
-from drill_twin_evidence.paper.search.readings import BASE, NEAR, NUMBERS, Results
-from drill_twin_evidence.paper.search.record import Evaluated, Generation, Record
-from drill_twin_evidence.paper.search.space import Trial, known_trials, mutated, random_trial
+from drill_twin_evidence.paper.search.readings import NEAR, NUMBERS, Results
+from drill_twin_evidence.paper.search.space import ParameterSet, mutated, random_set, set_of
 
+ORDER = (
+    Case(40.0, 2.0), Case(20.0, 2.0), Case(300.0, 2.0), Case(150.0, 2.0), Case(40.0, 6.0), Case(40.0, 1.0),
+    Case(40.0, 4.0), Case(40.0, 3.0), Case(40.0, 6.5),
+)  # fmt: skip
+"""Runs of the whole table; those that decide most come first."""
 TOGETHER = 32
 """Sets that are run in a generation."""
-PROPOSED = 100
-"""Sets proposed for one that is run, where growth can choose."""
-SLACK = 0.3
-"""Misfit of the critical times by which a proposal may be farther off than the set that it is a neighbour of."""
 AT_RANDOM = 0.1
 """Share of the proposals that are drawn at random."""
 WHOLE = 0.5
 """Share of the sets whose goal is the whole table."""
 UNDER = (0.3, *(0.05 for _ in ASSUMPTIONS[1:-1]), 0.35)
 """Chance of each of the assumptions as those of a goal."""
-ELITE = 30
-"""Best sets for the whole table, of which neighbours are proposed."""
-PAIRS = tuple((i, j) for i in range(len(NUMBERS)) for j in range(i))
-_TIME_PLACES = tuple(NUMBERS.index(number) for number in TIMED)
+FOREIGN = "expected the record of a search, found another file; choose another with --record"
+OTHER = "expected a record of this search, found one of another {}; choose another with --record"
+"""Messages about the file of something else."""
+
+Job = tuple[ParameterSet, Goal]
 
 
-class Goal(NamedTuple):
-    """Goal of a proposal: a pair of numbers, or the whole table, under some of the assumptions."""
-
-    pair: tuple[int, int] | None
-    under: int
-    """Place in `ASSUMPTIONS`."""
-
-    @property
-    def timed(self) -> list[int]:
-        """Critical times that it has, by their place in `TIMED`."""
-        return [k for k, place in enumerate(_TIME_PLACES) if self.pair is None or place in self.pair]
-
-
-class Archive:
-    """Best sets known under each of the assumptions: for each pair of numbers, and for the whole table.
+class Record:
+    """File of a search: what it searches, then its generations.
 
     Attributes:
-        least: Least misfit of each pair, shape (assumptions, 15, 15).
-        best: The set that has it.
-        elite: Total, number and set of the best for the whole table, under all assumptions and under none.
+        generations: The generations that it has.
     """
 
-    def __init__(self) -> None:
-        """Begin without any."""
-        self.least = np.full((len(ASSUMPTIONS), len(NUMBERS), len(NUMBERS)), np.inf)
-        self.best: dict[tuple[int, int, int], Trial] = {}
-        self.elite: dict[int, list[tuple[float, int, Trial]]] = {STRICT: [], LOOSE: []}
-        self._count = 0
+    def __init__(self, file: Path, setup: dict[str, Any]) -> None:
+        """Open a record, and read what it has, up to a line that is no generation.
 
-    def add(self, one: Evaluated) -> None:
-        """Take a set."""
-        self._count += 1
-        tables = [pair_misfits(one.results, any_reading=any_reading) for any_reading in (False, True)]
-        for under, assumptions in enumerate(ASSUMPTIONS):
-            if not assumptions.hold(one.trial):
-                continue
-            found = tables[assumptions.any_reading]
-            for i, j in zip(*np.nonzero(found < self.least[under]), strict=True):
-                self.best[under, int(i), int(j)] = one.trial
-            self.least[under] = np.minimum(self.least[under], found)
-            if under in self.elite and len(one.results) == len(ORDER):
-                row = (total(one.results, any_reading=assumptions.any_reading), self._count, one.trial)
-                self.elite[under] = sorted((*self.elite[under], row))[:ELITE]
+        Args:
+            file: The file; it need not exist.
+            setup: All that the search depends on, in plain types.
 
-    def worst(self, under: int) -> float:
-        """Total from which a set is of no use."""
-        elite = self.elite[under]
-        return elite[-1][0] if len(elite) == ELITE else ENOUGH * len(NUMBERS)
+        Raises:
+            ArgumentError: It is of another search, or no record.
+            BagError: It cannot be read or written.
+        """
+        self.generations = list[list[Evaluated]]()
+        self._lines = JsonLines(
+            file, "paper search", setup, self.generations.append, foreign=FOREIGN, other=OTHER, of=list[Evaluated],
+            ordered=True,
+        )  # fmt: skip
+
+    def add(self, generation: list[Evaluated]) -> None:
+        """Append a generation.
+
+        Raises:
+            BagError: The file cannot be written.
+        """
+        self._lines.add([asdict(one) for one in generation])
+        self.generations.append(generation)
+
+    @property
+    def evaluated(self) -> list[Evaluated]:
+        """All sets, in order."""
+        return [one for generation in self.generations for one in generation]
 
 
 def search(
-    bench: Bench,
-    record: Record,
-    *,
-    sets: int,
-    seed: int,
-    threads: int = 1,
-    progress: Callable[[int, int, Archive], None] = lambda _done, _of, _archive: None,
+    bench: Bench, record: Record, *, sets: int, seed: int, progress: Callable[[int], None] = lambda _: None
 ) -> Archive:
     """Search until a number of sets has been evaluated, on from what the record has.
 
     Args:
-        bench: What the sets are evaluated on.
+        bench: The bench that the sets are evaluated on.
         record: Takes the generations.
         sets: Number of sets.
         seed: Seed of the search.
-        threads: Sets run at a time.
-        progress: Called with the number of sets evaluated, the number wanted, and the archive.
+        progress: Called with the number of sets evaluated.
 
     Raises:
         BagError: The record cannot be written.
@@ -122,36 +109,51 @@ def search(
     archive = Archive()
     for one in record.evaluated:
         archive.add(one)
-    with ThreadPoolExecutor(threads, "set") as pool:
-        while record.sets < sets:
-            number = len(record.generations)
-            random = np.random.default_rng((seed, number))
-            jobs, grown = _proposals(bench, archive, random) if number else (_first(bench, random), 0)
-            results = list(pool.map(lambda job: Evaluated(job[0], _evaluate(bench, archive, *job)), jobs))
-            generation = record.add(Generation(grown, tuple(results)))
-            for one in generation.evaluated:
-                archive.add(one)
-            progress(record.sets, sets, archive)
+    while len(record.evaluated) < sets:
+        number = len(record.generations)
+        random = np.random.default_rng((seed, number))
+        jobs = _proposals(bench, archive, random) if number else _first(bench, random)
+        record.add(_evaluate(bench, archive, jobs))
+        for one in record.generations[-1]:
+            archive.add(one)
+        progress(len(record.evaluated))
     return archive
 
 
-def _evaluate(bench: Bench, archive: Archive, one: Trial, goal: Goal) -> Results:
-    any_reading = ASSUMPTIONS[goal.under].any_reading
-    if goal.pair is None:
-        return evaluate_whole(bench, one, archive.worst(goal.under), any_reading=any_reading)
-    least = float(archive.least[goal.under][goal.pair])
-    return evaluate_pair(bench, one, goal.pair, least, any_reading=any_reading)
+def _evaluate(bench: Bench, archive: Archive, jobs: list[Job]) -> list[Evaluated]:
+    """Runs of all sets in rounds: the next of a set only if it may still improve on its goal."""
+    left = [list(ORDER) if goal.pair is None else _cases(goal.pair) for _, goal in jobs]
+    found: list[Results] = [{} for _ in jobs]
+    while going := [
+        k for k, (_, goal) in enumerate(jobs) if left[k] and (not found[k] or archive.promising(goal, found[k]))
+    ]:
+        wanted = [(jobs[k][0], left[k].pop(0)) for k in going]
+        for k, (_, case), readings in zip(going, wanted, bench.run(wanted), strict=True):
+            found[k][case] = readings
+    return [
+        Evaluated(list(one.fractions), list(one.choices), list(results.values()))
+        for (one, _), results in zip(jobs, found, strict=True)
+    ]
 
 
-def _first(bench: Bench, random: np.random.Generator) -> list[tuple[Trial, Goal]]:
+def _cases(pair: tuple[int, int]) -> list[Case]:
+    return list(dict.fromkeys(Case(NUMBERS[k].weight_on_bit, NUMBERS[k].speed) for k in pair))
+
+
+def _first(bench: Bench, random: np.random.Generator) -> list[Job]:
     """First generation: the bench, its variants, and sets drawn at random."""
-    known = known_trials(bench.scene, joined=bench.joined)
-    drawn = (random_trial(random, joined=bench.joined) for _ in range(TOGETHER - len(known)))
+    known = []
+    for variant in VARIANTS:
+        scene = bench.scene
+        for place, value in variant.changes.items():
+            scene = changed(scene, place, value)
+        known.append(set_of(scene, joined=bench.joined))
+    drawn = (random_set(random, joined=bench.joined) for _ in range(TOGETHER - len(known)))
     return [(one, Goal(None, LOOSE)) for one in (*known, *drawn)]
 
 
 def _goal(archive: Archive, random: np.random.Generator) -> Goal:
-    """A goal: of the pairs those that are not met, or not met with all assumptions kept, more often."""
+    """Draw a goal; a pair not yet met is 20 times as likely as one that is."""
     if random.random() < WHOLE:
         return Goal(None, STRICT if random.random() < 0.3 else LOOSE)
     under = int(random.choice(len(ASSUMPTIONS), p=UNDER))
@@ -159,49 +161,17 @@ def _goal(archive: Archive, random: np.random.Generator) -> Goal:
     return Goal(PAIRS[int(random.choice(len(PAIRS), p=chances / chances.sum()))], under)
 
 
-def _proposals(bench: Bench, archive: Archive, random: np.random.Generator) -> tuple[list[tuple[Trial, Goal]], int]:
-    """Sets to run, each with its goal, and the number of sets that growth chose them from."""
-    jobs, grown = [], 0
+def _proposals(bench: Bench, archive: Archive, random: np.random.Generator) -> list[Job]:
+    """Sets to run, each with its goal: neighbours of the best known for it, or drawn at random."""
+    jobs = list[Job]()
     for _ in range(TOGETHER):
         goal = _goal(archive, random)
-        parent = _parent(archive, goal, random)
-        candidates = [_proposal(bench, archive, goal, parent, random) for _ in range(PROPOSED if goal.timed else 1)]
-        off = np.array([_screened(bench, one, goal) if goal.timed else 0.0 for one in candidates])
-        if goal.timed:
-            grown += sum(map(bench.grows, candidates))
-        least = _screened(bench, parent, goal) if parent is not None and goal.timed else 0.0
-        passed = np.flatnonzero(off <= max(least + SLACK, float(off.min())))
-        jobs.append((candidates[int(random.choice(passed))], goal))
-    return jobs, grown
-
-
-def _screened(bench: Bench, one: Trial, goal: Goal) -> float:
-    """Misfit of a goal's critical times by growth; 0 where it says nothing."""
-    found = bench.grown(one)
-    if found is None:
-        return 0.0
-    rows = np.minimum(found[goal.timed], 2.0 * ENOUGH)
-    if not ASSUMPTIONS[goal.under].any_reading:
-        rows = rows[:, [BASE["time"]]]
-    return float(rows.sum(axis=0).min())
-
-
-def _elite(archive: Archive, goal: Goal) -> list[tuple[float, int, Trial]]:
-    return archive.elite[goal.under if goal.under == STRICT else LOOSE]
-
-
-def _parent(archive: Archive, goal: Goal, random: np.random.Generator) -> Trial | None:
-    """Best set known for a goal; of those for the whole table one, the better the likelier."""
-    known = archive.best.get((goal.under, *goal.pair)) if goal.pair else None
-    elite = _elite(archive, goal)
-    if known is None and elite:
-        known = elite[min(int(random.geometric(0.2)) - 1, len(elite) - 1)][2]
-    return known if random.random() >= AT_RANDOM else None
-
-
-def _proposal(bench: Bench, archive: Archive, goal: Goal, parent: Trial | None, random: np.random.Generator) -> Trial:
-    assumptions, elite = ASSUMPTIONS[goal.under], _elite(archive, goal)
-    if parent is None:
-        return assumptions.applied(random_trial(random, joined=bench.joined))
-    other = elite[int(random.integers(len(elite)))][2] if elite else parent
-    return assumptions.applied(mutated(random, parent, other))
+        known, elite = archive.best.get((goal.under, *goal.pair)) if goal.pair else None, archive.elite_of(goal)
+        if known is None and elite:  # one of the best for the whole table, the better the likelier
+            known = elite[min(int(random.geometric(0.2)) - 1, len(elite) - 1)][2]
+        if known is None or random.random() < AT_RANDOM:
+            one = random_set(random, joined=bench.joined)
+        else:
+            one = mutated(random, known, elite[int(random.integers(len(elite)))][2] if elite else known)
+        jobs.append((ASSUMPTIONS[goal.under].applied(one), goal))
+    return jobs

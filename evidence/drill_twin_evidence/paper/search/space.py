@@ -4,18 +4,50 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.physics.effects.bit_stabiliser import BitStabiliser
+from drill_twin.core.errors import SceneError
 from drill_twin.scene import Scene
-from drill_twin_evidence.paper.calibration.parameters import FreeParameter
-from drill_twin_evidence.paper.runs.cases import DAMPING, changed, value_at
-from drill_twin_evidence.paper.runs.variants import VARIANTS
+from drill_twin_evidence.paper.runs.cases import DAMPING, Case, value_at
 
-SHARE_LEFT = "share of friction left at high slip"
+
+@dataclass(frozen=True)
+class FreeParameter:
+    """A number that the paper does not give, on a logarithmic scale."""
+
+    place: str
+    """Key in the scene; empty where it takes more than its value."""
+    name: str
+    """Name in tables."""
+    unit: str
+    """Unit in tables."""
+    scale: float
+    """Value of one `unit` in SI."""
+    low: float
+    """Lower bound [unit]."""
+    high: float
+    """Upper bound [unit]."""
+    reason: str
+    """Reason of the bounds."""
+    also: tuple[str, ...] = ()
+    """Other keys with the same value."""
+
+    def value(self, fraction: float) -> float:
+        """The value [SI] at a fraction, 0 to 1, of the way between the bounds."""
+        return self.scale * self.low * math.exp(fraction * math.log(self.high / self.low))
+
+    def fraction(self, value: float) -> float:
+        """Position of a value [SI] between the bounds, clipped to 0 to 1."""
+        inside = min(max(value / self.scale, self.low), self.high)
+        return math.log(inside / self.low) / math.log(self.high / self.low)
+
+
+FRACTION_LEFT = "share of friction left at high slip"
 STATIC, DYNAMIC = "slip speed of static friction", "slip speed of dynamic friction over it"
 PLAY, SPRING = "play of the bit", "stiffness of the bit's guide"
 FREE = (
@@ -33,7 +65,7 @@ FREE = (
                   "oiled to dry"),
     FreeParameter("effects.wall_friction.decay", "fall of friction with slip", "s/m", 1.0, 0.01, 30.0,
                   "Coulomb to a film at 0.03 m/s"),
-    FreeParameter("", SHARE_LEFT, "", 1.0, 0.02, 1.0, "static and dynamic friction"),
+    FreeParameter("", FRACTION_LEFT, "", 1.0, 0.02, 1.0, "static and dynamic friction"),
     FreeParameter("effects.bit_friction.coefficient", "friction at the bit", "", 1.0, 0.002, 0.5,
                   "ball to flat end"),
     FreeParameter("effects.bit_friction.radius", "radius at which the bit rubs", "mm", 1e-3, 1.0, 8.2,
@@ -79,10 +111,10 @@ NO_TILT = 1e3
 """Stiffness against tilt of a bit with play [N m/rad]."""
 
 
-class Trial(NamedTuple):
-    """Set of numbers and choices."""
+class ParameterSet(NamedTuple):
+    """Numbers and choices of the bench."""
 
-    shares: tuple[float, ...]
+    fractions: tuple[float, ...]
     """Of each number of `FREE`, and of `SLIP` if it has them, the way between its bounds, 0 to 1, rounded to 1e-4."""
     choices: tuple[int, ...]
     """Option of each of `CHOICES`."""
@@ -90,114 +122,109 @@ class Trial(NamedTuple):
     @property
     def parameters(self) -> tuple[FreeParameter, ...]:
         """The numbers that it has."""
-        return (*FREE, *SLIP)[: len(self.shares)]
+        return (*FREE, *SLIP)[: len(self.fractions)]
 
     @property
     def joined(self) -> bool:
-        """True if static and dynamic friction are joined by STEPs, so that its choice of a law says nothing."""
-        return len(self.shares) > len(FREE)
+        """True for static and dynamic friction joined by STEPs as in ADAMS; the choice of `LAW` is then ignored."""
+        return len(self.fractions) > len(FREE)
 
     def number(self, name: str) -> float:
         """A number [SI] by its name."""
         k = NUMBER[name]
-        return self.parameters[k].value(self.shares[k])
+        return self.parameters[k].value(self.fractions[k])
+
+    def keys(self, case: Case | None = None) -> dict[str, Any]:
+        """Values by key of the bench in its lateral form; with load and speed of a case, if one is given."""
+        option, radius = self.choices, RADIUS[self.choices[HOLE]]
+        bit = ("sliding", "guided", "stabilised")[option[BIT]]
+        left = self.number(FRACTION_LEFT) if option[LAW] or self.joined else 0.0
+        values: dict[str, Any] = {
+            place: parameter.value(fraction)
+            for parameter, fraction in zip(self.parameters, self.fractions, strict=True)
+            for place in (parameter.place, *parameter.also)
+            if place
+        } | {
+            "hole.radius": radius,
+            "hole.inclination": INCLINED[option[INCLINATION]],
+            "rig.weight_on_bit.at": ("bit", "top")[option[LOAD_AT]],
+            "rig.weight_on_bit.shape": SHAPES[option[LOAD_SHAPE]],
+            "rig.rotation.shape": SHAPES[option[ROTATION_SHAPE]],
+            "string.bit_end": bit,
+            "effects.wall_friction.sliding": left * self.number("friction at the wall"),
+        }
+        if bit != "sliding":
+            values["effects.bit_friction.coefficient"] = 0.0
+        if bit == "stabilised":
+            block = "effects.bit_stabiliser."
+            values[block + "gauge"] = 2.0 * radius * (1.0 - self.number(PLAY))
+            values |= {block + "stiffness": self.number(SPRING), block + "tilt_stiffness": NO_TILT}
+        if self.joined:
+            law = "effects.wall_friction."
+            values |= {law + "decay": 0.0, law + "static_speed": self.number(STATIC)}
+            values[law + "dynamic_speed"] = self.number(STATIC) * self.number(DYNAMIC)
+        return values if case is None else values | case.keys()
+
+    def described(self) -> dict[str, str]:
+        """Numbers with their units, and choices, in words; numbers that the choices do not use are left out."""
+        unused = {"fall of friction with slip"} if self.joined else {FRACTION_LEFT} if self.choices[LAW] == 0 else set()
+        unused |= {PLAY, SPRING} if self.choices[BIT] != 2 else set()
+        unused |= {"friction at the bit", "radius at which the bit rubs"} if self.choices[BIT] != 0 else set()
+        return {
+            parameter.name: f"{parameter.value(fraction) / parameter.scale:.3g} {parameter.unit}".rstrip()
+            for parameter, fraction in zip(self.parameters, self.fractions, strict=True)
+            if parameter.name not in unused
+        } | {choice.name: choice.options[option] for choice, option in zip(CHOICES, self.choices, strict=True)}
 
 
-def trial(shares: Array, choices: tuple[int, ...]) -> Trial:
-    """The trial with these shares, rounded and within the bounds."""
-    return Trial(tuple(round(float(min(max(share, 0.0), 1.0)), 4) for share in shares), tuple(choices))
+def parameter_set(fractions: Array, choices: Sequence[int]) -> ParameterSet:
+    """The set with these fractions, rounded and within the bounds."""
+    return ParameterSet(tuple(round(float(x), 4) for x in np.clip(fractions, 0.0, 1.0)), tuple(choices))
 
 
-def random_trial(random: np.random.Generator, *, joined: bool = False) -> Trial:
+def random_set(random: np.random.Generator, *, joined: bool = False) -> ParameterSet:
     """A set drawn at random."""
-    choices = tuple(int(random.choice(len(choice.options), p=choice.chance)) for choice in CHOICES)
-    return trial(random.random(len(FREE) + joined * len(SLIP)), choices)
+    choices = [int(random.choice(len(choice.options), p=choice.chance)) for choice in CHOICES]
+    return parameter_set(random.random(len(FREE) + joined * len(SLIP)), choices)
 
 
-def mutated(random: np.random.Generator, one: Trial, other: Trial) -> Trial:
+def mutated(random: np.random.Generator, one: ParameterSet, other: ParameterSet) -> ParameterSet:
     """A neighbour of a set: some numbers moved or taken from another set, now and then another choice."""
-    shares = np.array(one.shares)
+    fractions = np.array(one.fractions)
     part = random.choice(3)  # of the start, of the whirl, or of both
     free = np.array([part == 2 or (parameter.name in STARTING) == (part == 0) for parameter in one.parameters])
-    moved = free & (random.random(shares.size) < random.choice((0.2, 0.5, 1.0)))
-    shares += moved * random.choice((0.01, 0.04, 0.15)) * random.standard_normal(shares.size)
+    moved = free & (random.random(fractions.size) < random.choice((0.2, 0.5, 1.0)))
+    fractions += moved * random.choice((0.01, 0.04, 0.15)) * random.standard_normal(fractions.size)
     if random.random() < 0.3:
-        shares = np.where(random.random(shares.size) < 0.3, other.shares, shares)
+        fractions = np.where(random.random(fractions.size) < 0.3, other.fractions, fractions)
     choices = list(one.choices)
     for k, choice in enumerate(CHOICES):
         if random.random() < 0.05:
             choices[k] = int(random.choice(len(choice.options), p=choice.chance))
-    return trial(shares, tuple(choices))
+    return parameter_set(fractions, choices)
 
 
-def scene_of_trial(bench: Scene, one: Trial) -> Scene:
-    """The bench in its lateral form, with the numbers and choices of a set."""
-    values: dict[str, Any] = {
-        place: parameter.value(share)
-        for parameter, share in zip(one.parameters, one.shares, strict=True)
-        for place in (parameter.place, *parameter.also)
-        if place
-    }
-    option = one.choices
-    bit = ("sliding", "guided", "stabilised")[option[BIT]]
-    if bit != "sliding":
-        values["effects.bit_friction.coefficient"] = 0.0
-    radius = RADIUS[option[HOLE]]
-    if bit == "stabilised":
-        free = one.number(PLAY) * radius
-        values["effects.bit_stabiliser"] = BitStabiliser(
-            gauge=2.0 * (radius - free), stiffness=one.number(SPRING), tilt_stiffness=NO_TILT
-        )
-    left = one.number(SHARE_LEFT) if option[LAW] or one.joined else 0.0
-    if one.joined:
-        static = one.number(STATIC)
-        values |= {
-            "effects.wall_friction.decay": 0.0,
-            "effects.wall_friction.static_speed": static,
-            "effects.wall_friction.dynamic_speed": static * one.number(DYNAMIC),
-        }
-    values |= {
-        "hole.radius": radius,
-        "hole.inclination": INCLINED[option[INCLINATION]],
-        "rig.weight_on_bit.at": ("bit", "top")[option[LOAD_AT]],
-        "rig.weight_on_bit.shape": SHAPES[option[LOAD_SHAPE]],
-        "rig.rotation.shape": SHAPES[option[ROTATION_SHAPE]],
-        "string.bit_end": bit,
-        "effects.wall_friction.sliding": left * one.number("friction at the wall"),
-    }
-    for place, value in values.items():
-        bench = changed(bench, place, value)
-    return bench
+def set_of(scene: Scene, *, joined: bool = False) -> ParameterSet:
+    """The set nearest to a scene; joined friction is at the speeds of ADAMS, 0.1 and 1 m/s.
 
-
-def trial_of_scene(scene: Scene) -> Trial:
-    """The set nearest to a scene."""
-    shares = np.full(len(FREE), 0.5)
+    Raises:
+        SceneError: The scene lacks an effect whose numbers are varied.
+    """
+    fractions = [0.5] * len(FREE)
     for k, parameter in enumerate(FREE):
         if parameter.place:
+            part = parameter.place.rpartition(".")[0]
+            if value_at(scene, part) is None:
+                raise SceneError(f"{scene.name}: expected `{part}`, whose {parameter.name} is varied, found none")
             found = float(value_at(scene, parameter.place))
-            shares[k] = parameter.share(found) if found > 0.0 else 0.0
-    rig = scene.rig
-    choices = [0] * len(CHOICES)
+            fractions[k] = parameter.fraction(found) if found > 0.0 else 0.0
+    if joined:
+        fractions += [parameter.fraction(value) for parameter, value in zip(SLIP, (0.1, 10.0), strict=True)]
+    choices, rig = [0] * len(CHOICES), scene.rig
     choices[HOLE] = int(scene.hole.radius < 0.06)
     choices[LOAD_AT] = int(rig.weight_on_bit.at == "top")
     choices[INCLINATION] = int(np.argmin(np.abs(np.array(INCLINED) - scene.hole.inclination)))
     choices[BIT] = int(scene.string.bit_end == "guided")
-    choices[LOAD_SHAPE], choices[ROTATION_SHAPE] = (
-        int(rig.weight_on_bit.shape == "step"),
-        int(rig.rotation.shape == "step"),
-    )
-    return trial(shares, tuple(choices))
-
-
-def known_trials(bench: Scene, *, joined: bool = False) -> list[Trial]:
-    """The bench as calibrated, and its variants."""
-    own = tuple(round(p.share(start), 4) for p, start in zip(SLIP, (0.1, 10.0), strict=True)) if joined else ()
-    found = []
-    for variant in VARIANTS:
-        scene = bench
-        for place, value in variant.changes.items():
-            scene = changed(scene, place, value)
-        one = trial_of_scene(scene)
-        found.append(one._replace(shares=one.shares + own))
-    return found
+    choices[LOAD_SHAPE] = int(rig.weight_on_bit.shape == "step")
+    choices[ROTATION_SHAPE] = int(rig.rotation.shape == "step")
+    return parameter_set(np.array(fractions), choices)

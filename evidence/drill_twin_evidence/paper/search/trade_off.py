@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 
 from drill_twin.report.figures.style import BLUE, GREY, INK, VERMILION, blank, head
-from drill_twin_evidence.paper.calibration.objective import FITTED, LARGEST, Loss
 from drill_twin_evidence.paper.runs.published import FREQUENCY, RATIO, Number
+from drill_twin_evidence.paper.search.calibrate import FITTED, LARGEST, Loss
 
 Point = tuple[float, float]
 """Deviations of the two groups, in units of 20 %: fast whirl, slow whirl."""

@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Calibration of the parameters that the paper does not give."""
