@@ -13,10 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
+from drill_twin.core.compile.kernel_cache import fingerprint
 from drill_twin.core.compile.object_cache import read_own
 from drill_twin.core.files.json_reader import read_json
 from drill_twin.core.files.whole_file import PRIVATE, write_whole
-from drill_twin.dynamics.twin import frame_kernel
+from drill_twin.dynamics.twin import observation
 
 _LOG = logging.getLogger(__name__)
 
@@ -37,7 +38,8 @@ class CompileShare:
         Args:
             folder: Folder of compiled kernels.
         """
-        shared = f"{frame_kernel.compiled().__name__}.*.machine_code"
+        module = observation.__name__
+        shared = f"part_{module}.{observation.observe_nodes.__name__}_{fingerprint(f'import {module}')}.*"
         kind = FURTHER if next(folder.glob(shared), None) else EMPTY
         self._path = folder / _NAME.format(kind)
         self._seen: list[tuple[int, float]] = []

@@ -18,7 +18,7 @@ from drill_twin.core.errors import RunError
 from drill_twin.dynamics.discretisation.warnings import notes_on
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.frame import Frame, Frames
-from drill_twin.dynamics.twin.observer import Record
+from drill_twin.dynamics.twin.frame_record import Record, frame_of
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.measurements import Measurements, sensor_topics
 from drill_twin.io.messages.diagnostics import Level
@@ -70,7 +70,6 @@ class RunLoop:
         scene: The scene.
         period: Simulated time of a frame [s].
         twin: The twin.
-        frame: The last frame of `advance`; None before the first.
         frames: Number of frames since the start of the run.
         timing: Cost of the run.
         missing_effects: Effects that the run called for and the scene leaves out.
@@ -114,8 +113,8 @@ class RunLoop:
     def _begin(self, twin: Twin) -> None:
         self.twin = twin
         twin.load()
+        self._single = twin.record(1)
         self.__dict__.pop("_record", None)  # of a twin before
-        self.frame: Frame | None = None
         self.frames = 0
         self.missing_effects = MissingEffects(self.scene)
         self.rejected_steps = RejectedSteps()
@@ -170,34 +169,30 @@ class RunLoop:
         Raises:
             RunError: The motion could not be followed; the twin is back at the last good frame.
         """
-        try:
-            frame = self.twin.advance(command, self.period)
-        except RunError as error:
-            self.rejected_steps.stopped = str(error)
-            raise
+        frames, error = self.fill([command], self._single)
+        if error is not None:
+            raise error
         advanced = time.perf_counter()
-        u, v = self.twin.unknowns
-        frames = Frames.of(frame)._replace(u=u[None], v=v[None])
         (messages,) = self.messages(frames, [0] if markers else [], exaggeration)
-        self.frame = frame
         for topic, raw in messages[:-1]:
             self._sink(topic, raw)
         if also is not None:
-            also(frame)
+            also(frame_of(self._single.table[0], self._single.kind, frames.stats.wall_seconds, None, frames.energy))
         self._sink(*messages[-1])
         self.count(frames, time.perf_counter() - advanced)
 
-    def fill(self, commands: Sequence[Command]) -> tuple[Frames, BaseException | None]:
+    def fill(self, commands: Sequence[Command], record: Record | None = None) -> tuple[Frames, BaseException | None]:
         """Advance by `most_frames` at most; the caller sends the `messages`, and calls `count`.
 
         Args:
             commands: Set-points at the end of each frame.
+            record: Takes them; by default one with room for `most_frames`.
 
         Returns:
             The frames, which hold until the next call, and the error that ended them before the last command.
         """
         targets = np.array([command.values for command in commands]).reshape(-1, 3)
-        frames, error = self.twin.fill(self._record, targets, self.period)
+        frames, error = self.twin.fill(self._record if record is None else record, targets, self.period)
         if isinstance(error, RunError):
             self.rejected_steps.stopped = str(error)
         return frames, error
@@ -209,9 +204,7 @@ class RunLoop:
 
     @cached_property
     def _record(self) -> Record:
-        one = self.twin.record(1)
-        size = sum(array.nbytes for part in (one.rows, one.states) for array in part)
-        return self.twin.record(max(1, min(MOST_FRAMES, _MOST_BYTES // size)))
+        return self.twin.record(max(1, min(MOST_FRAMES, _MOST_BYTES // self._single.table.nbytes)))
 
     def messages(
         self, frames: Frames, markers: Sequence[int], exaggeration: float | None = None

@@ -33,7 +33,7 @@ if HIDE:
             sys.modules[name] = None
 twin = Twin(scene)
 twin.advance(Command(1.0, 1.0), 0.01)
-(text,) = twin.dynamics.kernel.advance.inspect_asm().values()
+(text,) = twin.dynamics.kernel.run.inspect_asm().values()
 # Instructions and registers; names hold running numbers of all functions that numba has met in the process.
 lines = [line for line in text.splitlines() if re.match(r"\\t[a-z]", line)]
 code = [" ".join(re.findall(r"^[a-z0-9]+|%[a-z0-9]+", line.strip())) for line in lines]
@@ -111,7 +111,8 @@ def test_a_kernel_is_named_by_every_source_that_it_reaches(tmp_path):
         "drill_twin.physics.model.section",
     }
     assert wanted <= set(told)
-    assert not [name for name in told if name.startswith(("drill_twin.scene", "drill_twin.dynamics.twin"))]
+    frames = {f"drill_twin.dynamics.twin.{name}" for name in ("frame_kernel", "observation", "state_judge")}
+    assert {name for name in told if name.startswith(("drill_twin.scene", "drill_twin.dynamics.twin"))} == frames
     only = {"drill_twin.physics.effects.bow": ["bow"], "drill_twin.physics.effects.drag": ["drag", "bow"]}
     only["drill_twin.physics.effects.random_field"] = ["bow"]
     shared = ("drill_twin.core", "drill_twin.dynamics.solver", "drill_twin.physics.model")

@@ -12,10 +12,11 @@ from rod_scenes import WALLED, rod_scene
 from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import RunError, StoppedError
 from drill_twin.dynamics.solver.state import HALVINGS
-from drill_twin.dynamics.twin import frame_kernel
+from drill_twin.dynamics.twin import frame_kernel, state_judge
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
+from drill_twin.dynamics.twin.frame_kernel import GOOD_FRAMES_BEFORE_GROWTH
 from drill_twin.dynamics.twin.frame_loop import FrameLoop
-from drill_twin.dynamics.twin.step_guard import GOOD_FRAMES_BEFORE_GROWTH, MAX_RETRIES, StepGuard
+from drill_twin.dynamics.twin.step_guard import MAX_RETRIES, StepGuard
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.dynamics.twin.violation import Violation
 from drill_twin.io.bag.reader import Bag
@@ -67,6 +68,18 @@ def test_a_fault_of_too_large_a_step_is_taken_back_and_done_with_a_smaller_one()
     _, clean = frames(HARMLESS, 60)
     assert np.allclose(seen[-1].positions, clean[-1].positions, atol=1e-4)
     assert np.isfinite([frame.velocities for frame in seen]).all()
+
+
+def test_a_frame_done_again_in_the_middle_of_a_block_is_that_of_single_frames():
+    dose = (0.1, 0.2, 1e-3, 1e8)
+    _, singles = frames(dose, 60)
+    with poisoned(*dose):
+        twin = Twin(scene())
+        block, error = twin.fill(twin.record(60), np.tile(TURNING.values, (60, 1)), FRAME)
+    assert error is None
+    assert list(block.interventions) == [frame.intervention for frame in singles if frame.intervention]
+    np.testing.assert_array_equal(block.positions, [frame.positions for frame in singles])
+    assert block.stats.steps == sum(frame.stats.steps for frame in singles)
 
 
 def test_a_step_that_newton_cannot_take_is_cut_within_the_frame_and_no_matter_for_the_guard():
@@ -198,20 +211,15 @@ def test_a_stop_leaves_a_readable_bag_a_checkpoint_and_the_last_second(session, 
 def test_what_no_smaller_step_mends_is_tried_once(monkeypatch, kind, tries):
     asked = []
 
-    def check(self, *given):
-        asked.append(self.share)
+    def implausible(self):
+        asked.append(self.fraction)
         return Violation(kind, 3, "it was so")
-
-    def suspect(self, *_, **__):
-        self.outcome = frame_kernel.SUSPECT
-        return self.outcome
 
     with poisoned(*HARMLESS):
         twin = Twin(scene())
         twin.advance(TURNING, FRAME)
-        monkeypatch.setattr(StepGuard, "check", check)
-        monkeypatch.setattr(FrameLoop, "attempt", suspect)
-        monkeypatch.setattr(FrameLoop, "advance_frame", suspect)
+        monkeypatch.setattr(StepGuard, "implausible", implausible)
+        monkeypatch.setattr(FrameLoop, "run", lambda *_: frame_kernel.IMPLAUSIBLE)
         with pytest.raises(StoppedError, match="it was so"):
             twin.advance(TURNING, FRAME)
     assert asked == [0.5**k for k in range(tries + 1)]
@@ -221,9 +229,15 @@ def test_what_the_string_cannot_be_is_told():
     """Each bound, from a state made up to break it and from one just within it."""
     walled = rod_scene(effects=WALLED, elements=8, radius=0.04, weight_on_bit=40.0)
     twin = Twin(walled)
-    guard, (u, v) = twin._guard, Twin(walled).unknowns
+    guard, bound, (u, v) = twin._guard, twin.dynamics.bound, Twin(walled).unknowns
     twin.advance(Command(40.0, 0.0), STEP)
-    frames = twin._loop._frames
+    find_extremes, judge = map(as_python, (state_judge.find_extremes, state_judge.judge))
+
+    def verdict(a: np.ndarray, b: np.ndarray, depth: float, place: int) -> Violation | None:
+        find_extremes(twin.rod.outer_radius, a, b, bound.now)
+        deepest = np.array([depth, place])
+        bad = judge(bound.bounds, bound.now, bound.before, deepest, 40.0, STEP, bound.verdict)
+        return guard.implausible() if bad else None
 
     def found(depth: float = -1.0, place: int = 5, **changed: tuple[int, int, float]) -> tuple[str, int] | None:
         a, b = u.copy(), v.copy()
@@ -231,9 +245,7 @@ def test_what_the_string_cannot_be_is_told():
             if name in changed:
                 node, column, value = changed[name]
                 rows[node, column] = value
-        violation = guard.check(a, b, depth, place, 40.0, STEP)
-        frames.seen.deepest[:] = depth, place
-        assert as_python(frame_kernel.is_certain)(frames, STEP) == (violation is None)  # the compiled check agrees
+        violation = verdict(a, b, depth, place)
         return (violation.kind, violation.node) if violation else None
 
     assert found() is None
@@ -241,7 +253,9 @@ def test_what_the_string_cannot_be_is_told():
     assert found(v=(4, 6, EVER)) == ("finite", 4)
     assert found(v=(2, 1, 1440.0)) is None
     soft = rod_scene(effects={}, elements=8, sections=({"youngs_modulus": 1e3},))
-    assert Twin(soft)._guard.bounds.speed == 1000.0  # sound at a metre a second is no bound for what sinks in mud
+    assert (
+        Twin(soft).dynamics.bound.bounds.speed == 1000.0
+    )  # sound at a metre a second is no bound for what sinks in mud
     assert found(v=(2, 1, 1450.0)) == ("speed", 2)
     assert found(v=(2, 6, 1450.0 / 0.00825)) == ("speed", 2)
     assert found(u=(6, 5, 1.4)) is None
@@ -251,7 +265,7 @@ def test_what_the_string_cannot_be_is_told():
     a, b = u.copy(), v.copy()
     for turn, kind in ((170.0, None), (173.0, "fold")):
         a[4, 3:6] = np.sin(np.radians(turn)), 0.0, np.cos(np.radians(turn))
-        violation = guard.check(a, b, -1.0, 5, 40.0, STEP)
+        violation = verdict(a, b, -1.0, 5)
         assert (violation.kind if violation else None) == kind
     # 40 N press a helix with F^2 r / (4 EI) = 1.5 N/m on the wall, 28 um deep: ten times that, and a little
     assert found(depth=2.7e-4) is None
@@ -263,5 +277,5 @@ def test_a_random_force_may_press_the_string_into_the_wall():
     """Ten times what six times its rms of 100 N/m presses into 10 kN/m2, without load, weight and motion."""
     force = {"rms": 100.0, "correlation_time": 1.0, "correlation_length": 1.0}
     effects = {"wall": {"linear_stiffness": 1e4}, "random_force": force}
-    guard = Twin(rod_scene(effects=effects, elements=8, radius=0.04))._guard
-    assert guard.bounds.largest_depth(guard._wall, 0.0, 0.0, STEP) == pytest.approx(10.0 * 0.06)
+    bounds = Twin(rod_scene(effects=effects, elements=8, radius=0.04)).dynamics.bound.bounds
+    assert as_python(state_judge.largest_depth)(bounds, 0.0, 0.0, STEP) == pytest.approx(10.0 * 0.06)

@@ -3,7 +3,7 @@
 
 from pathlib import Path
 
-from drill_twin.dynamics.twin import frame_kernel
+from drill_twin.core.compile.kernel_cache import fingerprint
 from drill_twin.runs.compile_share import FIRST_COURSE, CompileShare
 
 
@@ -30,9 +30,10 @@ def test_the_next_goes_by_the_course_of_the_last(tmp_path: Path) -> None:
 
 def test_a_further_set_is_of_another_kind(tmp_path: Path) -> None:
     """With the machine code that all sets share in the cache; that of an older version is not."""
-    (tmp_path / "drill_twin_frames_0123.show.machine_code").touch()
+    part = "part_drill_twin.dynamics.twin.observation.observe_nodes"
+    (tmp_path / f"{part}_0123.0.bitcode").touch()
     assert "one to two minutes" in CompileShare(tmp_path).before
-    (tmp_path / f"{frame_kernel.compiled().__name__}.show.machine_code").touch()
+    (tmp_path / f"{part}_{fingerprint('import drill_twin.dynamics.twin.observation')}.0.bitcode").touch()
     share = CompileShare(tmp_path)
     assert "ten seconds" in share.before
     assert share.text(3, 4.0) == "3 functions, 4 s"  # how many there are is not known

@@ -15,7 +15,7 @@ from drill_twin import __version__
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError, MessageError, RunError
 from drill_twin.dynamics.twin.frame import Frames
-from drill_twin.dynamics.twin.observer import Record
+from drill_twin.dynamics.twin.frame_record import Record
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages import topics

@@ -37,9 +37,7 @@ FLAGS: dict[str, Any] = {
 }
 
 
-_WITHOUT_ALLOCATION = re.compile(
-    r"drill_twin\.(base|model|effects|solver|audit|whirl)\.|drill_twin_(kernel|linear|analysis)_"
-)
+_WITHOUT_ALLOCATION = re.compile(r"drill_twin\.(core|physics|dynamics|whirl)\.|drill_twin_(kernel|linear|analysis)_")
 
 
 def _compiled(function: Function, pipeline: Any, **more: Any) -> Function:

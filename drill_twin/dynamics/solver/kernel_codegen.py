@@ -93,16 +93,19 @@ def arguments_of(effect: str, function: str, arguments: str) -> str:
 
 def source(effects: Sequence[str], form: str, *, audit: bool = False) -> str:
     """The text of the module with the time loop for a set of effects and a form of the string."""
-    more = "\nfrom drill_twin.dynamics.audit import energy_ledger, step_audit" if audit else ""
+    more = "\nfrom drill_twin.dynamics.twin import frame_kernel, observation"
+    more += "\nfrom drill_twin.dynamics.audit import energy_ledger, step_audit" if audit else ""
     fields = ["ledger: energy_ledger.EnergyLedger"] if audit else []
+    contact = "wall.contact_force" if "wall" in map(key_of, effects) else None
     title = f"The {form} time loop for: {', '.join(effects) or 'no effects'}"
     return f"""{_bound(effects, form, title, "midpoint", more, fields)}
 {_audited(effects, form) if audit else "loop = midpoint.bind(form, effects)"}
+frames = frame_kernel.bind(loop, observation.bind({contact}))
 
 
 @entry_kernel
-def advance(parameters, rod, work, constrained, state, control, command0, command1, start, end, counters, progress):
-    return loop(parameters, rod, work, constrained, state, control, command0, command1, start, end, counters, progress)
+def run(words, kind, commands, seconds, step, table):
+    return frames(words, kind, commands, seconds, step, table)
 """
 
 
@@ -192,7 +195,7 @@ def _lines(lines: Sequence[str]) -> str:
     return "\n    ".join(lines)
 
 
-def entry_point(module: ModuleType, name: str = "advance") -> Callable[..., Any]:
+def entry_point(module: ModuleType, name: str) -> Callable[..., Any]:
     """Entry of a generated module without numba's dispatcher; call it once with real arguments before.
 
     With a second kernel in the process the dispatcher takes 0.4 ms a call to resolve the types, longer than a frame.
@@ -205,7 +208,7 @@ def entry_point(module: ModuleType, name: str = "advance") -> Callable[..., Any]
 def build_kernel(
     effects: tuple[str, ...], form: str = "spatial", hole: str = "straight", *, audit: bool = False
 ) -> ModuleType:
-    """The module with ``advance`` and ``Parameters`` for a set of effects, compiled on first use.
+    """The module with ``run`` and ``Parameters`` for a set of effects, compiled on first use.
 
     Args:
         effects: Scene keys in the order of the registry, with variants (`drill_twin.physics.effects.with_variant`).

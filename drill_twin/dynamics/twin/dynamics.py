@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.compile.packed_arguments import Packed, pack
 from drill_twin.dynamics.audit.effect_timing import EffectTimer
 from drill_twin.dynamics.audit.energy_ledger import make_energy_ledger
 from drill_twin.dynamics.discretisation.boundary_conditions import BoundaryConditions
@@ -27,7 +28,11 @@ from drill_twin.dynamics.solver import slices, state
 from drill_twin.dynamics.solver.kernel_codegen import build_kernel, entry_point
 from drill_twin.dynamics.solver.lateral.workspace import make_workspace as make_lateral_workspace
 from drill_twin.dynamics.solver.spatial.workspace import make_workspace
+from drill_twin.dynamics.twin.binding import memories, reactions_of
+from drill_twin.dynamics.twin.frame_kernel import BoundTwin
+from drill_twin.dynamics.twin.frame_record import row_type
 from drill_twin.dynamics.twin.packed_arrays import named_arrays, pack_arrays
+from drill_twin.dynamics.twin.state_bounds import bounds_of
 from drill_twin.physics.effects import effect_module
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.scene import Scene
@@ -35,8 +40,6 @@ from drill_twin.scene.set_points import Command
 
 AXIAL = "work.axial"
 """Array of the lateral formulation that is missing in checkpoints of drill_twin 0.1.0."""
-DEFAULT_HALVINGS = 1000
-"""Default of the largest number of step halvings in an advance."""
 
 
 class Dynamics:
@@ -54,7 +57,6 @@ class Dynamics:
         step: Nominal time step [s].
         command: Set-points last reached, as `drill_twin.scene.set_points.Command.values`, shape (3,).
         counters: See `drill_twin.dynamics.solver.state`.
-        too_many_halvings: True if the last advance ended at the largest number of step halvings.
         memory_block: Bytes of all arrays of the state, shape (size,).
         progress: Progress of an advance, see `drill_twin.dynamics.solver.state`.
     """
@@ -84,7 +86,9 @@ class Dynamics:
         self._constrained = self.boundary_conditions.constrained(scene.string.bit_end)
         make: Any = make_workspace if self.form == SPATIAL else make_lateral_workspace
         self._work = make(rod.length.size)
-        self._advance: Callable[..., int] | None = None  # once compiled
+        self._run: Callable[..., int] | None = None  # once compiled
+        self._packed: Packed | None = None
+        self._bound: BoundTwin | None = None
         command, counters = np.zeros(3), np.zeros(state.COUNTERS)
         command[0] = scene.rig.first[0]
         axial = getattr(self._work, "axial", ())  # the last sum of weights is used in the next step
@@ -95,8 +99,10 @@ class Dynamics:
         if self.form == LATERAL:
             self._work = self._work._replace(axial=axial)
         self.progress = slices.make_progress()
-        self.too_many_halvings = False
         self._state.bit_frame[:] = self.model.bit_frame
+        impulse = self.parameters.drive.bit.impulse
+        self._memories = memories(scene, self.model, self.counters, impulse, self.stress)
+        self._saved = self.memory_block.copy()
         self.set_parameters(self.parameters)
         self._set_initial_state()
 
@@ -105,7 +111,7 @@ class Dynamics:
         self.parameters = parameters
         blades = getattr(parameters, "bit_stabiliser", None)
         place = newton_place(self.scene.tolerance, self.rod, self.wall, getattr(blades, "stiffness", 0.0))
-        self._control = state.StepControl(self.step, place, self.scene.tolerance, DEFAULT_HALVINGS)
+        self._control = state.StepControl(self.step, place, self.scene.tolerance, 0)
 
     def _set_initial_state(self) -> None:
         set_initial_state(self._state, self.model, self.scene, float(self.command[0]))
@@ -139,6 +145,11 @@ class Dynamics:
         fatigue = getattr(self.parameters, "fatigue", None)
         return None if fatigue is None else fatigue.seen
 
+    def row_type(self, *, whole: bool) -> Any:
+        """Numpy's type of a recorded frame (`drill_twin.dynamics.twin.frame_record`)."""
+        sections = 0 if self.stress is None else len(self.stress)
+        return row_type(self.rod.arc.size, len(self.scene.string.marks), sections, whole=whole)
+
     @property
     def rod(self) -> Rod:
         """The meshed string."""
@@ -162,38 +173,56 @@ class Dynamics:
         if self.form == LATERAL:
             yield AXIAL, self._work.axial
 
-    def advance(
-        self, target: Array, seconds: float, step: float | None = None, max_halvings: int = DEFAULT_HALVINGS
-    ) -> bool:
-        """Advance in time; the set-points change linearly from `command`, which is not updated, to `target`.
+    @property
+    def bound(self) -> BoundTwin:
+        """What the compiled frame loop is bound to, with the parameters in force."""
+        if self._bound is None or self._bound.parameters is not self.parameters:
+            self._bound, self._packed = self._bind(), None
+        return self._bound
+
+    def _bind(self) -> BoundTwin:
+        model, wall = self.model, self.wall
+        return BoundTwin(
+            parameters=self.parameters, rod=self.rod, hole=model.wellbore, wall=wall, scratch=self._work,
+            constrained=self._constrained, state=self._state, control=self._control, command=self.command,
+            progress=self.progress, memory=self.memory_block.view(np.int64), saved=self._saved.view(np.int64),
+            reactions=reactions_of(self.boundary_conditions),
+            bounds=bounds_of(self.scene, model, wall, lateral=self.form == LATERAL), **self._memories,
+        )  # fmt: skip
+
+    def run(self, commands: Array, seconds: float, step: float, table: Array) -> int:
+        """Advance by frames in compiled code, see `frame_kernel.bind`; PAUSED at the end of a slice."""
+        bound = self.bound
+        if self._packed is None:
+            self._packed = pack(bound)
+        words, kind, _ = self._packed
+        status = (self._run or self.kernel.run)(words, kind, commands, seconds, step, table)
+        self._run = self._run or entry_point(self.kernel, "run")
+        return status
+
+    def roll_back(self) -> None:
+        """Restore the state at the start of the frame."""
+        np.copyto(self.memory_block, self._saved)
+
+    def advance(self, target: Array, seconds: float, step: float | None = None) -> bool:
+        """Advance in time, unjudged; the set-points change linearly from `command`, which is not updated, to `target`.
 
         Args:
             target: Set-points at the end, shape (3,).
             seconds: Time to advance [s].
             step: Time step [s]; the nominal one if not given.
-            max_halvings: Largest number of step halvings.
 
         Returns:
-            False if Newton's method fails at the smallest step, or after `max_halvings`, where `too_many_halvings` is
-            set.
+            False if Newton's method fails at the smallest step, or the step is halved too often.
         """
-        control = self._control._replace(step=self.step if step is None else step, max_halvings=max_halvings)
-        advance, arguments = self._advance or self.kernel.advance, self.arguments(target, self.time, seconds, control)
-        iterations = slices.iterations_of(self.rod.length.size)
+        iterations, nothing = slices.iterations_of(self.rod.length.size), np.zeros((0, 0))
+        commands, nominal = target.reshape(1, -1), self.step if step is None else step
         slices.call_check()  # between the many short ones of a search for an equilibrium
-        status = slices.in_slices(lambda: advance(*arguments), self.progress, lambda: iterations)
-        self._advance = self._advance or entry_point(self.kernel)
-        self.too_many_halvings = status == state.TOO_MANY_HALVINGS
+        self.bound.course[:] = 0
+        status = slices.in_slices(
+            lambda: self.run(commands, seconds, nominal, nothing), self.progress, lambda: iterations
+        )
         return status == state.CONVERGED
-
-    def arguments(
-        self, target: Array, start: float, seconds: float, control: state.StepControl | None = None
-    ) -> tuple[Any, ...]:
-        """Arguments of the kernel's `advance`, to move from a time [s] on by `seconds`; see `advance`."""
-        return (
-            self.parameters, self.rod, self._work, self._constrained, self._state, control or self._control,
-            self.command, target, start, start + seconds, self.counters, self.progress,
-        )  # fmt: skip
 
     @property
     def clock(self) -> Array:

@@ -3,8 +3,8 @@
 
 Nodes are numbered from the bit (0) to the top clamp (n). Vectors are in the frame `hole`: origin at the top clamp, z up
 along the hole's axis there, x to the low side. In a curved hole, marks are in the frame of the hole at their depth: x
-and y from its axis, z along it (minus the measured depth); in a straight hole both are the same. All values are SI,
-float64, and copies; the arrays of the nodes share one block of memory, those of the marks another.
+and y from its axis, z along it (minus the measured depth); in a straight hole both are the same. All values are SI and
+float64; the arrays of a frame are views of one row of memory, which holds as long as they do.
 """
 
 from __future__ import annotations

@@ -1,121 +1,62 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames of a twin in compiled code: save the state, advance, observe, check.
+"""Frames of a twin in compiled code: save the state, advance, observe, judge, record.
 
-What a frame calls is bound once (`drill_twin.core.compile.native_call`): the kernel of the scene, the observation and
-the check of a state. The loop itself knows no effects and no types of theirs, so it is compiled once for all scenes. It
-judges a frame with `step_guard`'s bounds; where one may be exceeded it leaves the frame to Python, which decides.
+The loop over frames is written once and bound to the time loop of a scene, in the module generated for its effects
+(`drill_twin.dynamics.solver.kernel_codegen`). One frame is a block of one. A frame that is not plausible is left to
+Python, which puts the verdict into words, takes the frame back, and has it repeated with half the step.
 """
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, Integers, Mask
 from drill_twin.core.compile.jit import kernel
-from drill_twin.core.compile.kernel_cache import load_generated
-from drill_twin.core.compile.native_call import Call, call
-from drill_twin.dynamics.audit import state_check
-from drill_twin.dynamics.solver.state import CONVERGED, COUNTERS, NEXT_STEP, PAUSED, TIME, TOO_MANY_HALVINGS, UNFINISHED
-from drill_twin.dynamics.twin.observation import DEPTH, PLACE, Observation
+from drill_twin.core.compile.packed_arguments import field
+from drill_twin.dynamics.solver.state import (
+    CONVERGED,
+    COUNTERS,
+    NEXT_STEP,
+    PAUSED,
+    TIME,
+    TOO_MANY_HALVINGS,
+    UNFINISHED,
+    State,
+    StepControl,
+)
+from drill_twin.dynamics.twin.observation import DEPTH, PLACE, MarkPlaces, Observation
+from drill_twin.dynamics.twin.state_judge import Bounds, find_extremes, judge
+from drill_twin.physics.model.bit import BIT_TORQUE
+from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.wellbore import Wellbore
 
-GOOD, DIVERGED, HALVED_TOO_OFTEN, SUSPECT = range(4)
-"""Outcome of a frame: good, Newton's method failed, the step was halved too often, or a bound may be exceeded.
+GOOD, DIVERGED, HALVED_TOO_OFTEN, IMPLAUSIBLE = range(4)
+"""Outcome of a frame: good, Newton's method failed, the step was halved too often, or a bound is exceeded.
 
 PAUSED of `drill_twin.dynamics.solver.state` is a frame to be gone on with.
 """
-SHARE, GOOD_FRAMES = 0, 1
-"""Indices into the guard's memory: share of the nominal step, good frames since it was halved."""
-PUSHED = COUNTERS + 10
-"""Index into `Shown.numbers` of the impulses."""
-CERTAIN = 1.0 - 1e-9
-"""Share of the largest penetration below which the compiled check and the guard's cannot differ by round-off."""
+FRACTION, GOOD_FRAMES = 0, 1
+"""Indices into the guard's memory: fraction of the nominal step, good frames since it was halved."""
+ROW, REPEATED = 0, 1
+"""Indices into the course of a block: the next frame, and 1 if that is repeated from the state that was saved."""
+HALVINGS_PER_STEP, HALVINGS_PER_FRAME = 200, 2000
+"""Limit of step halvings in a frame: per nominal step, plus per frame. Beyond it the frame is rejected as too slow."""
+GOOD_FRAMES_BEFORE_GROWTH = 10
+"""Good frames after which a halved step is doubled."""
+AS_SET, MINUS_SET = -1, -2
+"""In place of an index into `Reactions`: the weight on bit that is set, and minus that."""
 
 
-class Limits(NamedTuple):
-    """Numbers of `StepGuard`, its bounds (`drill_twin.dynamics.twin.state_bounds`) and the wall's law."""
+class Reactions(NamedTuple):
+    """Where the forces of the rig are found: indices into the counters, or beyond them into the impulses of the bit."""
 
-    step: float  # nominal [s]
-    halvings_per_frame: float
-    halvings_per_step: float
-    good_frames_before_growth: float
-    speed: float
-    tilt: float
-    strain: float
-    walled: bool
-    depth_margin: float
-    stiffness: float
-    power: float
-    line_mass: float
-    flexibility: float
-    weight: float
-    line_load: float
-    curvature: float
-
-
-class Places(NamedTuple):
-    """Places of arguments of the kernel among its words."""
-
-    step: int
-    max_halvings: int
-    start: int
-    end: int
-
-
-class Frames(NamedTuple):
-    """Calls and arrays of one twin."""
-
-    advance: Call
-    observe: Call
-    check: Call
-    places: Places
-    limits: Limits
-    memory: NDArray[np.int64]  # of the state, and its copy at the start of the frame
-    saved: NDArray[np.int64]
-    clock: Array
-    progress: Array  # of the advance
-    command: Array  # (2,) set-points last reached
-    target: Array  # (2,) set-points at the end of the frame
-    guard: Array  # (2,) see SHARE
-    extremes: Array
-    before: Array  # extremes at the start of the frame
-    counters: Array
-    counters_before: Array
-    impulse: Array
-    impulse_before: Array
-    seen: Observation
-    stress: Array  # (s, scalars) of the sections of `fatigue`
-
-
-class Rows(NamedTuple):
-    """Recorded frames, one a row."""
-
-    time: Array  # (F,) [s]
-    command: Array  # (F, 3) set-points reached, as `Command.values`
-    position: Array  # (F, m, 3) of the marks [m]
-    centre: Array  # (F, m, 3) [m]
-    spin: Array  # (F, m) [rad]
-    wall_force: Array  # (F, m) [N]
-    ends: Array  # (F, 2, 3) of bit and top: spin [rad], its rate [rad/s], height [m]
-    counted: Array  # (F, counters) of the frame
-    pushed: Array  # (F, impulses) of the frame
-    string: Array  # (F, 3) largest wall force of a node [N], largest penetration [m], share of nodes in contact
-
-
-class States(NamedTuple):
-    """The rest of recorded frames, for messages; F = 0 where it is not wanted."""
-
-    u: Array  # (F, n + 1, 7) node rows (r, r', psi)
-    v: Array  # (F, n + 1, 7) their velocities
-    tangents: Array  # (F, n + 1, 3)
-    wall_force: Array  # (F, n + 1) [N]
-    velocity: Array  # (F, m, 3) of the marks [m/s]
-    spin_rate: Array  # (F, m) [rad/s]
-    deepest: Array  # (F, 2) see Observation
-    stress: Array  # (F, s, scalars)
+    torque: int  # of the top drive
+    weight: int  # on bit
+    hook: int
 
 
 class Past(NamedTuple):
@@ -126,235 +67,235 @@ class Past(NamedTuple):
     next: NDArray[np.int64]  # (1,) number of states added
 
 
-class Shown(NamedTuple):
-    """Arrays that a `Frame` needs beside an `Observation`."""
+class Effort(NamedTuple):
+    """What the time loop counts, now and at the start of the frame."""
 
-    positions: Array  # (n + 1, 3)
-    velocities: Array  # (n + 1, 3)
-    spin: Array  # (n + 1,)
-    spin_rate: Array  # (n + 1,)
-    numbers: (
-        Array  # counted, time, `deepest` (2), spin and rate of bit and top (4), height and speed of it, load, pushed
-    )
+    counters: Array
+    counters_before: Array
+    impulse: Array  # of the bit
+    impulse_before: Array
+
+
+class BoundTwin(NamedTuple):
+    """Arguments of the time loop, and what saves, observes, judges and records the frames of one twin."""
+
+    parameters: Any
+    rod: Rod
+    hole: Wellbore
+    wall: Any
+    scratch: Any
+    constrained: Mask
+    state: State
+    control: StepControl
+    command: Array  # (3,) set-points last reached
+    target: Array  # (3,) set-points at the end of the frame
+    progress: Array  # of the advance
+    effort: Effort
+    memory: NDArray[np.int64]  # of the state, and its copy at the start of the frame
+    saved: NDArray[np.int64]
+    bounds: Bounds
+    now: Array  # extremes of the state, and those at the start of the frame
+    before: Array
+    verdict: Array
+    guard: Array  # (2,) see FRACTION
+    course: NDArray[np.int64]  # (2,) see ROW
+    marks: MarkPlaces
+    seen: Observation
+    reactions: Reactions
+    stress: Array  # (s, scalars) of the sections of `fatigue`
     past: Past
 
 
 @kernel
-def attempt(frames: Frames, seconds: float, save: bool) -> int:
-    """Advance by a frame to `frames.target`, or go on with one that was paused; returns its outcome.
-
-    Args:
-        frames: Calls and arrays of the twin.
-        seconds: Length of the frame [s].
-        save: Save the state before; not for a frame that is repeated.
-    """
-    limits, places, words = frames.limits, frames.places, frames.advance.words
-    numbers = words.view(np.float64)
-    if save and frames.progress[NEXT_STEP] == 0.0:
-        frames.saved[:] = frames.memory
-        frames.counters_before[:] = frames.counters
-        frames.impulse_before[:] = frames.impulse
-        call(frames.check)
-        frames.before[:] = frames.extremes
-        frames.progress[UNFINISHED] = 1.0
-    step = min(limits.step, seconds) * frames.guard[SHARE]
-    numbers[places.step] = step
-    words[places.max_halvings] = int(
-        limits.halvings_per_frame + limits.halvings_per_step * np.ceil(seconds / limits.step)
-    )
-    numbers[places.start] = frames.clock[TIME]
-    numbers[places.end] = frames.clock[TIME] + seconds
-    status = call(frames.advance)
-    if status == PAUSED:
-        return PAUSED
-    if status != CONVERGED:
-        return HALVED_TOO_OFTEN if status == TOO_MANY_HALVINGS else DIVERGED
-    frames.seen.deepest[0], frames.seen.deepest[1] = -np.inf, 0.0
-    call(frames.observe)
-    call(frames.check)
-    return GOOD if is_certain(frames, step) else SUSPECT
+def copy_words(values: NDArray[np.int64], out: NDArray[np.int64]) -> None:
+    """Copy whole numbers; an assignment to a slice would allocate."""
+    for k in range(out.size):
+        out[k] = values[k]
 
 
 @kernel
-def is_certain(frames: Frames, step: float) -> bool:
-    """Check that a state is within all bounds."""
-    limits, found, depth = frames.limits, frames.extremes, frames.seen.deepest[DEPTH]
-    if not (
-        found[state_check.BROKEN] < 0.0
-        and found[state_check.SPEED] <= limits.speed
-        and found[state_check.LEAN] <= limits.tilt
-        and found[state_check.STRAIN] <= limits.strain
-    ):
-        return False
-    if not limits.walled or depth <= 0.0:
-        return True
-    speed = max(frames.before[state_check.SPEED], found[state_check.SPEED])
-    load = max(abs(frames.command[0]), abs(frames.target[0])) + limits.weight
-    power = limits.power
-    impact = (0.5 * (power + 1.0) * limits.line_mass * speed**2 / limits.stiffness) ** (1.0 / (power + 1.0))
-    pressed = (load**2 * limits.flexibility + load * limits.curvature + limits.line_load) / limits.stiffness
-    largest = limits.depth_margin * (impact + pressed ** (1.0 / power)) + speed * step
-    return bool(depth <= CERTAIN * largest)
+def copy_numbers(values: Array, out: Array) -> None:
+    """Copy an array of one dimension."""
+    for k in range(out.size):
+        out[k] = values[k]
 
 
 @kernel
-def count_good_frame(frames: Frames) -> None:
-    """Count a good frame, and double a halved step after some of them."""
-    guard = frames.guard
-    if guard[SHARE] < 1.0:
+def count_good_frame(guard: Array) -> None:
+    """Count a good frame, and double a halved step after `GOOD_FRAMES_BEFORE_GROWTH` of them."""
+    if guard[FRACTION] < 1.0:
         guard[GOOD_FRAMES] += 1.0
-        if guard[GOOD_FRAMES] >= frames.limits.good_frames_before_growth:
-            guard[SHARE], guard[GOOD_FRAMES] = min(2.0 * guard[SHARE], 1.0), 0.0
+        if guard[GOOD_FRAMES] >= GOOD_FRAMES_BEFORE_GROWTH:
+            guard[FRACTION], guard[GOOD_FRAMES] = min(2.0 * guard[FRACTION], 1.0), 0.0
 
 
 @kernel
-def show(frames: Frames, u: Array, v: Array, shown: Shown) -> None:
-    """Show the frame that was observed last, and add its state to the last ones."""
-    nodes, past, numbers = u.shape[0], shown.past, shown.numbers
+def put(row: Array, at: int, values: Array) -> int:
+    """Put a list of numbers into a row of the record from a column on; returns the column behind it."""
+    for i in range(values.shape[0]):
+        row[at + i] = values[i]
+    return at + int(values.shape[0])
+
+
+@kernel
+def put_table(row: Array, at: int, values: Array) -> int:
+    """As `put`, of an array of two dimensions."""
+    rows, columns = values.shape
+    for i in range(rows):
+        for c in range(columns):
+            row[at + i * columns + c] = values[i, c]
+    return at + int(rows * columns)
+
+
+@kernel
+def mean_reaction(effort: Effort, source: int, load: float, seconds: float) -> float:
+    """Mean of a force or torque over the frame, as unresolved waves oscillate from step to step."""
+    if source < 0:
+        return load if source == AS_SET else -load
+    if source < COUNTERS:
+        return (effort.counters[source] - effort.counters_before[source]) / seconds  # type: ignore[no-any-return]
+    k = source - COUNTERS
+    return (effort.impulse[k] - effort.impulse_before[k]) / seconds  # type: ignore[no-any-return]
+
+
+@kernel
+def record_rig(
+    effort: Effort, reactions: Reactions, load: float, u: Array, v: Array, seconds: float, row: Array, at: int
+) -> int:
+    """Record the fields of `drill_twin.dynamics.twin.frame.RigState`, in their order."""
+    top = u.shape[0] - 1
+    row[at], row[at + 1] = u[top, 6], v[top, 6]
+    row[at + 2] = mean_reaction(effort, reactions.torque, load, seconds)
+    row[at + 3], row[at + 4] = u[0, 6], v[0, 6]
+    row[at + 5] = mean_reaction(effort, COUNTERS + BIT_TORQUE, load, seconds)
+    row[at + 6] = mean_reaction(effort, reactions.weight, load, seconds)
+    row[at + 7], row[at + 8] = u[top, 2], v[top, 2]
+    row[at + 9] = mean_reaction(effort, reactions.hook, load, seconds)
+    return at + 10
+
+
+@kernel
+def record_marks(seen: Observation, row: Array, at: int) -> int:
+    """Record marks and wall forces."""
+    at = put_table(row, at, seen.position)
+    at = put_table(row, at, seen.centre)
+    at = put(row, at, seen.spin)
+    at = put(row, at, seen.mark_force)
+    largest, touching = 0.0, 0
+    for i in range(seen.wall_force.size):
+        largest = max(largest, seen.wall_force[i])
+        touching += seen.wall_force[i] > 0.0
+    row[at], row[at + 1], row[at + 2] = largest, seen.deepest[DEPTH], touching / seen.wall_force.size
+    return at + 3
+
+
+@kernel
+def record_nodes(seen: Observation, u: Array, v: Array, stress: Array, row: Array, at: int) -> None:
+    """Record the state of all nodes, in the order of `drill_twin.dynamics.twin.frame_record.NodeSeries`."""
+    at = put_table(row, at, u)
+    at = put_table(row, at, v)
+    at = put_table(row, at, seen.tangents)
+    at = put(row, at, seen.wall_force)
+    at = put_table(row, at, seen.velocity)
+    at = put(row, at, seen.spin_rate)
+    row[at], row[at + 1] = seen.deepest[DEPTH], seen.gauss_arc[int(seen.deepest[PLACE])]
+    put_table(row, at + 2, stress)
+
+
+@kernel
+def keep_state(past: Past, time: float, u: Array, v: Array) -> None:
+    """Add a state to the ring of the last ones."""
     k = past.next[0] % past.time.size
     past.next[0] += 1
-    past.time[k] = frames.clock[TIME]
-    past.rows[k, 0], past.rows[k, 1] = u, v
-    for i in range(nodes):
-        for c in range(3):
-            shown.positions[i, c], shown.velocities[i, c] = u[i, c], v[i, c]
-        shown.spin[i], shown.spin_rate[i] = u[i, 6], v[i, 6]
-    for k in range(COUNTERS):
-        numbers[k] = frames.counters[k] - frames.counters_before[k]
-    now = numbers[COUNTERS:PUSHED]
-    now[0], now[1], now[2] = frames.clock[TIME], frames.seen.deepest[DEPTH], frames.seen.deepest[PLACE]
-    now[3], now[4], now[5], now[6] = u[0, 6], v[0, 6], u[nodes - 1, 6], v[nodes - 1, 6]
-    now[7], now[8], now[9] = u[nodes - 1, 2], v[nodes - 1, 2], frames.command[0]
-    for k in range(frames.impulse.size):
-        numbers[PUSHED + k] = frames.impulse[k] - frames.impulse_before[k]
+    past.time[k] = time
+    for i in range(u.shape[0]):
+        for c in range(7):
+            past.rows[k, 0, i, c], past.rows[k, 1, i, c] = u[i, c], v[i, c]
 
 
-@kernel
-def advance_frame(frames: Frames, u: Array, v: Array, shown: Shown, seconds: float) -> int:
-    """Advance by a frame to `frames.target`, and show it if it is good; returns its outcome.
+def bind(advance: Any, observe: Any) -> Callable[..., int]:
+    """Bind the loop over frames to the time loop of a set of effects and to the observation.
 
     Args:
-        frames: Calls and arrays of the twin.
-        u: Node rows (r, r', psi), shape (n + 1, 7).
-        v: Their velocities.
-        shown: Takes the frame.
-        seconds: Length of the frame [s].
+        advance: As `drill_twin.dynamics.solver.midpoint.bind` makes it.
+        observe: As `drill_twin.dynamics.twin.observation.bind` makes it.
     """
-    outcome = attempt(frames, seconds, True)
-    if outcome == GOOD:
-        count_good_frame(frames)
-        frames.command[:] = frames.target
-        show(frames, u, v, shown)
-        frames.progress[UNFINISHED] = 0.0
-    return outcome
 
+    @kernel
+    def run(words: Integers, kind: Any, commands: Array, seconds: float, nominal: float, table: Array) -> int:
+        """Advance by frames from the row `course[ROW]` on while they are good, and record each.
 
-@kernel
-def record(frames: Frames, u: Array, v: Array, rows: Rows, states: States, row: int) -> None:
-    """Record the frame that was observed last."""
-    seen = frames.seen
-    rows.time[row] = frames.clock[TIME]
-    rows.command[row] = frames.command
-    for m in range(seen.spin.size):
-        for c in range(3):
-            rows.position[row, m, c] = seen.position[m, c]
-            rows.centre[row, m, c] = seen.centre[m, c]
-        rows.spin[row, m] = seen.spin[m]
-        rows.wall_force[row, m] = seen.mark_force[m]
-    for end in range(2):
-        node = end * (u.shape[0] - 1)
-        rows.ends[row, end, 0], rows.ends[row, end, 1], rows.ends[row, end, 2] = u[node, 6], v[node, 6], u[node, 2]
-    for k in range(frames.counters.size):
-        rows.counted[row, k] = frames.counters[k] - frames.counters_before[k]
-    for k in range(frames.impulse.size):
-        rows.pushed[row, k] = frames.impulse[k] - frames.impulse_before[k]
-    largest, touching = 0.0, 0
-    for force in seen.wall_force:
-        largest = max(largest, force)
-        touching += force > 0.0
-    rows.string[row, 0], rows.string[row, 1] = largest, seen.deepest[DEPTH]
-    rows.string[row, 2] = touching / seen.wall_force.size
-    if len(states.u):
-        states.u[row], states.v[row] = u, v
-        states.tangents[row], states.wall_force[row] = seen.tangents, seen.wall_force
-        states.velocity[row], states.spin_rate[row] = seen.velocity, seen.spin_rate
-        states.deepest[row], states.stress[row] = seen.deepest, frames.stress
+        Args:
+            words: The packed `BoundTwin`, and its type (`drill_twin.core.compile.packed_arguments`).
+            kind: The latter.
+            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
+            seconds: Length of a frame [s].
+            nominal: Nominal time step [s].
+            table: The record, F rows; without rows one advance, neither judged nor recorded.
 
+        Returns:
+            Outcome of the last frame.
+        """
+        rod, state, effort, reactions = (
+            field(words, kind, "rod"), field(words, kind, "state"), field(words, kind, "effort"),
+            field(words, kind, "reactions"),
+        )  # fmt: skip
+        command, target, progress = (
+            field(words, kind, "command"), field(words, kind, "target"), field(words, kind, "progress"),
+        )  # fmt: skip
+        guard, course, control = (
+            field(words, kind, "guard"),
+            field(words, kind, "course"),
+            field(words, kind, "control"),
+        )
+        now, before, seen = field(words, kind, "now"), field(words, kind, "before"), field(words, kind, "seen")
+        u, v, clock = state.u, state.v, state.clock
+        judged = table.shape[0] > 0
+        halvings = int(HALVINGS_PER_FRAME + HALVINGS_PER_STEP * np.ceil(seconds / nominal))
+        while course[ROW] < commands.shape[0]:
+            step = nominal
+            if judged:
+                if progress[NEXT_STEP] == 0.0 and course[REPEATED] == 0:
+                    copy_words(field(words, kind, "memory"), field(words, kind, "saved"))
+                    copy_numbers(effort.counters, effort.counters_before)
+                    copy_numbers(effort.impulse, effort.impulse_before)
+                    find_extremes(rod.outer_radius, u, v, before)
+                    progress[UNFINISHED] = 1.0
+                step = min(nominal, seconds) * guard[FRACTION]
+            copy_numbers(commands[course[ROW]], target)
+            status = advance(
+                field(words, kind, "parameters"), rod, field(words, kind, "scratch"), field(words, kind, "constrained"),
+                state, StepControl(step, control.position, control.angle, halvings), command, target,
+                clock[TIME], clock[TIME] + seconds, effort.counters, progress,
+            )  # fmt: skip
+            if status == PAUSED or not judged:
+                return status  # type: ignore[no-any-return]
+            if status != CONVERGED:
+                return HALVED_TOO_OFTEN if status == TOO_MANY_HALVINGS else DIVERGED
+            hole, wall, marks = field(words, kind, "hole"), field(words, kind, "wall"), field(words, kind, "marks")
+            observe(rod.length, rod.shape, hole, wall, u, v, marks, seen)
+            find_extremes(rod.outer_radius, u, v, now)
+            load = max(abs(command[0]), abs(target[0]))
+            if judge(
+                field(words, kind, "bounds"), now, before, seen.deepest, load, step, field(words, kind, "verdict")
+            ):
+                return IMPLAUSIBLE
+            if course[REPEATED] == 0:
+                count_good_frame(guard)
+            copy_numbers(target, command)
+            row = table[course[ROW]]
+            row[0] = clock[TIME]
+            at = put(row, 1, command)
+            at = record_rig(effort, reactions, command[0], u, v, seconds, row, at)
+            for k in range(COUNTERS):
+                row[at + k] = effort.counters[k] - effort.counters_before[k]
+            at = record_marks(seen, row, at + COUNTERS)
+            if at < row.size:
+                record_nodes(seen, u, v, field(words, kind, "stress"), row, at)
+                keep_state(field(words, kind, "past"), clock[TIME], u, v)
+            course[ROW] += 1
+            course[REPEATED] = 0
+            progress[UNFINISHED] = 0.0
+        return GOOD
 
-@kernel
-def advance_frames(
-    frames: Frames,
-    u: Array,
-    v: Array,
-    commands: Array,
-    seconds: float,
-    row: int,
-    rows: Rows,
-    states: States,
-    recorded: NDArray[np.int64],
-) -> int:
-    """Advance by frames while they are good, and record each.
-
-    Args:
-        frames: Calls and arrays of the twin.
-        u: Node rows (r, r', psi), shape (n + 1, 7).
-        v: Their velocities.
-        commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
-        seconds: Length of a frame [s].
-        row: First frame.
-        rows: The record, F rows.
-        states: The rest of it.
-        recorded: Set to the number of frames recorded, shape (1,).
-
-    Returns:
-        Outcome of the last frame.
-    """
-    recorded[0] = row
-    for k in range(row, len(commands)):
-        frames.target[:] = commands[k]
-        outcome = attempt(frames, seconds, True)
-        if outcome != GOOD:
-            return outcome
-        count_good_frame(frames)
-        frames.command[:] = frames.target
-        record(frames, u, v, rows, states, k)
-        recorded[0] = k + 1
-        frames.progress[UNFINISHED] = 0.0
-    return GOOD
-
-
-_MODULE = '''"""Frames of a twin. Generated by drill_twin; do not edit."""
-from drill_twin.core.compile.jit import entry_kernel
-from drill_twin.dynamics.twin import frame_kernel
-
-
-@entry_kernel
-def attempt(frames, seconds, save):
-    return frame_kernel.attempt(frames, seconds, save)
-
-
-@entry_kernel
-def advance_frame(frames, u, v, shown, seconds):
-    return frame_kernel.advance_frame(frames, u, v, shown, seconds)
-
-
-@entry_kernel
-def show(frames, u, v, shown):
-    frame_kernel.show(frames, u, v, shown)
-
-
-@entry_kernel
-def record(frames, u, v, rows, states, row):
-    frame_kernel.record(frames, u, v, rows, states, row)
-
-
-@entry_kernel
-def advance_frames(frames, u, v, commands, seconds, row, rows, states, recorded):
-    return frame_kernel.advance_frames(frames, u, v, commands, seconds, row, rows, states, recorded)
-'''
-
-
-@cache
-def compiled() -> Any:
-    """The module with the functions of this one that Python calls."""
-    return load_generated("frames", _MODULE)
+    return run

@@ -23,21 +23,6 @@ def pack_arrays(value: Any) -> tuple[Any, Bytes]:
     return _replace_arrays(value, views), block
 
 
-class Copied:
-    """Arrays in one block; a copy of all takes a third of the time of a copy of each."""
-
-    def __init__(self, *shapes: tuple[int, ...]) -> None:
-        """Allocate arrays of float64 of some shapes, zero."""
-        self._type = np.dtype([(str(place), float, shape) for place, shape in enumerate(shapes)])
-        self._block = np.zeros(self._type.itemsize // 8)
-        self.arrays: tuple[Array, ...] = np.ndarray((), self._type, self._block).item()
-
-    def copy(self) -> tuple[Array, ...]:
-        """Copies of the arrays, which share their memory."""
-        arrays: tuple[Array, ...] = np.ndarray((), self._type, self._block.copy()).item()
-        return arrays
-
-
 def named_arrays(name: str, value: object) -> Iterator[tuple[str, Array]]:
     """Yield the arrays of nested named tuples, each with its dotted name."""
     if isinstance(value, np.ndarray):

@@ -12,13 +12,12 @@ from drill_twin.dynamics.solver.state import HALVINGS, PAUSED, REACHED, STEPS
 from drill_twin.dynamics.twin.dynamics import Dynamics, restore_arrays
 from drill_twin.dynamics.twin.energy_balance import EnergyAudit
 from drill_twin.dynamics.twin.failure_report import failure_report
-from drill_twin.dynamics.twin.frame import EnergyBalance, Frame, Frames, Intervention
-from drill_twin.dynamics.twin.frame_kernel import DIVERGED, GOOD, HALVED_TOO_OFTEN, SUSPECT, Rows, States
+from drill_twin.dynamics.twin.frame import EnergyBalance, Frame, Frames
+from drill_twin.dynamics.twin.frame_kernel import GOOD, HALVED_TOO_OFTEN, IMPLAUSIBLE
 from drill_twin.dynamics.twin.frame_loop import FrameLoop
+from drill_twin.dynamics.twin.frame_record import Record, frame_of, frames_of, make_record
 from drill_twin.dynamics.twin.number_change import change_numbers
-from drill_twin.dynamics.twin.observer import Observer, Record
-from drill_twin.dynamics.twin.state_bounds import bounds_of
-from drill_twin.dynamics.twin.state_history import StateHistory
+from drill_twin.dynamics.twin.state_history import read_past
 from drill_twin.dynamics.twin.step_guard import StepGuard, max_halvings
 from drill_twin.dynamics.twin.violation import Violation
 from drill_twin.physics.model.bit import DRILLED
@@ -53,21 +52,15 @@ class Twin:
             self.energy_audit = EnergyAudit(
                 dynamics.parameters.ledger, dynamics.effects, self.model, dynamics.wall, lateral=lateral
             )
-        self._guard = StepGuard(bounds_of(scene, self.model, lateral=lateral), self.model, dynamics.wall)
-        self._guard.attach(dynamics.memory_block)
-        self._observer = Observer(dynamics)
-        self._history = StateHistory(self.rod.arc.size, scene.numerics.frame_rate)
-        self._loop = FrameLoop(dynamics, self._guard, self._observer, self._history.memory)
+        self._guard = StepGuard(dynamics)
+        self._loop = FrameLoop(dynamics)
         self._energy: EnergyBalance | None = None
+        self._single, self._last = np.zeros((1, 3)), self.record(1)
 
     def change_numbers(self, scene: Scene) -> None:
-        """Take the numbers of another scene in the middle of a run, as `drill_twin.dynamics.twin.number_change`, with
-        the bounds of a plausible state that belong to them.
-        """
+        """Take the numbers of another scene in the middle of a run, as `drill_twin.dynamics.twin.number_change`."""
         change_numbers(self.dynamics, scene)
         self.scene = scene
-        bounds = bounds_of(scene, self.model, lateral=self.dynamics.form == LATERAL)
-        self._guard.set_bounds(bounds, self.dynamics.wall)
 
     @property
     def time(self) -> float:
@@ -125,11 +118,11 @@ class Twin:
     def restore(self, arrays: Mapping[str, Array]) -> None:
         """Restore the `checkpoint` of a twin of the same scene."""
         restore_arrays(self._arrays(), arrays)
-        self._history.clear()
+        self.dynamics.bound.past.next[0] = 0
 
     def last_second(self) -> tuple[Array, Array, Array]:
         """Times of the last frames [s], shape (k,), and their node rows u and v, shape (k, n + 1, 7) each; copies."""
-        return self._history.read()
+        return read_past(self.dynamics.bound.past)
 
     def _arrays(self) -> Iterator[tuple[str, Array]]:
         yield from self.dynamics.arrays()
@@ -146,41 +139,27 @@ class Twin:
             StoppedError: Violation in all retries with smaller steps; the twin is back at the last good frame.
         """
         began = time.perf_counter()
-        target = self._loop.target
-        target[:] = command.values
-        intervention = None
-        try:
-            if self.energy_audit is not None or self._loop.advance_frame(seconds) != GOOD:
-                intervention = self._complete(target, seconds)
-                self._loop.show()
-        except BaseException:
-            self._loop.abandon()
-            raise
-        return self._observer.frame(seconds, time.perf_counter() - began, intervention, self._energy)
+        record, self._single[0] = self._last, command.values
+        self._follow(record, self._single, seconds)
+        row, seconds = record.table[0].copy(), time.perf_counter() - began
+        return frame_of(row, record.kind, seconds, record.interventions.get(0), self._energy)
 
     def load(self) -> None:
         """Bind the compiled frame loop and load its machine code, so that no frame waits for it or is timed with it."""
-        rows = self._loop.rows(0)
-        self._loop.advance(np.zeros((0, self._loop.target.size)), 1.0, 0, rows, self._loop.states(0))
+        self._loop.begin()
+        self._loop.run(self._single[:0], 1.0, self._last.table)
 
-    def rows(self, frames: int) -> Rows:
-        """Make an empty record of a number of frames, for `advance_frames`."""
-        return self._loop.rows(frames)
+    def record(self, frames: int, *, nodes: bool = True) -> Record:
+        """Make an empty record of a number of frames, with the state of all nodes, as messages need it, or without."""
+        return make_record(self.dynamics.row_type(whole=nodes), frames)
 
-    def record(self, frames: int) -> Record:
-        """Make an empty record of a number of frames with all that messages need, for `fill`."""
-        return Record(self._loop.rows(frames), self._loop.states(frames), {})
-
-    def advance_frames(self, commands: Array, seconds: float, rows: Rows, states: States | None = None) -> int:
-        """Advance by frames in compiled code, without Python in between, and record them: the same bits as `advance`.
-
-        Python takes over for a frame that the step guard rejects, and for each frame of a scene with an audit.
+    def advance_frames(self, commands: Array, seconds: float, record: Record) -> int:
+        """Advance by frames, and record them: the same bits as `advance`.
 
         Args:
-            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3).
+            commands: Set-points at the end of each frame, as `Command.values`, shape (F, 3), contiguous.
             seconds: Length of a frame [s].
-            rows: Takes the F frames.
-            states: Takes the rest of them, if wanted.
+            record: Takes the F frames.
 
         Returns:
             Number of frames that were repeated with a smaller step.
@@ -188,16 +167,14 @@ class Twin:
         Raises:
             StoppedError: As `advance`; the frames before are recorded.
         """
-        interventions: dict[int, Intervention] = {}
-        for _ in self._good_rows(commands, seconds, Record(rows, states or self._loop.states(0), interventions)):
-            pass
-        return len(interventions)
+        self._follow(record, commands, seconds)
+        return len(record.interventions)
 
     def fill(self, record: Record, commands: Array, seconds: float) -> tuple[Frames, BaseException | None]:
         """As `advance_frames`, with all that messages need.
 
         Args:
-            record: Takes the F frames; the result is a view of it.
+            record: Takes the F frames, with their nodes; the result is a view of it.
             commands: As in `advance_frames`.
             seconds: Length of a frame [s].
 
@@ -206,103 +183,91 @@ class Twin:
             the end of the last of them.
         """
         error: BaseException | None = None
-        began, energy = time.perf_counter(), self._energy
-        record.interventions.clear()
+        began = time.perf_counter()
         try:
-            for _ in self._good_rows(commands, seconds, record):
-                energy = self._energy
+            self._follow(record, commands, seconds)
         except BaseException as ended:  # noqa: BLE001 - raised by the caller, once the frames before are recorded
             error = ended
-        count = self._loop.recorded
-        self._history.extend(record.rows.time[:count], record.states.u[:count], record.states.v[:count])
-        return self._observer.frames(record, count, seconds, time.perf_counter() - began, energy), error
-
-    def _good_rows(self, commands: Array, seconds: float, record: Record) -> Iterator[int]:
-        """Advance; yield the number of rows recorded so far, whenever Python takes over and at the end."""
-        loop = self._loop
-        rows, states, interventions = record
-        row = loop.begin_rows()
-        try:
-            while row < len(commands):
-                if self.energy_audit is None:
-                    row = loop.advance(commands, seconds, row, rows, states)
-                    yield row
-                    if row == len(commands):
-                        return
-                else:
-                    loop.target[:] = commands[row]
-                found = self._complete(loop.target, seconds)
-                if found is not None:
-                    interventions[row] = found
-                loop.record(rows, states, row)
-                row += 1
-                yield row
-        except BaseException:
-            loop.abandon()
-            raise
+        return frames_of(record, self._loop.row, time.perf_counter() - began, self._energy), error
 
     def energy(self) -> EnergyBalance | None:
         """Energy balance at the end of the last frame, if the scene asks for an audit."""
         return self._energy
 
-    def _complete(self, target: Array, seconds: float) -> Intervention | None:
-        """Check the frame after its first attempt, repeat it if need be, and set the set-points last reached."""
-        if self.energy_audit is not None:  # no attempt yet
-            self.energy_audit.begin(*self.unknowns)
-            self._loop.attempt(seconds, save=True)
-        found, intervention = self._violation(self._loop.outcome, target, seconds), None
-        if found is None:
-            self._guard.count_good_frame()
-        else:
-            intervention = self.retry_with_smaller_step(found, target, seconds)
-        self.dynamics.command[:] = target
-        return intervention
+    def _follow(self, record: Record, commands: Array, seconds: float) -> None:
+        """Advance by frames in compiled code; Python takes over for one that is rejected."""
+        loop, count = self._loop, len(commands)
+        record.interventions.clear()
+        loop.begin()
+        try:
+            while loop.row < count:
+                found = self._go_on(commands, seconds, record.table)
+                if found is not None:
+                    self._retry_with_smaller_step(found, record, commands, seconds)
+        except BaseException:
+            loop.abandon()
+            raise
 
-    def _violation(self, outcome: int, target: Array, seconds: float) -> Violation | None:
-        """Violation of a frame with an outcome of the frame loop, if any."""
-        guard, step, found = self._guard, self._step_now(seconds), None
-        if outcome == PAUSED:
-            return self._too_slow(seconds)
-        if outcome in {DIVERGED, HALVED_TOO_OFTEN}:
-            halvings = max_halvings(seconds, self.step_size) if outcome == HALVED_TOO_OFTEN else None
-            return guard.diverged(*self.unknowns, step, halvings)
-        if outcome == SUSPECT:
-            load = max(abs(float(self.dynamics.command[0])), abs(float(target[0])))
-            found = guard.check(*self.unknowns, *self._observer.deepest, load, step)
-        if found is None and self.energy_audit is not None:
-            self._energy, grown = self.energy_audit.balance(*self.unknowns)
-            found = guard.energy_drift(self._energy, grown)
+    def _go_on(self, commands: Array, seconds: float, table: Array) -> Violation | None:
+        """Advance until a frame is rejected, with an audit by one frame; returns why it was."""
+        loop, guard, audit = self._loop, self._guard, self.energy_audit
+        if audit is None:
+            return self._violation(loop.run(commands, seconds, table), seconds)
+        memory = guard.memory.copy()
+        audit.begin(*self.unknowns)
+        found = self._violation(loop.run(commands[: loop.row + 1], seconds, table), seconds)
+        if found is None:
+            energy, grown = audit.balance(*self.unknowns)
+            found = guard.energy_drift(energy, grown)
+            if found is None:
+                self._energy = energy
+            else:
+                loop.take_back()
+                guard.memory[:] = memory
         return found
 
-    def retry_with_smaller_step(self, first: Violation, target: Array, seconds: float) -> Intervention:
+    def _violation(self, outcome: int, seconds: float) -> Violation | None:
+        """Violation of a frame with an outcome of the frame loop, if any."""
+        if outcome == GOOD:
+            return None
+        if outcome == PAUSED:
+            return self._too_slow(seconds)
+        if outcome == IMPLAUSIBLE:
+            return self._guard.implausible()
+        halvings = max_halvings(seconds, self.step_size) if outcome == HALVED_TOO_OFTEN else None
+        return self._guard.diverged(self._step_now(seconds), halvings)
+
+    def _retry_with_smaller_step(self, first: Violation, record: Record, commands: Array, seconds: float) -> None:
         """Roll back and repeat the frame with half the step until no violation is found."""
+        loop, guard, row = self._loop, self._guard, self._loop.row
         found: Violation | None = first
-        tries, before = 0, self._guard.memory.copy()
+        tries, before = 0, guard.memory.copy()
         while found is not None:
-            self._guard.rollback(*self.unknowns)
+            guard.roll_back()
             start = self.time
-            if self._guard.exhausted(found, tries):
-                raise failure_report(
-                    self.dynamics, found, self._guard.suspect, target, seconds, self._step_now(seconds)
-                )
+            if guard.exhausted(found, tries):
+                step = self._step_now(seconds)
+                raise failure_report(self.dynamics, found, guard.suspect, commands[row], seconds, step)
             tries += 1
-            self._guard.halve_step()
+            guard.halve_step()
+            loop.repeat()
             try:
-                outcome = self._loop.attempt(seconds, save=False)
+                found = self._go_on(commands[: row + 1], seconds, record.table)
             except BaseException:  # of a signal or of what is called between slices
-                self._guard.memory[:] = before
+                if loop.row == row:
+                    guard.memory[:] = before
                 raise
-            found = self._violation(outcome, target, seconds)
-        return self._guard.intervention(start, first, tries, self._step_now(seconds))
+        record.interventions[row] = guard.intervention(start, first, tries, self._step_now(seconds))
 
     def _too_slow(self, seconds: float) -> Violation:
         """Violation of a frame that took more processor time than it may."""
-        progress, counted = self.dynamics.progress, self.dynamics.counters - self._observer.counters_before
+        dynamics, progress = self.dynamics, self.dynamics.progress
+        counted = dynamics.counters - dynamics.bound.effort.counters_before
         return self._guard.too_slow(
             self._loop.longest, seconds, float(progress[REACHED]) - self.time, int(counted[STEPS]),
-            int(counted[HALVINGS]), self.dynamics.largest_change(),
+            int(counted[HALVINGS]), dynamics.largest_change(),
         )  # fmt: skip
 
     def _step_now(self, seconds: float) -> float:
         """Current time step for a frame of `seconds` [s]."""
-        return min(self.step_size, seconds) * self._guard.share
+        return min(self.step_size, seconds) * self._guard.fraction

@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.discretisation.discretise import discretise, tubes_of
 from drill_twin.dynamics.discretisation.resolution import MOST
+from drill_twin.dynamics.twin import state_judge
 from drill_twin.dynamics.twin.state_bounds import bounds_of
 from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import build_rod
@@ -29,7 +31,7 @@ def wall_depth(bag: Recording) -> dict[str, Any] | None:
     """Deepest Gauss point of the string in the wall, over the recorded poses; None without a wall or poses.
 
     Keys: `deepest_m` (0 without contact), its `distance_from_bit_m` and `time_s`, `clearance_m` there, and `static_m`:
-    the depth under the largest weight on bit at rest (`StateBounds.static_depth`); None for a record without its file.
+    the depth under the largest weight on bit at rest (`state_judge.static_depth`); None for a record without its file.
     """
     if not bag.scene_known or bag.scene.effects.wall is None or bag.nodes < 2:
         return None
@@ -63,7 +65,8 @@ def static_depth(scene: Scene) -> float | None:
     except DrillTwinError:  # the record of the rig is not at hand
         return None
     model = discretise(scene, build_rod(tubes_of(scene), MOST))
-    return bounds_of(scene, model, lateral=False).static_depth(wall_parameters(block, model), load)
+    bounds = bounds_of(scene, model, wall_parameters(block, model), lateral=False)
+    return float(as_python(state_judge.static_depth)(bounds, load))
 
 
 def soft_wall(found: dict[str, Any] | None) -> Iterator[str]:

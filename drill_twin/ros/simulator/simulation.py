@@ -161,7 +161,7 @@ class SimulatorRun:
     def close(self) -> None:
         """Write the last checkpoint, and report how the run went."""
         self.checkpoints.finish()
-        if self.loop.frame is None and not self.loop.rejected_steps.stopped:
+        if not self.loop.frames and not self.loop.rejected_steps.stopped:
             return
         node = self._node
         if self._checkpoint_due is not None:

@@ -10,8 +10,7 @@ from typing import NamedTuple
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.twin.frame import Frames
-from drill_twin.dynamics.twin.frame_kernel import Rows
-from drill_twin.dynamics.twin.observer import RigRows, rig_rows
+from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Schedule
@@ -25,8 +24,8 @@ MOST_BYTES = 4 * 1024 * 1024
 class Part(NamedTuple):
     """Frames that were computed together; they hold until the next are."""
 
-    rows: Rows
-    rig: RigRows
+    rows: FrameSeries
+    rig: RigSeries
     seconds: float
     """Processor time of the compiled loop [s]."""
     repeated: int
@@ -35,7 +34,7 @@ class Part(NamedTuple):
     def first(self, count: int) -> Part:
         """Some of the frames; the effort is that of all."""
         rows, rig = ([column[:count] for column in part] for part in (self.rows, self.rig))
-        return self._replace(rows=Rows(*rows), rig=RigRows(*rig))
+        return self._replace(rows=FrameSeries(*rows), rig=RigSeries(*rig))
 
 
 def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None) -> Iterator[Part]:
@@ -50,16 +49,17 @@ def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None
     Raises:
         DrillTwinError: A frame could not be followed; those before it have been yielded.
     """
-    rows = twin.rows(min(size or CHUNK, len(commands)))
+    record = twin.record(min(size or CHUNK, len(commands)), nodes=False)
+    rows, rig = record.frames, RigSeries.of(record.frames)
     twin.load()  # outside the timed part
-    for first in range(0, len(commands), rows.time.size):
+    for first in range(0, len(commands), record.size):
         began, repeated = time.thread_time(), 0
         error: DrillTwinError | None = None
         try:
-            repeated = twin.advance_frames(commands[first : first + rows.time.size], period, rows)
+            repeated = twin.advance_frames(commands[first : first + record.size], period, record)
         except DrillTwinError as ended:
             error = ended
-        part = Part(rows, rig_rows(twin.dynamics, rows, period), time.thread_time() - began, repeated)
+        part = Part(rows, rig, time.thread_time() - began, repeated)
         if count := round(twin.time / period) - first:
             yield part.first(count)
         if error is not None:
@@ -68,9 +68,8 @@ def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None
 
 def frames_of(twin: Twin, commands: Array, period: float, size: int | None = None) -> Iterator[Frames]:
     """As `parts_of`, with the state of all nodes; with an energy audit, that of the last frame of a part."""
-    one = twin.record(1)
-    bytes_of_one = sum(array.nbytes for part in (one.rows, one.states) for array in part)
-    record = twin.record(max(1, min(size or CHUNK, len(commands), MOST_BYTES // bytes_of_one)))
+    most = MOST_BYTES // twin.record(1).table.nbytes
+    record = twin.record(max(1, min(size or CHUNK, len(commands), most)))
     for first in range(0, len(commands), record.size):
         frames, error = twin.fill(record, commands[first : first + record.size], period)
         if frames.time.size:

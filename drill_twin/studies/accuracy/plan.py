@@ -141,13 +141,13 @@ def expected_seconds(scene: Scene, iterations: float, duration: float) -> float:
     """
     twin, (commands, period) = Twin(scene), planned(scene, duration)
     twin.load()
-    rows, record = twin.rows(PROBED), twin.record(PROBED)
+    rows, record = twin.record(PROBED, nodes=False), twin.record(PROBED)
     plain, recorded = _Effort(), _Effort()
     began = time.thread_time()
     for first in range(0, len(commands) - 2 * PROBED, 2 * PROBED):
         busy = time.thread_time()
         twin.advance_frames(commands[first : first + PROBED], period, rows)
-        plain.add(time.thread_time() - busy, float(rows.counted[:, ITERATIONS].sum()))
+        plain.add(time.thread_time() - busy, float(rows.frames.counted[:, ITERATIONS].sum()))
         busy = time.thread_time()
         frames, error = twin.fill(record, commands[first + PROBED : first + 2 * PROBED], period)
         recorded.add(time.thread_time() - busy, frames.stats.iterations)

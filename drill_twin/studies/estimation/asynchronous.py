@@ -6,13 +6,13 @@ from __future__ import annotations
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.twin.frame_kernel import Rows
+from drill_twin.dynamics.twin.frame_record import FrameSeries
 
 _LEAST_TURN = 1.0
 """Revolutions that a window must have, to tell offset, synchronous part and the rest apart."""
 
 
-def asynchronous_radius(rows: Rows) -> Array:
+def asynchronous_radius(rows: FrameSeries) -> Array:
     """Rms radius of z - c - S exp(i spin) at each mark over recorded frames [m], shape (m,); 0 within a revolution.
 
     Offset c and synchronous part S are a least-squares fit over the window; the analyzer's has a fading memory

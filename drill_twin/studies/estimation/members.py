@@ -16,7 +16,7 @@ from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
 from drill_twin.dynamics.twin.bending_stress import bending_stress
 from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.dynamics.twin.frame import Frame
-from drill_twin.dynamics.twin.observer import rig_rows
+from drill_twin.dynamics.twin.frame_record import RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble.outputs import Request
 from drill_twin.runs.ensemble.outputs.series import Channels
@@ -121,7 +121,7 @@ class Members:
         self.normal: Array = special.ndtri(np.clip(drawn, 1e-4, 1.0 - 1e-4))
         self.twins = [Twin(self._scene(number)) for number in range(count)]
         self.lateral, self._reader = LateralMotion(scene, self.twins[0]), SubReader(scene, self.twins[0], self.subs)
-        self._rows, self._states, _ = self.twins[0].record(pace.frames)
+        self._record = self.twins[0].record(pace.frames, nodes=bool(self.subs))
         self._tubes = tubes_of(scene)
         clearances = np.array([scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks])
         self._onset = Criteria().onset_radius * clearances
@@ -256,12 +256,12 @@ class Members:
 
     def _advance(self, number: int, commands: Array) -> tuple[Mapping[str, Array], Mapping[str, float], bool, Array]:
         """Channels, virtual sensors, whether it whirls, and readings of the subs, of one member."""
-        twin, rows, pace = self.twins[number], self._rows, self.pace
+        twin, record, pace = self.twins[number], self._record, self.pace
         commands = commands * np.array([self._load(number), 1.0, 1.0])
         channels = Channels(twin, Request((), pace.period, pace.frames, pace.frames // pace.samples))
         before = self._reader.start(twin)
-        twin.advance_frames(commands, pace.period, rows, self._states if self.subs else None)
-        rig = rig_rows(twin.dynamics, rows, pace.period)
+        twin.advance_frames(commands, pace.period, record)
+        rows, rig = record.frames, RigSeries.of(record.frames)
         channels.add(rows, rig)
         sensors = {
             "weight_on_bit": float(rig.bit_force[-1]),
@@ -273,8 +273,8 @@ class Members:
         }
         values = {name: variable.value for name, variable in channels.close().items() if name != "time"}
         readings = np.empty((pace.frames, 0, VALUES))
-        if self.subs:
-            readings = self._reader.read(before, self._states, pace.period)
+        if record.nodes is not None:
+            readings = self._reader.read(before, record.nodes, pace.period)
         return values, sensors, bool(np.any(asynchronous_radius(rows) > self._onset)), readings
 
     def _scene(self, number: int) -> Scene:

@@ -19,7 +19,7 @@ from drill_twin.core.arrays import Array, ComplexArray, Mask
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.sensors.motion import SubMotion, sub_motion, true_readings
 from drill_twin.dynamics.sensors.subs import REAL, gravity_of, places_of, subs_by_name
-from drill_twin.dynamics.twin.frame_kernel import States
+from drill_twin.dynamics.twin.frame_record import NodeSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
@@ -61,7 +61,7 @@ class SubReader:
         u, v = twin.unknowns
         return u[self._nodes], v[self._nodes]
 
-    def read(self, before: tuple[Array, Array], states: States, period: float) -> Array:
+    def read(self, before: tuple[Array, Array], states: NodeSeries, period: float) -> Array:
         """Means over the frames of a window, shape (F, s, 6).
 
         Args:

@@ -33,9 +33,8 @@ def test_guard_and_tolerance_follow_a_stiffer_wall(when):
     twin.change_numbers(other)
     for each in (twin, wanted):
         found = each.advance(Command(10.0, 6.0), 0.01)
-    assert twin._loop._frames.limits == wanted._loop._frames.limits
-    assert twin._guard.bounds == wanted._guard.bounds
-    assert twin._guard._wall.stiffness == wanted._guard._wall.stiffness == 1e9
+    assert twin.dynamics.bound.bounds == wanted.dynamics.bound.bounds
+    assert twin.dynamics.bound.bounds.stiffness == twin.dynamics.bound.wall.stiffness == 1e9
     assert twin.dynamics._control == wanted.dynamics._control
     if not when:
         np.testing.assert_array_equal(twin.unknowns[0], wanted.unknowns[0])

@@ -94,7 +94,7 @@ def test_a_frame_ended_in_the_middle_is_taken_back(form, way, shortest):
         if way == "fill":
             raise broken.fill(broken.record(len(commands)), commands, period)[1]
         if way == "advance_frames":
-            broken.advance_frames(commands, period, broken.rows(len(commands)))
+            broken.advance_frames(commands, period, broken.record(len(commands), nodes=False))
         follow(broken, commands, period)
 
     with slices.checked(interrupt), pytest.raises(KeyboardInterrupt):

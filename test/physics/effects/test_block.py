@@ -66,7 +66,7 @@ def test_a_schedule_moves_the_block_in_single_runs_and_ensembles():
     planned = Schedule.from_scene(own)
     assert planned.at(1.0) == Command(0.0, 0.0, 0.1)
     one, other = Twin(own), Twin(own)
-    rows = other.rows(4)
+    rows = other.record(4, nodes=False)
     commands = np.array([planned.at(0.5 * frame).array() for frame in range(1, 5)])
     other.advance_frames(commands, 0.5, rows)
     for frame in range(1, 5):

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import drill_twin as dt
-from drill_twin.dynamics.twin.step_guard import StepGuard
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble import parts
 from drill_twin.runs.ensemble import run as member_run
@@ -63,11 +62,9 @@ def test_extremes_and_contact_are_those_of_the_states(found, single):
         assert (found[f"{name}_max"][3], found[f"{name}_min"][3]) == (values.max(), values.min())
 
 
-def test_chunks_and_checks_by_python_change_nothing(found, monkeypatch):
-    """Calls of 37 frames, and each frame left to the guard in Python."""
+def test_chunks_change_nothing(found, monkeypatch):
+    """Calls of 37 frames."""
     monkeypatch.setattr(parts, "CHUNK", 37)
-    limits = StepGuard.limits
-    monkeypatch.setattr(StepGuard, "limits", lambda self, step: limits(self, step)._replace(speed=-1.0))
     again = dt.Ensemble("pa6_bench", {"wob": [40]}, overrides=COARSE).run(DURATION, outputs=ALL, mark_rate=100)
     assert np.array_equal(again["centre"][0], found["centre"][3])
     assert again.summaries[0].to_dict() == found.summaries[3].to_dict()
@@ -99,7 +96,7 @@ def test_marks_are_taken_at_their_rate(found):
 def test_a_circular_orbit_has_a_line_as_high_as_its_radius(found):
     twin = Twin(dt.load_scene("pa6_bench", COARSE))
     spectra = Spectra(twin, Request(("spectra",), 0.01, 4000, 1))
-    rows = twin.rows(1000)
+    rows = twin.record(1000, nodes=False).frames
     for chunk in range(4):
         time = (np.arange(1000) + 1000 * chunk) * 0.01
         turned = 2.0 * np.pi * 100.0 / 1024.0 * 16 * time
@@ -130,14 +127,14 @@ def test_a_dataset_has_the_values_as_coordinates(found):
 def test_the_loop_leaves_python_free_while_it_runs():
     twin = Twin(dt.load_scene("pa6_bench", COARSE))
     twin.advance(Command(0.0, 1.0), 0.01)
-    commands, rows = np.tile((20.0, 6.0, 0.0), (2000, 1)), twin.rows(2000)
+    commands, rows = np.tile((20.0, 6.0, 0.0), (2000, 1)), twin.record(2000, nodes=False)
     thread = threading.Thread(target=twin.advance_frames, args=(commands, 0.01, rows))
     thread.start()
     turns = 0
     while thread.is_alive():
         turns += 1
     assert turns > 1000
-    assert rows.time[-1] == pytest.approx(20.01)
+    assert rows.frames.time[-1] == pytest.approx(20.01)
 
 
 def test_the_energy_balance_is_an_output_of_audited_scenes():

@@ -13,7 +13,8 @@ from variants import one_of
 
 from drill_twin.cli.app import app
 from drill_twin.core.errors import RunError, SceneError
-from drill_twin.dynamics.twin.frame_loop import FrameLoop
+from drill_twin.dynamics.solver.kernel_codegen import entry_point
+from drill_twin.dynamics.twin import dynamics
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble.parts import parts_of, planned
 from drill_twin.scene import Scene, load_scene
@@ -159,12 +160,11 @@ def test_the_expected_iterations_are_those_of_the_run() -> None:
 
 
 def test_nothing_is_loaded_in_a_timed_part(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The frame loop is bound before the first part is timed, and before a recorded run's first frame."""
-    bound: list[bool] = []
+    """The frame loop is loaded before the first part is timed, and before a recorded run's first frame."""
+    loaded: list[bool] = []
     timed = time.thread_time
-    monkeypatch.setattr("drill_twin.runs.ensemble.parts.time.thread_time", lambda: bound.append(True) or timed())
-    bind = FrameLoop._bind
-    monkeypatch.setattr(FrameLoop, "_bind", lambda self: bind(self) if not bound else pytest.fail("bound while timed"))
+    monkeypatch.setattr("drill_twin.runs.ensemble.parts.time.thread_time", lambda: loaded.append(True) or timed())
+    monkeypatch.setattr(dynamics, "entry_point", lambda *of: entry_point(*of) if not loaded else pytest.fail("timed"))
     scene = load_scene("pa6_bench", overrides={"duration": "0.2 s"})
     commands, period = planned(scene)
     twin = Twin(scene)

@@ -147,7 +147,7 @@ def test_another_lateral_motion_keeps_stretch_and_hole():
     twins = [Twin(scene) for _ in "ab"]
     commands = np.tile([40.0, 12.0, 0.0], (200, 1))
     for twin in twins:
-        twin.advance_frames(commands, 0.02, twin.rows(200))
+        twin.advance_frames(commands, 0.02, twin.record(200, nodes=False))
     lateral = LateralMotion(scene, twins[0])
 
     def lengths(twin):

@@ -104,14 +104,14 @@ def test_numbers_changed_at_the_start_are_those_of_another_twin():
     plain.change_numbers(first)
     wanted = Twin(other)
     commands = np.tile([53e3, 100.0, 0.0], (50, 1))
-    rows = [twin.rows(50) for twin in (plain, wanted)]
+    rows = [twin.record(50, nodes=False) for twin in (plain, wanted)]
     for twin, row in zip((plain, wanted), rows, strict=True):
         twin.advance_frames(commands, 0.1, row)
-    np.testing.assert_array_equal(rows[0].ends, rows[1].ends)
+    np.testing.assert_array_equal(rows[0].frames.rig, rows[1].frames.rig)
     plain.change_numbers(dt.load_scene("two_mass", OVER))  # and back, in the middle of the run
     plain.advance_frames(commands, 0.1, rows[0])
     wanted.advance_frames(commands, 0.1, rows[1])
-    assert not np.array_equal(rows[0].ends, rows[1].ends)
+    assert not np.array_equal(rows[0].frames.rig, rows[1].frames.rig)
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from drill_twin.dynamics.twin.frame_kernel import Rows
-from drill_twin.dynamics.twin.observer import RigRows
+from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 
 
@@ -44,7 +43,7 @@ class Collector:
         """Begin with the first frame."""
         self.twin, self.request = twin, request
 
-    def add(self, rows: Rows, rig: RigRows) -> None:
+    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
         """Add the next frames."""
 
     def close(self) -> Mapping[str, Variable]:

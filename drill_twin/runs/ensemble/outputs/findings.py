@@ -8,8 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from drill_twin.core.missing import number_or_nan
-from drill_twin.dynamics.twin.frame_kernel import Rows
-from drill_twin.dynamics.twin.observer import RigRows
+from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.encode import wall_push
 from drill_twin.io.messages.stamps import stamp_ns
@@ -27,7 +26,7 @@ class Findings(Collector):
         self._analyzer = Analyzer(infos) if infos else None
         self._bit = BitOnlyAnalyzer()
 
-    def add(self, rows: Rows, rig: RigRows) -> None:
+    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
         """Add a sample for each frame."""
         stamps = [stamp_ns(time) for time in rows.time.tolist()]
         if self._analyzer is None:

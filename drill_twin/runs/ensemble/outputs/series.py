@@ -9,8 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.twin.frame_kernel import Rows
-from drill_twin.dynamics.twin.observer import RigRows
+from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.runs.ensemble.outputs.collector import Collector, Request, Variable
@@ -28,7 +27,7 @@ class Marks(Collector):
         self._time, self._centre = np.full(samples, np.nan), np.full((samples, marks, 2), np.nan)
         self._frames = self._samples = 0
 
-    def add(self, rows: Rows, rig: RigRows) -> None:
+    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
         """Keep every n-th frame."""
         del rig
         first = -self._frames % self.request.every
@@ -54,7 +53,7 @@ class Channels(Collector):
         self._rows: list[Array] = []
         self._speeds = np.array((twin.unknowns[1][-1, SPIN], twin.unknowns[1][0, SPIN]))
 
-    def add(self, rows: Rows, rig: RigRows) -> None:
+    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
         """Add the frames: means of the forces as they are, of the speeds from those at their ends."""
         drive = self.twin.scene.rig.top_drive
         speeds = np.column_stack((self._speeds, (rig.top_drive_speed, rig.bit_speed)))
@@ -67,14 +66,14 @@ class Channels(Collector):
     def close(self) -> Mapping[str, Variable]:
         """Times of the ends of the samples, and values by channel."""
         every, samples = self.request.every, self.request.frames // self.request.every
-        table = np.full((len(RigRows._fields) + 2, samples), np.nan)
+        table = np.full((len(RigSeries._fields) + 2, samples), np.nan)
         frames = np.concatenate(self._rows, axis=1)
         count = frames.shape[1] // every
         parts = frames[:, : count * every].reshape(len(table), count, every)
         table[:, :count] = parts.mean(axis=2)
         table[0, :count] = parts[0, :, -1]
         time, *values = table
-        names = (*RigRows._fields, "motor_torque")
+        names = (*RigSeries._fields, "motor_torque")
         return {"time": Variable(np.round(time, 9), ("sample",), "s")} | {
             name.replace("top_drive_torque", "torque"): Variable(value, ("sample",), _CHANNEL_UNITS.get(name, "N"))
             for name, value in zip(names, values, strict=True)

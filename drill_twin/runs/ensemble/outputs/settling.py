@@ -14,8 +14,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.twin.frame_kernel import Rows
-from drill_twin.dynamics.twin.observer import RigRows
+from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble.outputs.collector import Collector, Request, Variable
 from drill_twin.whirl.motion.stick_slip_index import TIME_BASE, stick_slip_index
@@ -36,7 +35,7 @@ class Settling(Collector):
         self._speed = np.empty((2, 0))  # of bit and top drive
         self._frames = 0
 
-    def add(self, rows: Rows, rig: RigRows) -> None:
+    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
         """Add the frames of the last half."""
         speed = np.hstack((self._speed, np.array([rig.bit_speed, rig.top_drive_speed])))
         self._speed = speed[:, -2 * self._base :]

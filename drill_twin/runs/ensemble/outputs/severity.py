@@ -11,8 +11,7 @@ import numpy as np
 
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.twin.bending_stress import bending_stress
-from drill_twin.dynamics.twin.frame_kernel import Rows
-from drill_twin.dynamics.twin.observer import RigRows
+from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble.outputs.collector import Collector, Request, Variable
 
@@ -25,7 +24,7 @@ class Extremes(Collector):
         self._largest: dict[str, Any] = {}
         self._smallest: dict[str, Any] = {}
 
-    def add(self, rows: Rows, rig: RigRows) -> None:
+    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
         """Compare with the extremes so far."""
         largest = {
             "radius": np.hypot(rows.centre[..., 0], rows.centre[..., 1]),
@@ -64,7 +63,7 @@ class LastHalf(Collector):
         self._force = 0.0
         self._torque = (math.inf, -math.inf)
 
-    def add(self, rows: Rows, rig: RigRows) -> None:
+    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
         """Compare the frames after the middle of the run."""
         first = max(0, self.request.frames // 2 - self._frames)
         self._frames += rows.time.size
@@ -97,7 +96,7 @@ class Contact(Collector):
     _nodes = 0.0
     _frames = 0
 
-    def add(self, rows: Rows, rig: RigRows) -> None:
+    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
         """Count frames with contact."""
         del rig
         self._touching = self._touching + (rows.wall_force > 0.0).sum(axis=0)

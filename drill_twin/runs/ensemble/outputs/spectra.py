@@ -7,8 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from drill_twin.dynamics.twin.frame_kernel import Rows
-from drill_twin.dynamics.twin.observer import RigRows
+from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble.outputs.collector import Collector, Request, Variable
 
@@ -30,7 +29,7 @@ class Spectra(Collector):
         self._power, self._segments = np.zeros((self._length, marks)), 0
         self._waiting = np.zeros((0, marks), complex)
 
-    def add(self, rows: Rows, rig: RigRows) -> None:
+    def add(self, rows: FrameSeries, rig: RigSeries) -> None:
         """Transform the segments that are full."""
         del rig
         line = rows.centre[..., 0] + 1j * rows.centre[..., 1]
