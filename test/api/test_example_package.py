@@ -32,7 +32,7 @@ NAME = """
 from drill_twin.physics.effects import effect_module
 from drill_twin.core.compile.kernel_cache import fingerprint
 from drill_twin.dynamics.solver.kernel_codegen import packages_of, source
-effects = tuple(key for key in scene.effect_names if hasattr(effect_module(key), "parameters"))
+effects = tuple(key for key in scene.effect_names if hasattr(effect_module(key), "Parameters"))
 name = "drill_twin_kernel_" + fingerprint(source(effects, "spatial"), "straight", packages=packages_of(effects))
 """
 RUN = """

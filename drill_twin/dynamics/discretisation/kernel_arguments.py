@@ -7,6 +7,7 @@ from typing import Any
 from drill_twin.dynamics.discretisation.drive import make_drive
 from drill_twin.dynamics.discretisation.initial_state import axial_weight
 from drill_twin.physics.effects import effect_module, with_variant
+from drill_twin.physics.effects import parameters_of as effect_parameters
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
 
@@ -20,7 +21,7 @@ def form_of(scene: Scene) -> str:
 
 def effects_of(scene: Scene) -> tuple[str, ...]:
     """Keys of the effects with compiled functions, in the order of the registry."""
-    return tuple(name for name in scene.effect_names if hasattr(effect_module(name), "parameters"))
+    return tuple(name for name in scene.effect_names if hasattr(effect_module(name), "Parameters"))
 
 
 def variants_of(scene: Scene) -> tuple[str, ...]:
@@ -32,6 +33,6 @@ def parameters_of(kernel: ModuleType, scene: Scene, model: DiscreteModel, *more:
     """Parameters of drive and effects as a generated module takes them, and `more` after them."""
     return kernel.Parameters(
         make_drive(scene, float(axial_weight(scene, model).sum())),
-        *(effect_module(name).parameters(getattr(scene.effects, name), model) for name in effects_of(scene)),
+        *(effect_parameters(name, getattr(scene.effects, name), model) for name in effects_of(scene)),
         *more,
     )

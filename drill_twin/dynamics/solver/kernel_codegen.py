@@ -10,7 +10,8 @@ nothing.
 An effect's module holds its block of the scene (`drill_twin.physics.effects.EffectConfig`), and may define any of the
 following. Before the run:
 
-* ``Parameters`` and ``parameters(block, model)``: what its functions take as ``parameters.<key>``, arrays included;
+* ``Parameters`` and ``parameters(block, model)``: what its functions take as ``parameters.<key>``, with arrays; where
+  they are the fields of its block, ``Parameters = parameters_class(Block)`` is enough;
 * ``initial_state(block, model, u, v)``: changes the state that the run begins with.
 
 In the loop:

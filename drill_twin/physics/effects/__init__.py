@@ -10,6 +10,7 @@ import warnings
 from importlib import import_module, metadata
 from pkgutil import iter_modules
 from types import ModuleType
+from typing import Any
 
 from drill_twin.physics.effects.config import EffectConfig
 
@@ -64,6 +65,14 @@ def effect_config(effect: str) -> type[EffectConfig]:
     return _FOUND[key_of(effect)][1]
 
 
+def parameters_of(effect: str, block: EffectConfig, model: Any) -> Any:
+    """Parameters of an effect's functions, by its `parameters`; without one they are the fields of its block."""
+    module = effect_module(effect)
+    if hasattr(module, "parameters"):
+        return module.parameters(block, model)
+    return module.Parameters(*(getattr(block, name) for name in module.Parameters._fields))
+
+
 def key_of(effect: str) -> str:
     """Key in the scene of an effect with a variant: `wall_friction` of `wall_friction:arctan`."""
     return effect.partition(":")[0]
@@ -80,4 +89,6 @@ def function_name(effect: str, hook: str) -> str:
     return next((name for name in (f"{hook}_{variant}", hook) if hasattr(module, name)), "")
 
 
-__all__ = ["EFFECTS", "GROUP", "EffectConfig", "effect_module", "function_name", "key_of", "with_variant"]
+__all__ = [
+    "EFFECTS", "GROUP", "EffectConfig", "effect_module", "function_name", "key_of", "parameters_of", "with_variant",
+]  # fmt: skip

@@ -2,16 +2,15 @@
 """Friction of the rotating bit on the rock, viscous for small lateral velocities."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Dimensionless, Length, Within
-from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.physics.effects.config import EffectConfig, Incompatibility, parameters_class
 from drill_twin.physics.model.bit import BIT_TORQUE, contact_weight
-from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import SPIN, Rod
 
 SLIDING = ("sliding", "free")
@@ -45,16 +44,7 @@ class BitFriction(EffectConfig):
             )
 
 
-class Parameters(NamedTuple):
-    """Coefficient and effective radius of the bit's face [m]."""
-
-    coefficient: float
-    radius: float
-
-
-def parameters(block: BitFriction, model: DiscreteModel) -> Parameters:
-    """Parameters of the block."""
-    return Parameters(block.coefficient, block.radius)
+Parameters = parameters_class(BitFriction)
 
 
 @kernel

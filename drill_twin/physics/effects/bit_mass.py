@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rigid body at the end of the string: the bit and short heavy tools."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Inertia, Mass, RotationalDamping, Within
-from drill_twin.physics.effects.config import EffectConfig
-from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.effects.config import EffectConfig, parameters_class
 from drill_twin.physics.model.mesh import Rod
 
 
@@ -22,17 +21,7 @@ class BitMass(EffectConfig):
     """Viscous damping of its rotation by the mud [N m s/rad]."""
 
 
-class Parameters(NamedTuple):
-    """Mass [kg], polar inertia [kg m2], damping [N m s]."""
-
-    mass: float
-    inertia: float
-    damping: float
-
-
-def parameters(block: BitMass, model: DiscreteModel) -> Parameters:
-    """Parameters of the block."""
-    return Parameters(block.mass, block.inertia, block.damping)
+Parameters = parameters_class(BitMass)
 
 
 @kernel

@@ -15,8 +15,9 @@ from pydantic import BeforeValidator, Field
 from drill_twin.core.arrays import Array, Triple
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import AngularSpeed, Dimensionless, Length, Pressure, Speed, Within, refuse, show
-from drill_twin.physics.effects.bit_torque_stribeck import dual_variable
+from drill_twin.physics.effects.bit_torque_stribeck import dual_of_step
 from drill_twin.physics.effects.config import EffectConfig, Flag, Incompatibility
+from drill_twin.physics.effects.friction_dual import no_iterate
 from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED, Bit, apply_support, correct_weight_impulse
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import SPIN, Rod
@@ -106,8 +107,8 @@ class Parameters(NamedTuple):
     creep: float  # [rad/s]
     surface: Array  # height over the angle, a ring of CELLS + 2 cells [m]
     memory: Array  # (5,) see READY
-    turn_iterate: Array  # (5,) of the torque's sign, see `dual_variable`
-    fall_iterate: Array  # (5,) of the wear flats' contact
+    turn_iterate: Array  # of the torque's sign, see `no_iterate`
+    fall_iterate: Array  # of the wear flats' contact
 
 
 class Forces(NamedTuple):
@@ -133,12 +134,11 @@ class Regeneration(NamedTuple):
 def parameters(block: BitRegenerative, model: DiscreteModel) -> Parameters:
     """Parameters of the block; the surface is set at the first step."""
     area = block.specific_energy * block.radius
-    iterate = np.array([0.0, 1.0, 0.0, -1.0, 0.0])
     return Parameters(
         block.thrust * area, 0.5 * area * block.radius, block.radius * block.wear * block.contact_strength,
         0.5 * block.friction * block.spread * block.radius, float(block.blades), float(block.regeneration),
         block.contact_depth, block.settling, block.creep,
-        np.zeros(CELLS + 2), np.zeros(5), iterate, iterate.copy(),
+        np.zeros(CELLS + 2), np.zeros(5), no_iterate(), no_iterate(),
     )  # fmt: skip
 
 
@@ -221,8 +221,8 @@ def end_load(
     depth, by_z, by_angle = depth_of_cut(rock, bit, u[0, 2], u[0, SPIN], h2)
     fall, speed = -v[0, 2], v[0, SPIN]
     fall_size, turn_size = np.sqrt(fall * fall + rock.settling**2), np.sqrt(speed * speed + rock.creep**2)
-    fall_dual = dual_variable(rock.fall_iterate, time, h2, fall, fall_size)
-    turn_dual = dual_variable(rock.turn_iterate, time, h2, speed, turn_size)
+    fall_dual = dual_of_step(rock.fall_iterate, time, h2, fall, fall_size)
+    turn_dual = dual_of_step(rock.turn_iterate, time, h2, speed, turn_size)
     pressed_fall = 0.5 / fall_size * (1.0 - fall_dual * fall / fall_size)
     law = forces(rock, depth, 0.5 * (1.0 + fall / fall_size), pressed_fall)
     sign, sign_speed = speed / turn_size, (1.0 - turn_dual * speed / turn_size) / turn_size

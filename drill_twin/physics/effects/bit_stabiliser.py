@@ -10,8 +10,8 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Damping, Dimensionless, Length, RotationalStiffness, Stiffness, Within
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility
+from drill_twin.physics.effects.friction_dual import dual_variable, no_iterate
 from drill_twin.physics.effects.wall import SMALLEST, mean_force
-from drill_twin.physics.effects.wall_friction import dual_variable
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
 
@@ -59,7 +59,7 @@ class Parameters(NamedTuple):
     friction: float
     tilt: float
     creep: float
-    memory: Array  # that of `wall_friction.dual_variable`, and middle and half length of its step [s]; (8,)
+    memory: Array  # see `no_iterate`
 
 
 def parameters(block: BitStabiliser, model: DiscreteModel) -> Parameters:
@@ -68,7 +68,7 @@ def parameters(block: BitStabiliser, model: DiscreteModel) -> Parameters:
     hole = model.wellbore.clearance[0] + model.contact_radius[0]  # the hole's radius at the bit
     return Parameters(
         float(hole) - radius, radius, block.stiffness, block.damping, block.friction, block.tilt_stiffness,
-        block.creep, np.array([0.0, 0.0, 1.0, 0.0, 0.0, -1.0, -1.0, 0.0]),
+        block.creep, no_iterate(),
     )  # fmt: skip
 
 

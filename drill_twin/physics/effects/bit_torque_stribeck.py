@@ -11,6 +11,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import AngularSpeed, Dimensionless, Length, TimePerAngle, Within, refuse, show
 from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.physics.effects.friction_dual import dual_variable, no_iterate
 from drill_twin.physics.model.bit import BIT_TORQUE, apply_torque, contact_weight
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import SPIN, Rod
@@ -60,31 +61,27 @@ class Parameters(NamedTuple):
     sticking: float
     decay: float
     creep: float
-    memory: Array  # speed, its smoothed size, dual, and the middle and half length of the step they belong to; (5,)
+    memory: Array  # see `no_iterate`
     exponent: float
 
 
 def parameters(block: BitTorqueStribeck, model: DiscreteModel) -> Parameters:
     """Parameters of the block, without an iterate."""
-    memory = np.array([0.0, 1.0, 0.0, -1.0, 0.0])
     return Parameters(
-        block.radius, block.sliding, block.sticking, block.decay, block.creep, memory, block.exponent or 1.0
+        block.radius, block.sliding, block.sticking, block.decay, block.creep, no_iterate(), block.exponent or 1.0
     )
 
 
 @kernel
-def dual_variable(memory: Array, time: float, h2: float, speed: float, size: float) -> float:
-    """Dual variable of the primal-dual Newton method: share of the friction limit, -1 to 1, from the last iterate.
+def dual_of_step(memory: Array, time: float, h2: float, speed: float, size: float) -> float:
+    """Dual variable of a speed: share of the friction limit, -1 to 1, from the last iterate (`friction_dual`).
 
-    Newton's method oscillates at the kink of w / |w|; with ``dual |w| = w``, linearised in both, it converges (Chan,
-    Golub and Mulet 1999). An iterate is the last one of the same step, or of the same instant, which has time 0.
+    An iterate is the last one of the same step, or of the same instant, which has time 0.
     """
-    share = 0.0
-    if memory[3] == time and (memory[4] == h2 or time == 0.0):
-        share = (speed - memory[2] * memory[0] * (speed - memory[0]) / memory[1]) / memory[1]
-        share = max(-1.0, min(1.0, share))
-    memory[0], memory[1], memory[2], memory[3], memory[4] = speed, size, share, time, h2
-    return share
+    same = memory[6] == time and (memory[7] == h2 or time == 0.0)
+    share, _ = dual_variable(memory, not same, memory[5] + 1.0, speed, 0.0, size, 1.0)
+    memory[6], memory[7] = time, h2
+    return float(share)
 
 
 @kernel
@@ -115,7 +112,7 @@ def bind(friction: Callable[..., tuple[float, float, float]]) -> tuple[Callable[
         """Add friction against the bit's spin, w / sqrt(w^2 + creep^2) of its limit."""
         law, bit, speed = parameters.bit_torque_stribeck, parameters.drive.bit, v[0, SPIN]
         limit, fall, size = friction(law, contact_weight(bit), speed)
-        share = dual_variable(law.memory, time, h2, speed, size)
+        share = dual_of_step(law.memory, time, h2, speed, size)
         slope = limit / size * (1.0 - share * speed / size) + fall * abs(speed) / size
         apply_torque(bit, (limit * speed / size, slope), ends)
 

@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Torque on bit as a smooth function of speed, with the velocity weakening that causes stick-slip."""
 
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from drill_twin.core.arrays import Array, Pair
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Length, SquaredTimePerAngle, TimePerAngle, Within
-from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.physics.effects.config import EffectConfig, parameters_class
 from drill_twin.physics.model.bit import BIT_TORQUE, apply_torque, contact_weight
-from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import SPIN, Rod
 
 
@@ -31,22 +30,11 @@ class BitTorqueTanh(EffectConfig):
     """Decay of the peak with speed, b3 [s^2/rad^2]."""
 
 
-class Parameters(NamedTuple):
-    """a [m], b1 [s], b2 [s], b3 [s2]."""
-
-    arm: float
-    rise: float
-    excess: float
-    fall: float
-
-
-def parameters(block: BitTorqueTanh, model: DiscreteModel) -> Parameters:
-    """Parameters of the block."""
-    return Parameters(block.arm, block.rise, block.excess, block.fall)
+Parameters = parameters_class(BitTorqueTanh)
 
 
 @kernel
-def torque(law: Parameters, weight: float, speed: float) -> Pair:
+def torque(law: Any, weight: float, speed: float) -> Pair:
     """Torque against a speed [rad/s] under a weight [N], and its slope (Ritto, Aguiar and Hbaieb 2017; Real 2018)."""
     scale, square = law.arm * weight, law.fall * speed * speed
     smooth = np.tanh(law.rise * speed)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Base class of the effects' blocks in a scene file."""
 
+from collections import namedtuple
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
@@ -29,6 +30,11 @@ Flag = Annotated[bool, BeforeValidator(_flag)]
 """True or false."""
 BitReaction = Literal["torque", "weight"]
 EnergyClass = Literal["kept", "heat", "any"]
+
+
+def parameters_class(config: type["EffectConfig"]) -> Any:
+    """Class `Parameters` of an effect whose functions take the fields of its block as they are, all of them numbers."""
+    return namedtuple("Parameters", config.model_fields, module=config.__module__)  # noqa: PYI024 - its fields vary
 
 
 class Incompatibility(NamedTuple):

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Linear drag of the fluid around the string, in the fixed frame."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import LinearDrag, RotaryDrag, Within
-from drill_twin.physics.effects.config import EffectConfig
-from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.effects.config import EffectConfig, parameters_class
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.point import Point
 
@@ -25,16 +24,7 @@ class Drag(EffectConfig):
     """Torque per length and spin rate [N m s/rad/m]."""
 
 
-class Parameters(NamedTuple):
-    """Drag per length: of translation [N s/m2], of rotation [N s]."""
-
-    linear: float
-    rotary: float
-
-
-def parameters(block: Drag, model: DiscreteModel) -> Parameters:
-    """Parameters of the block, uniform along the string."""
-    return Parameters(block.linear, block.rotary)
+Parameters = parameters_class(Drag)
 
 
 @kernel

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Internal (material) damping in the rotating frame: it resists deformation and can cause forward whirl."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Time, Within
-from drill_twin.physics.effects.config import EffectConfig
-from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.effects.config import EffectConfig, parameters_class
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.section import BEND_DAMP, COUPLE, MX, MY, MZ, TORQUE, TORQUE_RATE
 from drill_twin.physics.model.strain import Strain
@@ -26,17 +25,7 @@ class InternalDamping(EffectConfig):
     """Retardation time of twist [s]."""
 
 
-class Parameters(NamedTuple):
-    """Retardation times [s] of bending, stretch and torsion."""
-
-    bending: float
-    stretch: float
-    torsion: float
-
-
-def parameters(block: InternalDamping, model: DiscreteModel) -> Parameters:
-    """Parameters of the block, uniform along the string."""
-    return Parameters(block.bending_time, block.stretch_time, block.torsion_time)
+Parameters = parameters_class(InternalDamping)
 
 
 @kernel
@@ -45,14 +34,14 @@ def section_stress(parameters: Any, rod: Rod, strain: Strain, h2: float, resulta
 
     A whirl slower than the rotation is driven forwards by them (Genta 2005; Muszynska 2005).
     """
-    damp = parameters.internal_damping.bending * rod.bending[strain.element]
+    damp = parameters.internal_damping.bending_time * rod.bending[strain.element]
     mx, my, mz = damp * strain.ring_x, damp * strain.ring_y, damp * strain.ring_z
     resultants[MX] += mx
     resultants[MY] += my
     resultants[MZ] += mz
     resultants[COUPLE] += mx * strain.px + my * strain.py + mz * strain.pz
     resultants[BEND_DAMP] += damp
-    twist = parameters.internal_damping.torsion * rod.torsion[strain.element]
+    twist = parameters.internal_damping.torsion_time * rod.torsion[strain.element]
     resultants[TORQUE] += twist * strain.tau_rate
     resultants[TORQUE_RATE] += twist
 
@@ -60,5 +49,5 @@ def section_stress(parameters: Any, rod: Rod, strain: Strain, h2: float, resulta
 @kernel
 def axial_damping(parameters: Any, element: int, axial: float, rate: float) -> tuple[float, float]:
     """Viscous axial force EA eta times the strain rate [N], and its slope by the strain rate [N s]."""
-    slope = parameters.internal_damping.stretch * axial
+    slope = parameters.internal_damping.stretch_time * axial
     return slope * rate, slope

@@ -11,6 +11,7 @@ from drill_twin.core.arrays import Array, Pair, Triple
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import Dimensionless, InverseSpeed, Length, Speed, Within, refuse, show
 from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.physics.effects.friction_dual import dual_variable
 from drill_twin.physics.effects.wall import Contact, contact_force
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
@@ -109,10 +110,9 @@ class WallFriction(EffectConfig):
     def variant(self) -> str:
         """The law, by what it adds to the default one."""
         falls = ("stribeck",) if self.exponent is not None else ("sliding",) if self.sliding > 0.0 else ()
-        by_depth = ("by_depth",) if self.intervals else ()
         if self.static_speed is not None:
-            return "_".join(("step", *by_depth))
-        return "_".join((("arctan",) if self.sign == "arctan" else ()) + falls + by_depth)
+            return "step"
+        return "_".join((("arctan",) if self.sign == "arctan" else ()) + falls)
 
     def scale_at(self, depth: Array) -> Array:
         """Friction at measured depths over that of the law [-], shape (p,); where two intervals meet, the lower's."""
@@ -182,28 +182,6 @@ def step_limit(law: Parameters, slip: float) -> Pair:
 
 
 @kernel
-def dual_variable(
-    memory: Array, fresh: bool, count: float, across: float, along: float, size: float, bend: float
-) -> Pair:
-    """Dual variable of the primal-dual Newton method: direction and share of the friction limit, norm at most 1.
-
-    Newton's method oscillates at the kink of s / |s|. With ``dual |s| = s``, linearised in both unknowns, it converges
-    (Chan, Golub and Mulet 1999); the dual follows from the last iteration's slip alone. `bend` is the size
-    times its slope over the slip, 1 for the square root.
-    """
-    dx, dy = 0.0, 0.0
-    if not fresh and memory[5] == count - 1.0:
-        change = bend * (memory[0] * (across - memory[0]) + memory[1] * (along - memory[1])) / memory[2]
-        dx = (across - memory[3] * change) / memory[2]
-        dy = (along - memory[4] * change) / memory[2]
-        long = np.sqrt(dx * dx + dy * dy)
-        if long > 1.0:
-            dx, dy = dx / long, dy / long
-    memory[0], memory[1], memory[2], memory[3], memory[4], memory[5] = across, along, size, dx, dy, count
-    return dx, dy
-
-
-@kernel
 def row(
     stiff: Array, i: int, at: Contact, own: Triple, slip: Triple, press_slope: Pair, swung: Triple, round_: Quad
 ) -> None:
@@ -223,7 +201,6 @@ def bind(
     sliding: bool = False,
     stribeck: bool = False,
     step: bool = False,
-    by_depth: bool = False,
 ) -> Callable[..., None]:
     """The load for one law; the branches of the others leave no machine code."""
 
@@ -260,8 +237,7 @@ def bind(
                 limit = law.sliding + excess
             else:
                 excess = limit = law.coefficient / falling
-            if by_depth:
-                excess, limit = law.scale[here.place] * excess, law.scale[here.place] * limit
+            excess, limit = law.scale[here.place] * excess, law.scale[here.place] * limit
             st, sz = around / size, along / size
             ft, fz = -limit * at.force * st, -limit * at.force * sz
             load[0] += ft * cx + fz * tx
@@ -301,10 +277,3 @@ distributed_load_arctan_sliding = bind(arctan=True, sliding=True)
 distributed_load_stribeck = bind(stribeck=True)
 distributed_load_arctan_stribeck = bind(arctan=True, stribeck=True)
 distributed_load_step = bind(step=True)
-distributed_load_step_by_depth = bind(step=True, by_depth=True)
-distributed_load_by_depth = bind(by_depth=True)
-distributed_load_arctan_by_depth = bind(arctan=True, by_depth=True)
-distributed_load_sliding_by_depth = bind(sliding=True, by_depth=True)
-distributed_load_arctan_sliding_by_depth = bind(arctan=True, sliding=True, by_depth=True)
-distributed_load_stribeck_by_depth = bind(stribeck=True, by_depth=True)
-distributed_load_arctan_stribeck_by_depth = bind(arctan=True, stribeck=True, by_depth=True)

@@ -47,7 +47,7 @@ def smooth(weight: float) -> Scene:
 @pytest.mark.long
 def test_rock_that_is_not_drilled():
     """It carries what is set at the top at a depth W / K, gives the bit its torque, and lets it go when pulled."""
-    law = bit_torque_tanh.parameters(bit_torque_tanh.BitTorqueTanh(), None)
+    law = bit_torque_tanh.Parameters(**dict(bit_torque_tanh.BitTorqueTanh()))
     twin = Twin(smooth(2e4))
     began = twin.unknowns[0][0, 2]
     for _ in range(60):

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Torque on the bit in proportion to its speed."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import RotationalDamping, Within
-from drill_twin.physics.effects.config import EffectConfig
+from drill_twin.physics.effects.config import EffectConfig, parameters_class
 from drill_twin.physics.model.bit import BIT_TORQUE
-from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import SPIN, Rod
 
 
@@ -23,15 +22,7 @@ class BitTorqueViscous(EffectConfig):
     """Torque per speed c [N m s/rad]."""
 
 
-class Parameters(NamedTuple):
-    """Torque per speed [N m s]."""
-
-    damping: float
-
-
-def parameters(block: BitTorqueViscous, model: DiscreteModel) -> Parameters:
-    """Nothing to prepare."""
-    return Parameters(block.damping)
+Parameters = parameters_class(BitTorqueViscous)
 
 
 @kernel

@@ -13,7 +13,7 @@ from drill_twin.physics.effects import bit_torque_tanh
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import case
 from drill_twin_evidence.verify.row import Row
-from drill_twin_evidence.verify.scenes import quiet_scene, rod_scene, steel
+from drill_twin_evidence.verify.scenes import rod_scene, steel
 from drill_twin_evidence.verify.signals import run_for
 
 RPM_100 = 100.0 * np.pi / 30.0
@@ -49,7 +49,7 @@ def smooth_torque_law() -> Iterator[Row]:
 
     Extrema are found on a grid of 1 mrad/s; the published numbers have three digits.
     """
-    law = bit_torque_tanh.parameters(bit_torque_tanh.BitTorqueTanh(), Twin(quiet_scene({})).model)
+    law = bit_torque_tanh.Parameters(**dict(bit_torque_tanh.BitTorqueTanh()))
     speeds = np.linspace(0.0, 5.0, 5001)
     torque, slope = np.array([as_python(bit_torque_tanh.torque)(law, 1.0, float(w)) for w in speeds]).T
     for what, exact, found, tolerance in (

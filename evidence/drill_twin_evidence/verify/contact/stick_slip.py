@@ -115,7 +115,7 @@ def growth_under_the_smooth_law(speed: float) -> Iterator[Row]:
         "rock_floor": {"stiffness": 1e8, "damping": 1e5},
     }
     twin = Twin(steel(effects, at="top", weight_on_bit=weight))
-    law = bit_torque_tanh.parameters(bit_torque_tanh.BitTorqueTanh(), twin.model)
+    law = bit_torque_tanh.Parameters(**dict(bit_torque_tanh.BitTorqueTanh()))
     torque, slope = as_python(bit_torque_tanh.torque)(law, weight, speed)
     stiffness = float(twin.rod.torsion[0])
     u, v = twin.unknowns
