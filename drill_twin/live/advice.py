@@ -10,6 +10,7 @@ from typing import Any
 from drill_twin.core.errors import MessageError
 from drill_twin.core.files.json_reader import read_json
 from drill_twin.live.plain import short
+from drill_twin.studies.maps.regimes import COLOURS
 
 SHOWN_STEPS = 64
 """Steps of the map along each range on the page; a finer one is shown at every second node, or fewer."""
@@ -49,6 +50,7 @@ def shown_map(text: str) -> dict[str, Any]:
     rows = range(0, side, every)
     return {
         "digest": digest[:64],
+        "colours": COLOURS,
         "wob": [low, high],
         "rps": [slow / math.tau, fast / math.tau],
         "regimes": [short(str(name), 40) for name in names[:10]],

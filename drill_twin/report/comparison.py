@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drill_twin.report.figures.style import BLUE, GREEN, PURPLE, RIGHT, VERMILION, over_time, styled
+from drill_twin.report.load_text import millimetres
 from drill_twin.report.recording import Recording
-from drill_twin.report.text import millimetres
 
 _RECORDED: dict[str, Any] = {"color": BLUE, "linewidth": 2.2, "alpha": 0.45}
 _COMPUTED: dict[str, Any] = {"color": VERMILION, "linewidth": 0.9}
@@ -68,8 +68,8 @@ def draw_runs(runs: Sequence[tuple[str, Recording]], title: str, styles: Sequenc
     tables = [[place.name for place in run.scene.mark_table] if with_marks else [] for _, run in runs]
     marks = [name for name in tables[0] if all(name in table for table in tables)]
     with styled():
-        longer = max((run for _, run in runs), key=lambda run: run.duration)
-        figure, panels = over_time(longer, [1.1] * (len(marks) + 3), title=title, headed=True)
+        longest = max(run.duration for _, run in runs)
+        figure, panels = over_time(longest, [1.1] * (len(marks) + 3), title=title, headed=True)
         styled_runs = [(run, styles[k % len(styles)]) for k, (_, run) in enumerate(runs)]
         for panel, name in zip(panels, marks, strict=False):
             for (run, style), table in zip(styled_runs, tables, strict=True):

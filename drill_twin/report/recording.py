@@ -7,9 +7,8 @@ compared byte for byte.
 
 from __future__ import annotations
 
-import math
 from collections import deque
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from pathlib import Path
 
@@ -21,11 +20,11 @@ from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
-from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
+from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.bag.time_series import Rows
 from drill_twin.io.downhole import readings_topic
 from drill_twin.io.messages.encode import MARK_AXES
-from drill_twin.io.messages.stamps import raw_header_stamp, seconds
+from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import (
     DIAGNOSTICS,
     MARKS_STATE,
@@ -40,20 +39,16 @@ from drill_twin.io.messages.topics import (
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.live_findings import LiveFindings
 from drill_twin.report.run_log import RunLog
+from drill_twin.report.selected_messages import Message, SelectedMessages
 from drill_twin.report.selection import Selection, marks_without_scene, missing_topics, open_bag, sub_without_marks
 from drill_twin.report.string_curve import along_hole, smooth
+from drill_twin.report.unusable import no_rotation, no_samples, no_scene
 from drill_twin.scene import Scene
 from drill_twin.whirl import Findings, MarkInfo, Summary
 from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
-from drill_twin.whirl.downhole import WAITING
 
 SHAPES = 600
 """Most poses of the string that are kept, evenly over the run."""
-
-_FIRST_BATCH, _BATCH, _BATCH_BYTES = 64, 4096, 8_000_000
-"""Messages that are read at once, first, and then; and their size."""
-_WITH_HEADER = frozenset({MARKS_STATE, RIG_STATE, RIG_COMMAND, STRING_POSES, STRING_STRESS, WHIRL_STATE})
-"""Topics whose messages begin with a header, so that they can be selected by time."""
 
 
 class Recording:
@@ -99,17 +94,17 @@ class Recording:
             scene, lacks=self._missing, marks=self.selection.marks, infos=infos, sub=self.sub
         )
         self._pipeline.start()
-        self._with_header = _WITH_HEADER | ({self._sub_topic} if self.sub else set())
-        self._stray, self._time = self._stray_places(), 0.0
+        self._messages = SelectedMessages(bag, self.selection, {self._sub_topic} if self.sub else set())
         self._reset()
-        self._read()
+        for batch in self._messages.batches(tuple(self._readers), self.skipped):
+            self._take(batch)
         self._skip_other_layouts()
         self.summary: Summary = self._checked_summary()
 
     def _reset(self) -> None:
         """Begin a new run."""
         self.marks, self.rig, self.commands = MarkSeries(), RigSeries(), CommandSeries()
-        self.poses = PoseSeries(every=max(1, -(-self._poses // SHAPES)))
+        self.poses = PoseSeries(every=max(1, -(-self._messages.poses // SHAPES)))
         self.whirl, self.stress = WhirlSeries(), StressSeries()
         self.live = LiveFindings()
         self.log = RunLog(self.log.info)
@@ -126,29 +121,14 @@ class Recording:
         if self.selection.whole:
             self._readers[WHIRL_STATE] = self.live.on_state
 
-    def _read(self) -> None:
-        """Read all messages: many at once where they are as drill_twin records them, else one by one."""
-        batch: list[tuple[str, bytes, float]] = []
-        unpaired, size, least = 0, 0, _FIRST_BATCH
-        for topic, raw in self._messages(tuple(self._readers), self.skipped):
-            batch.append((topic, raw, self._time))
-            unpaired += (topic == MARKS_STATE) - (topic == RIG_STATE)
-            size += len(raw)
-            filled = max(len(batch) / least, size / _BATCH_BYTES)
-            if filled >= 2.0 or (filled >= 1.0 and unpaired == 0):
-                self._take(batch)
-                batch, size, least = [], 0, _BATCH
-        self._take(batch)
-
-    def _take(self, batch: list[tuple[str, bytes, float]]) -> None:
-        time = self._time
+    def _take(self, batch: list[Message]) -> None:
+        """Take messages: many at once where they are as drill_twin records them, else one by one."""
         taken = self._take_rows(batch)
-        for topic, raw, self._time in batch:
+        for topic, raw, time in batch:
             if topic not in taken:
-                self._take_message(topic, raw)
-        self._time = time
+                self._take_message(topic, raw, time)
 
-    def _take_rows(self, batch: list[tuple[str, bytes, float]]) -> Collection[str]:
+    def _take_rows(self, batch: list[Message]) -> Collection[str]:
         """Take the messages of a batch that can be taken at once; returns their topics."""
         raws: dict[str, list[bytes]] = {}
         for topic, raw, _ in batch:
@@ -166,8 +146,7 @@ class Recording:
         for messages in self._pipeline.encode_rows(found, marks[1].frame_id):
             for _, raw in messages[:1]:  # `/whirl/state`
                 self.live.on_analysed(raw)
-        names = tuple(mark.name for mark in self._pipeline.marks)
-        self.whirl.extend(Rows(found.stamps, found.values.swapaxes(1, 2), names))
+        self.whirl.extend(Rows(found.stamps, found.values.swapaxes(1, 2), tuple(mark.name for mark in self.places)))
         self.marks.extend(marks[0])
         self.rig.extend(rig)
         taken = {MARKS_STATE, RIG_STATE}
@@ -177,14 +156,14 @@ class Recording:
                 taken.add(topic)
         return taken
 
-    def _take_message(self, topic: str, raw: bytes) -> None:
+    def _take_message(self, topic: str, raw: bytes, time: float) -> None:
         reason = self._analyse(topic, raw)
         try:
             self._readers[topic](raw)
         except MessageError as error:
             reason = str(error)
         if reason:
-            self.skipped.add(topic, self._time, reason)
+            self.skipped.add(topic, time, reason)
 
     def _add_place(self, _: bytes) -> None:
         """Append the place of the section of the sub, about its mean, as that of a mark."""
@@ -194,31 +173,6 @@ class Recording:
             height = mark.distance_from_bit - self.scene.length
             row[0, 0] = place.position.real, place.position.imag, height, place.spin
             self.marks.append(place.stamp, row, (mark.name,))
-
-    def _stray_places(self) -> dict[str, set[int]]:
-        """Places, by topic, of the messages whose stamps are from the future."""
-        stamps: dict[str, list[int]] = {}
-        for topic, _, raw in self.bag.messages(self._with_header):
-            stamps.setdefault(topic, []).append(raw_header_stamp(raw))
-        self._poses = sum(map(self.selection.holds, stamps.get(STRING_POSES, ())))
-        return {topic: stray_stamps(values) for topic, values in stamps.items()}
-
-    def _messages(self, topics: tuple[str, ...], skipped: SkippedMessages) -> Iterator[tuple[str, bytes]]:
-        """Topic and CDR of the selected messages; those with a stamp from the future are skipped."""
-        places = dict.fromkeys(self._stray, -1)
-        self._time = 0.0
-        for topic, _, raw in self.bag.messages(topics):
-            if topic in self._with_header:
-                stamp = raw_header_stamp(raw)
-                places[topic] += 1
-                if places[topic] in self._stray[topic]:
-                    reason = f"expected a stamp near those of the messages around it, found {seconds(stamp):g} s"
-                    skipped.add(topic, self._time, reason)
-                    continue
-                if not self.selection.holds(stamp):
-                    continue
-                self._time = seconds(stamp) or self._time
-            yield topic, raw
 
     def _analyse(self, topic: str, raw: bytes) -> str:
         """Analyse a message; returns the reason why it could not be used, or an empty text."""
@@ -244,38 +198,13 @@ class Recording:
         if pipeline.bit_only is not None and pipeline.bit_only.quality.accepted:
             return pipeline.summary()
         if pipeline.bit_only is None and not pipeline.marks:
-            raise BagError(self._no_scene())
+            raise BagError(no_scene(self.path, self._pipeline.trouble, of_sub=bool(self.sub)))
         if pipeline.findings is None:
-            raise BagError(self._no_samples())
+            raise BagError(no_samples(self.bag, self.selection, self.sub, self._pipeline.trouble))
         summary = pipeline.summary()
-        if self.sub and not summary.quality.accepted:
-            raise BagError(f"{self.path}: expected revolutions of a sub at a steady speed, found {WAITING}")
-        if self.rotation_from_spin and not summary.quality.accepted:
-            raise BagError(
-                f"{self.path}: expected the rotation, as top_drive on {RIG_STATE} or as the spin of the marks, "
-                "found neither; without rotation whirl is not defined"
-            )
+        if (self.sub or self.rotation_from_spin) and not summary.quality.accepted:
+            raise BagError(no_rotation(self.path, self.sub))
         return summary
-
-    def _no_scene(self) -> str:
-        if self._pipeline.trouble:
-            unused = "" if self.sub else f"expected a scene on {TWIN_SCENE}, found one that cannot be used: "
-            return f"{self.path}: {unused}{self._pipeline.trouble}"
-        return (
-            f"{self.path}: expected the scene on {TWIN_SCENE}, found no message there; "
-            "name the scene with --scene, or give --clearance"
-        )
-
-    def _no_samples(self) -> str:
-        topics = self.bag.topics
-        needed = (readings_topic(self.sub),) if self.sub else (MARKS_STATE, RIG_STATE)
-        counts = ", ".join(f"{topics[topic].count if topic in topics else 0} on {topic}" for topic in needed)
-        why = f" ({self._pipeline.trouble})" if self._pipeline.trouble else ""
-        begin, end = self.selection.begin, self.selection.end
-        if (begin, end) != (-math.inf, math.inf):
-            why += f", none of them from {begin:g} s to {end:g} s; choose another --from and --to"
-        wanted = f"readings of {self.sub}" if self.sub else "marks and rig states with the same stamps"
-        return f"{self.path}: expected {wanted} to analyse, found {counts}{why}"
 
     @property
     def path(self) -> Path:
@@ -290,7 +219,7 @@ class Recording:
             BagError: It is not known.
         """
         if self._pipeline.scene is None:
-            raise BagError(self._no_scene())
+            raise BagError(no_scene(self.path, self._pipeline.trouble, of_sub=bool(self.sub)))
         return self._pipeline.scene
 
     @property
@@ -344,7 +273,7 @@ class Recording:
     def all_poses(self) -> PoseSeries:
         """Poses of the string's nodes at all samples of the run, read from the bag again."""
         series = PoseSeries()
-        messages = (raw for _, raw in self._messages((STRING_POSES,), SkippedMessages()))
+        messages = (raw for _, raw, _ in self._messages.read((STRING_POSES,), SkippedMessages()))
         for raw in deque(messages, maxlen=self.poses.seen):  # the last of several runs
             with suppress(MessageError):  # counted already
                 series.add_message(raw)

@@ -7,23 +7,25 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from drill_twin.report.load_text import (
+    Row,
+    Summary,
+    bit_rows,
+    fatigue_rows,
+    in_kilo,
+    load_rows,
+    millimetres,
+    number_text,
+    sub_rows,
+)
 from drill_twin.whirl import MotionState
-from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
-
-Summary = Mapping[str, Any]
-Row = tuple[str, str]
 
 _OF_THE_STRING = {MotionState.SPIRAL.value, MotionState.SECOND_BENDING.value}
 """States that only the string has, by its shape."""
-KILO = 5000.0
-"""Force [N], torque [N m] or force per length [N/m] from which the unit has a k before it."""
 ON_THE_WALL = 1.005
 """Share of the clearance from which the penetration of the wall is told."""
 _VARIES = 0.05
 """Range of a set-point, over its mean, from which it is given."""
-_STRETCHES = 5
-"""Most periods of stick-slip with a row of their own."""
-
 NOT_VALIDATED = """\
 No measurement of a whirling string stands behind this run: onset, whirl frequency and radii are what the model gives \
 for this scene. The scene's provenance says which of its numbers are measured, published or estimated; the estimated \
@@ -54,9 +56,8 @@ def applied(summary: Summary) -> str:
 
 def _over_time(found: Mapping[str, float], unit: str, scale: float = 1.0) -> str:
     """Mean with its unit, and the range where it is wider than a twentieth."""
-    mean, least, most = (scale * found[key] for key in ("mean", "min", "max"))
-    if unit == "N" and max(-least, most) >= KILO:
-        mean, least, most, unit = 1e-3 * mean, 1e-3 * least, 1e-3 * most, "kN"
+    values = [scale * found[key] for key in ("mean", "min", "max")]
+    (mean, least, most), unit = in_kilo(values, unit) if unit == "N" else (values, unit)
     varies = most - least > _VARIES * abs(mean)
     return f"{mean:.4g} {unit}{f' on average, {least:.4g} to {most:.4g} {unit}' if varies else ''}"
 
@@ -70,10 +71,10 @@ def findings(summary: Summary) -> Iterator[Row]:
     """Rows of the findings, most important first."""
     if not summary["whirl_observable"]:
         yield "whirl", "not observable: no positions of marks"
-        yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
+        yield "rotation", number_text(summary["rotation_rev_s"], "{:.3f} rev/s")
         yield from load_rows(summary)
-        yield from _fatigue(summary)
-        yield from _bit(summary)
+        yield from fatigue_rows(summary)
+        yield from bit_rows(summary)
         return
     yield "motion that lasts", _lasting(summary)
     yield "onset of whirl", _onset(summary)
@@ -81,16 +82,16 @@ def findings(summary: Summary) -> Iterator[Row]:
     if summary["spectrum_lines"]:
         yield "lines of the spectrum", _lines(summary)
     yield "precession / rotation", _ratio(summary)
-    yield "rotation", _number(summary["rotation_rev_s"], "{:.3f} rev/s")
+    yield "rotation", number_text(summary["rotation_rev_s"], "{:.3f} rev/s")
     for mark, value in summary["max_radius_m"].items():
         yield f"largest radius, {mark}", radius_text(value, summary["clearance_m"].get(mark))
     yield from _states(summary)
     yield from _wall(summary)
     yield from load_rows(summary)
-    yield from _fatigue(summary)
+    yield from fatigue_rows(summary)
     yield "motion at the end", summary["motion"][-1]["state"] if summary["motion"] else "unknown"
-    yield from _bit(summary)
-    yield from _sub(summary)
+    yield from bit_rows(summary)
+    yield from sub_rows(summary)
 
 
 def _states(summary: Summary) -> Iterator[Row]:
@@ -114,95 +115,14 @@ def _wall(summary: Summary) -> Iterator[Row]:
         yield "deepest in the wall", f"{millimetres(found['deepest_m'])} ({share}), {place}{at_rest}"
 
 
-def load_rows(summary: Summary) -> Iterator[Row]:
-    """Rows on weight on bit, hookload, torque and drag."""
-    for name, key, unit in (
-        ("weight on bit", "weight_on_bit_n", "N"),
-        ("hookload", "hookload_n", "N"),
-        ("drag", "drag_n", "N"),
-        ("torque of the top drive", "top_drive_torque_nm", "N m"),
-        ("torque on the bit", "bit_torque_nm", "N m"),
-    ):
-        if found := summary["loads"].get(key):
-            kilo = max(-found["min"], found["max"]) >= KILO
-            mean, least, most = (1e-3 * found[of] if kilo else found[of] for of in ("mean", "min", "max"))
-            shown = f"k{unit}" if kilo else unit
-            yield name, f"{mean:.4g} {shown} on average, {least:.4g} to {most:.4g} {shown}"
-
-
-def _fatigue(summary: Summary) -> Iterator[Row]:
-    """Rows on stress and damage of the sections of `fatigue`."""
-    for name, found in (summary.get("fatigue") or {}).items():
-        life = found["seconds_to_damage_1"]
-        words = (
-            f"at most {1e-6 * found['largest_stress_pa']:.4g} MPa ({found['share_of_yield']:.0%} of yield), "
-            f"{found['cycles']:g} cycles, {_number(found['cycles_per_second'], '{:.3g}')} a second at the end"
-        )
-        yield f"stress at {name}", words
-        yield (
-            f"damage at {name}",
-            f"{found['damage']:.3g}; "
-            + (
-                "none in the second half of the run"
-                if life is None
-                else f"1 after {duration_text(life)} of such motion"
-            ),
-        )
-
-
-def duration_text(seconds: float) -> str:
-    """Time [s] as text in the unit that it is spoken of in."""
-    for size, unit in ((31_557_600.0, "years"), (86_400.0, "days"), (3_600.0, "hours"), (60.0, "minutes")):
-        if seconds >= size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.3g} s"
-
-
-def _bit(summary: Summary) -> Iterator[Row]:
-    """Rows on the rotation of the bit."""
-    yield "bit at the end", summary["bit"]
-    if summary["largest_stick_slip_index"] is not None:
-        last, most = (_number(summary[key], "{:.2f}") for key in ("stick_slip_index", "largest_stick_slip_index"))
-        yield "stick-slip index", f"{last} over the last {TIME_BASE} s, {most} at most"
-    for stretch in summary["stick_slip"][:_STRETCHES]:
-        words = (
-            f"{stretch['start_s']:.2f} to {stretch['end_s']:.2f} s: {stretch['cycles']} cycles of "
-            f"{stretch['shortest_s']:.3f} to {stretch['longest_s']:.3f} s ({stretch['frequency_hz']:.2f} Hz), "
-            f"severity {stretch['severity']:.2f}"
-        )
-        yield "stick-slip", words
-    if len(summary["stick_slip"]) > _STRETCHES:
-        yield "", f"and {len(summary['stick_slip']) - _STRETCHES} more stretches of stick-slip"
-    if summary["stick_slip"] and summary["bit_spectral_peak_hz"] is not None:
-        yield "spectral peak of the bit", f"{summary['bit_spectral_peak_hz']:.2f} Hz"
-
-
-def _sub(summary: Summary) -> Iterator[Row]:
-    """Rows on what a downhole sub tells beside whirl."""
-    found = summary.get("sub")
-    if not found:
-        return
-    if found["share_at_rest"] is not None:
-        yield "section at rest", f"{found['share_at_rest']:.0%} of the time of stick-slip"
-    largest = (
-        ""
-        if found["largest_impact"] is None
-        else (
-            f" ({found['impact_rate_hz']:.2f} a second), acceleration {found['mean_impact']:.3g} m/s^2 on average, "
-            f"{found['largest_impact']:.3g} m/s^2 at most"
-        )
-    )
-    yield "impacts on the wall", f"{found['impacts']}{largest}"
-
-
 def provenance(summary: Summary) -> Iterator[Row]:
     """Rows on the run: scene, resolution, speed, version."""
     yield "scene", _text(summary["scene"])
     yield "simulated time", f"{summary['duration_s']:.2f} s, {summary['samples']} samples"
-    yield "real-time factor", _number(summary["realtime_factor"], "{:.3g}")
-    yield "speed of the physics alone", _number(summary["physics_speed"], "{:.3g} x real time")
+    yield "real-time factor", number_text(summary["realtime_factor"], "{:.3g}")
+    yield "speed of the physics alone", number_text(summary["physics_speed"], "{:.3g} x real time")
     yield "elements", _text(summary["elements"])
-    yield "time step", _number(summary["step_s"], "{:.3g} s")
+    yield "time step", number_text(summary["step_s"], "{:.3g} s")
     if summary["steps"] is not None:
         cut, loose = _text(summary["cut_steps"]), _text(summary["loose_steps"])
         yield "steps", f"{summary['steps']}, {cut} cut steps, {loose} loose steps"
@@ -321,21 +241,12 @@ def radius_text(value: float | None, clearance: float | None) -> str:
     return f"{millimetres(value)} ({value / clearance:.0%} of the clearance)"
 
 
-def millimetres(value: float) -> str:
-    """Length [m] as text in mm."""
-    return f"{1e3 * value:.1f} mm" if abs(value) >= 1e-3 else f"{1e3 * value:.2g} mm"
-
-
 def _live(live: Mapping[str, Any]) -> str:
     if not live["messages"]:
         return "none recorded"
     if live["differing"]:
         return f"{live['differing']} of {live['messages']} findings differ from this analysis"
     return f"the same, byte for byte ({live['messages']} findings)"
-
-
-def _number(value: float | None, form: str) -> str:
-    return "unknown" if value is None else form.format(value)
 
 
 def _text(value: object) -> str:

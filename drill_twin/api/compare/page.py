@@ -10,6 +10,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from drill_twin.api.compare.quantities import Quantity
+from drill_twin.core.table import Column, Table
 
 
 def page(names: Sequence[str], found: Sequence[Quantity], tolerance: float, notes: Sequence[str], figure: Path) -> str:
@@ -43,11 +44,8 @@ def page(names: Sequence[str], found: Sequence[Quantity], tolerance: float, note
 
 
 def _table(names: Sequence[str], rows: Sequence[Quantity]) -> str:
-    head = "".join(f"<th>{escape(name)}</th>" for name in ("", *names))
-    body = "".join(
-        f"<tr><th>{escape(of.name)}{f' [{escape(of.shown_unit)}]' if of.unit else ''}</th>"
-        + "".join(f"<td>{escape(of.text(case))}</td>" for case in range(len(names)))
-        + "</tr>"
+    cells = (
+        (Column(of.name, of.shown_unit if of.unit else "").title, *(of.text(case) for case in range(len(names))))
         for of in rows
     )
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return Table(("", *names), cells).html()

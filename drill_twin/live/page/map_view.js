@@ -3,8 +3,6 @@
 import { $, element, replace, state } from "./state.js";
 import { onUnits, size, unit } from "./units.js";
 
-const COLOURS = ["#009e73", "#b2df8a", "#f0e442", "#56b4e9", "#bdbdbd", "#e69f00", "#d55e00", "#cc79a7", "#333333"];
-const STEPS = COLOURS.flatMap((colour, k) => [[k / COLOURS.length, colour], [(k + 1) / COLOURS.length, colour]]);
 let drawn = "";
 
 function legend(map) {
@@ -15,7 +13,7 @@ function legend(map) {
     return box;
   };
   replace($("map_legend"), [map.codes, map.regimes], () => [
-    ...map.regimes.flatMap((name, k) => map.codes.includes(String(k)) ? [entry(name, COLOURS[k])] : []), entry("solid: whirl begins from rest"),
+    ...map.regimes.flatMap((name, k) => map.codes.includes(String(k)) ? [entry(name, map.colours[k])] : []), entry("solid: whirl begins from rest"),
     ...(map.keeps !== map.whirls ? [entry("dashed: an existing whirl dies")] : []), ...(map.window.length ? [entry("white: largest safe window")] : []),
   ]);
 }
@@ -38,7 +36,7 @@ export function drawMap() {
   const axis = (range, scale, title) => ({ range: range.map((value) => value / scale), title: { text: title, standoff: 6 }, zeroline: false, fixedrange: true, automargin: true });
   const line = known(here) && known(there) ? [{ type: "scatter", mode: "lines", x: [here[0] / rotation, there[0] / rotation], y: [here[1] / force, there[1] / force], line: { color: "#fff", width: 3 }, hoverinfo: "skip" }] : [];
   Plotly.react($("map"), [
-    { type: "heatmap", x, y, z: codes, zmin: -0.5, zmax: COLOURS.length - 0.5, colorscale: STEPS, showscale: false, opacity: 0.85, customdata: codes.map((row) => row.map((code) => map.regimes[code] ?? "unknown")), hovertemplate: "%{customdata}<extra></extra>" },
+    { type: "heatmap", x, y, z: codes, zmin: -0.5, zmax: map.colours.length - 0.5, colorscale: map.colours.flatMap((colour, k) => [[k / map.colours.length, colour], [(k + 1) / map.colours.length, colour]]), showscale: false, opacity: 0.85, customdata: codes.map((row) => row.map((code) => map.regimes[code] ?? "unknown")), hovertemplate: "%{customdata}<extra></extra>" },
     edge(map.whirls, "solid"), ...(map.keeps !== map.whirls ? [edge(map.keeps, "dash")] : []), ...line,
     ...(known(there) ? [spot(there, { size: 12, color: "#fff", symbol: "circle-open", line: { width: 3 } })] : []),
     ...(known(here) ? [spot(here, { size: 13, color: "#000", line: { color: "#fff", width: 3 } })] : []),

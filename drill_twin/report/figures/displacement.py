@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from drill_twin.report.figures.style import BLUE, GREY, INK, ORANGE, RIGHT, draw_onset, mark_label, over_time
+from drill_twin.report.load_text import millimetres
 from drill_twin.report.recording import Recording
-from drill_twin.report.text import millimetres
 
 
 def displacement(recording: Recording) -> Figure:
@@ -23,7 +23,7 @@ def displacement(recording: Recording) -> Figure:
     nearest = min(place.clearance for place in places) * 1e3
     limit = 1.12 * max(largest, nearest if largest > 0.4 * nearest else 1e-3)
     figure, panels = over_time(
-        recording, [1.25] * len(places), title="Displacement of the centre line at the marks", headed=True
+        recording.duration, [1.25] * len(places), title="Displacement of the centre line at the marks", headed=True
     )
     for number, panel, place in zip(numbers, panels, places, strict=True):
         z = centre[:, number]
@@ -35,9 +35,9 @@ def displacement(recording: Recording) -> Figure:
             panel.axhline(side * place.clearance * 1e3, color=GREY, linewidth=1.0, linestyle=":")
         panel.set_ylim(-max(limit, 1e-6), max(limit, 1e-6))
         panel.set_ylabel("[mm]")
-        name = mark_label(recording, *at[place.distance_from_bit])
+        name = mark_label(*(recording.places[mark] for mark in at[place.distance_from_bit]))
         panel.set_title(f"{name}: at most {millimetres(1e-3 * np.nanmax(radius))}", fontsize=10.5, pad=3)
-    draw_onset(recording, panels)
+    draw_onset(recording.summary.onset, recording.duration, panels)
     handles, labels = panels[0].get_legend_handles_labels()
     if limit > nearest:
         handles.append(panels[0].get_lines()[2])

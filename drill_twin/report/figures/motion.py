@@ -34,7 +34,7 @@ def motion(recording: Recording) -> Figure:
     """Bands of motion states of the string and of each mark; below, signed precession over rotation."""
     summary = recording.summary
     rows = {"string": summary.motion, **summary.mark_motion}
-    figure, (bands, ratio) = over_time(recording, [_ROW * len(rows), 1.9], title="Motion state and precession")
+    figure, (bands, ratio) = over_time(recording.duration, [_ROW * len(rows), 1.9], title="Motion state and precession")
     for row, periods in enumerate(rows.values()):
         _band(bands, row, periods, recording.duration)
     bands.set_ylim(len(rows) - 0.5, -0.5)
@@ -45,7 +45,7 @@ def motion(recording: Recording) -> Figure:
     for side in ("left", "bottom"):
         bands.spines[side].set_visible(False)
     _ratio(ratio, recording)
-    draw_onset(recording, [bands, ratio])
+    draw_onset(summary.onset, recording.duration, [bands, ratio])
     _legend(figure, [period.state for periods in rows.values() for period in periods])
     return figure
 

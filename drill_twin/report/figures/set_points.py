@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from drill_twin.core.arrays import Array
 from drill_twin.report.figures.style import BLUE, GREY, ORANGE, draw_onset, over_time
+from drill_twin.report.load_text import KILO
 from drill_twin.report.recording import Recording
-from drill_twin.report.text import KILO
 
 
 class _Panel(NamedTuple):
@@ -26,7 +26,7 @@ class _Panel(NamedTuple):
 def set_points(recording: Recording) -> Figure:
     """One panel a quantity of the rig that the recording holds."""
     found = list(_panels(recording))
-    figure, panels = over_time(recording, [1.35] * len(found), title=_title(found))
+    figure, panels = over_time(recording.duration, [1.35] * len(found), title=_title(found))
     for panel, (label, unit, lines, commanded) in zip(panels, found, strict=True):
         largest = max(float(np.nanmax(np.abs(values), initial=1.0)) for values in lines.values())
         scale, prefix = (1e-3, "k") if unit.startswith("N") and largest > KILO else (1.0, "")
@@ -41,7 +41,7 @@ def set_points(recording: Recording) -> Figure:
         panel.margins(y=0.12)
         if len(panel.get_lines()) > 1:
             panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
-    draw_onset(recording, panels)
+    draw_onset(recording.summary.onset, recording.duration, panels)
     return figure
 
 

@@ -27,8 +27,8 @@ _STRING_MARK = 0.02
 def spectrum_over_time(recording: Recording) -> Figure:
     """Two panels: radius of each line over time and signed frequency; radius of each mark's orbit over time."""
     mark = _leading_mark(recording)
-    name = mark_label(recording, mark)
-    figure, (lines, radii) = over_time(recording, [2.9, 1.3], title=f"Spectrum over time, {name}", headed=True)
+    name = mark_label(recording.places[mark])
+    figure, (lines, radii) = over_time(recording.duration, [2.9, 1.3], title=f"Spectrum over time, {name}", headed=True)
     _spectra(lines, recording, mark)
     _rotation(lines, recording)
     time, radius = recording.whirl.time, recording.whirl.orbit_radius
@@ -38,7 +38,7 @@ def spectrum_over_time(recording: Recording) -> Figure:
     radii.set_ylabel("orbit radius [mm]")
     radii.set_title("Distance of the centre line from the axis", fontsize=10.5, pad=4)
     radii.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(6, len(recording.places)), borderaxespad=0.2)
-    draw_onset(recording, [lines, radii])
+    draw_onset(recording.summary.onset, recording.duration, [lines, radii])
     return figure
 
 

@@ -18,8 +18,7 @@ from matplotlib.figure import Figure
 
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.whole_file import whole_file
-from drill_twin.report.recording import Recording
-from drill_twin.whirl import MotionState
+from drill_twin.whirl import MarkInfo, MotionState, Onset
 
 INK, GREY, LIGHT = "#222222", "#767676", "#d9d9d9"
 BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, YELLOW = (
@@ -95,12 +94,12 @@ def blank(height: float) -> Figure:
 
 
 def over_time(
-    recording: Recording, heights: Sequence[float], *, title: str, headed: bool = False
+    duration: float, heights: Sequence[float], *, title: str, headed: bool = False
 ) -> tuple[Figure, list[Axes]]:
     """Figure with panels one below the other, on the time axis of all figures over time.
 
     Args:
-        recording: The run.
+        duration: Time of the last sample [s].
         heights: Heights of the panels [inch].
         title: Title of the figure.
         headed: True if the panels have titles.
@@ -116,7 +115,7 @@ def over_time(
         rectangle = (LEFT, place / height, RIGHT - LEFT, share / height)
         panels.append(figure.add_axes(rectangle, sharex=panels[0] if panels else None))
         place -= gap
-    panels[0].set_xlim(0.0, max(recording.duration, 1e-3))
+    panels[0].set_xlim(0.0, max(duration, 1e-3))
     for panel in panels[:-1]:
         panel.tick_params(labelbottom=False)
     panels[-1].set_xlabel("time [s]")
@@ -129,15 +128,14 @@ def head(figure: Figure, title: str) -> None:
     figure.suptitle(title, x=0.012, y=place, ha="left", va="top", fontsize=13, fontweight="bold")
 
 
-def draw_onset(recording: Recording, panels: Sequence[Axes]) -> None:
-    """Draw the onset of whirl as a line through all panels, labelled at the first."""
-    onset = recording.summary.onset
+def draw_onset(onset: Onset | None, duration: float, panels: Sequence[Axes]) -> None:
+    """Draw the onset of whirl, if there was one, as a line through all panels, labelled at the first."""
     if onset is None:
         return
     name = f"onset {onset.time_s:.2f} s"
     for panel in panels:
         panel.axvline(onset.time_s, color=INK, linewidth=1.1, linestyle=(0, (4, 2)), zorder=3, gid=name)
-    late = onset.time_s > 0.8 * recording.duration
+    late = onset.time_s > 0.8 * duration
     inside = bool(panels[0].get_title(loc="left"))
     note(
         panels[0],
@@ -168,9 +166,8 @@ def note(
     panel.annotate(text, at, xycoords=where, xytext=shift, textcoords="offset points", annotation_clip=False, **looks)
 
 
-def mark_label(recording: Recording, *marks: int) -> str:
+def mark_label(*places: MarkInfo) -> str:
     """Names of marks at one place and their position, as `mark_1, 4.4 m from the bit`."""
-    places = [recording.places[mark] for mark in marks]
     return f"{', '.join(place.name for place in places)}, {places[0].distance_from_bit:g} m from the bit"
 
 

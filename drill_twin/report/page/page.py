@@ -5,15 +5,17 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from drill_twin.core.table import Column, Table
 from drill_twin.core.version import __version__
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
+from drill_twin.report.load_text import load_rows, millimetres
 from drill_twin.report.page.interactive import plotly_packed, view_data
 from drill_twin.report.page.well_geometry import deviated
 from drill_twin.report.recording import Recording
@@ -24,8 +26,6 @@ from drill_twin.report.text import (
     interval,
     irregular,
     limitations,
-    load_rows,
-    millimetres,
     provenance,
     transient,
 )
@@ -61,9 +61,9 @@ def build_page(
         _warning([*limitations(summary), *_not_drawn(recording)]),
         _cards(summary),
         '<div class="columns"><section>',
-        _table(findings(summary)),
+        Table((), findings(summary)).html(),
         "</section><section>",
-        _table(row for row in provenance(summary) if scene or row[1] not in {"unknown", "none", ""}),
+        Table((), (row for row in provenance(summary) if scene or row[1] not in {"unknown", "none", ""})).html(),
         "</section></div>",
         _view(scene) if scene and len(recording.poses) else "",
         f"<h2>Over time</h2><p>{_HOW}</p>",
@@ -149,21 +149,16 @@ def _warning(lines: list[str]) -> str:
     return f'<section class="warning"><ul>{"".join(f"<li>{escape(line)}</li>" for line in lines)}</ul></section>'
 
 
-def _table(rows: Iterable[tuple[str, str]]) -> str:
-    lines = (f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows)
-    return f"<table><tbody>{''.join(lines)}</tbody></table>"
-
-
 def _timeline(summary: Mapping[str, Any]) -> str:
-    rows = "".join(
-        f'<tr><td class="number">{period["start_s"]:.2f} s</td><td class="number">{period["end_s"]:.2f} s</td>'
-        f'<td class="name">{escape(period["state"])}</td><td>{escape(period["criterion"])}</td></tr>'
+    columns = (
+        Column("from", right=True), Column("to", right=True), Column("state", whole=True), Column("what decided it")
+    )  # fmt: skip
+    rows = (
+        (f"{period['start_s']:.2f} s", f"{period['end_s']:.2f} s", period["state"], period["criterion"])
         for period in summary["motion"]
     )
-    return (
-        '<h2>Motion of the string</h2><section><table class="timeline"><thead><tr><th>from</th><th>to</th>'
-        f"<th>state</th><th>what decided it</th></tr></thead><tbody>{rows}</tbody></table></section>"
-    )
+    table = Table(columns, rows).html(named=False)
+    return f'<h2>Motion of the string</h2><section class="timeline">{table}</section>'
 
 
 def _figure(name: str, figures: Mapping[str, Path]) -> str:

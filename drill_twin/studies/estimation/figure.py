@@ -26,30 +26,29 @@ def estimate_figure(found: Sequence[Estimate], record: Record) -> Figure:
         found: Estimates in the order of their times.
         record: The record that they follow; a channel of a sensor's name is drawn beside it.
     """
-    from matplotlib.figure import Figure
+    from drill_twin.report.figures.style import BLUE, LIGHT, VERMILION, laid_out, styled
 
     time = np.array([one.time for one in found])
     names = [(name, "") for name in found[0].numbers]
     names += [(name, unit_of(name)) for name in found[0].sensors if any(one.sensors[name].high for one in found)]
     channels = sorted({name for one in found for name in one.misfit})
-    figure = Figure(figsize=(11.0, 1.0 + 1.9 * (len(names) + 1)), layout="constrained")
-    panels = figure.subplots(len(names) + 1, sharex=True, squeeze=False)[:, 0]
-    for axes, (name, unit) in zip(panels, names, strict=False):
-        bands = [one.numbers.get(name) or one.sensors[name] for one in found]
-        low, mean, high = (np.array([getattr(band, of) for band in bands]) for of in ("low", "mean", "high"))
-        axes.fill_between(time, low, high, color="0.85", label=f"{SHARE:.0%} of the members")
-        axes.plot(time, mean, color="C1", marker=".", linewidth=1.2, label="mean at the end of a window")
-        if name in record.series:
-            axes.plot(*record.series[name], color="C0", linewidth=0.8, label="record")
-        axes.set_ylabel(f"{name.rpartition('.')[2].replace('_', ' ')}{f' [{unit}]' if unit else ' [SI]'}")
-    for name in channels:
-        panels[-1].plot(time, [one.misfit.get(name, np.nan) for one in found], label=name.replace("_", " "))
-    panels[-1].set_ylabel("misfit [-]")
-    panels[-1].set_title("rms of measured less predicted, over the largest value", loc="left", fontsize=9)
-    panels[-1].set_xlabel("time [s]")
-    for axes in panels:
-        axes.grid(visible=True, alpha=0.3)
-    for axes in (panels[0], panels[-1]):
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(loc="upper right", ncols=3)
+    with styled():
+        figure = laid_out(1.0 + 1.7 * (len(names) + 1), "Estimates over the record")
+        panels = figure.subplots(len(names) + 1, sharex=True, squeeze=False)[:, 0]
+        for axes, (name, unit) in zip(panels, names, strict=False):
+            bands = [one.numbers.get(name) or one.sensors[name] for one in found]
+            low, mean, high = (np.array([getattr(band, of) for band in bands]) for of in ("low", "mean", "high"))
+            axes.fill_between(time, low, high, color=LIGHT, label=f"{SHARE:.0%} of the members")
+            axes.plot(time, mean, color=VERMILION, marker=".", linewidth=1.2, label="mean at the end of a window")
+            if name in record.series:
+                axes.plot(*record.series[name], color=BLUE, linewidth=0.8, label="record")
+            axes.set_ylabel(f"{name.rpartition('.')[2].replace('_', ' ')}{f' [{unit}]' if unit else ' [SI]'}")
+        for name in channels:
+            panels[-1].plot(time, [one.misfit.get(name, np.nan) for one in found], label=name.replace("_", " "))
+        panels[-1].set_ylabel("misfit [-]")
+        panels[-1].set_title("rms of measured less predicted, over the largest value", fontsize=9.5)
+        panels[-1].set_xlabel("time [s]")
+        for axes in (panels[0], panels[-1]):
+            if axes.get_legend_handles_labels()[0]:
+                axes.legend(loc="upper right", ncols=3)
     return figure

@@ -12,15 +12,13 @@ from numpy.typing import ArrayLike
 from drill_twin.core.arrays import Array
 from drill_twin.scene.load import parse_scene
 from drill_twin.studies.maps.operating_map import OperatingMap
-from drill_twin.studies.maps.page import grows
-from drill_twin.studies.maps.regimes import REGIMES, Regime
+from drill_twin.studies.maps.picture import WINDOW_COLOUR, boundaries
+from drill_twin.studies.maps.regimes import COLOURS, REGIMES, Regime
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS = ("#009e73", "#b2df8a", "#f0e442", "#56b4e9", "#bdbdbd", "#e69f00", "#d55e00", "#cc79a7", "#333333")
-"""Colours of the regimes, in their order (Okabe and Ito 2008, with light green and greys)."""
 _KILO = 5000.0  # N; ranges above are in kN
 
 
@@ -67,15 +65,11 @@ def _draw(axes: Axes, found: OperatingMap, unit: float) -> None:
         speeds, weights = (np.linspace(*ends, plane.steps + 1) for ends in ((left, right), (low, high)))
         middles = [0.5 * (nodes[1:] + nodes[:-1]) for nodes in (speeds, weights)]
         axes.contourf(*middles, ~found.known, levels=[0.5, 1.5], colors="none", hatches=["///"])
-    lines = [("whirl begins from rest", found.whirls, "-", 2.2)]
-    if found.has_second_boundary:
-        lines.append(("an existing whirl dies", found.keeps_whirling, "--", 1.8))
-    if len(found.growth):
-        lines.append(("straight string: growth 0", grows(found), ":", 1.8))
-    for label, flags, style, width in lines:
-        segments = [shown(ends) for ends in found.lines(flags)]
-        colour = "#0072b2" if style == ":" else "black"
-        axes.add_collection(LineCollection(segments, colors=colour, linestyles=style, linewidths=width, label=label))
+    for line in boundaries(found):
+        segments = [shown(ends) for ends in line.segments]
+        axes.add_collection(
+            LineCollection(segments, colors=line.colour, linestyles=line.style, linewidths=line.width, label=line.label)
+        )
     for label, failed, style, size in (("runs", False, ".", 1.6), ("", True, "x", 5.0)):
         runs = [plane.command(node) for node, made in found.runs_at_nodes.items()
                 if (made[0].regime is Regime.FAILED) == failed]  # fmt: skip
@@ -84,7 +78,7 @@ def _draw(axes: Axes, found: OperatingMap, unit: float) -> None:
     for number, ((load, most), (slow, fast)) in enumerate(found.windows):
         x, y = shown([(load, slow), (most, slow), (most, fast), (load, fast), (load, slow)]).T
         axes.plot(x, y, color="white", linewidth=4.0)
-        axes.plot(x, y, color="#00432f", linewidth=2.0, label="" if number else "safe windows")
+        axes.plot(x, y, color=WINDOW_COLOUR, linewidth=2.0, label="" if number else "safe windows")
     rig = parse_scene(found.scene).rig
     if found.contains(rig.weight_on_bit.value, rig.rotation.value):
         place = shown([rig.weight_on_bit.value, rig.rotation.value])

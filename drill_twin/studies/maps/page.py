@@ -4,17 +4,20 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from importlib.resources import files
+from math import isfinite
 from typing import Any
-
-import numpy as np
 
 from drill_twin.core.arrays import Mask
 from drill_twin.core.version import __version__
 from drill_twin.scene.load import parse_scene
 from drill_twin.studies.maps.operating_map import OperatingMap
-from drill_twin.studies.maps.plane import Plane, on_lattice
-from drill_twin.studies.maps.regimes import REGIMES
+from drill_twin.studies.maps.picture import WINDOW_COLOUR, boundaries, margins
+from drill_twin.studies.maps.regimes import COLOURS, REGIMES
+
+_LEFT_OUT = ("scene", "onset_boundary", "end_of_whirl_boundary")
+"""Parts of `map.json` that the page has in another form, or not."""
 
 
 def build_page(found: OperatingMap, scene: str) -> str:
@@ -31,14 +34,19 @@ def build_page(found: OperatingMap, scene: str) -> str:
 def page_data(found: OperatingMap, scene: str) -> dict[str, Any]:
     """Data that the page draws: the map, its fields over the lattice, and the command of each run."""
     rig = parse_scene(found.scene).rig
+    own = [rig.weight_on_bit.value, rig.rotation.value]
     return lattice_data(found) | {
-        **{name: value for name, value in found.to_dict().items() if name != "scene"},
+        **{name: value for name, value in found.to_dict().items() if name not in _LEFT_OUT},
         "version": __version__,
-        "own": [rig.weight_on_bit.value, rig.rotation.value],
+        "own": own,
         "whirling": [regime.value for regime in REGIMES if regime.whirls],
         "known": _digits(found.known),
         "calm": _digits(found.calm),
-        "growth_line": found.lines(grows(found)) if len(found.growth) else [],
+        "colours": COLOURS,
+        "window_colour": WINDOW_COLOUR,
+        "boundaries": [line._asdict() for line in boundaries(found)],
+        "margins": [_finite(field.ravel().tolist()) for field in margins(found.calm)],
+        "own_margin": _finite(found.margin(*own)) if found.contains(*own) else [],
         "commands": [found.command_of(key, scene) for key in found.records],
     }
 
@@ -60,11 +68,9 @@ def lattice_data(found: OperatingMap) -> dict[str, Any]:
     }
 
 
+def _finite(values: Iterable[float]) -> list[float | None]:
+    return [round(value, 6) if isfinite(value) else None for value in values]
+
+
 def _digits(flags: Mask) -> str:
     return "".join("01"[flag] for flag in flags.ravel().tolist())
-
-
-def grows(found: OperatingMap) -> Mask:
-    """Nodes at which a mode of the linear string grows."""
-    plane: Plane = found.plane
-    return np.asarray(on_lattice(np.array(found.growth, float), plane.steps) > 0.0)

@@ -74,6 +74,8 @@ class Regime(Enum):
 
 
 REGIMES = tuple(Regime)
+COLOURS = ("#009e73", "#b2df8a", "#f0e442", "#56b4e9", "#bdbdbd", "#e69f00", "#d55e00", "#cc79a7", "#333333")
+"""Colours of the regimes, in their order (Okabe and Ito 2008, with light green and greys)."""
 _CODES = {regime: code for code, regime in enumerate(REGIMES)}
 _BY_STATE = {
     MotionState.SYNCHRONOUS_WHIRL: Regime.FORWARD,

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rows of a summary on loads, fatigue, bit and downhole sub, and the text of numbers with units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from drill_twin.whirl.motion.stick_slip_index import TIME_BASE
+
+Summary = Mapping[str, Any]
+Row = tuple[str, str]
+
+KILO = 5000.0
+"""Force [N], torque [N m] or force per length [N/m] from which the unit has a k before it."""
+_STRETCHES = 5
+"""Most periods of stick-slip with a row of their own."""
+
+
+def load_rows(summary: Summary) -> Iterator[Row]:
+    """Rows on weight on bit, hookload, torque and drag."""
+    for name, key, unit in (
+        ("weight on bit", "weight_on_bit_n", "N"),
+        ("hookload", "hookload_n", "N"),
+        ("drag", "drag_n", "N"),
+        ("torque of the top drive", "top_drive_torque_nm", "N m"),
+        ("torque on the bit", "bit_torque_nm", "N m"),
+    ):
+        if found := summary["loads"].get(key):
+            (mean, least, most), shown = in_kilo([found[of] for of in ("mean", "min", "max")], unit)
+            yield name, f"{mean:.4g} {shown} on average, {least:.4g} to {most:.4g} {shown}"
+
+
+def fatigue_rows(summary: Summary) -> Iterator[Row]:
+    """Rows on stress and damage of the sections of `fatigue`."""
+    for name, found in (summary.get("fatigue") or {}).items():
+        life = found["seconds_to_damage_1"]
+        words = (
+            f"at most {1e-6 * found['largest_stress_pa']:.4g} MPa ({found['share_of_yield']:.0%} of yield), "
+            f"{found['cycles']:g} cycles, {number_text(found['cycles_per_second'], '{:.3g}')} a second at the end"
+        )
+        yield f"stress at {name}", words
+        yield (
+            f"damage at {name}",
+            f"{found['damage']:.3g}; "
+            + (
+                "none in the second half of the run"
+                if life is None
+                else f"1 after {duration_text(life)} of such motion"
+            ),
+        )
+
+
+def duration_text(seconds: float) -> str:
+    """Time [s] as text in the unit that it is spoken of in."""
+    for size, unit in ((31_557_600.0, "years"), (86_400.0, "days"), (3_600.0, "hours"), (60.0, "minutes")):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"
+
+
+def bit_rows(summary: Summary) -> Iterator[Row]:
+    """Rows on the rotation of the bit."""
+    yield "bit at the end", summary["bit"]
+    if summary["largest_stick_slip_index"] is not None:
+        last, most = (number_text(summary[key], "{:.2f}") for key in ("stick_slip_index", "largest_stick_slip_index"))
+        yield "stick-slip index", f"{last} over the last {TIME_BASE} s, {most} at most"
+    for stretch in summary["stick_slip"][:_STRETCHES]:
+        words = (
+            f"{stretch['start_s']:.2f} to {stretch['end_s']:.2f} s: {stretch['cycles']} cycles of "
+            f"{stretch['shortest_s']:.3f} to {stretch['longest_s']:.3f} s ({stretch['frequency_hz']:.2f} Hz), "
+            f"severity {stretch['severity']:.2f}"
+        )
+        yield "stick-slip", words
+    if len(summary["stick_slip"]) > _STRETCHES:
+        yield "", f"and {len(summary['stick_slip']) - _STRETCHES} more stretches of stick-slip"
+    if summary["stick_slip"] and summary["bit_spectral_peak_hz"] is not None:
+        yield "spectral peak of the bit", f"{summary['bit_spectral_peak_hz']:.2f} Hz"
+
+
+def sub_rows(summary: Summary) -> Iterator[Row]:
+    """Rows on what a downhole sub tells beside whirl."""
+    found = summary.get("sub")
+    if not found:
+        return
+    if found["share_at_rest"] is not None:
+        yield "section at rest", f"{found['share_at_rest']:.0%} of the time of stick-slip"
+    largest = (
+        ""
+        if found["largest_impact"] is None
+        else (
+            f" ({found['impact_rate_hz']:.2f} a second), acceleration {found['mean_impact']:.3g} m/s^2 on average, "
+            f"{found['largest_impact']:.3g} m/s^2 at most"
+        )
+    )
+    yield "impacts on the wall", f"{found['impacts']}{largest}"
+
+
+def in_kilo(values: Sequence[float], unit: str) -> tuple[Sequence[float], str]:
+    """Values and their unit; with a k before it where the largest reaches `KILO`."""
+    if max(map(abs, values)) < KILO:
+        return values, unit
+    return [1e-3 * value for value in values], f"k{unit}"
+
+
+def number_text(value: float | None, form: str) -> str:
+    """Number in a format, as "{:.2f} Hz"; "unknown" for None."""
+    return "unknown" if value is None else form.format(value)
+
+
+def millimetres(value: float) -> str:
+    """Length [m] as text in mm."""
+    return f"{1e3 * value:.1f} mm" if abs(value) >= 1e-3 else f"{1e3 * value:.2g} mm"
