@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.runs.ensemble.parts import parts_of, planned
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
-from drill_twin.scene.set_points import Command, Schedule
+from drill_twin.scene.set_points import Command
 
 LAST = 1.0 / 3.0
 """Share of the run, at its end, that is measured."""
@@ -53,15 +54,10 @@ def simulated_whirl(scene: Scene) -> SimulatedWhirl:
     Raises:
         RunError: The motion could not be followed.
     """
-    twin, schedule, frame = Twin(scene), Schedule.from_scene(scene), scene.numerics.frame_period
-    count = round(schedule.duration / frame)
-    first = int(count * (1.0 - LAST))
-    places = []
-    for k in range(1, count + 1):
-        seen = twin.advance(schedule.at(k * frame), frame)
-        if k >= first:
-            places.append(seen.marks.centre[:, 0] + 1j * seen.marks.centre[:, 1])
-    path = np.array(places)
+    commands, frame = planned(scene)
+    places = (part.rows.centre for part in parts_of(Twin(scene), commands, frame))
+    path = np.concatenate([centre[..., 0] + 1j * centre[..., 1] for centre in places])
+    path = path[max(int(len(path) * (1.0 - LAST)) - 1, 0) :]
     mark = int(np.argmax(np.mean(np.abs(path), axis=0)))
     angle = np.unwrap(np.angle(path[:, mark]))
     edges = np.linspace(0, angle.size - 1, WINDOWS + 1).astype(int)

@@ -230,6 +230,15 @@ def test_a_search_goes_on_where_it_was_and_prints_what_excludes_what(tmp_path):
     assert (tmp_path / "paper_exclusion.png").stat().st_size > 10_000
 
 
+def test_habits_need_no_search(tmp_path, monkeypatch):
+    monkeypatch.setattr(Bench, "run", lambda _self, wanted, _own: [failed(case) for _, case in wanted])
+    words = ["paper-search", "--record", str(tmp_path / "new.jsonl"), "--sets", "0", "--habits"]
+    done = CliRunner().invoke(app, words, env={"COLUMNS": "200"})
+    assert done.exit_code == 0, done.output
+    assert "0 sets by 0 runs" in done.output
+    assert all(name in done.output for name in HABITS)
+
+
 def test_the_page_has_the_counts_of_the_record_of_the_search():
     docs = Path(__file__).parents[3] / "docs"
     page = (docs / "paper_search.md").read_text("utf-8")

@@ -64,7 +64,7 @@ def test_a_broken_table_of_published_numbers_is_one_clear_error(monkeypatch: pyt
 
 def measured(onset: float, frequency: float, speed: float = 2.0, **marks: float) -> Measured:
     size = {"mark_1": 20.0, "mark_2": 50.0, "mark_3": 75.0, **marks}
-    return Measured(onset, frequency, frequency / speed, abs(frequency), size, size, ())
+    return Measured(onset, frequency, frequency / speed, abs(frequency), size, ())
 
 
 def perfect() -> dict[Case, Measured]:

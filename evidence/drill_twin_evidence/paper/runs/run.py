@@ -117,8 +117,6 @@ class Measured:
     """Highest line in the spectrum of mark-2 along x after the onset [Hz], as the paper reads it."""
     largest_mm: dict[str, float]
     """Largest displacement of each marked point along x or y [mm]."""
-    largest_centre_mm: dict[str, float]
-    """Largest displacement of the centre line at each mark [mm]."""
     motion: tuple[tuple[float, str], ...]
     """Start [s] and state of each period of motion."""
     failure: str = ""
@@ -142,7 +140,6 @@ def measure(done: Run, spectrum_of: str = "mark_2") -> Measured:
         found.mode_ratio,
         line,
         _largest(done.point, done.names),
-        _largest(done.centre, done.names),
         tuple((period.start_s, period.state.value) for period in found.motion),
         done.failure,
     )

@@ -216,7 +216,7 @@ def _short_line(motion: Motion, mark: str, signal: str, seconds: float) -> float
 
 def lead(found: Exclusion) -> str:
     """Size of the search and its result."""
-    best = max(one.met for one in found.finalists)
+    best = max((one.met for one in found.finalists), default=0)
     return (
         f"{found.sets} sets by {found.runs} runs. At most {best} of {len(NUMBERS)} numbers within 20 % in one set. "
         "Misfits are in units of 20 %: a pair is met at 1, with the larger of its two."
@@ -261,7 +261,7 @@ def tables(found: Exclusion) -> Iterator[Table]:
     values = [
         (f"{number.q} {number.name}", number.shown(number.value), number.shown(ours), f"{off:.2f}",
          f"irregular: {low:.2g} to {high:.2g} over windows" if np.isfinite(low) else "")
-        for number, ours, off, low, high in found.finalists[0].values
+        for number, ours, off, low, high in (found.finalists[0].values if found.finalists else ())
     ]  # fmt: skip
     yield Table(("number", "published", "set 1", "off by, in 20 %", ""), values, title="Numbers of set 1")
     yield Table(
