@@ -44,10 +44,13 @@ def _any_left(pids):
     return any(Path(f"/proc/{pid}").exists() for pid in pids)
 
 
-def test_a_short_demo_leaves_bag_report_figures_and_summary(bench, demo):
-    process = demo("--duration", "3", "--pace", "fast")
-    assert process.wait(150.0) == 0, process.text
+def test_a_short_demo_leaves_bag_report_figures_and_summary_and_moves_an_older_one_aside(bench, demo):
     out = bench.folder / "demo"
+    (out / "log").mkdir(parents=True)
+    (out / "report.html").write_text("older", "utf-8")
+    process = demo("--duration", "3", "--pace", "fast", "--replace")
+    assert process.wait(150.0) == 0, process.text
+    assert (bench.folder / "demo.old" / "report.html").read_text("utf-8") == "older"
     bag = Bag(out / "bag_0")
     assert not bag.truncated
     assert all(bag.topics[topic].count for topic in OF_EVERY_RUN)
@@ -66,16 +69,6 @@ def test_a_short_demo_leaves_bag_report_figures_and_summary(bench, demo):
     assert again.wait() == 2
     assert "expected a new or empty folder, found one with" in again.text
     assert (out / "summary.json").is_file()
-
-
-def test_an_older_result_is_moved_aside(bench, demo):
-    out = bench.folder / "demo"
-    (out / "log").mkdir(parents=True)
-    (out / "report.html").write_text("older", "utf-8")
-    process = demo("--duration", "1", "--pace", "fast", "--replace")
-    assert process.wait(150.0) == 0, process.text
-    assert (bench.folder / "demo.old" / "report.html").read_text("utf-8") == "older"
-    assert (out / "report.html").read_text("utf-8") != "older"
 
 
 def test_a_folder_that_is_not_a_demo_is_never_moved(bench, demo):
@@ -108,6 +101,7 @@ def test_a_demo_that_is_interrupted_ends_its_nodes_in_order(bench, demo):
     assert not Bag(bench.folder / "demo" / "bag_0").truncated
 
 
+@pytest.mark.long
 def test_a_demo_that_is_killed_takes_its_nodes_with_it(bench, demo):
     process = demo("--duration", "60")
     children = _started(bench, process)
