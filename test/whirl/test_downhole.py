@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from variants import one_of
 
 from drill_twin.dynamics.sensors.motion import instantaneous
 from drill_twin.whirl import AnalysisError, MarkInfo
@@ -47,9 +48,12 @@ def places(stamp, values, noise=NOISE):
     return motion, np.array([place.position for place in found]), np.array([place.spin for place in found])
 
 
-@pytest.mark.parametrize("ratio", [-1.2, -0.4, 0.3, 0.7, 1.4])
-@pytest.mark.parametrize(("slope", "lean"), [(0.0, 0.0), (0.2, 0.0), (0.0, 0.6)])
-def test_sense_ratio_radius_and_onset_are_found(ratio, slope, lean):
+RATIOS = (-1.2, -0.4, 0.3, 0.7, 1.4)
+TILTS = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.6))
+
+
+@pytest.mark.parametrize(("slope", "lean", "ratio"), one_of(3, ((*tilt, ratio) for tilt in TILTS for ratio in RATIOS)))
+def test_sense_ratio_radius_and_onset_are_found(slope, lean, ratio):
     begin = 14.0
     found = analyse_sub(*read(30.0, ratio, begin, slope=slope, lean=lean), MARK, RADIUS, NOISE)
     assert found.mode_ratio == pytest.approx(ratio, abs=0.02)
