@@ -5,7 +5,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from drill_twin.cli.ros.nodes import topic_table
+from drill_twin.core.errors import MessageError
+from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topics import OF_SUBS, TOPICS
 from drill_twin.io.messages.type_store import definition
 
@@ -40,6 +44,12 @@ def test_the_contract():
 def test_every_definition_is_known():
     for topic in TOPICS.values():
         assert definition(topic.type_name)
+
+
+@pytest.mark.parametrize("topic", [*TOPICS, *(row.name.replace("SUB", "low") for row in OF_SUBS)])
+def test_every_topic_has_a_decoder(topic):
+    with pytest.raises(MessageError):
+        reader_of(topic)(b"\x00\x01\x00\x00\x07")
 
 
 def test_the_table_has_one_row_a_topic():
