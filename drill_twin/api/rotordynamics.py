@@ -27,7 +27,7 @@ from drill_twin.dynamics.rotordynamics.steady.branches import Branch
 from drill_twin.dynamics.rotordynamics.steady.imperfections import Modulation, locked_states, modulation
 from drill_twin.dynamics.rotordynamics.steady.refinement import refined_states
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.dynamics.torque_drag.operations import Operation
 from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
 from drill_twin.scene import Scene

@@ -18,7 +18,8 @@ from drill_twin.core.errors import RunError, SceneError
 from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion, without
 from drill_twin.dynamics.rotordynamics.growth_map import growth_map
 from drill_twin.dynamics.rotordynamics.steady.refinement import refined
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import SPATIAL_EFFECTS, WhirlState, lateral_form, search
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import SPATIAL_EFFECTS, lateral_form, search
 from drill_twin.report.recording import Recording
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command

@@ -6,10 +6,10 @@
 
 from drill_twin.whirl.analyzer import Analyzer
 from drill_twin.whirl.bit_only_analyzer import BitOnlyAnalyzer
-from drill_twin.whirl.criteria import Criteria, MotionState
-from drill_twin.whirl.findings import Findings, MotionPeriod, Onset, Quality, Summary
+from drill_twin.whirl.criteria import BitMotion, Criteria, MotionState
+from drill_twin.whirl.findings import Findings, MotionPeriod, Onset, Quality, StickSlipPeriod, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo
-from drill_twin.whirl.motion.stick_slip import BitMotion, StickSlip, StickSlipPeriod
+from drill_twin.whirl.motion.stick_slip import StickSlip
 from drill_twin.whirl.record.spectrum import Peak, Spectrum, centre_line, spectrum_over_time, two_sided_spectrum
 
 __all__ = [

@@ -17,13 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Integers
-from drill_twin.whirl.analyzer_kernel import CHANGED, DECIDED, NEW, bind_analysis
+from drill_twin.whirl.analyzer_binding import bind_analysis
+from drill_twin.whirl.analyzer_kernel import CHANGED, DECIDED, NEW
 from drill_twin.whirl.analyzer_state import BLOCK, COUNT, HAS_FORCE, HAS_SPIN, NEXT, AnalyzerState
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.findings import Findings, FoundRows, Onset, Quality, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkArrays, MarkInfo, check_marks
 from drill_twin.whirl.motion.stick_slip import MEAN, SECOND_POLE, StickSlip
 from drill_twin.whirl.record.run_statistics import SAMPLE_RATE
+from drill_twin.whirl.summary import summarise
 from drill_twin.whirl.whirl_estimator import WhirlEstimator
 
 LARGEST_STAMP = 1 << 62
@@ -96,9 +98,8 @@ class Analyzer:
 
     def summary(self) -> Summary:
         """The findings of the whole run so far."""
-        return self._state.statistics.summary(
-            self._names, self._decisions, self._state.samples.largest, self._bit, self.quality
-        )
+        state = self._state
+        return summarise(state.statistics, self._names, self._decisions, state.samples.largest, self._bit, self.quality)
 
     def date_onset(self, onset: Onset) -> None:
         """Replace the onset, which has been found, by the same with a time that is known better."""

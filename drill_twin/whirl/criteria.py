@@ -57,6 +57,25 @@ class MotionState(Enum):
     """Of the string only: whirl, with marks that do not lie in one plane (planarity below `planar`): a helix."""
 
 
+class BitMotion(Enum):
+    """Motion of the bit."""
+
+    UNKNOWN = "not observable"
+    """No speed of the bit was given."""
+    AT_REST = "at rest"
+    """The top drive does not turn."""
+    STARTING = "start-up"
+    """Rotation begins: the index says nothing yet."""
+    STANDS = "bit stands still"
+    """The top drive turns and the bit does not."""
+    STEADY = "steady rotation"
+    """Index below 0.5."""
+    VIBRATION = "torsional vibration"
+    """Index from 0.5 to 1."""
+    STICK_SLIP = "stick-slip"
+    """Index of 1 or more: the swing reaches standstill."""
+
+
 class Criteria(NamedTuple):
     """Thresholds of the analysis. The defaults are the documented ones; tests and figures use no others."""
 

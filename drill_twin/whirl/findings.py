@@ -9,8 +9,7 @@ from enum import Enum
 from typing import Any, Literal, NamedTuple
 
 from drill_twin.core.arrays import Array
-from drill_twin.whirl.criteria import MotionState
-from drill_twin.whirl.motion.stick_slip import BitMotion, StickSlipPeriod
+from drill_twin.whirl.criteria import BitMotion, MotionState
 
 
 @dataclass(frozen=True)
@@ -51,6 +50,33 @@ class MotionPeriod:
     """The criterion that decided it, as text."""
     confidence: float
     """Mean share of the estimates for the state while it held, 0 to 1."""
+
+
+@dataclass(frozen=True)
+class StickSlipPeriod:
+    """Period of stick-slip."""
+
+    start_s: float
+    """Start of its first cycle [s]."""
+    end_s: float
+    """End of its last cycle [s]."""
+    cycles: int
+    """Cycles in it."""
+    period_s: float
+    """Mean length of a cycle [s]."""
+    shortest_s: float
+    longest_s: float
+    """Shortest and longest cycle [s]."""
+    slowest_rad_s: float
+    fastest_rad_s: float
+    """Slowest and fastest speed of the bit, low-passed [rad/s]."""
+    severity: float
+    """Mean of (fastest - slowest) / (2 mean) over its cycles."""
+
+    @property
+    def frequency_hz(self) -> float:
+        """Frequency of the cycles [Hz]."""
+        return 1.0 / self.period_s
 
 
 class Quality(NamedTuple):

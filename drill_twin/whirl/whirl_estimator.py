@@ -13,8 +13,8 @@ from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.findings import Onset
 from drill_twin.whirl.motion.state_hysteresis import CHANGED, KEPT, STATES
 from drill_twin.whirl.motion.timeline import Timeline
-from drill_twin.whirl.onset.asynchronous_onset import OnsetDetector
 from drill_twin.whirl.onset.threshold_crossing import Crossing
+from drill_twin.whirl.onset_detector import OnsetDetector
 from drill_twin.whirl.record.run_statistics import WHIRLED
 from drill_twin.whirl.sample_bins import TIME
 from drill_twin.whirl.text import criterion_text, doubt
@@ -81,7 +81,10 @@ class WhirlEstimator:
 
     def _check_synchronous(self) -> None:
         """Check the newest orbit for a synchronous whirl that begins, and for whirls that have ended."""
-        self._record(self._state.synchronous.check(self._state), synchronous=True)
+        state = self._state
+        noise = state.averaged.noise.level
+        crossings = state.synchronous.check(state.marks.clearance, noise, state.orbit, state.history)
+        self._record(crossings, synchronous=True)
         self._restart_separation(self._detector.release())
 
     def _restart_separation(self, marks: list[int]) -> None:

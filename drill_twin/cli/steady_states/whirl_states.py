@@ -23,7 +23,7 @@ from drill_twin.cli.options import (
 if TYPE_CHECKING:
     from drill_twin.core.table import Table
     from drill_twin.dynamics.rotordynamics.steady.branches import Branch
-    from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState
+    from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
     from drill_twin.scene import Scene
     from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
 

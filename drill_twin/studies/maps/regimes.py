@@ -8,8 +8,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from drill_twin.whirl import MotionState, Summary
-from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.motion.stick_slip import BitMotion
+from drill_twin.whirl.criteria import BitMotion, Criteria
 from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE, STUCK
 from drill_twin.whirl.motion.timeline import NO_WHIRL
 

@@ -11,7 +11,7 @@ from drill_twin.dynamics.rotordynamics.campbell import Campbell
 from drill_twin.dynamics.rotordynamics.growth_map import GrowthMap
 from drill_twin.dynamics.rotordynamics.modes import ModeTable
 from drill_twin.dynamics.rotordynamics.steady.branches import Branch
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
 
 

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from drill_twin.dynamics.discretisation.refinement import mesh
 from drill_twin.dynamics.rotordynamics.steady.branches import Branch
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, blank, head, styled
 from drill_twin.scene import Scene
 

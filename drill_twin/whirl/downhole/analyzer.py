@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
 from drill_twin.whirl.analyzer import Analyzer
-from drill_twin.whirl.criteria import MotionState
+from drill_twin.whirl.criteria import BitMotion, MotionState
 from drill_twin.whirl.downhole.dating import date_onset
 from drill_twin.whirl.downhole.high_pass import ToolNoise
 from drill_twin.whirl.downhole.motion import CALIBRATION, Place, SubMotion
 from drill_twin.whirl.findings import Findings, Onset, Quality, SubFindings, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo
-from drill_twin.whirl.motion.stick_slip import BitMotion
 from drill_twin.whirl.whirl_estimator import AT_START
 
 LARGEST = 1e6

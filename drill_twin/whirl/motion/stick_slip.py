@@ -11,14 +11,14 @@ three periods without a cycle, end it. The start-up has no cycles.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array, Integers
 from drill_twin.core.compile.jit import as_python, copy, strict_kernel
+from drill_twin.whirl.criteria import BitMotion
+from drill_twin.whirl.findings import StickSlipPeriod
 from drill_twin.whirl.motion.stick_slip_index import (
     CYCLES as WINDOW_CYCLES,
 )
@@ -56,25 +56,6 @@ LARGEST_COUNT = 2000
 """Largest number of periods stored."""
 
 
-class BitMotion(Enum):
-    """Motion of the bit."""
-
-    UNKNOWN = "not observable"
-    """No speed of the bit was given."""
-    AT_REST = "at rest"
-    """The top drive does not turn."""
-    STARTING = "start-up"
-    """Rotation begins: the index says nothing yet."""
-    STANDS = "bit stands still"
-    """The top drive turns and the bit does not."""
-    STEADY = "steady rotation"
-    """Index below 0.5."""
-    VIBRATION = "torsional vibration"
-    """Index from 0.5 to 1."""
-    STICK_SLIP = "stick-slip"
-    """Index of 1 or more: the swing reaches standstill."""
-
-
 _MOTIONS = (
     BitMotion.AT_REST, BitMotion.STARTING, BitMotion.STANDS, BitMotion.STEADY, BitMotion.VIBRATION,
     BitMotion.STICK_SLIP,
@@ -90,33 +71,6 @@ class _Cycle(NamedTuple):
     fell: float
     area: float
     span: float
-
-
-@dataclass(frozen=True)
-class StickSlipPeriod:
-    """Period of stick-slip."""
-
-    start_s: float
-    """Start of its first cycle [s]."""
-    end_s: float
-    """End of its last cycle [s]."""
-    cycles: int
-    """Cycles in it."""
-    period_s: float
-    """Mean length of a cycle [s]."""
-    shortest_s: float
-    longest_s: float
-    """Shortest and longest cycle [s]."""
-    slowest_rad_s: float
-    fastest_rad_s: float
-    """Slowest and fastest speed of the bit, low-passed [rad/s]."""
-    severity: float
-    """Mean of (fastest - slowest) / (2 mean) over its cycles."""
-
-    @property
-    def frequency_hz(self) -> float:
-        """Frequency of the cycles [Hz]."""
-        return 1.0 / self.period_s
 
 
 FIRST, LAST, POLE, SECOND_POLE, MEAN, PERIOD = range(6)

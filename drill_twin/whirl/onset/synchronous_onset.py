@@ -10,7 +10,7 @@ time at which the radius of the motion about the offset crossed the larger of th
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,9 +21,6 @@ from drill_twin.whirl.history import LENGTH, History, end_of
 from drill_twin.whirl.onset.threshold_crossing import Crossing, Detection, synchronous_crossing
 from drill_twin.whirl.orbit.orbit import ROTATION, Orbit
 from drill_twin.whirl.sample_bins import REVOLUTIONS
-
-if TYPE_CHECKING:
-    from drill_twin.whirl.analyzer_state import AnalyzerState
 
 RELEASE = 0.8
 """Synchronous whirl ends below this fraction of its thresholds."""
@@ -44,20 +41,27 @@ class SynchronousOnsets(NamedTuple):
         """Before the first bin."""
         return cls(np.zeros(m, bool), np.full(m, math.nan), np.full(m, math.inf), np.zeros(m))
 
-    def check(self, state: AnalyzerState) -> list[Crossing]:
-        """Crossings of the marks that began to whirl with the newest orbit."""
-        orbit, found = state.orbit, []
+    def check(self, clearance: Array, noise: Array, orbit: Orbit, history: History) -> list[Crossing]:
+        """Crossings of the marks that began to whirl with the newest orbit.
+
+        Args:
+            clearance: Clearance of the marks [m], shape (m,).
+            noise: Noise of a bin at the marks, over the clearance, shape (m,).
+            orbit: The orbit.
+            history: The bins.
+        """
+        found = []
         for mark in np.flatnonzero(self.active & np.isnan(self.began)).tolist():
             detection = Detection(
                 mark=mark,
-                clearance=float(state.marks.clearance[mark]),
+                clearance=float(clearance[mark]),
                 threshold=float(self.threshold[mark]),
                 radius=float(orbit.synchronous[mark]),
-                noise=float(state.averaged.noise.level[mark]),
+                noise=float(noise[mark]),
                 width=WIDTH,
                 coherence=float(orbit.synchronous_share[mark]),
             )
-            crossing = synchronous_crossing(state.history, detection)
+            crossing = synchronous_crossing(history, detection)
             self.began[mark] = crossing.time
             found.append(crossing)
         return found

@@ -30,7 +30,8 @@ from drill_twin.dynamics.rotordynamics.quasi_periodic import stability as two_fr
 from drill_twin.dynamics.rotordynamics.quasi_periodic.harmonic_balance import TwoFrequencyEquations, from_amplitudes
 from drill_twin.dynamics.rotordynamics.quasi_periodic.stability import TwoFrequencyState
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState, state_near, whirl_states
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import state_near, whirl_states
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.string import Mark

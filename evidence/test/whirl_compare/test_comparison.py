@@ -14,7 +14,8 @@ from drill_twin.dynamics.rotordynamics.steady.deflation import Deflation
 from drill_twin.dynamics.rotordynamics.steady.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
 from drill_twin.dynamics.rotordynamics.steady.slow_whirls import damped, helix
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import state_of, whirl_states
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import state_of
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.whirl_compare import comparison, points
 from drill_twin_evidence.whirl_compare.motion import Motion, motion_of

@@ -17,7 +17,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl, solve
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState, state_of
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.set_points.command import Command

@@ -19,7 +19,7 @@ from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.shape_search import ShapeSearch
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TOLERANCE, TurningEquations, Whirl
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState, state_of
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.dynamics.solver.linearisation import MASS
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene.set_points.command import Command

@@ -17,7 +17,8 @@ from drill_twin.core.arrays import Array
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
 from drill_twin.dynamics.rotordynamics.steady.imperfections import locked_near
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import MARGIN, TurningEquations, Whirl
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState, is_new, state_near, state_of
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import is_new, state_near
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene import Scene
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed, without
@@ -18,7 +18,8 @@ from drill_twin.dynamics.rotordynamics.modes import is_vertical
 from drill_twin.dynamics.rotordynamics.steady.deflation import Deflation
 from drill_twin.dynamics.rotordynamics.steady.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
 from drill_twin.dynamics.rotordynamics.steady.slow_whirls import ACROSS, slow_whirls
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import MARGIN, TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
@@ -33,89 +34,8 @@ DEFLATIONS = 4
 MOST_UNKNOWNS = 1000
 SPATIAL_EFFECTS = ("stretch", "torsion")
 """Effects that the lateral form does without."""
-ROLLING = 1e-2
-"""Largest slip of a rolling string, over the speed of its surface."""
 SAME_ROLLING = 0.01
 """Parts of a string roll at one whirl speed if theirs differ by less than this share."""
-
-
-@dataclass(frozen=True, eq=False)
-class WhirlState:
-    """A steady whirl and its stability."""
-
-    whirl: Whirl
-    spectrum: ComplexArray
-    """Eigenvalues in the turning frame [rad/s], fastest growth first."""
-    slip: float
-    """Slip of the contact point farthest from the axis, over the speed of the string's surface [-]; 0: it rolls."""
-    touching: float
-    """Share of the string's length that touches the wall [-]."""
-    growth_change: float = math.nan
-    """Change of `growth` on the last meshes, each twice as fine as the one before [1/s]; NaN: not known."""
-    lost_at: int = 0
-    """Elements of the finer mesh on which the state was not found again; 0: none."""
-
-    @property
-    def elements(self) -> int:
-        """Elements of the mesh that it is a state of."""
-        return len(self.whirl.u) - 1
-
-    @property
-    def is_locked(self) -> bool:
-        """True if it turns with the string."""
-        return self.whirl.omega == self.whirl.command.rotation
-
-    @property
-    def frequency(self) -> float:
-        """Whirl frequency [Hz], positive in the sense of rotation."""
-        return self.whirl.omega / math.tau
-
-    @property
-    def ratio(self) -> float:
-        """Whirl speed over the rotation [-]."""
-        return self.whirl.omega / self.whirl.command.rotation
-
-    @property
-    def growth(self) -> float:
-        """Growth of the fastest disturbance [1/s]; negative: all decay."""
-        return float(self.spectrum[0].real)
-
-    @property
-    def growth_frequency(self) -> float:
-        """Frequency of that disturbance in the turning frame [Hz]; 0: it grows without oscillation."""
-        return float(abs(self.spectrum[0].imag)) / math.tau
-
-    @property
-    def is_stable(self) -> bool:
-        """True if every disturbance decays, to the accuracy of the computation."""
-        return self.growth < MARGIN * abs(self.whirl.command.rotation)
-
-    @property
-    def verdict(self) -> str:
-        """`stable` or `unstable`; `not determined` where the sign of the growth is the mesh's, as far as is known."""
-        if self.lost_at or not abs(self.growth) > self.growth_change:
-            return "not determined"
-        return "stable" if self.growth < 0.0 else "unstable"
-
-    def stability(self) -> dict[str, Any]:
-        """Growth [1/s] and how far finer meshes have moved it, in plain types; `stable` is None if not determined."""
-        return {
-            "stable": {"stable": True, "unstable": False}.get(self.verdict),
-            "growth_per_s": self.growth,
-            "growth_change_per_s": None if math.isnan(self.growth_change) else self.growth_change,
-            "growth_frequency_hz": self.growth_frequency,
-            "elements": self.elements,
-            "lost_at_elements": self.lost_at or None,
-        }
-
-    @property
-    def kind(self) -> str:
-        """Sense of the whirl, and whether the string rolls; or that it is locked to the rotation."""
-        if self.is_locked:
-            return "locked"
-        if abs(self.slip) < ROLLING:
-            return "backward rolling" if self.ratio < 0.0 else "forward rolling"
-        return "backward" if self.ratio < 0.0 else "forward"
 
 
 def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
@@ -189,27 +109,36 @@ def search(
     if equations.form != LATERAL:
         lateral = EquationsOfMotion(lateral_form(equations.scene, equations.model.rod.length.size))
         found, is_whole = _search(lateral, command, random_starts, seed, evaluations)
-        states: list[WhirlState] = []
+        states, clearance = list[WhirlState](), TurningEquations(equations).clearance
         for one in found:
             whirl = across(equations, one.whirl)
             near = state_near(equations, whirl)
-            if near is not None and is_new(near.whirl, [state.whirl for state in states], _clearance(equations)):
+            if near is not None and is_new(near.whirl, [state.whirl for state in states], clearance):
                 states.append(near)
         return Search(tuple(sorted(states, key=lambda state: -state.whirl.omega)), is_whole)
     return _search(equations, command, random_starts, seed, evaluations)
+
+
+@contextmanager
+def _softened(turning: TurningEquations) -> Iterator[float]:
+    """The equations with soft friction inside the block; gives the real regularisation [m/s]."""
+    friction = getattr(turning.equations.parameters, "wall_friction", None)
+    real = friction.creep if friction is not None else SOFT_CREEP
+    set_creep(turning, max(SOFT_CREEP, real))
+    try:
+        yield real
+    finally:
+        set_creep(turning, real)
 
 
 def _search(
     equations: EquationsOfMotion, command: Command, random_starts: int, seed: int, evaluations: float
 ) -> Search:
     turning = TurningEquations(equations)
-    friction = getattr(equations.parameters, "wall_friction", None)
-    real = friction.creep if friction is not None else SOFT_CREEP
     found: list[Whirl] = []
+    soft: list[Whirl] = []
     is_whole, ends = True, equations.evaluations + evaluations
-    try:
-        set_creep(turning, max(SOFT_CREEP, real))
-        soft: list[Whirl] = []
+    with _softened(turning) as real:
         for guess in _guesses(ShapeSearch(turning, command), seed, random_starts):
             if equations.evaluations > ends:
                 is_whole = False
@@ -220,11 +149,8 @@ def _search(
             stiff = stiffen_friction(turning, whirl, real)
             if stiff is not None and is_new(stiff, found, turning.clearance):
                 found.append(stiff)
-        set_creep(turning, real)
-        ordered = sorted(found, key=lambda one: -one.omega)
-        return Search(tuple(state_of(turning, whirl) for whirl in ordered), is_whole)
-    finally:
-        set_creep(turning, real)
+    ordered = sorted(found, key=lambda one: -one.omega)
+    return Search(tuple(state_of(turning, whirl) for whirl in ordered), is_whole)
 
 
 def lateral_form(scene: Scene, elements: int) -> Scene:
@@ -241,24 +167,14 @@ def across(equations: EquationsOfMotion, whirl: Whirl) -> Whirl:
     return replace(whirl, u=u)
 
 
-def _clearance(equations: EquationsOfMotion) -> float:
-    return float(equations.model.wellbore.clearance.min())
-
-
 def state_near(equations: EquationsOfMotion, whirl: Whirl) -> WhirlState | None:
     """Steady whirl near a shape and speed from elsewhere, such as a run in time; None if there is none."""
     turning = TurningEquations(equations)
-    friction = getattr(equations.parameters, "wall_friction", None)
-    real = friction.creep if friction is not None else SOFT_CREEP
-    try:
-        set_creep(turning, max(SOFT_CREEP, real))
+    with _softened(turning) as real:
         shape = ShapeSearch(turning, whirl.command).relax(whirl.u, whirl.omega)
         soft = turning.newton(shape.whirl) if shape is not None else turning.newton(whirl)
         stiff = stiffen_friction(turning, soft, real) if soft is not None else None
-        set_creep(turning, real)
-        return state_of(turning, stiff) if stiff is not None and is_new(stiff, [], turning.clearance) else None
-    finally:
-        set_creep(turning, real)
+    return state_of(turning, stiff) if stiff is not None and is_new(stiff, [], turning.clearance) else None
 
 
 def rolling_ratios(model: DiscreteModel) -> tuple[float, ...]:
@@ -299,21 +215,3 @@ def is_new(whirl: Whirl, others: Sequence[Whirl], clearance: float) -> bool:
         and float(np.abs(whirl.radius - other.radius).max()) < SAME_SHAPE * clearance
         for other in others
     )
-
-
-def state_of(turning: TurningEquations, whirl: Whirl, *, is_locked: bool = False) -> WhirlState:
-    """A steady whirl with its stability and contact; one locked to the rotation has a direction, and no zero
-    eigenvalue.
-    """
-    model = turning.equations.model
-    nodal_clearance = np.interp(model.rod.arc, model.places, model.wellbore.clearance)
-    depth = whirl.radius - nodal_clearance
-    deepest = int(np.argmax(depth))
-    surface = float(np.interp(model.rod.arc[deepest], model.places, model.contact_radius)) * whirl.command.rotation
-    slip = (whirl.omega * float(whirl.radius[deepest]) + surface) / surface
-    return WhirlState(whirl, turning.spectrum(whirl, is_locked=is_locked), slip, _touching(depth, model.rod.arc))
-
-
-def _touching(depth: Array, arc: Array) -> float:
-    share: float = float(np.sum(np.diff(arc) * 0.5 * ((depth[:-1] > 0.0).astype(float) + (depth[1:] > 0.0)))) / arc[-1]
-    return share

@@ -12,7 +12,8 @@ import numpy as np
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.refinement import refined
-from drill_twin.dynamics.rotordynamics.steady.whirl_states import WhirlState, whirl_states
+from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
+from drill_twin.dynamics.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command

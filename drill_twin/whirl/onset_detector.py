@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Decisions on asynchronous whirl that need fits: its begin, its time and its end (`onset.asynchronous_onset`)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from drill_twin.core.arrays import Array, Mask
+from drill_twin.core.compile.jit import as_python
+from drill_twin.whirl.analyzer_state import AnalyzerState
+from drill_twin.whirl.history import ASYNCHRONOUS, History
+from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, update_candidate
+from drill_twin.whirl.onset.averaged_radius import width_for
+from drill_twin.whirl.onset.swept_angle import SweptAngle
+from drill_twin.whirl.onset.threshold_crossing import Crossing, Detection, asynchronous_crossing, steady_position
+
+RUN_UP = 16.0
+"""Duration over which the rotation is compared with its present value [rev]."""
+
+
+@dataclass
+class _Displacement:
+    """Crossing of the threshold with the steady position that the mark left, which is valid from a bin on."""
+
+    bin: int
+    revolutions: float
+    noise: float
+    offset: complex
+    synchronous: complex
+    valid_from: int
+
+
+class OnsetDetector:
+    """Decisions on the begin and the end of asynchronous whirl of each mark."""
+
+    def __init__(self, state: AnalyzerState) -> None:
+        self._criteria = state.criteria
+        self._clearance = state.marks.clearance
+        self._inclined: list[bool] = state.marks.inclined.tolist()
+        self._history, self._separation, self._orbit = state.history, state.separation, state.orbit
+        self._averaged, self._onsets, self._rate = state.averaged, state.onsets, state.carrier.carried
+        self._displaced: dict[int, _Displacement] = {}
+        self._valid_from = [0] * len(self._inclined)  # bin from which the present steady position is valid
+        self.moved: list[int] = []
+        """Marks whose steady position was found to have changed with the newest bin."""
+
+    def check(self) -> list[Crossing]:
+        """Check the newest bin; return the crossings of marks whose whirl is now detected."""
+        onsets, history = self._onsets, self._history
+        self.moved = []
+        self._displaced = {mark: found for mark, found in self._displaced.items() if onsets.displaced[mark]}
+        if onsets.falling.any() and history.revolutions[history.newest(1).start] > self._criteria.falling_time:
+            self._land()
+        whirls: dict[int, _Displacement] = {}
+        for mark, threshold in enumerate(self._averaged.threshold.tolist()):
+            if not math.isnan(onsets.began[mark]) or onsets.falling[mark]:
+                continue
+            whirl = self._confirm(mark)
+            if mark in self._displaced:
+                whirl = self._recheck(mark, threshold, whirling=whirl is not None) or whirl
+            if whirl is not None:
+                whirls[mark] = whirl
+        if whirls or onsets.active.any():  # the string whirls as one: so do the other marks that are displaced
+            whirls |= {mark: self._displaced[mark] for mark in sorted(self._displaced) if mark not in whirls}
+        crossings = [self._start_whirl(mark, whirl) for mark, whirl in whirls.items()]
+        onsets.displaced[:] = False
+        onsets.displaced[list(self._displaced)] = True
+        return crossings
+
+    def release(self) -> list[int]:
+        """End the whirl of marks whose orbit has become small or constant; return them."""
+        onsets, history = self._onsets, self._history
+        constant = onsets.constant.copy()
+        for mark in np.flatnonzero(onsets.active & constant & ~onsets.small).tolist():
+            constant[mark] = not self._swept(mark, history.bins_in(self._criteria.sweep_window)).steady
+        marks: list[int] = np.flatnonzero(onsets.active & (onsets.small | constant)).tolist()
+        onsets.active[marks] = onsets.displaced[marks] = False
+        onsets.began[marks] = onsets.time[marks] = math.nan
+        onsets.detected[marks] = math.inf
+        for mark in marks:
+            self._displaced.pop(mark, None)
+            self._valid_from[mark] = history.appended
+        return marks
+
+    def earliest_candidate(self, exclude: Mask) -> float:
+        """Time of the earliest candidate [s], some marks excluded; inf if there is none."""
+        return float(np.fmin.reduce(self._onsets.time[~exclude], initial=math.inf))
+
+    def _land(self) -> None:
+        """End the fall of the marks in an inclined hole: where they lie now is their steady position."""
+        marks = np.flatnonzero(self._onsets.falling).tolist()
+        for mark in marks:
+            self._valid_from[mark] = self._history.appended
+        self.moved += marks
+        self._onsets.falling[:] = False
+
+    def _confirm(self, mark: int) -> _Displacement | None:
+        """Start, drop or confirm the candidate of a mark; return it once it is confirmed as whirl."""
+        criteria, history, onsets, separation = self._criteria, self._history, self._onsets, self._separation
+        if not as_python(update_candidate)(onsets, self._averaged, history, mark):
+            return None
+        begun = float(onsets.revolutions[mark])
+        elapsed = float(history.revolutions[history.newest(1).start]) - begun
+        if elapsed < criteria.sustain:
+            return None
+        since = history.appended - int(onsets.bin[mark]) + 1
+        early = self._early(begun)
+        swept = self._swept(mark, since, complex(separation.arm[mark]) if early else None)
+        position = complex(separation.offset[mark]), complex(separation.synchronous[mark])
+        valid_from = self._valid_from[mark]
+        candidate = int(onsets.bin[mark]), begun, float(onsets.noise[mark])
+        if self._whirls(swept, mark, since):
+            return _Displacement(*candidate, *position, valid_from)
+        turns = swept.smallest >= criteria.least_swept_angle  # as yet too slowly
+        if elapsed > (criteria.longest_sweep_window if turns else criteria.sweep_window):
+            if not early and mark not in self._displaced:
+                position = steady_position(history, mark, since, history.appended - valid_from) or position
+                self._displaced[mark] = _Displacement(*candidate, *position, valid_from)
+            self._valid_from[mark] = history.appended
+            onsets.time[mark] = math.nan
+            self.moved.append(mark)
+        return None
+
+    def _recheck(self, mark: int, threshold: float, *, whirling: bool) -> _Displacement | None:
+        """Drop the displacement of a mark if it came back; return it if the mark whirls about its former position."""
+        displaced, history = self._displaced[mark], self._history
+        if history.appended % INTERVAL and not whirling:
+            return None
+        bins = history.appended - displaced.bin + 1
+        newest = history.newest(1).start
+        window = history.newest(min(bins, history.length))
+        position, phasor = history.sample[window, 0, mark], history.sample[window, 1, mark]
+        vector = position - displaced.offset - displaced.synchronous * phasor
+        half = history.bins_in(0.5)
+        back = abs(complex(vector[-half:].sum())) < half * threshold * float(self._clearance[mark])
+        late = history.revolutions[newest] - displaced.revolutions > self._criteria.longest_sweep_window
+        if back or late or bins > history.length:
+            del self._displaced[mark]
+            return None
+        if whirling:
+            return displaced
+        swept = SweptAngle(vector, history.angle[window], half, carrier=self._carrier(mark, window))
+        return displaced if self._whirls(swept, mark, bins) else None
+
+    def _start_whirl(self, mark: int, whirl: _Displacement) -> Crossing:
+        """Mark the begin of a whirl and find the time of its crossing."""
+        averaged, history, onsets = self._averaged, self._history, self._onsets
+        noise = float(averaged.noise.level[mark])
+        if averaged.noise.converged:
+            noise = min(noise, whirl.noise)  # irregular motion since the crossing is not noise
+        detection = Detection(
+            mark=mark,
+            clearance=float(self._clearance[mark]),
+            threshold=self._criteria.onset_radius,
+            radius=float(averaged.radius[mark]),
+            noise=noise,
+            width=as_python(width_for)(self._criteria, noise, int(averaged.width[0])),
+            coherence=float(self._orbit.coherence[0, mark]),
+            offset=whirl.offset,
+            synchronous=whirl.synchronous,
+            arm=complex(self._separation.arm[mark]) if self._early(whirl.revolutions) else None,
+        )
+        since, rate = history.appended - whirl.bin + 1, float(self._rate[mark]) or float(self._orbit.rate[0, mark])
+        crossing = asynchronous_crossing(history, detection, rate, since, history.appended - whirl.valid_from)
+        self._displaced.pop(mark, None)
+        onsets.time[mark] = math.nan
+        onsets.began[mark] = crossing.time
+        onsets.active[mark] = True
+        onsets.detected[mark] = history.revolutions[history.newest(1).start]
+        return crossing
+
+    def _whirls(self, swept: SweptAngle, mark: int, since: int) -> bool:
+        """Check that the vector of a mark orbits since so many bins: it does not settle, nor is it synchronous."""
+        criteria, history = self._criteria, self._history
+        if swept.smallest < criteria.least_swept_angle:
+            return False
+        window = history.newest(history.bins_in(criteria.orbit_window))
+        angle, time = history.angle[window], history.time[window]
+        precession = abs(float(self._orbit.rate[0, mark])) * float(time[-1] - time[0])
+        slow = precession < criteria.settling_ratio * abs(float(angle[-1] - angle[0]))
+        if self._synchronous(swept, mark, since):
+            return False
+        return not (slow or self._inclined[mark]) or swept.in_hole >= criteria.settling_angle
+
+    def _synchronous(self, swept: SweptAngle, mark: int, since: int) -> bool:
+        """Check, while the rotation changes, for a synchronous part that does too, or a vibration that dies away."""
+        criteria, history = self._criteria, self._history
+        rotation = _rates(history, history.bins_in(criteria.orbit_window))
+        before = _rates(history, history.bins_in(RUN_UP))
+        if abs(rotation - before) < 0.5 * criteria.speed_change * abs(rotation) or rotation == 0.0:
+            return False
+        near = abs(float(self._orbit.rate[0, mark]) / rotation - 1.0) < criteria.synchronous_band
+        if near and swept.in_string < criteria.synchronous_angle:
+            return True
+        n, last = min(since, history.length), history.bins_in(1.0)
+        if last >= n:
+            return False
+        radius = np.abs(history.vector[history.newest(n), ASYNCHRONOUS, mark])
+        means = np.convolve(radius, np.full(last, 1.0 / last), "valid")
+        return bool(means[-1] < criteria.dying_share * means.max())
+
+    def _early(self, revolutions: float) -> bool:
+        """True if a mark crossed, after these revolutions, before the string's steady position was known."""
+        return revolutions < self._criteria.separation_memory
+
+    def _swept(self, mark: int, bins: int, arm: complex | None = None) -> SweptAngle:
+        """Angle swept over the newest `bins` by the asynchronous part or, with an `arm` [m], about the hole's axis."""
+        history = self._history
+        window = history.newest(min(bins, history.length))
+        rotation, half, carrier = history.angle[window], history.bins_in(0.5), self._carrier(mark, window)
+        if arm is not None:
+            centre = history.sample[window, 0, mark] - arm * history.sample[window, 1, mark]
+            return SweptAngle(centre, rotation, half, carrier=carrier)
+        vector, angle = history.vector[window, ASYNCHRONOUS, mark], history.unwrapped[window, ASYNCHRONOUS, mark]
+        return SweptAngle(vector, rotation, half, angle, carrier)
+
+    def _carrier(self, mark: int, window: slice) -> Array | None:
+        """Angle of the carrier of a mark's orbit [rad]; None without one."""
+        rate, time = float(self._rate[mark]), self._history.time[window]
+        return rate * (time - time[-1]) if rate else None
+
+
+def _rates(history: History, bins: int) -> float:
+    """Mean rotation over the newest bins [rad/s]."""
+    window = history.newest(bins)
+    angle, time = history.angle[window], history.time[window]
+    return float((angle[-1] - angle[0]) / (time[-1] - time[0])) if bins > 1 else 0.0

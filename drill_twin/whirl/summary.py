@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Summary of a run from what the analysis holds, with the limits of its findings as sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.missing import number_or_none
+from drill_twin.whirl.criteria import Criteria, MotionState
+from drill_twin.whirl.findings import Quality, Summary
+from drill_twin.whirl.motion.lasting import lasting_motion, whirl_end
+from drill_twin.whirl.motion.stick_slip import StickSlip
+from drill_twin.whirl.record.run_statistics import SECONDS, TURNS, RunStatistics
+from drill_twin.whirl.sample_bins import TIME
+from drill_twin.whirl.text import doubt
+from drill_twin.whirl.whirl_estimator import WhirlEstimator
+
+
+def summarise(
+    statistics: RunStatistics,
+    names: Sequence[str],
+    estimator: WhirlEstimator,
+    largest: Array,
+    bit: StickSlip,
+    quality: Quality,
+) -> Summary:
+    """The findings of the run so far.
+
+    Args:
+        statistics: Sums over its bins.
+        names: Of the marks.
+        estimator: Onset and motion states.
+        largest: Largest radius of each mark [m], shape (m,); nan for one never seen.
+        bit: Motion of the bit.
+        quality: Counts of samples.
+    """
+    mark, ratio, precession = statistics.dominant.peak() or (None, None, None)
+    timelines = estimator.timelines
+    motion, onset = timelines[-1].periods, estimator.onset
+    seconds, turns = statistics.numbers[SECONDS : TURNS + 1].tolist()
+    end = estimator.origin + float(statistics.last[TIME])
+    lasting = lasting_motion(motion, estimator.origin if onset is None else onset.time_s, end)
+    single = lasting is not MotionState.IRREGULAR
+    unseen = [name for name, radius in zip(names, largest.tolist(), strict=True) if not math.isfinite(radius)]
+    return Summary(
+        onset=onset,
+        mark_onset_s=dict(zip(names, estimator.crossed, strict=True)),
+        whirl_frequency_hz=precession if single else None,
+        precession_ratio=ratio if single else None,
+        frequency_mark=None if mark is None else names[mark],
+        max_radius_m=dict(zip(names, _finite(largest), strict=True)),
+        rotation_rev_s=turns / seconds if seconds > 0.0 else None,
+        motion=motion,
+        mark_motion={name: timeline.periods for name, timeline in zip(names, timelines[:-1], strict=True)},
+        stick_slip=tuple(bit.periods),
+        bit=bit.motion,
+        stick_slip_index=number_or_none(bit.index),
+        largest_stick_slip_index=number_or_none(bit.largest_index),
+        quality=quality,
+        lasting_motion=lasting,
+        whirl_end_s=whirl_end(motion),
+        mode_frequency_hz=precession,
+        mode_ratio=ratio,
+        notes=_notes(quality, timelines[-1].dropped, estimator.criteria, estimator.rolling_ratio, unseen),
+    )
+
+
+def _notes(
+    quality: Quality, dropped: int, criteria: Criteria, rolling_ratio: float, unseen: list[str]
+) -> tuple[str, ...]:
+    """Limits of the findings, as sentences."""
+    notes = []
+    rate, fewest = quality.samples_per_revolution, criteria.fewest_samples
+    if quality.accepted == 0:
+        notes.append("no sample could be analysed")
+    elif math.isnan(rate):
+        notes.append("the string did not rotate: whirl is not defined")
+    elif rate < fewest:
+        notes.append(
+            f"{rate:.1f} samples in a revolution: too few for the rotation, at least {fewest:g} are needed; the "
+            "pace and the kind of a whirl would be another's (aliasing) and are not reported"
+        )
+    elif why := doubt(criteria, rate, rolling_ratio):
+        notes.append(why)
+    counts = {
+        "duplicate samples": quality.duplicate,
+        "samples from before one already seen (time running backwards)": quality.late,
+        "incomplete samples": quality.incomplete,
+        "single marks missing from samples": quality.missing_marks,
+    }
+    notes += [f"{count} {what} skipped" for what, count in counts.items() if count]
+    if quality.gaps:
+        notes.append(f"{quality.gaps} gaps of more than 3/4 of a revolution")
+    if unseen and quality.accepted:
+        notes.append(f"never seen: {', '.join(unseen)}")
+    if dropped:
+        notes.append(f"{dropped} later changes of the string's motion are not listed")
+    return tuple(notes)
+
+
+def _finite(values: Array) -> list[float | None]:
+    return [value if math.isfinite(value) else None for value in values.tolist()]
