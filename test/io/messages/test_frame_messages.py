@@ -55,8 +55,16 @@ def test_rig_state(encoder, make_frame):
     frame = make_frame()
     state = read_joint_state(encoder.rig_state(Frames.of(frame))[0])
     assert read_rig_state(state) == frame.rig
-    assert state.effort[state.index("bit")] == frame.rig.bit_force
-    assert state.velocity[state.index("top_drive")] == frame.rig.top_drive_speed
+    rig = frame.rig
+    # Written out: writer and reader share the table that says where a channel is.
+    for array, expected in (
+        (state.position, (rig.top_drive_angle, rig.bit_angle, rig.block_position, rig.bit_angle)),
+        (state.velocity, (rig.top_drive_speed, rig.bit_speed, rig.block_velocity, rig.bit_speed)),
+        (state.effort, (rig.top_drive_torque, rig.bit_force, rig.hookload, rig.bit_torque)),
+    ):
+        found = [array[state.index(joint)] for joint in ("top_drive", "bit", "block", "bit_torque")]
+        assert found == list(expected)
+    assert len(set(rig[:10])) == len(rig[:10])
 
 
 def test_clock(encoder):
