@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Integers
-from drill_twin.whirl.analyzer_binding import bind_analysis
+from drill_twin.core.compile.packed_arguments import bind, pack
+from drill_twin.whirl.analysis_loop import compiled
 from drill_twin.whirl.analyzer_kernel import CHANGED, DECIDED, NEW
 from drill_twin.whirl.analyzer_state import BLOCK, COUNT, HAS_FORCE, HAS_SPIN, NEXT, AnalyzerState
 from drill_twin.whirl.criteria import Criteria
@@ -67,7 +68,8 @@ class Analyzer:
         self._bit = StickSlip(top_known=self._top_known)
         offsets = np.array([mark.wall_offset for mark in self.marks])
         self._state = AnalyzerState.of(MarkArrays.of(self.marks), offsets, self.criteria, self._bit.speed)
-        self._analyse = bind_analysis(self._state).run
+        self._packed = pack(self._state)
+        self._analyse = bind(compiled().analyse, self._packed)
         self._decisions = WhirlEstimator(self._names, self._state, contact_known=self._contact_known)
         self._flow, self._radius = self._state.flow, self._state.samples.radius
         self._shapes = frozenset(((len(self.marks), 2), (len(self.marks), 3)))

@@ -1,23 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Analysis of a block of samples in compiled code.
-
-A sample goes into the present bin; a full bin goes through separation, history, onset, orbit and motion state. What is
-rare and needs texts or fits (a crossing, the onset, a changed state) is decided in Python: `analyse` then returns, and
-goes on where it stopped when it is called again. The steps are compiled one by one and called by address
-(`drill_twin.core.compile.native_call`), as the state of all of them has two hundred arrays.
-"""
+"""Steps of the analysis of a sample in compiled code (`drill_twin.whirl.analysis_loop`)."""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-from drill_twin.core.arrays import Array, Integers, Mask
+from drill_twin.core.arrays import Array, Integers
 from drill_twin.core.compile.jit import strict_kernel
-from drill_twin.core.compile.native_call import Call, call
 from drill_twin.whirl.analyzer_state import (
     ACCEPTED,
-    COUNT,
     GAPS,
     HAS_FORCE,
     HAS_SPIN,
@@ -47,7 +38,7 @@ from drill_twin.whirl.orbit.runout_separation import (
     start,
 )
 from drill_twin.whirl.orbit.string_shape import StringShape, find_shape
-from drill_twin.whirl.record.run_statistics import ESTIMATED, RunStatistics, add_bin
+from drill_twin.whirl.record.run_statistics import ESTIMATED
 from drill_twin.whirl.rotation import ANGLE, FIRST, LAST, REVOLUTIONS, Clock, accept, is_new, rotate
 from drill_twin.whirl.sample_bins import BINS, FORCES, TIME, Bin, SampleBins, add, close, is_full
 from drill_twin.whirl.sample_bins import REVOLUTIONS as BIN_REVOLUTIONS
@@ -63,7 +54,7 @@ STEP, BIT_OUTCOME, UNDECIDED, NEW, DECIDED = range(5)
 """Indices into `AnalyzerState.flow`: the step to go on with; outcome of `add_bit_speed` to be decided; 1 while a
 crossing waits for the onset to be decided; 1 where there are estimates that the findings do not have; 1 where Python
 has decided something in the present sample."""
-SAMPLE, BIN, ONSET, ORBIT, STATE, STATISTICS, ADD = range(7)
+SAMPLE, BIN, ONSET, ORBIT, STATE, STATISTICS, ADD, NOTE = range(8)
 """Steps."""
 SKIPPED, TAKEN, BIN_FULL = range(3)
 """Outcome of `take_sample`."""
@@ -72,70 +63,6 @@ NOT_DUE, ESTIMATE, DECIDE_FIRST = range(3)
 DONE, CHECK, DECIDE, CROSSED, DESCRIBE, CHANGED = range(6)
 """Outcome: all samples are analysed; or what Python must decide, below 0 the outcome of `add_bit_speed`; or the end of
 a sample in which it has."""
-
-
-class Steps(NamedTuple):
-    """Steps of one analysis, and what their order depends on."""
-
-    take: Call
-    add: Call
-    close: Call
-    orbit: Call
-    state: Call
-    statistics: Call
-    note: Call
-    counts: Integers  # of the block
-    flow: Integers
-
-
-@strict_kernel
-def analyse(steps: Steps) -> int:
-    """Analyse the samples of the block, until they are done or there is something to decide."""
-    flow, counts = steps.flow, steps.counts
-    while True:
-        step = flow[STEP]
-        if step == SAMPLE:
-            if flow[BIT_OUTCOME]:
-                outcome = -flow[BIT_OUTCOME]
-                flow[BIT_OUTCOME] = 0
-                return outcome  # type: ignore[no-any-return]
-            if flow[DECIDED]:
-                flow[DECIDED] = 0
-                return CHANGED
-            if counts[NEXT] >= counts[COUNT]:
-                return DONE
-            taken = call(steps.take)
-            if taken == SKIPPED:
-                call(steps.note)
-                counts[NEXT] += 1
-            else:
-                flow[STEP] = BIN if taken == BIN_FULL else ADD
-        elif step == BIN:
-            flow[STEP] = ONSET
-            if call(steps.close):
-                return CHECK
-        elif step == ONSET:
-            flow[STEP] = ORBIT
-            if flow[UNDECIDED]:
-                return DECIDE
-        elif step == ORBIT:
-            found = call(steps.orbit)
-            flow[STEP] = STATISTICS if found == NOT_DUE else STATE
-            if found == DECIDE_FIRST:
-                return CROSSED
-        elif step == STATE:
-            flow[STEP] = STATISTICS
-            flow[NEW] = 1
-            if call(steps.state):
-                return DESCRIBE
-        elif step == STATISTICS:
-            call(steps.statistics)
-            flow[STEP] = ADD
-        else:
-            call(steps.add)
-            call(steps.note)
-            counts[NEXT] += 1
-            flow[STEP] = SAMPLE
 
 
 @strict_kernel
@@ -190,7 +117,7 @@ def _seconds(clock: Clock) -> float:
 @strict_kernel
 def add_sample(
     block: Block, samples: Samples, clock: Clock, bins: SampleBins, separation: RunoutSeparation, carrier: Carrier
-) -> int:
+) -> None:
     """Add the sample to the present bin."""
     seen, distance = samples.seen, samples.distance
     at, angle = block.counts[NEXT], clock.rotation[ANGLE]
@@ -209,7 +136,6 @@ def add_sample(
             samples.radius[k] = distance[k]
             if not distance[k] <= samples.largest[k] and seen[k]:
                 samples.largest[k] = distance[k]
-    return 0
 
 
 @strict_kernel
@@ -270,20 +196,10 @@ def estimate_state(
 
 
 @strict_kernel
-def add_statistics(
-    statistics: RunStatistics, orbit: Orbit, whirling: Mask, full: Bin, counts: Integers, criteria: Criteria
-) -> int:
-    """Add the bin to the statistics of the run."""
-    add_bin(statistics, orbit, whirling, full, counts[LENGTH], criteria.rest_rotation)
-    return 0
-
-
-@strict_kernel
-def note_findings(found: Found, block: Block, samples: Samples, orbit: Orbit, clock: Clock) -> int:
+def note_findings(found: Found, block: Block, samples: Samples, orbit: Orbit, clock: Clock) -> None:
     """Write down the estimates after the sample."""
     at = block.counts[NEXT]
     found.stamp[at] = clock.stamps[LAST]
     for k in range(samples.radius.size):
         row = found.values[at, k]
         row[0], row[1], row[2], row[3] = samples.radius[k], orbit.precession[k], orbit.ratio[k], orbit.confidence[k]
-    return 0

@@ -48,7 +48,7 @@ class WhirlEstimator:
             CROSSED: self._check_synchronous,
             DESCRIBE: self._describe_states,
         }
-        """Decisions by the outcome of `analyzer_kernel.analyse`."""
+        """Decisions by the outcome of `analysis_loop.analyse`."""
 
     @property
     def criteria(self) -> Criteria:

@@ -8,7 +8,8 @@ shape and strides of an array where it is used.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -42,6 +43,14 @@ class Packed(NamedTuple):
 def pack(value: Any) -> Packed:
     """Pack a named tuple of nested tuples of arrays, numbers and None; what is not an array is copied."""
     return Packed(np.array(list(_words(value)), np.int64), _TYPEOF(value), value)
+
+
+def bind(function: Any, packed: Packed) -> Callable[[], int]:
+    """Bind an `entry_kernel` of packed arguments to them: compiled or loaded, without numba's dispatcher."""
+    signature = tuple(map(_TYPEOF, packed[:2]))
+    if signature not in function.overloads:
+        function.compile(signature)
+    return partial(function.overloads[signature].entry_point, packed.words, packed.kind)
 
 
 def _words(value: Any) -> Iterator[int]:
