@@ -15,8 +15,7 @@ from drill_twin.cli.bags.rerun import rerun
 from drill_twin.cli.bags.watch import watch
 from drill_twin.cli.ros.doctor import doctor
 from drill_twin.cli.ros.gateway_keys import gateway_keys
-from drill_twin.cli.ros.load import load
-from drill_twin.cli.ros.nodes import demo, replay, topics
+from drill_twin.cli.ros.nodes import demo, load, replay, topics
 from drill_twin.cli.runs.estimate import estimate
 from drill_twin.cli.runs.fit import fit
 from drill_twin.cli.runs.operating_map import operating_map

@@ -34,12 +34,15 @@ SetOption = Annotated[
 WithoutOption = Annotated[
     list[str], typer.Option("--without", metavar="EFFECT", help="Leave an effect of the scene out; repeatable.")
 ]
-WeightOption = Annotated[str, typer.Option("--wob", metavar="FORCE", help='Weight on bit, as "40 N".')]
-TurnOption = Annotated[str, typer.Option("--rps", metavar="SPEED", help='Speed, as "2 rev/s"; a bare number is rev/s.')]
+WeightOption = Annotated[
+    str, typer.Option("--wob", metavar="FORCE", help='Weight on bit, as "40 N"; a bare number is in N.')
+]
+TurnOption = Annotated[
+    str, typer.Option("--rps", metavar="SPEED", help='Top-drive speed, as "50 rpm"; a bare number is in rev/s.')
+]
 DurationOption = Annotated[
     str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
 ]
-OutOption = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Write the result to this folder.")]
 SceneOption = Annotated[str, typer.Option("--scene", metavar="SCENE", help="Scene of a bag that contains none.")]
 NamespaceOption = Annotated[
     str, typer.Option("--namespace", metavar="NS", help="Namespace of the twin, as /rig2, where a bag holds several.")

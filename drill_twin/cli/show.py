@@ -40,13 +40,9 @@ def print_json(value: Any) -> None:
     print(json_text(value), end="")
 
 
-grid = Table
-"""Former name of `Table`, for the commands of other packages."""
-
-
 def remark(text: str, style: str = "") -> None:
     """Print a line on stderr, as it is: above the bar of a progress that is shown."""
-    err().print(text, style=style, markup=False, soft_wrap=True)
+    remark(text, style=style)
 
 
 def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:

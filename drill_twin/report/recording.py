@@ -39,10 +39,9 @@ from drill_twin.io.messages.topics import (
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.live_findings import LiveFindings
 from drill_twin.report.run_log import RunLog
-from drill_twin.report.selected_messages import Message, SelectedMessages
+from drill_twin.report.selected_messages import Message, SelectedMessages, no_rotation, no_samples, no_scene
 from drill_twin.report.selection import Selection, marks_without_scene, missing_topics, open_bag, sub_without_marks
 from drill_twin.report.string_curve import along_hole, smooth
-from drill_twin.report.unusable import no_rotation, no_samples, no_scene
 from drill_twin.scene import Scene
 from drill_twin.whirl import Findings, MarkInfo, Summary
 from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE

@@ -6,30 +6,35 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drill_twin.cli.interrupt import Interrupted, stop_request
-from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
+from drill_twin.cli.options import (
+    DurationOption,
+    JsonOption,
+    ReplaceOption,
+    SceneArgument,
+    SetOption,
+    TurnOption,
+    WeightOption,
+    overrides,
+)
 
 if TYPE_CHECKING:
+    from drill_twin.report.recording import Recording
     from drill_twin.runs import Outcome, Session
     from drill_twin.scene import Scene
     from drill_twin.scene.set_points import Schedule
+    from drill_twin.studies.accuracy import Plan
 
 
 def run(
     scene: SceneArgument,
-    wob: Annotated[
-        str, typer.Option("--wob", metavar="FORCE", help='Weight on bit, as "40 N"; a bare number is in N.')
-    ] = "",
-    rps: Annotated[
-        str, typer.Option("--rps", metavar="SPEED", help='Top-drive speed, as "50 rpm"; a bare number is in rev/s.')
-    ] = "",
-    duration: Annotated[
-        str, typer.Option("--duration", metavar="TIME", help='Simulated time, as "30 s"; a bare number is in s.')
-    ] = "",
+    wob: WeightOption = "",
+    rps: TurnOption = "",
+    duration: DurationOption = "",
     accuracy: Annotated[
         str,
         typer.Option(
@@ -66,10 +71,8 @@ def run(
     new_folder(folder, replace=replace)
     plan = None
     if described.numerics.accuracy is not None:
-        from drill_twin.cli.runs.accuracy import planned
-
         with _stoppable("reading the cost curve") as show:
-            plan = planned(described, show)
+            plan = _planned(described, show)
         described = plan.scene
     session = _compiled(described, schedule)
     if schedule.record is not None:
@@ -88,9 +91,7 @@ def run(
         recording = read_recording(outcome.bag)
         summary = summarise(recording)
     if plan is not None:
-        from drill_twin.cli.runs.accuracy import checked
-
-        summary["accuracy"] = checked(plan, recording, outcome.motion_seconds, rerun=rerun)
+        summary["accuracy"] = _checked(plan, recording, outcome.motion_seconds, rerun=rerun)
     if with_report:
         from drill_twin.cli.bags.analyze import draw
 
@@ -99,6 +100,35 @@ def run(
         summary, findings_shown(summary), json=json, folder=folder, files={"summary.json": to_json(summary)},
         also=["bag_0", *(["report.html and figures"] if with_report else [])],
     )  # fmt: skip
+
+
+def _planned(scene: Scene, show: Callable[[str], None]) -> Plan:
+    """Choose the resolution and print the expected error; `show` takes the progress in words."""
+    from drill_twin.cli.show import remark
+    from drill_twin.studies.accuracy import resolve
+    from drill_twin.studies.accuracy.progress import in_words
+
+    plan = resolve(scene, progress=in_words(show), compiling=show)
+    remark(plan.sentence)
+    return plan
+
+
+def _checked(plan: Plan, recording: Recording, motion_seconds: float, *, rerun: bool) -> dict[str, Any]:
+    """Compare a run with its plan, print the result, and return it for the summary."""
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import remark
+    from drill_twin.studies.accuracy import check
+
+    what = "checking: the part before the onset at a finer resolution"
+    with shown_progress(what, recording.duration, unit="s") as bar:
+        result = check(plan, recording, motion_seconds, rerun=rerun, progress=lambda time: bar.show(what, time))
+    actual = "not checked" if result.actual is None else f"{result.actual * 100:.2g} %"
+    remark(
+        f"error before the onset: {actual}, expected {result.expected * 100:.2g} %, asked {result.asked * 100:g} %; "
+        f"processor time of the motion: {result.actual_seconds:.2g} s, expected {result.expected_seconds:.2g} s"
+        f"{f'; of the check: {result.check_seconds:.2g} s' if rerun else ''}"
+    )
+    return result.to_dict()
 
 
 def _compiled(scene: Scene, schedule: Schedule) -> Session:

@@ -36,18 +36,14 @@ def draw_report(out: Path, console: Console) -> None:
     """Write the report of the bag in a folder, and print its findings."""
     import json
 
-    from rich.table import Table
-
+    from drill_twin.core.table import Table
     from drill_twin.report import build_report
     from drill_twin.report.text import findings
 
     with console.status("drawing the report"):
         build_report(out / "bag_0", out)
     summary = json.loads((out / "summary.json").read_text("utf-8"))
-    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    for name, value in findings(summary):
-        table.add_row(name, value)
-    console.print(table)
+    console.print(Table((), findings(summary)))
     console.print(
         f"[bold]{out / 'report.html'}[/]  (bag: {out / 'bag_0'}, figures: {out}/*.png, {out / 'summary.json'})"
     )

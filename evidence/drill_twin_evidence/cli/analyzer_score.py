@@ -31,7 +31,8 @@ def analyzer_score(
     Prints the tables of docs/analyzer.md; all of it takes a quarter of an hour on two processors.
     """
     from drill_twin.cli.folder import check_new, write_file
-    from drill_twin.cli.show import err, print_json
+    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import print_json
     from drill_twin.studies.json_io import json_text
     from drill_twin_evidence.detection.measure import QUICK, Plan, measure
     from drill_twin_evidence.detection.text import markdown
@@ -51,8 +52,8 @@ def analyzer_score(
     if out is not None:
         for name in names:
             check_new(out / name, replace=replace)
-    with err().status("measuring") as status:
-        result = measure(QUICK if quick else Plan(), workers=workers, progress=status.update)
+    with shown_progress("measuring") as bar:
+        result = measure(QUICK if quick else Plan(), workers=workers, progress=bar.show)
     plain = result.to_dict()
     text = markdown(plain)
     if out is not None:

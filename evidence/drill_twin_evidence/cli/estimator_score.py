@@ -25,7 +25,7 @@ def estimator_score(
 
     Prints the tables of docs/estimator.md.
     """
-    from drill_twin.cli.show import err, print_json
+    from drill_twin.cli.show import print_json, remark
     from drill_twin.core.errors import ArgumentError
     from drill_twin_evidence.estimation.hidden_truth import CASES, follow
     from drill_twin_evidence.estimation.score import cost_lines, lines, score
@@ -41,7 +41,7 @@ def estimator_score(
             for number in range(first, first + truths):
                 runs.append(follow(CASES[name], number, seconds, count, imu=imu))
                 told = ", ".join(f"{key} {error:+.1%}" for key, error in runs[-1].errors.items())
-                err().print(f"{name} {number}, {count} members: {told}", markup=False, soft_wrap=True)
+                remark(f"{name} {number}, {count} members: {told}")
             by_members[count] = score(runs)
         found[name] = by_members if len(by_members) > 1 else by_members[count]
         if not json:

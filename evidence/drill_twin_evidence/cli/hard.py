@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli.options import JsonOption, WorkersOption
+from drill_twin_evidence.cli.output import ListOption, PageOption, QuickOption, write_page
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,17 +26,13 @@ def hard(
     only: Annotated[
         str, typer.Option("--only", metavar="TEXT", help='Cases whose name contains this, as "wall_" or "[lateral]".')
     ] = "",
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Leave out the runs of more than 100 simulated seconds.")
-    ] = False,
+    quick: QuickOption = False,
     exact: Annotated[
         bool, typer.Option("--exact", help="Run the exact checks of bounce, rolling, growth and stick-slip too.")
     ] = False,
     energy: Annotated[bool, typer.Option("--energy", help="Audit the energy; compiles further kernels.")] = False,
-    names: Annotated[bool, typer.Option("--list", help="Print the scenes and why they are hard.")] = False,
-    page: Annotated[
-        Path | None, typer.Option("--page", metavar="FILE", help="Write a page (.md), and the JSON beside it.")
-    ] = None,
+    names: ListOption = False,
+    page: PageOption = None,
     region: Annotated[
         Path | None,
         typer.Option("--map", metavar="FILE", help="Only draw the stability map over stiffness and damping (.png)."),
@@ -51,7 +48,6 @@ def hard(
     from drill_twin.cli.show import remark
     from drill_twin.core.errors import SceneError
     from drill_twin.core.table import Table
-    from drill_twin_evidence.cli.output import write_page
     from drill_twin_evidence.stress import choose_hard
     from drill_twin_evidence.stress.page import ALLOWED, COLUMNS, cells, summary, to_data, to_page
 

@@ -1,28 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Progress bar and page of a study, for several commands."""
+"""Options and page of a study, for several commands."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Annotated, Any
 
-if TYPE_CHECKING:
-    from rich.progress import Progress, TaskID
+import typer
 
 EVIDENCE = Path(__file__).resolve().parents[2]
 """Folder `evidence/` of a clone."""
 
 
-def counting_bar(name: str, total: int | None = None) -> tuple[Progress, TaskID]:
-    """Progress bar on stderr that counts runs, and its task; to be entered as a context."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from drill_twin.cli.show import err
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    progress = Progress(*columns, console=err(), transient=True)
-    return progress, progress.add_task(name, total=total)
+PageOption = Annotated[
+    Path | None, typer.Option("--page", metavar="FILE", help="Write the table as a page (.md), and as JSON beside it.")
+]
+QuickOption = Annotated[bool, typer.Option("--quick", help="Leave out what takes long.")]
+ListOption = Annotated[bool, typer.Option("--list", help="Print the names of the cases and what they are for.")]
 
 
 def write_page(
@@ -44,14 +39,14 @@ def write_page(
         BagError: A file cannot be written.
     """
     from drill_twin.cli.folder import write_file
-    from drill_twin.cli.show import err
+    from drill_twin.cli.show import remark
     from drill_twin.studies.json_io import json_text
 
     options = [*(["--only", only] if only else []), *(flag for flag, on in flags.items() if on)]
     write_file(page, build(" ".join(["drill-twin", command, *options, "--page", page.as_posix()])))
     file = _data_file(page)
     write_file(file, json_text(data))
-    err().print(f"{page}, {file}", markup=False, soft_wrap=True)
+    remark(f"{page}, {file}")
 
 
 def _data_file(page: Path) -> Path:

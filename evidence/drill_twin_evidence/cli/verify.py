@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from drill_twin.cli.options import JsonOption, WorkersOption
+from drill_twin_evidence.cli.output import ListOption, PageOption, QuickOption, write_page
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -31,14 +31,9 @@ def verify(
             "--only", metavar="PATTERN", help='Cases whose name contains this, or matches it, as "buckling.*lateral]".'
         ),
     ] = "",
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Leave out the cases that take more than a few seconds.")
-    ] = False,
-    names: Annotated[bool, typer.Option("--list", help="Print the names of the cases and their descriptions.")] = False,
-    page: Annotated[
-        Path | None,
-        typer.Option("--page", metavar="FILE", help="Write the table as a page (.md), and as JSON beside it."),
-    ] = None,
+    quick: QuickOption = False,
+    names: ListOption = False,
+    page: PageOption = None,
     workers: WorkersOption = 2,
     json: JsonOption = False,
 ) -> None:
@@ -49,7 +44,6 @@ def verify(
     from drill_twin.cli.emit import emit
     from drill_twin.cli.show import remark
     from drill_twin.core.errors import SceneError
-    from drill_twin_evidence.cli.output import write_page
     from drill_twin_evidence.verify import choose
     from drill_twin_evidence.verify.page import summary, to_data, to_page
 
