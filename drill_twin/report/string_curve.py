@@ -7,7 +7,8 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.discretisation.discretise import survey_of
-from drill_twin.physics.model.wellbore_coordinates import to_hole_coordinates, transverse_axes
+from drill_twin.physics.model.frames import transverse_axes
+from drill_twin.physics.model.wellbore_coordinates import to_hole_coordinates
 from drill_twin.scene import Scene
 
 FINEST = 100

@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
+from drill_twin.physics.model import mesh_places
+from drill_twin.physics.model.frames import transverse_axes
 from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.shape_functions import hermite
 
 
 class SubPlaces(NamedTuple):
@@ -59,14 +60,8 @@ def locate(rod: Rod, distance_from_bit: Array, radius: Array, angle: Array) -> S
         radius: Their distances from the axis of the collar [m], shape (s,).
         angle: Their directions from the zero of the spin [rad], shape (s,).
     """
-    arc = np.asarray(distance_from_bit, float).reshape(-1)
-    element = np.clip(np.searchsorted(rod.arc, arc, side="right") - 1, 0, rod.length.size - 1)
-    share = (arc - rod.arc[element]) / rod.length[element]
-    shape = [hermite(np.array([x]), float(rod.length[e]))[0, :2] for x, e in zip(share, element, strict=True)]
-    return SubPlaces(
-        element.astype(np.int64), np.reshape(shape, (-1, 2, 4)), share, np.asarray(radius, float),
-        np.asarray(angle, float),
-    )  # fmt: skip
+    element, share, shape = mesh_places.locate(rod, distance_from_bit)
+    return SubPlaces(element, shape[:, :2].copy(), share, np.asarray(radius, float), np.asarray(angle, float))
 
 
 def sub_motion(places: SubPlaces, u: Array, v: Array) -> SubMotion:
@@ -141,9 +136,6 @@ def instantaneous(radius: Array, force: Array, tangent: Array, spin: Array, rate
 
 def _across(tangent: Array, spin: Array) -> tuple[Array, Array]:
     """Axes x and y of the subs in the frame `hole`: the smallest rotation that takes z to t, after the spin."""
-    axes = []
-    for x, y in ((np.cos(spin), np.sin(spin)), (-np.sin(spin), np.cos(spin))):
-        along = x * tangent[..., 0] + y * tangent[..., 1]
-        share = along / (1.0 + tangent[..., 2])
-        axes.append(np.stack([x - tangent[..., 0] * share, y - tangent[..., 1] * share, -along], -1))
-    return axes[0], axes[1]
+    x, y = transverse_axes(tangent)
+    cos, sin = np.cos(spin)[..., None], np.sin(spin)[..., None]
+    return cos * x + sin * y, cos * y - sin * x

@@ -15,11 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drill_twin.core.arrays import Array, Triple
+from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
+from drill_twin.physics.model.frames import rotate_to_tangent
 from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.mesh_places import locate
 from drill_twin.physics.model.point import Point
-from drill_twin.physics.model.shape_functions import hermite
 from drill_twin.physics.model.wellbore import Axis, Wellbore, axis_offset, distance_along
 
 DEPTH, PLACE = 0, 1  # indices into Observation.deepest
@@ -60,13 +61,8 @@ def locate_marks(rod: Rod, places: Array, offset: Array, axis: Axis | None = Non
         offset: Their distance from the centre line [m], shape (m,).
         axis: Axis of the hole there; None for a straight hole.
     """
-    arc = np.asarray(places, dtype=float).reshape(-1)
-    element = np.clip(np.searchsorted(rod.arc, arc, side="right") - 1, 0, rod.length.size - 1)
-    xi = (arc - rod.arc[element]) / rod.length[element]
-    shape = np.array(
-        [hermite(np.array([x]), float(rod.length[e]))[0, :2] for x, e in zip(xi, element, strict=True)]
-    ).reshape(-1, 2, 4)
-    return MarkPlaces(element.astype(np.int64), shape, xi, np.asarray(offset, dtype=float).reshape(-1), axis)
+    element, xi, shape = locate(rod, places)
+    return MarkPlaces(element, shape[:, :2].copy(), xi, np.asarray(offset, dtype=float).reshape(-1), axis)
 
 
 def make_observation(gauss_arc: Array, marks: int) -> Observation:
@@ -75,14 +71,6 @@ def make_observation(gauss_arc: Array, marks: int) -> Observation:
     shapes = ((n, 3), (n,), (m, 3), (m, 3), (m, 3), (m,), (m,), (m,), (3, 3), (2,))
     arrays: list[Array] = [np.zeros(shape) for shape in shapes]
     return Observation._make((*arrays, gauss_arc))
-
-
-@kernel
-def rotate_to_tangent(tx: float, ty: float, tz: float, x: float, y: float) -> Triple:
-    """Rotate a direction (x, y, 0) by the smallest rotation that takes z to the unit vector t."""
-    across = x * tx + y * ty
-    share = across / (1.0 + tz)
-    return x - tx * share, y - ty * share, -across
 
 
 @kernel

@@ -13,6 +13,7 @@ from drill_twin.core.units import Angle, Length, Within, refuse
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed
 from drill_twin.physics.effects.random_field import generator, random_line
 from drill_twin.physics.model.discrete_model import DiscreteModel
+from drill_twin.physics.model.frames import rotate_to_tangent
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.section import COUPLE, MX, MY, MZ
 from drill_twin.physics.model.strain import Strain
@@ -77,8 +78,7 @@ def section_stress(parameters: Any, rod: Rod, strain: Strain, h2: float, resulta
     own_x, own_y = parameters.bow.moment[strain.place, 0], parameters.bow.moment[strain.place, 1]
     turn_x, turn_y = strain.cos_psi, strain.sin_psi
     cx, cy = own_x * turn_x - own_y * turn_y, own_x * turn_y + own_y * turn_x
-    along = (cx * strain.tx + cy * strain.ty) / (1.0 + strain.tz)
-    mx, my, mz = cx - strain.tx * along, cy - strain.ty * along, -(cx * strain.tx + cy * strain.ty)
+    mx, my, mz = rotate_to_tangent(strain.tx, strain.ty, strain.tz, cx, cy)
     resultants[MX] -= mx
     resultants[MY] -= my
     resultants[MZ] -= mz

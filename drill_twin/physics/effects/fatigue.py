@@ -20,6 +20,7 @@ from drill_twin.physics.effects.config import EffectConfig, Incompatibility
 from drill_twin.physics.effects.fatigue_blocks import FatigueSection, SNLine
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.mesh_places import locate
 from drill_twin.physics.model.rainflow import (
     DEPTH,
     EXTREME,
@@ -40,7 +41,6 @@ from drill_twin.physics.model.section_stress import (
     SCALARS,
     STRESS,
 )
-from drill_twin.physics.model.shape_functions import hermite
 from drill_twin.physics.model.steel import CURVES, law_of
 
 FIBRES = 16
@@ -124,9 +124,7 @@ def parameters(block: Fatigue, model: DiscreteModel) -> Parameters:
     """Locate the sections in the mesh, and set up their memory."""
     rod, count = model.rod, len(block.sections)
     places = np.clip([section.distance(model.string_length) for section in block.sections], 0.0, model.string_length)
-    element = np.clip(np.searchsorted(rod.arc, places, side="right") - 1, 0, rod.length.size - 1)
-    share = (places - rod.arc[element]) / rod.length[element]
-    shapes = np.array([hermite(np.array([x]), float(rod.length[e]))[0] for x, e in zip(share, element, strict=True)])
+    element, share, shapes = locate(rod, places)
     radius, axial, bending = rod.outer_radius[element], rod.axial[element], rod.bending[element]
     modulus = model.youngs_modulus[element]
     yields = (model.yield_strength[model.section[e]] for e in element)

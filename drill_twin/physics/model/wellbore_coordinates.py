@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.physics.model.frames import transverse_axes
 from drill_twin.physics.model.wellbore import Axis
 
 _STRAIGHT = 1e-12  # curvature [1/m] below which an arc is a line
@@ -33,16 +34,6 @@ def offsets(axis: Axis, places: Array) -> Offsets:
     off = d + (-a - out * sin)[..., None] * t + (out * cos - b)[..., None] * n
     arc = np.where(k > _STRAIGHT, np.arctan2(k * a, 1.0 - k * b) / np.maximum(k, _STRAIGHT), a)
     return Offsets(off, cos[..., None] * t + sin[..., None] * n, axis.along + arc)
-
-
-def transverse_axes(tangent: Array) -> tuple[Array, Array]:
-    """Axes x and y of the frame `hole`, turned by the smallest rotation of z onto the tangent; shape (..., 3) each."""
-    x, y, z = tangent[..., 0], tangent[..., 1], tangent[..., 2]
-    fold = 1.0 + z
-    return (
-        np.stack((1.0 - x * x / fold, -x * y / fold, -x), axis=-1),
-        np.stack((-x * y / fold, 1.0 - y * y / fold, -y), axis=-1),
-    )
 
 
 def to_hole_coordinates(axis: Axis, places: Array) -> Array:

@@ -9,8 +9,8 @@ import numpy as np
 
 from drill_twin.dynamics.discretisation.discretise import axis_at
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
+from drill_twin.physics.model.frames import transverse_axes
 from drill_twin.physics.model.survey import top_frame
-from drill_twin.physics.model.wellbore_coordinates import transverse_axes
 from drill_twin.scene import Scene
 
 
