@@ -17,21 +17,21 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.linalg import solve_banded
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
 from drill_twin.dynamics.discretisation.boundary_conditions import BIT_ENDS
 from drill_twin.dynamics.discretisation.discretise import axis_at
 from drill_twin.dynamics.discretisation.initial_state import axial_weight
+from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.solver.linearisation import MASS, STIFFNESS
 from drill_twin.dynamics.torque_drag.operations import Operation
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene.set_points.command import Command
 
-NODE, BAND = 7, 13
-"""Unknowns of a node, and diagonals on each side of the main one that couple neighbours."""
+NODE = 7
+"""Unknowns of a node."""
 TOLERANCE = 1e-7
 """Residual force at a node over the largest load; residual torque over the same at the string's radius."""
 FIRST_STEP, SHORTEST, LONGEST = 0.02, 5e-3, 1e3
@@ -80,25 +80,18 @@ class SlidingBalance:
     """Balances of one string for any operation."""
 
     def __init__(self, equations: EquationsOfMotion) -> None:
-        """Prepare the places of the block tangents in the band.
+        """Number the free unknowns.
 
         Args:
             equations: Of a scene in the spatial form with the weight applied at the bit.
         """
         self.equations = equations
         scene, model = equations.scene, equations.model
-        count = model.rod.arc.size
-        rows, columns = np.broadcast_arrays(
-            NODE * np.arange(count)[:, None, None] + np.arange(NODE)[None, :, None],
-            NODE * (np.arange(count)[:, None, None] - 1) + np.arange(3 * NODE),
-        )
-        self._inside = (columns >= 0) & (columns < NODE * count)
-        self._rows, self._columns = rows[self._inside], columns[self._inside]
-        fixed = np.zeros((count, NODE), bool)
+        fixed = np.zeros((model.rod.arc.size, NODE), bool)
         fixed[0], fixed[-1] = BIT_ENDS[scene.string.bit_end], equations.constrained[1]
         self.fixed = fixed
-        held = fixed.ravel()
-        self._cleared = held[self._rows] | held[self._columns]
+        self.rows = BlockRows(~fixed, np.arange(NODE))
+        """Numbers of the free unknowns, and the solution of their banded systems."""
         self._none = np.zeros((2, NODE), bool)
         self.axis = axis_at(scene, scene.length - model.rod.arc)
         self.room = float(model.wellbore.clearance.max())
@@ -157,26 +150,18 @@ class SlidingBalance:
         )
 
     def stiffness(self, balance: Balance) -> Array:
-        """Tangent by position at a balance as a band, shape (27, 7 (n + 1)); 1 for held unknowns."""
+        """Tangent by position at a balance as block rows, shape (n + 1, 7, 21)."""
         operation = balance.operation
         _, tangents = self.equations.blocks(
             Command(operation.weight_on_bit, operation.rotation), balance.u, self.velocity(operation),
             np.zeros_like(balance.u), self._none,
         )  # fmt: skip
-        return self._band(tangents[STIFFNESS])
-
-    def _band(self, blocks: Array) -> Array:
-        entries = blocks[self._inside]
-        entries[self._cleared] = 0.0
-        band = np.zeros((2 * BAND + 1, self.fixed.size))
-        band[BAND + self._rows - self._columns, self._columns] = entries
-        band[BAND, self.fixed.ravel()] = 1.0
-        return band
+        return np.asarray(tangents[STIFFNESS])
 
     def _change(self, residual: Array, blocks: Array) -> Array:
         """Newton's change of the rows."""
-        found = solve_banded((BAND, BAND), self._band(blocks), -residual.ravel(), check_finite=False)
-        change: Array = found.reshape(residual.shape)
+        change = np.zeros_like(residual)
+        change[self.rows.free] = self.rows.solve(blocks, -residual[self.rows.free])
         turn = self.equations.bit_frame[:, :3]
         change[0, 0:3], change[0, 3:6] = change[0, 0:3] @ turn, change[0, 3:6] @ turn
         return change

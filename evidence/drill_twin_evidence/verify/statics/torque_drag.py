@@ -7,13 +7,12 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from scipy.sparse import dia_array
 from scipy.sparse.linalg import eigsh
 
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, analyse
 from drill_twin.dynamics.torque_drag.operations import Operation
-from drill_twin.dynamics.torque_drag.sliding_balance import BAND, NODE, Balance, SlidingBalance
+from drill_twin.dynamics.torque_drag.sliding_balance import Balance, SlidingBalance
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene import Scene
 from drill_twin_evidence.verify.case import case
@@ -147,8 +146,7 @@ def snaking() -> Iterator[Row]:
 
 def _least_eigenvalue(solver: SlidingBalance, balance: Balance) -> float:
     """Least eigenvalue of the stiffness against bending and stretch, which is symmetric without friction."""
-    band = solver.stiffness(balance)
-    whole = dia_array((band, np.arange(BAND, -BAND - 1, -1)), shape=(band.shape[1], band.shape[1])).tocsc()
-    moving = np.flatnonzero(~solver.fixed.ravel() & (np.arange(band.shape[1]) % NODE != SPIN))
-    matrix = whole[moving][:, moving]
+    matrix = solver.rows.sparse(solver.stiffness(balance))
+    moving = np.flatnonzero(np.nonzero(solver.rows.free)[1] != SPIN)
+    matrix = matrix[moving][:, moving]
     return float(eigsh(matrix, k=1, sigma=0.0, which="LM", return_eigenvectors=False)[0])
