@@ -42,7 +42,7 @@ def print_json(value: Any) -> None:
 
 def remark(text: str, style: str = "") -> None:
     """Print a line on stderr, as it is: above the bar of a progress that is shown."""
-    remark(text, style=style)
+    err().print(text, style=style, markup=False, soft_wrap=True)
 
 
 def findings_shown(summary: Mapping[str, Any]) -> Iterator[Table]:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.cli.show import err
+from drill_twin.cli.show import remark
 from drill_twin_evidence.benchmarks.peers.task import Motion, Task
 
 
@@ -78,7 +78,7 @@ def usable(tools: Iterable[str]) -> list[str]:
         if why is None:
             found.append(tool)
         else:
-            err().print(why, style="yellow")
+            remark(why, "yellow")
     return found
 
 

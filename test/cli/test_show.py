@@ -1,0 +1,58 @@
+"""What commands print: remarks as they are, results whatever becomes of their files, progress without a terminal."""
+
+import json
+
+import pytest
+
+from drill_twin.cli import progress
+from drill_twin.cli.emit import emit
+from drill_twin.cli.show import remark
+from drill_twin.core.errors import BagError
+from drill_twin.core.table import Table
+
+
+def test_a_remark_is_a_line_on_stderr_as_it_is(capsys):
+    remark("[bold] :bug: " + "words " * 60 + "\x1b[31m")
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err == "[bold] :bug: " + "words " * 60 + "\\x1b[31m\n"
+
+
+def test_files_are_written_and_named(tmp_path, capsys):
+    files = {"a.json": {"x": float("nan")}, "b.txt": "text\n", "c.json": lambda: [1]}
+    emit(None, [Table(("a",), [("1",)]), "a line"], json=False, folder=tmp_path / "out", files=files, also=["runs"])
+    said = capsys.readouterr()
+    assert [line.strip() for line in said.out.splitlines() if line.strip()] == ["a", "─", "1", "a line"]
+    assert said.err == f"{tmp_path / 'out'}: a.json, b.txt, c.json, runs\n"
+    assert json.loads((tmp_path / "out" / "a.json").read_text()) == {"x": None}
+    assert (tmp_path / "out" / "b.txt").read_text() == "text\n"
+    assert json.loads((tmp_path / "out" / "c.json").read_text()) == [1]
+
+
+def test_json_is_all_of_stdout_and_the_tables_are_not_computed(capsys):
+    def shown():
+        raise AssertionError("computed")
+        yield ""
+
+    emit({"x": 1}, shown(), json=True)
+    assert json.loads(capsys.readouterr().out) == {"x": 1}
+
+
+def test_the_result_is_printed_even_if_a_file_cannot_be_written(tmp_path, capsys):
+    (tmp_path / "out").write_text("a file")
+    with pytest.raises(BagError, match="expected a place to write the result"):
+        emit(None, ["the result"], json=False, folder=tmp_path / "out", files={"a.json": 1})
+    said = capsys.readouterr()
+    assert said.out == "the result\n"
+    assert said.err == ""
+
+
+def test_without_a_terminal_progress_is_a_line_now_and_then(capsys, monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    with progress.shown_progress("running", 4, unit="runs") as bar:
+        for text in ("first", "second", "third"):
+            bar.step(text)
+            now[0] += 6.0
+        bar.show("fourth", 4)
+    assert capsys.readouterr().err == "third, 3 of 4 runs\n"
