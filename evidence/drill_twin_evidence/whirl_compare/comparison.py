@@ -26,9 +26,6 @@ from drill_twin.core.arrays import ComplexArray
 from drill_twin.core.frame_period import frame_period
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.growth_map import growth_map
-from drill_twin.dynamics.rotordynamics.quasi_periodic import stability as two_frequency
-from drill_twin.dynamics.rotordynamics.quasi_periodic.harmonic_balance import TwoFrequencyEquations, from_amplitudes
-from drill_twin.dynamics.rotordynamics.quasi_periodic.stability import TwoFrequencyState
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import state_near, whirl_states
@@ -37,6 +34,8 @@ from drill_twin.scene import Scene
 from drill_twin.scene.blocks.string import Mark
 from drill_twin.scene.set_points.command import Command
 from drill_twin.studies.rotordynamics.simulated import with_command
+from drill_twin_evidence.whirl_compare import two_frequency_stability as two_frequency
+from drill_twin_evidence.whirl_compare.harmonic_balance import TwoFrequencyEquations, from_amplitudes
 from drill_twin_evidence.whirl_compare.motion import STEADY, TWO, Motion, motion_of
 from drill_twin_evidence.whirl_compare.points import (
     MISSED,
@@ -47,6 +46,7 @@ from drill_twin_evidence.whirl_compare.points import (
     TwoFrequencies,
     setup_of,
 )
+from drill_twin_evidence.whirl_compare.two_frequency_stability import TwoFrequencyState
 from drill_twin_evidence.whirl_compare.verdicts import is_on, judge, near, places
 
 RATE = 100.0

@@ -11,11 +11,11 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.missing import number_or_none
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.rotordynamics.quasi_periodic.harmonic_balance import TwoFrequencyWhirl
 from drill_twin.dynamics.rotordynamics.steady.imperfections import modulation
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.scene.set_points.command import Command
+from drill_twin_evidence.whirl_compare.harmonic_balance import TwoFrequencyWhirl
 from drill_twin_evidence.whirl_compare.motion import AXIS, STEADY, TWO, Motion, motion_of
 from drill_twin_evidence.whirl_compare.points import COEXISTS, MISSED, MODULATED, NO_STATE, ON_STATE, PAST_HOPF, Point
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.rotordynamics.quasi_periodic.harmonic_balance import Series, TwoFrequencyEquations
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene.set_points.command import Command
 from drill_twin.studies.rotordynamics.simulated import with_command
 from drill_twin_evidence.whirl_compare import comparison
+from drill_twin_evidence.whirl_compare.harmonic_balance import Series, TwoFrequencyEquations
 from drill_twin_evidence.whirl_compare.motion import motion_of
 
 COMMAND = Command(90.0, 3.2 * math.tau)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drill_twin.core.arrays import ComplexArray
-from drill_twin.dynamics.rotordynamics.quasi_periodic.harmonic_balance import (
+from drill_twin_evidence.whirl_compare.harmonic_balance import (
     HARMONICS,
     Series,
     TwoFrequencyEquations,

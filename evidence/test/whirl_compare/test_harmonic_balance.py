@@ -6,10 +6,10 @@ import math
 import numpy as np
 
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.rotordynamics.quasi_periodic.harmonic_balance import TwoFrequencyEquations, TwoFrequencyWhirl
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import whirl_states
 from drill_twin.scene.set_points.command import Command
+from drill_twin_evidence.whirl_compare.harmonic_balance import TwoFrequencyEquations, TwoFrequencyWhirl
 
 
 def test_a_steady_whirl_is_none_with_two_frequencies(bench):
