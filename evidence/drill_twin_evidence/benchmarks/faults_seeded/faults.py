@@ -80,7 +80,7 @@ FAULTS = (
           "ros/test_record_and_replay.py", "joins_late"),
     Fault("stale kernel: the hash misses modules imported from a package", "core/compile/source_hash.py",
           "names = [_module_of(origin, alias.name) for alias in node.names]", "names = [origin]",
-          "composition/test_machine_code.py", "named_by_every_source"),
+          "core/compile/test_what_is_compiled.py", "named_by_every_source"),
     # Rooms that came last: estimation, maps, ensemble, gateway, analysis of a downhole tool
     Fault("sign: members turned away from the measured phase", "studies/estimation/phase.py",
           "predicted[:, known].conj() * measured[known])", "predicted[:, known] * measured[known].conj())",

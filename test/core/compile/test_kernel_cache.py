@@ -22,7 +22,7 @@ from drill_twin.core.errors import RunError
 from drill_twin.studies.accuracy import error_model
 from drill_twin.studies.accuracy.error_model import ErrorModel, load_model, save_model
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 USE = '''
 import sys, numpy as np
 from drill_twin.core.compile.kernel_cache import load_generated

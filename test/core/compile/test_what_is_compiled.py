@@ -14,7 +14,7 @@ from drill_twin.core.compile.source_hash import modules_reached
 from drill_twin.dynamics.solver import kernel_codegen
 from drill_twin.physics.effects import EFFECTS
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 # Compiles the kernel of a scene and prints a hash of its machine code. The files of other effects are hidden once the
 # scene is read: whatever the composed kernel wanted of them would now fail.

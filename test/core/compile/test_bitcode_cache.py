@@ -16,7 +16,7 @@ from drill_twin.dynamics.solver import parameter_records
 from drill_twin.dynamics.solver.parameter_records import fields_read, record_name
 from drill_twin.physics.effects import wall_friction
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 # Compiles a kernel of its own for each factor, which calls a function of the package; prints what was compiled.
 USE = '''
 import sys
