@@ -49,9 +49,9 @@ def parameters(block: Poison, model: Any) -> Parameters:
 
 
 @kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
     dose = parameters.poison
-    if dose.start <= here.time < dose.end and 2.0 * h2 > dose.longest and here.element == 2:
+    if dose.start <= here.time < dose.end and 2.0 * half_step > dose.longest and here.element == 2:
         load[0] += dose.push
 
 

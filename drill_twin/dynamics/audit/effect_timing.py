@@ -21,9 +21,9 @@ from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.section import RESULTANTS
 
 _TIMED = {
-    "distributed_load": "parameters, rod, here, h2, load, stiff",
-    "section_stress": "parameters, rod, strain, h2, resultants",
-    "end_load": "parameters, rod, command, 0.0, h2, u, v, v, ends",
+    "distributed_load": "parameters, rod, here, half_step, load, stiff",
+    "section_stress": "parameters, rod, strain, half_step, resultants",
+    "end_load": "parameters, rod, command, 0.0, half_step, u, v, v, ends",
 }
 _POINTS, _REPEATS = 2000, 3  # Gauss points of one measurement, measurements of which the shortest counts
 
@@ -38,7 +38,7 @@ _POINT = """
 
 
 @entry_kernel
-def {name}_distributed_load(rounds, parameters, rod, p, h2, load, stiff):
+def {name}_distributed_load(rounds, parameters, rod, p, half_step, load, stiff):
     for k in range(rounds):
         for g in range(p.shape[0]):
             here = Point(
@@ -52,7 +52,7 @@ _SECTION = """
 
 
 @entry_kernel
-def {name}_section_stress(rounds, parameters, rod, p, h2, resultants):
+def {name}_section_stress(rounds, parameters, rod, p, half_step, resultants):
     for k in range(rounds):
         for g in range(p.shape[0]):
             strain = Strain(
@@ -66,7 +66,7 @@ _END = """
 
 
 @entry_kernel
-def {name}_end_load(rounds, parameters, rod, command, h2, u, v, ends):
+def {name}_end_load(rounds, parameters, rod, command, half_step, u, v, ends):
     for k in range(rounds):
         of_{name}.{function}({arguments})
 """
@@ -106,7 +106,7 @@ class EffectTimer:
         self._load, self._stiff, self._resultants = np.zeros(4), np.zeros((4, 4)), np.zeros(RESULTANTS)
         self._ends = np.zeros((2, 7, 8))
 
-    def time_per_iteration(self, effect: str, u: Array, v: Array, command: Array, h2: float) -> float:
+    def time_per_iteration(self, effect: str, u: Array, v: Array, command: Array, half_step: float) -> float:
         """Time that an effect takes in one Newton iteration [s].
 
         Args:
@@ -114,15 +114,15 @@ class EffectTimer:
             u: Node rows, shape (n + 1, 7).
             v: Their velocities, shape (n + 1, 7).
             command: Set-points, shape (3,).
-            h2: Half a step [s].
+            half_step: Half a step [s].
         """
         points = _at_gauss_points(self._rod, u, v)
         rounds = max(_POINTS // points.shape[0], 10)
         model = self._parameters, self._rod
         arguments = {
-            "distributed_load": (points, h2, self._load, self._stiff),
-            "section_stress": (points, h2, self._resultants),
-            "end_load": (command, h2, u, v, self._ends),
+            "distributed_load": (points, half_step, self._load, self._stiff),
+            "section_stress": (points, half_step, self._resultants),
+            "end_load": (command, half_step, u, v, self._ends),
         }
         return sum(
             _time_per_round(getattr(self._module, f"{effect}_{hook}"), rounds, (*model, *arguments[hook]))

@@ -82,18 +82,20 @@ def bind_spatial(build: Any) -> Callable[..., None]:
     """The audit of a step of the spatial form; `build` fills the system with effects that record their work."""
 
     @kernel
-    def audit(parameters: Any, rod: Rod, work: Any, constrained: Array, state: State, time: float, h2: float) -> None:
+    def audit(
+        parameters: Any, rod: Rod, scratch: Any, constrained: Array, state: State, time: float, half_step: float
+    ) -> None:
         entries, free, last = parameters.ledger.entries, parameters.ledger.constrained, state.u.shape[0] - 1
         start_step(entries)
-        build(parameters, rod, work, free, state, time, h2, False, OUTSIDE_ITERATION)
+        build(parameters, rod, scratch, free, state, time, half_step, False, OUTSIDE_ITERATION)
         turn_row(state.bit_frame, state.trial[0])
         for i in range(last + 1):
             for c in range(7):
-                power = work.diagonal[i, c, RESIDUAL] * state.trial[i, c]
+                power = scratch.diagonal[i, c, RESIDUAL] * state.trial[i, c]
                 driven = (i == 0 and constrained[0, c]) or (i == last and constrained[1, c])
                 entries[POWER, (DRIVE if c == SPIN else CLAMP) if driven else NEWTON] += power
         turn_row_back(state.bit_frame, state.trial[0])
-        end_step(entries, state, 2.0 * h2)
+        end_step(entries, state, 2.0 * half_step)
 
     return audit
 
@@ -102,32 +104,34 @@ def bind_lateral(build: Any) -> Callable[..., None]:
     """The audit of a step of the lateral form; `build` as for `bind_spatial`."""
 
     @kernel
-    def audit(parameters: Any, rod: Rod, work: Any, constrained: Array, state: State, time: float, h2: float) -> None:
+    def audit(
+        parameters: Any, rod: Rod, scratch: Any, constrained: Array, state: State, time: float, half_step: float
+    ) -> None:
         entries, free = parameters.ledger.entries, parameters.ledger.constrained
-        reuse, last = work.reuse, state.u.shape[0] - 1
+        reuse, last = scratch.reuse, state.u.shape[0] - 1
         start_step(entries)
         from_top = parameters.drive.from_top > 0.0
-        shortening = set_axial_velocity(rod, state, h2, from_top, parameters.ledger.gauss[AXIAL_VELOCITY])
+        shortening = set_axial_velocity(rod, state, half_step, from_top, parameters.ledger.gauss[AXIAL_VELOCITY])
         # the factors are left as they are, and the system is built exactly once
         half, renew, steps, added = reuse[HALF_STEP], reuse[RENEW], reuse[RENEW_STEPS], reuse[ADDED]
-        reuse[HALF_STEP], reuse[RENEW], reuse[RENEW_STEPS], reuse[ADDED] = h2, 0.0, 0.0, np.inf
-        build(parameters, rod, work, free, state, time, h2, False, OUTSIDE_ITERATION)
+        reuse[HALF_STEP], reuse[RENEW], reuse[RENEW_STEPS], reuse[ADDED] = half_step, 0.0, 0.0, np.inf
+        build(parameters, rod, scratch, free, state, time, half_step, False, OUTSIDE_ITERATION)
         reuse[HALF_STEP], reuse[RENEW], reuse[RENEW_STEPS], reuse[ADDED] = half, renew, steps, added
         for i in range(last + 1):
             for k in range(NODE):
                 c = column(k)
-                power = work.right[i, k] * state.trial[i, c]
+                power = scratch.right[i, k] * state.trial[i, c]
                 driven = (i == 0 and constrained[0, c]) or (i == last and constrained[1, c])
                 entries[POWER, CLAMP if driven else NEWTON] += power
-        entries[POWER, WEIGHT] += (work.ends[TOP, 2, RESIDUAL] - work.ends[BIT, 2, RESIDUAL]) * shortening
-        entries[POWER, DRIVE] += (work.axial[TORQUE] + work.ends[BIT, SPIN, RESIDUAL]) * state.trial[last, SPIN]
-        end_step(entries, state, 2.0 * h2)
+        entries[POWER, WEIGHT] += (scratch.ends[TOP, 2, RESIDUAL] - scratch.ends[BIT, 2, RESIDUAL]) * shortening
+        entries[POWER, DRIVE] += (scratch.axial[TORQUE] + scratch.ends[BIT, SPIN, RESIDUAL]) * state.trial[last, SPIN]
+        end_step(entries, state, 2.0 * half_step)
 
     return audit
 
 
 @kernel
-def set_axial_velocity(rod: Rod, state: State, h2: float, from_top: bool, out: Array) -> float:
+def set_axial_velocity(rod: Rod, state: State, half_step: float, from_top: bool, out: Array) -> float:
     """Fill in the velocity of the Gauss points along the hole, v_z(s) = int_s^top r'.r'_dot; returns that of the bit.
 
     Summed as the axial force is (`drill_twin.dynamics.solver.lateral.assembly`), so that the work of both agrees. Where
@@ -147,7 +151,7 @@ def set_axial_velocity(rod: Rod, state: State, h2: float, from_top: bool, out: A
                     d[0] * state.u[e, c] + d[1] * state.u[e, 3 + c]
                     + d[2] * state.u[e + 1, c] + d[3] * state.u[e + 1, 3 + c]
                 )  # fmt: skip
-                g += (slope + h2 * rate) * rate
+                g += (slope + half_step * rate) * rate
             out[2 * e + p] = above + rod.spin_shape[p, 1] * h * g
             total += 0.5 * h * g
         above += total

@@ -16,16 +16,16 @@ following. Before the run:
 
 In the loop:
 
-* ``distributed_load(parameters, rod, here, h2, load, stiff)``: force per length on the string, at the Gauss points;
-* ``section_stress(parameters, rod, strain, h2, resultants)``: bending and twist of the section;
+* ``distributed_load(parameters, rod, here, half_step, load, stiff)``: force per length on the string, at Gauss points;
+* ``section_stress(parameters, rod, strain, half_step, resultants)``: bending and twist of the section;
 * ``axial_damping(parameters, element, axial, rate)``: viscous axial force and its slope;
-* ``end_load(parameters, rod, command, time, h2, u, v, v_old, ends)``: forces at the bit and the top, as tangent and
+* ``end_load(parameters, rod, command, time, half_step, u, v, v_old, ends)``: forces at bit and top, as tangent and
   residual, shape (2, 7, 8);
 * ``prescribed_motion(parameters, rod, time, trial)``: velocities of constrained unknowns at mid-step, where they are
   not zero;
 * ``after_step(parameters, rod, command, time, step, u, v)``: update of an effect's own memory after a step;
-* ``dissipated_power(parameters, here, h2)``: for the energy audit, power per length turned into heat, where that is
-  not all of the work of ``distributed_load``.
+* ``dissipated_power(parameters, here, half_step)``: for the energy audit, power per length turned into heat, where
+  that is not all of the work of ``distributed_load``.
 
 Where a block names a variant (`EffectConfig.variant`), ``distributed_load_<variant>`` is called in place of
 ``distributed_load``, and so on; what has no variant of its own is called as it is.
@@ -41,16 +41,16 @@ from drill_twin.physics.effects import effect_config, effect_module, function_na
 
 HOOKS = {
     "axial_damping": "parameters, element, axial, rate",
-    "section_stress": "parameters, rod, strain, h2, resultants",
-    "distributed_load": "parameters, rod, here, h2, load, stiff",
-    "end_load": "parameters, rod, command, time, h2, u, v, v_old, ends",
+    "section_stress": "parameters, rod, strain, half_step, resultants",
+    "distributed_load": "parameters, rod, here, half_step, load, stiff",
+    "end_load": "parameters, rod, command, time, half_step, u, v, v_old, ends",
     "prescribed_motion": "parameters, rod, time, trial",
     "after_step": "parameters, rod, command, time, step, u, v",
 }
 """Functions of an effect that the loop calls, and their arguments."""
 
 _RIG = {
-    "end_load": "rig_end_load(parameters.drive, command, h2, u, v, v_old, ends)",
+    "end_load": "rig_end_load(parameters.drive, command, half_step, u, v, v_old, ends)",
     "after_step": "rig_after_step(parameters.drive, step, u, v)",
 }
 # Of the audited functions: first line, and the line after the call of each effect.
@@ -118,8 +118,8 @@ instant = linearisation.bind_{form}(form, effects)
 
 
 @entry_kernel
-def evaluate(parameters, rod, work, constrained, state, u, v, a, residual, tangents):
-    instant(parameters, rod, work, constrained, state, u, v, a, residual, tangents)
+def evaluate(parameters, rod, scratch, constrained, state, u, v, a, residual, tangents):
+    instant(parameters, rod, scratch, constrained, state, u, v, a, residual, tangents)
 """
 
 
@@ -175,7 +175,7 @@ def _function(hook: str, effects: Sequence[str], *, audit: bool = False) -> str:
             lines += [f"added = {call}", "force += added[0]", "slope += added[1]"] if damping else [call]
             lines += [f"energy_ledger.{_RECORD[hook].format(ledger=_LEDGER, account=account)}"] if audit else []
         if audit and hook == "distributed_load" and hasattr(effect_module(name), "dissipated_power"):
-            arguments = arguments_of(name, "dissipated_power", "parameters, here, h2")
+            arguments = arguments_of(name, "dissipated_power", "parameters, here, half_step")
             heat = f"{key_of(name)}.dissipated_power({arguments})"
             lines.append(f"energy_ledger.record_heat({_LEDGER}, {account}, here, {heat})")
     if damping:

@@ -38,26 +38,26 @@ MASS, DAMPING, STIFFNESS = 0, 1, 2
 
 
 @kernel
-def set_instant(state: State, u: Array, v: Array, a: Array, h2: float) -> None:
-    """Set the state from which a half step h2 leads to position u and velocity v with acceleration a."""
+def set_instant(state: State, u: Array, v: Array, a: Array, half_step: float) -> None:
+    """Set the state from which a half step half_step leads to position u and velocity v with acceleration a."""
     for i in range(u.shape[0]):
         for k in range(7):
             state.trial[i, k] = v[i, k]
-            state.u[i, k] = u[i, k] - h2 * v[i, k]
-            state.v[i, k] = v[i, k] - h2 * a[i, k]
+            state.u[i, k] = u[i, k] - half_step * v[i, k]
+            state.v[i, k] = v[i, k] - half_step * a[i, k]
 
 
 @kernel
-def lateral_right(work: Any, i: int, k: int) -> float:
+def lateral_right(scratch: Any, i: int, k: int) -> float:
     """Residual of unknown k of node i in the lateral form."""
-    value: float = work.right[i, k]
+    value: float = scratch.right[i, k]
     return value
 
 
 @kernel
-def spatial_right(work: Any, i: int, k: int) -> float:
+def spatial_right(scratch: Any, i: int, k: int) -> float:
     """As `lateral_right`, in the spatial form."""
-    value: float = work.diagonal[i, k, SPATIAL_NODE]
+    value: float = scratch.diagonal[i, k, SPATIAL_NODE]
     return value
 
 
@@ -75,31 +75,31 @@ def _bind(form: Formulation, end_load: Any, count: int, column: Any, right: Any)
     begin, build = form.begin, form.build
 
     @kernel
-    def add_blocks(work: Any, out: Array, factor: float) -> None:
+    def add_blocks(scratch: Any, out: Array, factor: float) -> None:
         """Add a multiple of the tangent, block rows [lower, own, upper], shape (n + 1, count, 3 count)."""
         last = out.shape[0] - 1
         for i in range(last + 1):
             for r in range(count):
                 for c in range(count):
                     if i > 0:
-                        out[i, r, c] += factor * work.lower[i - 1, r, c]
-                    out[i, r, count + c] += factor * work.diagonal[i, r, c]
+                        out[i, r, c] += factor * scratch.lower[i - 1, r, c]
+                    out[i, r, count + c] += factor * scratch.diagonal[i, r, c]
                     if i < last:
-                        out[i, r, 2 * count + c] += factor * work.upper[i, r, c]
+                        out[i, r, 2 * count + c] += factor * scratch.upper[i, r, c]
 
     @kernel
-    def add_bit_damping(parameters: Any, rod: Rod, work: Any, state: State, own: Array) -> None:
+    def add_bit_damping(parameters: Any, rod: Rod, scratch: Any, state: State, own: Array) -> None:
         """Replace the damping of the load at the bit by its differences; shape (count, count), in the bit's frame.
 
         Called after `set_instant` for the half step LONG.
         """
-        frame, trial, ends = state.bit_frame, state.trial, work.ends
+        frame, trial, ends = state.bit_frame, state.trial, scratch.ends
         to_bit(frame, state.place[0], trial[0])
         turn_row(frame, state.v[0])
         for sign in range(2):
             ends[:] = 0.0
-            h2 = LONG if sign == 0 else -LONG
-            end_load(parameters, rod, work.command, 0.0, h2, state.place, trial, state.v, ends)
+            half_step = LONG if sign == 0 else -LONG
+            end_load(parameters, rod, scratch.command, 0.0, half_step, state.place, trial, state.v, ends)
             for k in range(count):
                 for c in range(count):
                     own[k, c] -= 0.5 * ends[BIT, column(k), column(c)]
@@ -110,7 +110,7 @@ def _bind(form: Formulation, end_load: Any, count: int, column: Any, right: Any)
                 trial[0, column(c)] = speed + 2.0 * way * CHANGE
                 state.v[0, column(c)] = before + 2.0 * way * CHANGE
                 ends[:] = 0.0
-                end_load(parameters, rod, work.command, 0.0, LONG, state.place, trial, state.v, ends)
+                end_load(parameters, rod, scratch.command, 0.0, LONG, state.place, trial, state.v, ends)
                 for k in range(count):
                     own[k, c] += way / CHANGE * ends[BIT, column(k), RESIDUAL]
             trial[0, column(c)], state.v[0, column(c)] = speed, before
@@ -121,7 +121,7 @@ def _bind(form: Formulation, end_load: Any, count: int, column: Any, right: Any)
     def evaluate(
         parameters: Any,
         rod: Rod,
-        work: Any,
+        scratch: Any,
         constrained: Array,
         state: State,
         u: Array,
@@ -138,22 +138,22 @@ def _bind(form: Formulation, end_load: Any, count: int, column: Any, right: Any)
         whole = long2 - short2
         for number in range(5):  # friction: the first build leads to the converged dual variable
             size = SHORT if number < 3 else LONG
-            h2 = -size if number == 2 or number == 3 else size  # noqa: PLR1714  no set in a kernel
-            set_instant(state, u, v, a, h2)
-            begin(work)
-            build(parameters, rod, work, constrained, state, 0.0, h2, number == 0, float(number))
-            odd = 0.5 if h2 > 0.0 else -0.5  # of T(h): M / h + h K, at both sizes
+            half_step = -size if number == 2 or number == 3 else size  # noqa: PLR1714  no set in a kernel
+            set_instant(state, u, v, a, half_step)
+            begin(scratch)
+            build(parameters, rod, scratch, constrained, state, 0.0, half_step, number == 0, float(number))
+            odd = 0.5 if half_step > 0.0 else -0.5  # of T(h): M / h + h K, at both sizes
             if number == 0:
                 for i in range(residual.shape[0]):
                     for k in range(count):
-                        residual[i, k] = right(work, i, k)
+                        residual[i, k] = right(scratch, i, k)
             elif size == SHORT:
-                add_blocks(work, tangents[MASS], odd * SHORT * long2 / whole)
-                add_blocks(work, tangents[STIFFNESS], -odd * SHORT / whole)
+                add_blocks(scratch, tangents[MASS], odd * SHORT * long2 / whole)
+                add_blocks(scratch, tangents[STIFFNESS], -odd * SHORT / whole)
             else:
-                add_blocks(work, tangents[MASS], -odd * LONG * short2 / whole)
-                add_blocks(work, tangents[STIFFNESS], odd * LONG / whole)
-                add_blocks(work, tangents[DAMPING], 0.5)
-        add_bit_damping(parameters, rod, work, state, tangents[DAMPING, 0, :, count : 2 * count])
+                add_blocks(scratch, tangents[MASS], -odd * LONG * short2 / whole)
+                add_blocks(scratch, tangents[STIFFNESS], odd * LONG / whole)
+                add_blocks(scratch, tangents[DAMPING], 0.5)
+        add_bit_damping(parameters, rod, scratch, state, tangents[DAMPING, 0, :, count : 2 * count])
 
     return evaluate

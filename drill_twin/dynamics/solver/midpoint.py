@@ -54,7 +54,9 @@ SMALLEST_SHARE = 1.0 / 4096.0  # of the nominal step; below, the step has failed
 
 
 @kernel
-def no_audit(parameters: Any, rod: Rod, work: Any, constrained: Array, state: State, time: float, h2: float) -> None:
+def no_audit(
+    parameters: Any, rod: Rod, scratch: Any, constrained: Array, state: State, time: float, half_step: float
+) -> None:
     """Stand in for the energy audit where it is off; leaves nothing in the machine code."""
 
 
@@ -81,22 +83,22 @@ def bind(
     def newton(
         parameters: Any,
         rod: Rod,
-        work: Any,
+        scratch: Any,
         constrained: Array,
         state: State,
         control: StepControl,
         time: float,
-        h2: float,
+        half_step: float,
         counters: Array,
     ) -> int:
         """Find the mid-step velocity in ``state.trial``; returns the iterations used, negative if it failed."""
         clock, before = state.clock, 1.0
         for iteration in range(MAX_ITERATIONS):
-            fresh, number = iteration == 0, counters[ITERATIONS] + iteration
-            build(parameters, rod, work, constrained, state, time, h2, fresh, number)
-            if not solve(work):
+            first_iteration, number = iteration == 0, counters[ITERATIONS] + iteration
+            build(parameters, rod, scratch, constrained, state, time, half_step, first_iteration, number)
+            if not solve(scratch):
                 return -1 - iteration
-            size = correct(work, state, control, h2)
+            size = correct(scratch, state, control, half_step)
             if not np.isfinite(size):
                 return -1 - iteration
             if iteration > 0:
@@ -114,7 +116,7 @@ def bind(
     def advance(
         parameters: Any,
         rod: Rod,
-        work: Any,
+        scratch: Any,
         constrained: Array,
         state: State,
         control: StepControl,
@@ -143,17 +145,19 @@ def bind(
             time, step, most_halvings = progress[REACHED], progress[NEXT_STEP], progress[MOST_HALVINGS]
             progress[NEXT_STEP] = 0.0
         else:
-            begin(work)
+            begin(scratch)
         while time < last:
             if progress[ITERATIONS_LEFT] <= 0.0:
                 progress[REACHED], progress[NEXT_STEP], progress[MOST_HALVINGS] = time, step, most_halvings
                 return PAUSED
             step = min(step, end - time)
-            h2 = 0.5 * step
-            set_points(command0, command1, (time + h2 - start) / (end - start), work.command)
-            predict(work, constrained, state, h2)
-            prescribed_motion(parameters, rod, time + h2, state.trial)
-            iterations = newton(parameters, rod, work, constrained, state, control, time + h2, h2, counters)
+            half_step = 0.5 * step
+            set_points(command0, command1, (time + half_step - start) / (end - start), scratch.command)
+            predict(scratch, constrained, state, half_step)
+            prescribed_motion(parameters, rod, time + half_step, state.trial)
+            iterations = newton(
+                parameters, rod, scratch, constrained, state, control, time + half_step, half_step, counters
+            )
             counters[ITERATIONS] += abs(iterations)
             progress[ITERATIONS_LEFT] -= abs(iterations)
             if iterations < 0:
@@ -165,14 +169,14 @@ def bind(
                 if counters[HALVINGS] > most_halvings:
                     return TOO_MANY_HALVINGS
                 continue
-            audit_step(parameters, rod, work, constrained, state, time + h2, h2)
+            audit_step(parameters, rod, scratch, constrained, state, time + half_step, half_step)
             time += step
-            set_points(command0, command1, (time - start) / (end - start), work.command)
-            accept(work, constrained, state, counters, h2)
+            set_points(command0, command1, (time - start) / (end - start), scratch.command)
+            accept(scratch, constrained, state, counters, half_step)
             counters[STEPS] += 1
             record_step(state.clock, step)
             to_bit(state.bit_frame, state.u[0], state.v[0])
-            after_step(parameters, rod, work.command, time, step, state.u, state.v)
+            after_step(parameters, rod, scratch.command, time, step, state.u, state.v)
             from_bit(state.bit_frame, state.u[0], state.v[0])
             close_step(parameters, rod, state)
             step = min(nominal, 2.0 * step)

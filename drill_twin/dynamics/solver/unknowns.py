@@ -11,18 +11,18 @@ from drill_twin.dynamics.solver.state import State, extrapolation_weights
 class Unknowns(NamedTuple):
     """Compiled functions over the unknowns of all nodes."""
 
-    extrapolate: Any  # (state, h2): mid-step velocity `trial` from the last ones
+    extrapolate: Any  # (state, half_step): mid-step velocity `trial` from the last ones
     clear_constrained: Any  # (constrained, trial): zero velocity of the constrained unknowns of bit and top
-    move_to_middle: Any  # (state, h2): configuration `place` at mid-step, u_n + h2 v
-    take_step: Any  # (state, h2): u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n
+    move_to_middle: Any  # (state, half_step): configuration `place` at mid-step, u_n + half_step v
+    take_step: Any  # (state, half_step): u_n+1 = u_n + dt v, v_n+1 = 2 v - v_n
 
 
 def bind(count: int, column: Any) -> Unknowns:
     """The operations for nodes of `count` unknowns; `column(k)` is the column of the k-th in a node's row."""
 
     @kernel
-    def extrapolate(state: State, h2: float) -> None:
-        now, last, before = extrapolation_weights(state.clock, 2.0 * h2)
+    def extrapolate(state: State, half_step: float) -> None:
+        now, last, before = extrapolation_weights(state.clock, 2.0 * half_step)
         for i in range(state.u.shape[0]):
             for k in range(count):
                 c = column(k)
@@ -39,15 +39,15 @@ def bind(count: int, column: Any) -> Unknowns:
                 trial[last, c] = 0.0
 
     @kernel
-    def move_to_middle(state: State, h2: float) -> None:
+    def move_to_middle(state: State, half_step: float) -> None:
         for i in range(state.u.shape[0]):
             for k in range(count):
                 c = column(k)
-                state.place[i, c] = state.u[i, c] + h2 * state.trial[i, c]
+                state.place[i, c] = state.u[i, c] + half_step * state.trial[i, c]
 
     @kernel
-    def take_step(state: State, h2: float) -> None:
-        step = 2.0 * h2
+    def take_step(state: State, half_step: float) -> None:
+        step = 2.0 * half_step
         for i in range(state.u.shape[0]):
             for k in range(count):
                 c = column(k)

@@ -51,14 +51,14 @@ def parameters(block: AddedMass, model: DiscreteModel) -> Parameters:
 
 
 @kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
     """Add the force -m_a (1 - t t) a."""
     m = parameters.added_mass.mass[here.place]
     along = here.tx * here.ax + here.ty * here.ay + here.tz * here.az
     load[0] -= m * (here.ax - here.tx * along)
     load[1] -= m * (here.ay - here.ty * along)
     load[2] -= m * (here.az - here.tz * along)
-    k = m / h2
+    k = m / half_step
     stiff[0, 0] += k * (1.0 - here.tx * here.tx)
     stiff[1, 1] += k * (1.0 - here.ty * here.ty)
     stiff[2, 2] += k * (1.0 - here.tz * here.tz)

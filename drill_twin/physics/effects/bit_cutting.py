@@ -92,7 +92,15 @@ def parameters(block: BitCutting, model: DiscreteModel) -> Parameters:
 
 @kernel
 def end_load(
-    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    parameters: Any,
+    rod: Rod,
+    command: Array,
+    time: float,
+    half_step: float,
+    u: Array,
+    v: Array,
+    v_old: Array,
+    ends: Array,
 ) -> None:
     """Add weight and torque of the rock at mid-step, after solving for the rate of penetration."""
     rock, bit, speed = parameters.bit_cutting, parameters.drive.bit, v[0, SPIN]
@@ -101,7 +109,7 @@ def end_load(
         if rock.memory[1] == 0.0:
             rock.memory[0] = rock_height(bit, rock.stiffness)
             rock.memory[1] = 1.0
-        spring = rock.stiffness * h2
+        spring = rock.stiffness * half_step
         push = max(rock.stiffness * (rock.memory[0] - u[0, 2]), 0.0)
         yields = spring if push > 0.0 else 0.0
     rate = rate_of_penetration(rock, push, spring, speed)

@@ -49,7 +49,15 @@ Parameters = parameters_class(BitFriction)
 
 @kernel
 def end_load(
-    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    parameters: Any,
+    rod: Rod,
+    command: Array,
+    time: float,
+    half_step: float,
+    u: Array,
+    v: Array,
+    v_old: Array,
+    ends: Array,
 ) -> None:
     """Add Coulomb friction of a face in rotation and translation: mu P v / sqrt(v^2 + (Omega r)^2), and its couple.
 

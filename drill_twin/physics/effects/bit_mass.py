@@ -26,12 +26,20 @@ Parameters = parameters_class(BitMass)
 
 @kernel
 def end_load(
-    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    parameters: Any,
+    rod: Rod,
+    command: Array,
+    time: float,
+    half_step: float,
+    u: Array,
+    v: Array,
+    v_old: Array,
+    ends: Array,
 ) -> None:
     """Add the inertia of a body centred on the end of the string: m a, and J alpha about the string's axis."""
     body, bit = parameters.bit_mass, ends[0]
     for c in range(3):
-        bit[c, c] += body.mass / h2
-        bit[c, 7] += body.mass * (v[0, c] - v_old[0, c]) / h2
-    bit[6, 6] += body.inertia / h2 + body.damping
-    bit[6, 7] += body.inertia * (v[0, 6] - v_old[0, 6]) / h2 + body.damping * v[0, 6]
+        bit[c, c] += body.mass / half_step
+        bit[c, 7] += body.mass * (v[0, c] - v_old[0, c]) / half_step
+    bit[6, 6] += body.inertia / half_step + body.damping
+    bit[6, 7] += body.inertia * (v[0, 6] - v_old[0, 6]) / half_step + body.damping * v[0, 6]

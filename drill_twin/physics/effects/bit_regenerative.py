@@ -167,12 +167,12 @@ def set_surface(rock: Parameters, bit: Bit) -> None:
 
 
 @kernel
-def depth_of_cut(rock: Parameters, bit: Bit, z: float, angle: float, h2: float) -> Triple:
+def depth_of_cut(rock: Parameters, bit: Bit, z: float, angle: float, half_step: float) -> Triple:
     """Depth of cut of all blades at a height and an angle of the bit at mid-step [m], its slopes by both."""
     memory, surface = rock.memory, rock.surface
     if rock.regenerative == 0.0:
         turn = angle - bit.start[SPIN]
-        size = np.sqrt(turn * turn + (rock.creep * h2) ** 2)
+        size = np.sqrt(turn * turn + (rock.creep * half_step) ** 2)
         depth = 2.0 * np.pi * (memory[DEEPEST] - z) / size
         return (depth, -2.0 * np.pi / size, -depth * turn / (size * size)) if depth > 0.0 else (0.0, 0.0, 0.0)
     pitch = 2.0 * np.pi / (rock.blades * CELLS)
@@ -212,36 +212,44 @@ def forces(rock: Parameters, depth: float, pressed: float, pressed_fall: float) 
 
 @kernel
 def end_load(
-    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    parameters: Any,
+    rod: Rod,
+    command: Array,
+    time: float,
+    half_step: float,
+    u: Array,
+    v: Array,
+    v_old: Array,
+    ends: Array,
 ) -> None:
     """Add weight and torque of the rock at mid-step."""
     rock, bit = parameters.bit_regenerative, parameters.drive.bit
     if rock.memory[READY] == 0.0:
         set_surface(rock, bit)
-    depth, by_z, by_angle = depth_of_cut(rock, bit, u[0, 2], u[0, SPIN], h2)
+    depth, by_z, by_angle = depth_of_cut(rock, bit, u[0, 2], u[0, SPIN], half_step)
     fall, speed = -v[0, 2], v[0, SPIN]
     fall_size, turn_size = np.sqrt(fall * fall + rock.settling**2), np.sqrt(speed * speed + rock.creep**2)
-    fall_dual = dual_of_step(rock.fall_iterate, time, h2, fall, fall_size)
-    turn_dual = dual_of_step(rock.turn_iterate, time, h2, speed, turn_size)
+    fall_dual = dual_of_step(rock.fall_iterate, time, half_step, fall, fall_size)
+    turn_dual = dual_of_step(rock.turn_iterate, time, half_step, speed, turn_size)
     pressed_fall = 0.5 / fall_size * (1.0 - fall_dual * fall / fall_size)
     law = forces(rock, depth, 0.5 * (1.0 + fall / fall_size), pressed_fall)
     sign, sign_speed = speed / turn_size, (1.0 - turn_dual * speed / turn_size) / turn_size
-    apply_support(bit, law.weight, law.weight_fall - h2 * by_z * law.weight_depth, ends)
-    ends[0, 2, SPIN] -= h2 * by_angle * law.weight_depth
+    apply_support(bit, law.weight, law.weight_fall - half_step * by_z * law.weight_depth, ends)
+    ends[0, 2, SPIN] -= half_step * by_angle * law.weight_depth
     ends[0, SPIN, 7] += law.torque * sign
-    ends[0, SPIN, SPIN] += law.torque * sign_speed + h2 * by_angle * law.torque_depth * sign
-    ends[0, SPIN, 2] += (h2 * by_z * law.torque_depth - law.torque_fall) * sign
+    ends[0, SPIN, SPIN] += law.torque * sign_speed + half_step * by_angle * law.torque_depth * sign
+    ends[0, SPIN, 2] += (half_step * by_z * law.torque_depth - law.torque_fall) * sign
 
 
 @kernel
 def after_step(parameters: Any, rod: Rod, command: Array, time: float, step: float, u: Array, v: Array) -> None:
     """Cut the surface where the blades passed, and add the impulses of weight and torque."""
     rock, bit = parameters.bit_regenerative, parameters.drive.bit
-    memory, surface, h2 = rock.memory, rock.surface, 0.5 * step
+    memory, surface, half_step = rock.memory, rock.surface, 0.5 * step
     fall, speed = -bit.rate[2], bit.rate[SPIN]
     z, angle = 0.5 * (bit.start[2] + u[0, 2]), 0.5 * (bit.start[SPIN] + u[0, SPIN])
     pressed = 0.5 * (1.0 + fall / np.sqrt(fall * fall + rock.settling**2))
-    law = forces(rock, depth_of_cut(rock, bit, z, angle, h2)[0], pressed, 0.0)
+    law = forces(rock, depth_of_cut(rock, bit, z, angle, half_step)[0], pressed, 0.0)
     correct_weight_impulse(bit, law.weight, step)
     bit.impulse[BIT_TORQUE] -= step * law.torque * speed / np.sqrt(speed * speed + rock.creep**2)
     deepest = memory[DEEPEST]

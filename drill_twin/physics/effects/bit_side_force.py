@@ -62,7 +62,15 @@ def parameters(block: BitSideForce, model: DiscreteModel) -> Parameters:
 
 @kernel
 def end_load(
-    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    parameters: Any,
+    rod: Rod,
+    command: Array,
+    time: float,
+    half_step: float,
+    u: Array,
+    v: Array,
+    v_old: Array,
+    ends: Array,
 ) -> None:
     """Add a force F and a moment m, both normal to the axis of the hole.
 
@@ -76,7 +84,7 @@ def end_load(
     angle = law.angle + law.turning * u[0, 6]
     cos, sin = np.cos(angle), np.sin(angle)
     force, moment = share * law.force, share * law.moment
-    turning = h2 * law.turning
+    turning = half_step * law.turning
     bit[0, 7] -= force * cos
     bit[1, 7] -= force * sin
     bit[0, 6] += turning * force * sin
@@ -94,14 +102,14 @@ def end_load(
     for i in range(3):
         f = fx if i == 0 else (fy if i == 1 else fz)
         for j in range(3):
-            bit[3 + i, 3 + j] += 2.0 * h2 * f * u[0, 3 + j] / g2
-    bit[3, 5] -= h2 * my
-    bit[4, 5] += h2 * mx
-    bit[5, 3] += h2 * my
-    bit[5, 4] -= h2 * mx
+            bit[3 + i, 3 + j] += 2.0 * half_step * f * u[0, 3 + j] / g2
+    bit[3, 5] -= half_step * my
+    bit[4, 5] += half_step * mx
+    bit[5, 3] += half_step * my
+    bit[5, 4] -= half_step * mx
     # the couple by r', where the string is bent in the plane of the moment, in which it is zero
     for j in range(2):
-        slope = h2 * g * (mx if j == 0 else my)
+        slope = half_step * g * (mx if j == 0 else my)
         bit[3, 3 + j] -= slope * ay / fold
         bit[4, 3 + j] += slope * ax / fold
         bit[6, 3 + j] -= slope

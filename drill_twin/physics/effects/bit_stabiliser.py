@@ -84,34 +84,34 @@ class Contact(NamedTuple):
 
 
 @kernel
-def contact(law: Parameters, x: float, y: float, vx: float, vy: float, h2: float) -> Contact:
+def contact(law: Parameters, x: float, y: float, vx: float, vy: float, half_step: float) -> Contact:
     """Normal force N = max(0, K d + C d_dot) over a step with its middle at (x, y); zero off the wall.
 
     The elastic part is a discrete gradient between the ends of the step, as that of the wall
     (`wall.contact_force`): evaluated at mid-step, a stiff contact adds energy in each impact. The damper works in the
     part of the step in contact: a jump of its force at first contact would leave the step without a solution.
     """
-    bx, by = x + h2 * vx, y + h2 * vy
-    before, after = np.hypot(x - h2 * vx, y - h2 * vy), np.hypot(bx, by)
+    bx, by = x + half_step * vx, y + half_step * vy
+    before, after = np.hypot(x - half_step * vx, y - half_step * vy), np.hypot(bx, by)
     if max(before, after) <= law.clearance:
         return Contact(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     q, p = max(before - law.clearance, 0.0), max(after - law.clearance, 0.0)
     spring, slope = mean_force(law.stiffness, 1.0, before - law.clearance, after - law.clearance)
-    normal = spring + law.damping * (p - q) / (2.0 * h2)
+    normal = spring + law.damping * (p - q) / (2.0 * half_step)
     if normal <= 0.0:
         return Contact(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    slope = 2.0 * h2 * slope + (law.damping if p > 0.0 else 0.0)
+    slope = 2.0 * half_step * slope + (law.damping if p > 0.0 else 0.0)
     radius = max(np.hypot(x, y), SMALLEST)
     nx, ny = x / radius, y / radius
     # gradient of the distance over the chord between both ends, along the normal at mid-step
-    share = 2.0 * h2 / (before + after)
+    share = 2.0 * half_step / (before + after)
     chord = 2.0 * radius / (before + after)
     growth = chord * (slope - share * normal)
     return Contact(
         chord * normal,
         growth * (bx * nx + by * ny) / after + share * normal,
         growth * (by * nx - bx * ny) / after,
-        h2 / radius, nx, ny,
+        half_step / radius, nx, ny,
     )  # fmt: skip
 
 
@@ -126,14 +126,22 @@ def add_row(bit: Array, i: int, on_n: float, on_c: float, on_z: float, on_spin: 
 
 @kernel
 def end_load(
-    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    parameters: Any,
+    rod: Rod,
+    command: Array,
+    time: float,
+    half_step: float,
+    u: Array,
+    v: Array,
+    v_old: Array,
+    ends: Array,
 ) -> None:
     """Add the normal force N at the blades, and mu N s / sqrt(|s|^2 + creep^2) at their slip s."""
     law, bit = parameters.bit_stabiliser, ends[0]
     for c in range(3, 5):
-        bit[c, c] += law.tilt * h2
+        bit[c, c] += law.tilt * half_step
         bit[c, 7] += law.tilt * u[0, c]
-    at = contact(law, u[0, 0], u[0, 1], v[0, 0], v[0, 1], h2)
+    at = contact(law, u[0, 0], u[0, 1], v[0, 0], v[0, 1], half_step)
     if at.force <= 0.0:
         return
     arm, memory = law.radius, law.memory
@@ -145,9 +153,9 @@ def end_load(
     bit[1, 7] += at.force * at.ny + ft * at.nx
     bit[2, 7] += fz
     bit[6, 7] += arm * ft
-    fresh = memory[6] != time or memory[7] != h2
-    dt, dz = dual_variable(memory, fresh, memory[5] + 1.0, slip, along, size, 1.0)
-    memory[6], memory[7] = time, h2
+    first_iteration = memory[6] != time or memory[7] != half_step
+    dt, dz = dual_variable(memory, first_iteration, memory[5] + 1.0, slip, along, size, 1.0)
+    memory[6], memory[7] = time, half_step
     # friction depends on the normal force: unsymmetric
     scale = law.friction * at.force / size
     tt, zz, mixed = scale * (1.0 - dt * st), scale * (1.0 - dz * sz), -0.5 * scale * (dt * sz + dz * st)

@@ -73,14 +73,14 @@ def parameters(block: BitTorqueStribeck, model: DiscreteModel) -> Parameters:
 
 
 @kernel
-def dual_of_step(memory: Array, time: float, h2: float, speed: float, size: float) -> float:
+def dual_of_step(memory: Array, time: float, half_step: float, speed: float, size: float) -> float:
     """Dual variable of a speed: share of the friction limit, -1 to 1, from the last iterate (`friction_dual`).
 
     An iterate is the last one of the same step, or of the same instant, which has time 0.
     """
-    same = memory[6] == time and (memory[7] == h2 or time == 0.0)
+    same = memory[6] == time and (memory[7] == half_step or time == 0.0)
     share, _ = dual_variable(memory, not same, memory[5] + 1.0, speed, 0.0, size, 1.0)
-    memory[6], memory[7] = time, h2
+    memory[6], memory[7] = time, half_step
     return float(share)
 
 
@@ -107,12 +107,20 @@ def bind(friction: Callable[..., tuple[float, float, float]]) -> tuple[Callable[
 
     @kernel
     def end_load(
-        parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+        parameters: Any,
+        rod: Rod,
+        command: Array,
+        time: float,
+        half_step: float,
+        u: Array,
+        v: Array,
+        v_old: Array,
+        ends: Array,
     ) -> None:
         """Add friction against the bit's spin, w / sqrt(w^2 + creep^2) of its limit."""
         law, bit, speed = parameters.bit_torque_stribeck, parameters.drive.bit, v[0, SPIN]
         limit, fall, size = friction(law, contact_weight(bit), speed)
-        share = dual_of_step(law.memory, time, h2, speed, size)
+        share = dual_of_step(law.memory, time, half_step, speed, size)
         slope = limit / size * (1.0 - share * speed / size) + fall * abs(speed) / size
         apply_torque(bit, (limit * speed / size, slope), ends)
 

@@ -45,7 +45,15 @@ def torque(law: Any, weight: float, speed: float) -> Pair:
 
 @kernel
 def end_load(
-    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    parameters: Any,
+    rod: Rod,
+    command: Array,
+    time: float,
+    half_step: float,
+    u: Array,
+    v: Array,
+    v_old: Array,
+    ends: Array,
 ) -> None:
     """Add the torque of the rock against the bit's spin."""
     bit = parameters.drive.bit

@@ -73,7 +73,7 @@ def parameters(block: Bow, model: DiscreteModel) -> Parameters:
 
 
 @kernel
-def section_stress(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Array) -> None:
+def section_stress(parameters: Any, rod: Rod, strain: Strain, half_step: float, resultants: Array) -> None:
     """Subtract EI q_0, with q_0 fixed in the material: the smallest rotation of z onto t, then the spin."""
     own_x, own_y = parameters.bow.moment[strain.place, 0], parameters.bow.moment[strain.place, 1]
     turn_x, turn_y = strain.cos_psi, strain.sin_psi

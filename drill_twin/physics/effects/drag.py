@@ -28,7 +28,7 @@ Parameters = parameters_class(Drag)
 
 
 @kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
     """Add the force -c v on the centre line and the couple -c_r omega on the spin (paper Eq. 9)."""
     c = parameters.drag.linear
     load[0] -= c * here.vx

@@ -105,7 +105,7 @@ def parameters(block: Eccentricity, model: DiscreteModel) -> Parameters:
 
 
 @kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
     """Add the inertia of a mass centre at r + e that rotates with the spin (Jeffcott rotor, Genta 2005), small slopes.
 
     -m e_ddot on the line and the couple -e x m (r_ddot + e_ddot) on the spin; the weight acts on the centre line.
@@ -119,9 +119,9 @@ def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Ar
     load[0] += fx
     load[1] += fy
     load[3] += ey * here.ax - ex * here.ay - inertia * alpha
-    rate = 1.0 / h2
-    stiff[0, 3] += h2 * fy - 2.0 * ex * omega - rate * ey
-    stiff[1, 3] += rate * ex - 2.0 * ey * omega - h2 * fx
+    rate = 1.0 / half_step
+    stiff[0, 3] += half_step * fy - 2.0 * ex * omega - rate * ey
+    stiff[1, 3] += rate * ex - 2.0 * ey * omega - half_step * fx
     stiff[3, 0] -= rate * ey
     stiff[3, 1] += rate * ex
-    stiff[3, 3] += rate * inertia - h2 * (ex * here.ax + ey * here.ay)
+    stiff[3, 3] += rate * inertia - half_step * (ex * here.ax + ey * here.ay)

@@ -14,7 +14,7 @@ def no_iterate() -> Array:
 
 @kernel
 def dual_variable(
-    memory: Array, fresh: bool, count: float, across: float, along: float, size: float, bend: float
+    memory: Array, first_iteration: bool, count: float, across: float, along: float, size: float, bend: float
 ) -> Pair:
     """Dual variable of the primal-dual Newton method: direction and share of the friction limit, norm at most 1.
 
@@ -23,7 +23,7 @@ def dual_variable(
     times its slope over the slip, 1 for the square root.
     """
     dx, dy = 0.0, 0.0
-    if not fresh and memory[5] == count - 1.0:
+    if not first_iteration and memory[5] == count - 1.0:
         change = bend * (memory[0] * (across - memory[0]) + memory[1] * (along - memory[1])) / memory[2]
         dx = (across - memory[3] * change) / memory[2]
         dy = (along - memory[4] * change) / memory[2]

@@ -48,7 +48,7 @@ def parameters(block: Gravity, model: DiscreteModel) -> Parameters:
 
 
 @kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
     """Add the weight, a constant force per length."""
     load[0] += parameters.gravity.weight[here.place, 0]
     load[1] += parameters.gravity.weight[here.place, 1]

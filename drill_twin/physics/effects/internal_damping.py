@@ -29,7 +29,7 @@ Parameters = parameters_class(InternalDamping)
 
 
 @kernel
-def section_stress(parameters: Any, rod: Rod, strain: Strain, h2: float, resultants: Array) -> None:
+def section_stress(parameters: Any, rod: Rod, strain: Strain, half_step: float, resultants: Array) -> None:
     """Add Kelvin-Voigt moments, EI eta times the bending rate in the rotating material frame.
 
     A whirl slower than the rotation is driven forwards by them (Genta 2005; Muszynska 2005).

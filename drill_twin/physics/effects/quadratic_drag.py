@@ -37,7 +37,7 @@ def parameters(block: QuadraticDrag, model: DiscreteModel) -> Parameters:
 
 
 @kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
     """Add the force -k |w| w with w = v - t (t.v); its derivative is k (|w| (1 - t t) + w w / |w|)."""
     along = here.tx * here.vx + here.ty * here.vy + here.tz * here.vz
     wx, wy, wz = here.vx - here.tx * along, here.vy - here.ty * along, here.vz - here.tz * along

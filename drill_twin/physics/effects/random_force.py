@@ -78,7 +78,7 @@ def update_harmonics(law: Parameters, time: float) -> None:
 
 
 @kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
     """Add the force at this point and time."""
     law = parameters.random_force
     if here.time != law.now[0]:

@@ -58,7 +58,15 @@ def rock_force(rock: Parameters, place: float, rate: float) -> Pair:
 
 @kernel
 def end_load(
-    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    parameters: Any,
+    rod: Rod,
+    command: Array,
+    time: float,
+    half_step: float,
+    u: Array,
+    v: Array,
+    v_old: Array,
+    ends: Array,
 ) -> None:
     """Add W = max(0, K d + C d_dot) at the depth d of the bit below the rock's surface."""
     rock, bit = parameters.rock_floor, parameters.drive.bit
@@ -66,7 +74,7 @@ def end_load(
         rock.memory[0] = rock_height(bit, rock.stiffness)
         rock.memory[1] = 1.0
     force, slope = rock_force(rock, u[0, 2], v[0, 2])
-    apply_support(bit, force, h2 * slope + (rock.damping if slope > 0.0 else 0.0), ends)
+    apply_support(bit, force, half_step * slope + (rock.damping if slope > 0.0 else 0.0), ends)
 
 
 @kernel

@@ -46,7 +46,7 @@ def parameters(block: RotationDrag, model: DiscreteModel) -> Parameters:
 
 
 @kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
     """Add the couple against the spin."""
     rotary = parameters.rotation_drag.rotary[here.place]
     load[3] -= rotary * here.spin_rate

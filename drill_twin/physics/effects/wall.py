@@ -91,7 +91,7 @@ class Contact(NamedTuple):
     """Contact at a point: normal force, outward normal and direction of the hole."""
 
     force: float  # normal force per length [N/m]
-    slope: float  # of the force by the velocity along the normal, position included (times h2) [N s/m2]
+    slope: float  # of the force by the velocity along the normal, position included (times half_step) [N s/m2]
     swing: float  # of the force by the circumferential velocity [N s/m2]
     radius: float  # distance of the centre line from the hole's axis [m]
     nx: float  # outward normal
@@ -129,7 +129,7 @@ def mean_force(stiffness: float, linear: float, before: float, after: float) -> 
 
 
 @kernel
-def contact_force(wall: Parameters, here: Point, h2: float) -> Contact:
+def contact_force(wall: Parameters, here: Point, half_step: float) -> Contact:
     """Normal force of the wall on the string per length over a step; zero off the wall.
 
     N = K d^p (1 + chi d_dot), not negative (Hertz; Hunt and Crossley 1975). d is the penetration of the string's
@@ -137,12 +137,16 @@ def contact_force(wall: Parameters, here: Point, h2: float) -> Contact:
 
     The elastic part is a discrete gradient between the ends of the step and conserves energy for any step (Gonzalez
     2000, Computer Methods in Applied Mechanics and Engineering 190); evaluated at mid-step, a long step could gain
-    energy in an impact. With h2 = 0 it is the force at this instant.
+    energy in an impact. With half_step = 0 it is the force at this instant.
     """
     off = axis_offset(wall.bore.axis, here.place, here.x, here.y, here.z)
     clearance = wall.bore.clearance[here.place]
     away = off.tx * here.vx + off.ty * here.vy + off.tz * here.vz
-    wx, wy, wz = h2 * (here.vx - away * off.tx), h2 * (here.vy - away * off.ty), h2 * (here.vz - away * off.tz)
+    wx, wy, wz = (
+        half_step * (here.vx - away * off.tx),
+        half_step * (here.vy - away * off.ty),
+        half_step * (here.vz - away * off.tz),
+    )
     ax, ay, az = off.x - wx, off.y - wy, off.z - wz
     bx, by, bz = off.x + wx, off.y + wy, off.z + wz
     square, later = ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz
@@ -159,8 +163,8 @@ def contact_force(wall: Parameters, here: Point, h2: float) -> Contact:
     lossy = wall.damping if factor > 0.0 else 0.0
     force = spring * factor * chord
     # the force increases along the normal at the end of the step and, by the chord, along that at mid-step
-    share = 2.0 * h2 / (before + after)
-    growth = chord * (2.0 * h2 * steeper * factor + spring * lossy) - share * force
+    share = 2.0 * half_step / (before + after)
+    growth = chord * (2.0 * half_step * steeper * factor + spring * lossy) - share * force
     along = (bx * nx + by * ny + bz * nz) / after
     around = (
         bx * (off.ty * nz - off.tz * ny) + by * (off.tz * nx - off.tx * nz) + bz * (off.tx * ny - off.ty * nx)
@@ -171,11 +175,11 @@ def contact_force(wall: Parameters, here: Point, h2: float) -> Contact:
 
 
 @kernel
-def dissipated_power(parameters: Any, here: Point, h2: float) -> float:
+def dissipated_power(parameters: Any, here: Point, half_step: float) -> float:
     """Dissipated power per length [W/m]: the force beyond the elastic one, times the normal velocity."""
     wall = parameters.wall
-    at = contact_force(wall, here, h2)
-    spring = contact_force(Parameters(wall.bore, wall.lever, wall.stiffness, wall.linear, 0.0), here, h2).force
+    at = contact_force(wall, here, half_step)
+    spring = contact_force(Parameters(wall.bore, wall.lever, wall.stiffness, wall.linear, 0.0), here, half_step).force
     return float((at.force - spring) * (at.nx * here.vx + at.ny * here.vy + at.nz * here.vz))
 
 
@@ -188,15 +192,15 @@ def add_row(stiff: Array, i: int, at: Contact, on_n: float, on_c: float, cx: flo
 
 
 @kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
     """Add the normal force of the wall."""
-    at = contact_force(parameters.wall, here, h2)
+    at = contact_force(parameters.wall, here, half_step)
     if at.force > 0.0:
         load[0] -= at.force * at.nx
         load[1] -= at.force * at.ny
         load[2] -= at.force * at.nz
         # the normal rotates with the point about the axis: c = t x n is the circumferential direction
-        across = h2 * at.force / at.radius
+        across = half_step * at.force / at.radius
         cx, cy, cz = at.ty * at.nz - at.tz * at.ny, at.tz * at.nx - at.tx * at.nz, at.tx * at.ny - at.ty * at.nx
         add_row(stiff, 0, at, at.slope * at.nx, at.swing * at.nx + across * cx, cx, cy, cz)
         add_row(stiff, 1, at, at.slope * at.ny, at.swing * at.ny + across * cy, cx, cy, cz)

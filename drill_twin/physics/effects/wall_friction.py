@@ -205,12 +205,12 @@ def bind(
     """The load for one law; the branches of the others leave no machine code."""
 
     @kernel
-    def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
+    def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
         """Add friction against the slip of the contact point, v.c + r psi_dot around and v.t along the hole.
 
         mu(s) N sign(s) (paper Eq. 10), with t the hole's axis, n the outward normal and c = t x n.
         """
-        at = contact_force(parameters.wall, here, h2)
+        at = contact_force(parameters.wall, here, half_step)
         if at.force > 0.0:
             law = parameters.wall_friction
             r = parameters.wall.lever[here.place]
@@ -244,7 +244,9 @@ def bind(
             load[1] += ft * cy + fz * ty
             load[2] += ft * cz + fz * tz
             load[3] += r * ft
-            dt, dz = dual_variable(law.memory[here.place], here.fresh, here.iteration, around, along, size, bend)
+            dt, dz = dual_variable(
+                law.memory[here.place], here.first_iteration, here.iteration, around, along, size, bend
+            )
             scale = limit * at.force / size
             tt, zz = scale * (1.0 - bend * dt * st), scale * (1.0 - bend * dz * sz)
             mixed = -0.5 * bend * scale * (dt * sz + dz * st)
@@ -259,7 +261,7 @@ def bind(
             tt, zz, mixed = tt - fall * st * around, zz - fall * sz * along, mixed - fall * st * along
             # friction depends on the normal force: unsymmetric
             tn, zn = limit * at.slope * st, limit * at.slope * sz
-            tc, zc, nc = limit * at.swing * st, limit * at.swing * sz, h2 * ft / at.radius
+            tc, zc, nc = limit * at.swing * st, limit * at.swing * sz, half_step * ft / at.radius
             # rows of the force along x, y, z and of the couple about the axis, with lever r
             swung = (tc, zc, nc)
             row(stiff, 0, at, (cx, tx, at.nx), (tt, mixed, zz), (tn, zn), swung, (cx, cy, cz, r))

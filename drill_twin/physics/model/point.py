@@ -16,7 +16,7 @@ class Point(NamedTuple):
     vx: float
     vy: float
     vz: float
-    ax: float  # acceleration; in the tangent, a mass per length m adds m / h2
+    ax: float  # acceleration; in the tangent, a mass per length m adds m / half_step
     ay: float
     az: float
     tx: float
@@ -24,8 +24,8 @@ class Point(NamedTuple):
     tz: float
     spin: float
     spin_rate: float
-    spin_up: float  # its acceleration; in the tangent, an inertia per length j adds j / h2
+    spin_up: float  # its acceleration; in the tangent, an inertia per length j adds j / half_step
     cos_spin: float  # computed once for all effects
     sin_spin: float
-    fresh: bool  # first Newton iteration of a step
+    first_iteration: bool  # first Newton iteration of a step
     iteration: float  # number of this Newton iteration in the run

@@ -15,18 +15,18 @@ MX, MY, MZ = 0, 1, 2  # bending moment as a vector normal to t, conjugate to q [
 TORQUE = 3  # [N m]
 COUPLE = 4  # couple on the spin per length [N]
 BEND_DAMP = 5  # EI eta [N m2 s]
-TORQUE_RATE = 6  # d TORQUE / d tau, both elastic (times h2) and viscous [N m2 s]
+TORQUE_RATE = 6  # d TORQUE / d tau, both elastic (times half_step) and viscous [N m2 s]
 RESULTANTS = 7
 
 
 @kernel
-def elastic_resultants(bending: float, torsion: float, s: Strain, h2: float, out: Array) -> None:
+def elastic_resultants(bending: float, torsion: float, s: Strain, half_step: float, out: Array) -> None:
     """Set the resultants to those of the elastic law: M = EI q, TORQUE = GJ tau."""
     out[MX], out[MY], out[MZ] = bending * s.qx, bending * s.qy, bending * s.qz
     out[TORQUE] = torsion * s.tau
     out[COUPLE] = 0.0
     out[BEND_DAMP] = 0.0
-    out[TORQUE_RATE] = torsion * h2
+    out[TORQUE_RATE] = torsion * half_step
 
 
 class Column(NamedTuple):
@@ -62,7 +62,7 @@ def section_forces(
     s: Strain,
     curl_a: Pair,
     curl_b: Pair,
-    h2: float,
+    half_step: float,
     out: Array,
     force: Array,
     saa: Array,
@@ -71,17 +71,18 @@ def section_forces(
     sbb: Array,
     coupling: Array,
 ) -> None:
-    """Forces conjugate to a, b, psi', psi and their derivatives by the velocities (times 1; elastic parts times h2).
+    """Forces conjugate to a, b, psi', psi and their derivatives by the velocities (elastic parts times half_step).
 
     With Q = dq/d(a, b) the forces are Q^T m and their derivative is EI Q^T Q plus dQ^T m (written out below), to which
-    internal damping adds EI eta Q^T Q and, as the material rotates against the shape, -h2 EI eta omega Q^T [t x] Q.
+    internal damping adds EI eta Q^T Q and, as the material rotates against the shape,
+    -half_step EI eta omega Q^T [t x] Q.
 
     Args:
         bending: EI [N m2].
         s: Strain.
         curl_a: (a_x, a_y).
         curl_b: (b_x, b_y).
-        h2: Half the time step [s].
+        half_step: Half the time step [s].
         out: Resultants, shape (7,).
         force: Result, shape (8,): a, b, psi', psi.
         saa: Result, shape (3, 3): d force_a / d a_dot; `sab`, `sba`, `sbb` likewise.
@@ -115,9 +116,9 @@ def section_forces(
     force[5] = mz * gi
     force[6] = torque
     force[7] = -couple
-    mat = (bending * h2 + damp) * gi2
-    geo = h2 * gi2
-    skew = -h2 * damp * s.omega * gi2
+    mat = (bending * half_step + damp) * gi2
+    geo = half_step * gi2
+    skew = -half_step * damp * s.omega * gi2
     eye = mat * bg * bg - geo * qm
     tt = mat * qq - eye + 2.0 * geo * qm
     tq, tm, tp, mg = mat * bg, 2.0 * geo * bg, skew * bg, mat * bg
@@ -152,7 +153,7 @@ def section_forces(
     sbb[2, 0] -= mat * tx * tz + skew * ty
     sbb[1, 2] -= mat * ty * tz + skew * tx
     sbb[2, 1] -= mat * ty * tz - skew * tx
-    twist = h2 * torque * di
+    twist = half_step * torque * di
     sab[0, 1] -= twist
     sab[1, 0] += twist
     sba[1, 0] -= twist

@@ -32,9 +32,9 @@ class Stretching(NamedTuple):
 
 
 @kernel
-def stretching(a: Triple, da: Triple, h2: float) -> Stretching:
+def stretching(a: Triple, da: Triple, half_step: float) -> Stretching:
     """Axial strain over a step from r' at its middle, the rate of r' [1/s], and half the step [s]."""
-    wx, wy, wz = h2 * da[0], h2 * da[1], h2 * da[2]
+    wx, wy, wz = half_step * da[0], half_step * da[1], half_step * da[2]
     bx, by, bz = a[0] + wx, a[1] + wy, a[2] + wz
     cx, cy, cz = a[0] - wx, a[1] - wy, a[2] - wz
     after, before = np.sqrt(bx * bx + by * by + bz * bz), np.sqrt(cx * cx + cy * cy + cz * cz)
@@ -45,9 +45,9 @@ def stretching(a: Triple, da: Triple, h2: float) -> Stretching:
 
 @kernel
 def stretch_forces(
-    axial: float, viscous: float, slope: float, a: Triple, s: Stretching, h2: float, force: Array, saa: Array
+    axial: float, viscous: float, slope: float, a: Triple, s: Stretching, half_step: float, force: Array, saa: Array
 ) -> None:
-    """Compute the force conjugate to a = r' and its derivative by the velocity (elastic part times h2).
+    """Compute the force conjugate to a = r' and its derivative by the velocity (elastic part times half_step).
 
     Args:
         axial: EA [N].
@@ -55,13 +55,13 @@ def stretch_forces(
         slope: Its derivative by the strain rate [N s].
         a: r' at mid-step.
         s: Its stretching.
-        h2: Half the time step [s].
+        half_step: Half the time step [s].
         force: Result, the first 3 of shape (8,).
         saa: Result, shape (3, 3).
     """
     tension = axial * s.mean + viscous
-    itself = h2 * tension * s.chord
-    along = (axial * h2 + slope - itself) * s.chord
+    itself = half_step * tension * s.chord
+    along = (axial * half_step + slope - itself) * s.chord
     for c in range(3):
         force[c] = tension * s.chord * a[c]
         saa[c, 0], saa[c, 1], saa[c, 2] = along * a[c] * s.tx, along * a[c] * s.ty, along * a[c] * s.tz

@@ -67,15 +67,17 @@ def state_near(equations: TwoFrequencyEquations, guess: TwoFrequencyWhirl) -> Tw
 def state_of(equations: TwoFrequencyEquations, whirl: TwoFrequencyWhirl, steps: int = STEPS) -> TwoFrequencyState:
     """A whirl with its stability."""
     period = math.tau / abs(whirl.sigma)
-    h2 = 0.5 * period / steps
-    phases = np.linspace(h2, period - h2, steps) * whirl.sigma
+    half_step = 0.5 * period / steps
+    phases = np.linspace(half_step, period - half_step, steps) * whirl.sigma
     *_, instants = equations.over(whirl, Series(phases, whirl.harmonics))
     count = equations.turning.equations.unknowns
     u, v = np.vsplit(np.eye(2 * count), 2)
     for system in instants:
         stiffness, gyroscopic, mass = (system.rows.dense(part) for part in equations.tangents(whirl, system))
-        middle = np.linalg.solve(mass / h2 + gyroscopic + h2 * stiffness, mass @ v / h2 - stiffness @ u)
-        u, v = u + 2.0 * h2 * middle, 2.0 * middle - v
+        middle = np.linalg.solve(
+            mass / half_step + gyroscopic + half_step * stiffness, mass @ v / half_step - stiffness @ u
+        )
+        u, v = u + 2.0 * half_step * middle, 2.0 * middle - v
     found: ComplexArray = np.asarray(np.linalg.eigvals(np.vstack([u, v])), np.complex128)
     values = found[np.argsort(np.abs(found - 1.0))]
     others = values[2:]

@@ -48,7 +48,9 @@ def made(scene: Scene) -> tuple[Both, Twin]:
     ), twin
 
 
-def evaluate(both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, h2: float = H2) -> tuple[np.ndarray, ...]:
+def evaluate(
+    both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, half_step: float = H2
+) -> tuple[np.ndarray, ...]:
     """Load and tangent after two iterations at the same state, over a step or at an instant; rates of x, y, z, spin."""
     law = with_variant("wall_friction", twin.scene.effects.wall_friction)
     friction_load = as_python(getattr(wall_friction, function_name(law, "distributed_load")))
@@ -56,9 +58,15 @@ def evaluate(both: Both, twin: Twin, place: np.ndarray, rate: np.ndarray, h2: fl
         load, stiff = np.zeros(4), np.zeros((4, 4))
         seen = dict.fromkeys(Point._fields, 0.0) | dict(zip("xyz", place, strict=True))
         seen |= dict(zip(("vx", "vy", "vz", "spin_rate"), rate, strict=True))
-        seen |= {"element": PLACE // 2, "place": PLACE, "tz": 1.0, "fresh": count == 0, "iteration": float(count)}
+        seen |= {
+            "element": PLACE // 2,
+            "place": PLACE,
+            "tz": 1.0,
+            "first_iteration": count == 0,
+            "iteration": float(count),
+        }
         here = Point(**seen)
-        friction_load(both, twin.rod, here, h2, load, stiff)
+        friction_load(both, twin.rod, here, half_step, load, stiff)
     return load, stiff
 
 
@@ -83,7 +91,7 @@ def test_friction_opposes_the_slip(hole: str, around: float, along: float) -> No
     place, (c, t, n) = on_the_wall(twin, 1e-4, 0.7)
     r = DIAMETER / 2
     rate = np.append((around - r * spin) * c + along * t, spin)
-    load, _ = evaluate(both, twin, place, rate, h2=0.0)
+    load, _ = evaluate(both, twin, place, rate, half_step=0.0)
     slip = np.hypot(around, along)
     limit = mu / (1.0 + delta * slip) * 1e7 * 1e-4**1.5
     assert load[:3] == pytest.approx(-limit / slip * (around * c + along * t), rel=1e-6, abs=1e-9)
@@ -98,7 +106,7 @@ def test_the_law_near_zero_slip_is_the_documented_one(ratio: float) -> None:
     both, twin = made(scene_of("straight", {"coefficient": mu, "accuracy": steepness}))
     place, (_, t, _) = on_the_wall(twin, 1e-4, 0.7)
     creep = np.pi / (2.0 * steepness)
-    load, _ = evaluate(both, twin, place, np.append(ratio * creep * t, 0.0), h2=0.0)
+    load, _ = evaluate(both, twin, place, np.append(ratio * creep * t, 0.0), half_step=0.0)
     assert load[:3] @ t == pytest.approx(-mu * 1e7 * 1e-4**1.5 * ratio / np.hypot(ratio, 1.0), rel=1e-9)
 
 
@@ -109,7 +117,7 @@ def test_the_arctan_is_the_papers(ratio: float) -> None:
     both, twin = made(scene_of("straight", {"coefficient": mu, "accuracy": steepness, "sign": "arctan"}))
     place, (_, t, _) = on_the_wall(twin, 1e-4, 0.7)
     slip = ratio * np.pi / (2.0 * steepness)
-    load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), h2=0.0)
+    load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), half_step=0.0)
     expected = -mu * 1e7 * 1e-4**1.5 * 2.0 / np.pi * np.arctan(steepness * slip)
     assert load[:3] @ t == pytest.approx(expected, rel=1e-7)
 
@@ -120,7 +128,7 @@ def test_friction_falls_to_that_of_sliding(slip: float, coefficient: float) -> N
     friction = {"coefficient": 0.5, "sliding": 0.2, "decay": 100.0 if slip > 1e-3 else 1e-3}
     both, twin = made(scene_of("straight", friction))
     place, (_, t, _) = on_the_wall(twin, 1e-4, 0.7)
-    load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), h2=0.0)
+    load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), half_step=0.0)
     assert load[:3] @ t == pytest.approx(-coefficient * 1e7 * 1e-4**1.5, rel=1e-4)
 
 
@@ -137,7 +145,7 @@ def test_static_and_dynamic_friction_are_joined_by_steps(slip: float) -> None:
     law = {"coefficient": mu, "sliding": sliding, "static_speed": low, "dynamic_speed": high}
     both, twin = made(scene_of("straight", law))
     place, (_, t, _) = on_the_wall(twin, 1e-4, 0.7)
-    load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), h2=0.0)
+    load, _ = evaluate(both, twin, place, np.append(slip * t, 0.0), half_step=0.0)
     expected = step(slip, -low, -mu, low, mu) if slip < low else step(slip, low, mu, high, sliding)
     assert load[:3] @ t == pytest.approx(-expected * 1e7 * 1e-4**1.5, rel=1e-9)
 
@@ -193,7 +201,7 @@ def test_friction_that_slides_harder_than_it_sticks_is_refused() -> None:
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("slip", [(0.3, 0.4), (1e-7, 2e-7), (0.05, 0.0)])
 def test_the_tangent_is_the_derivative(hole: str, law: dict, slip: tuple[float, float]) -> None:
-    """Minus d load / d v minus h2 d load / d u, to 1e-3 of its largest entry, sliding and sticking, moving outward."""
+    """Minus d load / d v minus half_step d load / d u, to 1e-3 of its largest, sliding and sticking, moving outward."""
     both, twin = made(scene_of(hole, {"coefficient": 0.3, **law}))
     place, (c, t, n) = on_the_wall(twin, 2e-4, -1.1)
     spin, r = 3.0, DIAMETER / 2

@@ -27,7 +27,15 @@ Parameters = parameters_class(BitTorqueViscous)
 
 @kernel
 def end_load(
-    parameters: Any, rod: Rod, command: Array, time: float, h2: float, u: Array, v: Array, v_old: Array, ends: Array
+    parameters: Any,
+    rod: Rod,
+    command: Array,
+    time: float,
+    half_step: float,
+    u: Array,
+    v: Array,
+    v_old: Array,
+    ends: Array,
 ) -> None:
     """Residual and tangent of the torque, in the row of the bit's spin."""
     c = parameters.bit_torque_viscous.damping

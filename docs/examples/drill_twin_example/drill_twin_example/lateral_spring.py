@@ -33,10 +33,10 @@ def parameters(block: LateralSpring, model: DiscreteModel) -> Parameters:
 
 
 @kernel
-def distributed_load(parameters: Any, rod: Rod, here: Point, h2: float, load: Array, stiff: Array) -> None:
-    """Force per length at mid-step; the position there grows with the velocity by h2, hence the tangent k h2."""
+def distributed_load(parameters: Any, rod: Rod, here: Point, half_step: float, load: Array, stiff: Array) -> None:
+    """Force per length at mid-step; position grows with the velocity by half_step, hence the tangent k half_step."""
     k = parameters.lateral_spring.stiffness
     load[0] -= k * here.x
     load[1] -= k * here.y
-    stiff[0, 0] += k * h2
-    stiff[1, 1] += k * h2
+    stiff[0, 0] += k * half_step
+    stiff[1, 1] += k * half_step

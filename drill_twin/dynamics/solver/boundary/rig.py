@@ -54,14 +54,14 @@ class Drive(NamedTuple):
 
 
 @kernel
-def rig_end_load(drive: Drive, command: Array, h2: float, u: Array, v: Array, v_old: Array, ends: Array) -> None:
+def rig_end_load(drive: Drive, command: Array, half_step: float, u: Array, v: Array, v_old: Array, ends: Array) -> None:
     """Add the forces of the rig to the residual: compression is positive, and so is right-handed torque."""
     bit = drive.bit
     for c in range(7):
-        bit.start[c] = u[0, c] - h2 * v[0, c]
+        bit.start[c] = u[0, c] - half_step * v[0, c]
     bit.now[WEIGHT_DAMPING] = 0.0
     if drive.lines > 0.0:
-        hoist(drive, command, h2, u, v, ends)
+        hoist(drive, command, half_step, u, v, ends)
     elif drive.from_top > 0.0:
         ends[TOP, 2, RESIDUAL] += command[WEIGHT_ON_BIT]
         bit.now[WEIGHT] = command[WEIGHT_ON_BIT] + drive.hanging
@@ -71,25 +71,27 @@ def rig_end_load(drive: Drive, command: Array, h2: float, u: Array, v: Array, v_
     if drive.driven > 0.0:
         last = u.shape[0] - 1
         speed, memory = v[last, SPIN], drive.memory
-        memory[START_ANGLE], memory[START_SPEED] = u[last, SPIN] - h2 * speed, v_old[last, SPIN]
+        memory[START_ANGLE], memory[START_SPEED] = u[last, SPIN] - half_step * speed, v_old[last, SPIN]
         memory[COMMAND] = command[ROTATION]
-        lag = h2 * (command[ROTATION] - speed)
-        torque = motor(drive, lag / h2, memory[LAG] + lag)
-        slope = drive.proportional + h2 * drive.integral if abs(torque) < drive.limit else 0.0
-        own = drive.damping + drive.inertia / h2
+        lag = half_step * (command[ROTATION] - speed)
+        torque = motor(drive, lag / half_step, memory[LAG] + lag)
+        slope = drive.proportional + half_step * drive.integral if abs(torque) < drive.limit else 0.0
+        own = drive.damping + drive.inertia / half_step
         ends[TOP, SPIN, SPIN] += slope + own
-        ends[TOP, SPIN, RESIDUAL] -= torque - drive.damping * speed - drive.inertia * (speed - v_old[last, SPIN]) / h2
+        ends[TOP, SPIN, RESIDUAL] -= (
+            torque - drive.damping * speed - drive.inertia * (speed - v_old[last, SPIN]) / half_step
+        )
 
 
 @kernel
-def hoist(drive: Drive, command: Array, h2: float, u: Array, v: Array, ends: Array) -> None:
+def hoist(drive: Drive, command: Array, half_step: float, u: Array, v: Array, ends: Array) -> None:
     """Add the pull of the lines; the bit carries no weight but that of the rock."""
     memory, last = drive.memory, u.shape[0] - 1
-    memory[START_PLACE] = u[last, 2] - h2 * v[last, 2]
+    memory[START_PLACE] = u[last, 2] - half_step * v[last, 2]
     memory[SPEED] = memory[FEED] if drive.rate > 0.0 else command[BLOCK_SPEED]
     memory[HELD] = command[WEIGHT_ON_BIT]
-    ends[TOP, 2, RESIDUAL] -= drive.lines * (memory[PLACE] + h2 * memory[SPEED] - u[last, 2])
-    ends[TOP, 2, 2] += h2 * drive.lines
+    ends[TOP, 2, RESIDUAL] -= drive.lines * (memory[PLACE] + half_step * memory[SPEED] - u[last, 2])
+    ends[TOP, 2, 2] += half_step * drive.lines
     drive.bit.now[WEIGHT] = 0.0
 
 

@@ -32,20 +32,25 @@ def blend(weights: Array, nodal: Array) -> Pair:
 
 
 @kernel
-def gather(work: Workspace, e: int, u: Array, v: Array, v_old: Array) -> None:
+def gather(scratch: Workspace, e: int, u: Array, v: Array, v_old: Array) -> None:
     """Gather the unknowns of element e."""
     for c in range(2):
-        work.ue[c, 0], work.ue[c, 1], work.ue[c, 2], work.ue[c, 3] = u[e, c], u[e, 3 + c], u[e + 1, c], u[e + 1, 3 + c]
+        scratch.ue[c, 0], scratch.ue[c, 1], scratch.ue[c, 2], scratch.ue[c, 3] = (
+            u[e, c],
+            u[e, 3 + c],
+            u[e + 1, c],
+            u[e + 1, 3 + c],
+        )
         v0, v1, v2, v3 = v[e, c], v[e, 3 + c], v[e + 1, c], v[e + 1, 3 + c]
-        work.ve[c, 0], work.ve[c, 1], work.ve[c, 2], work.ve[c, 3] = v0, v1, v2, v3
-        work.dv[c, 0], work.dv[c, 1] = v0 - v_old[e, c], v1 - v_old[e, 3 + c]
-        work.dv[c, 2], work.dv[c, 3] = v2 - v_old[e + 1, c], v3 - v_old[e + 1, 3 + c]
+        scratch.ve[c, 0], scratch.ve[c, 1], scratch.ve[c, 2], scratch.ve[c, 3] = v0, v1, v2, v3
+        scratch.dv[c, 0], scratch.dv[c, 1] = v0 - v_old[e, c], v1 - v_old[e, 3 + c]
+        scratch.dv[c, 2], scratch.dv[c, 3] = v2 - v_old[e + 1, c], v3 - v_old[e + 1, 3 + c]
 
 
 @kernel
-def start_tangent(rod: Rod, work: Workspace, e: int, rate: float) -> None:
+def start_tangent(rod: Rod, scratch: Workspace, e: int, rate: float) -> None:
     """Set the element's tangent to its mass over half the step."""
-    mass, ke = rod.mass[e], work.ke
+    mass, ke = rod.mass[e], scratch.ke
     for i in range(4):
         for j in range(4):
             weighed = rate * mass[i, j]
@@ -56,23 +61,30 @@ def start_tangent(rod: Rod, work: Workspace, e: int, rate: float) -> None:
 
 
 @kernel
-def start_residual(rod: Rod, work: Workspace, e: int, rate: float) -> None:
+def start_residual(rod: Rod, scratch: Workspace, e: int, rate: float) -> None:
     """Set the element's residual to its change of momentum."""
     mass = rod.mass[e]
     for c in range(2):
         for i in range(4):
             row = mass[i]
-            total = row[0] * work.dv[c, 0] + row[1] * work.dv[c, 1] + row[2] * work.dv[c, 2] + row[3] * work.dv[c, 3]
-            work.re[c, i] = rate * total
+            total = (
+                row[0] * scratch.dv[c, 0]
+                + row[1] * scratch.dv[c, 1]
+                + row[2] * scratch.dv[c, 2]
+                + row[3] * scratch.dv[c, 3]
+            )
+            scratch.re[c, i] = rate * total
 
 
 @kernel
-def add_tangent(rod: Rod, work: Workspace, e: int, point: int, tension: float, h2: float, spin_rate: float) -> None:
+def add_tangent(
+    rod: Rod, scratch: Workspace, e: int, point: int, tension: float, half_step: float, spin_rate: float
+) -> None:
     """Add the stiffness and damping of section and loads at a Gauss point."""
-    pairs, ke = rod.pairs[e, point], work.ke
-    damp = work.resultants[BEND_DAMP]
-    bend, turn, string = rod.bending[e] * h2 + damp, damp * h2 * spin_rate, tension * h2
-    s0, s1, s2, s3 = work.stiff[0, 0], work.stiff[0, 1], work.stiff[1, 0], work.stiff[1, 1]
+    pairs, ke = rod.pairs[e, point], scratch.ke
+    damp = scratch.resultants[BEND_DAMP]
+    bend, turn, string = rod.bending[e] * half_step + damp, damp * half_step * spin_rate, tension * half_step
+    s0, s1, s2, s3 = scratch.stiff[0, 0], scratch.stiff[0, 1], scratch.stiff[1, 0], scratch.stiff[1, 1]
     for x in range(16):
         rr, aa, bb = pairs[0, x], pairs[1, x], pairs[4, x]
         same = string * aa + bend * bb
@@ -83,32 +95,32 @@ def add_tangent(rod: Rod, work: Workspace, e: int, point: int, tension: float, h
 
 
 @kernel
-def add_residual(rod: Rod, work: Workspace, e: int, point: int, tension: float, a: Pair) -> None:
+def add_residual(rod: Rod, scratch: Workspace, e: int, point: int, tension: float, a: Pair) -> None:
     """Add the forces of section and loads at a Gauss point."""
     weight = 0.5 * rod.length[e]
-    shape, load, out = rod.shape[e, point], work.load, work.resultants
+    shape, load, out = rod.shape[e, point], scratch.load, scratch.resultants
     for c in range(2):
         pull, moment, push = weight * tension * a[c], weight * out[MX + c], weight * load[c]
-        couple = weight * work.stiff[3, c]
+        couple = weight * scratch.stiff[3, c]
         for i in range(4):
-            work.lever[e + i // 2, 2 * (i % 2) + c] += couple * shape[0, i]
-            work.re[c, i] += shape[1, i] * pull + shape[2, i] * moment - shape[0, i] * push
+            scratch.lever[e + i // 2, 2 * (i % 2) + c] += couple * shape[0, i]
+            scratch.re[c, i] += shape[1, i] * pull + shape[2, i] * moment - shape[0, i] * push
 
 
 @kernel
-def scatter_residual(work: Workspace, e: int) -> None:
+def scatter_residual(scratch: Workspace, e: int) -> None:
     """Add the element's residual to the block system."""
     for i in range(2):
         for c in range(2):
-            work.right[e, 2 * i + c] += work.re[c, i]
-            work.right[e + 1, 2 * i + c] = work.re[c, i + 2]
+            scratch.right[e, 2 * i + c] += scratch.re[c, i]
+            scratch.right[e + 1, 2 * i + c] = scratch.re[c, i + 2]
 
 
 @kernel
-def scatter_tangent(work: Workspace, e: int) -> None:
+def scatter_tangent(scratch: Workspace, e: int) -> None:
     """Add the element's tangent to the block system."""
-    top, bottom, low, up = work.diagonal[e], work.diagonal[e + 1], work.lower[e], work.upper[e]
-    ke = work.ke
+    top, bottom, low, up = scratch.diagonal[e], scratch.diagonal[e + 1], scratch.lower[e], scratch.upper[e]
+    ke = scratch.ke
     for i in range(2):
         for c in range(2):
             row = 2 * i + c
@@ -129,10 +141,10 @@ def bind(effects: Effects) -> Callable[..., float]:
     def assemble(
         parameters: Any,
         rod: Rod,
-        work: Workspace,
+        scratch: Workspace,
         time: float,
-        h2: float,
-        fresh: bool,
+        half_step: float,
+        first_iteration: bool,
         number: float,
         u: Array,
         v: Array,
@@ -145,10 +157,10 @@ def bind(effects: Effects) -> Callable[..., float]:
         Args:
             parameters: Of the effects.
             rod: The string.
-            work: Holds the result.
+            scratch: Holds the result.
             time: At mid-step [s].
-            h2: Half the step [s].
-            fresh: First iteration of a step.
+            half_step: Half the step [s].
+            first_iteration: First iteration of a step.
             number: Number of the iteration in the run.
             u: Rows at mid-step, shape (n + 1, 7).
             v: Velocities at mid-step.
@@ -160,60 +172,60 @@ def bind(effects: Effects) -> Callable[..., float]:
             Stiffness and damping that the effects add along the string, summed: where it changes, the factors of an
             older tangent cannot be used [N s/m].
         """
-        rate = 1.0 / h2
+        rate = 1.0 / half_step
         n = rod.length.shape[0]
         psi, spin_rate = u[n, 6], v[n, 6]
         spin_up = rate * (spin_rate - v_old[n, 6])
         cos_psi, sin_psi = np.cos(psi), np.sin(psi)
         along, torque, added = 0.0, 0.0, 0.0
         if full:
-            work.diagonal[0, :, :] = 0.0
-        work.right[0, :] = 0.0
-        work.lever[:] = 0.0
+            scratch.diagonal[0, :, :] = 0.0
+        scratch.right[0, :] = 0.0
+        scratch.lever[:] = 0.0
         for e in range(n):
             h = rod.length[e]
-            gather(work, e, u, v, v_old)
-            start_residual(rod, work, e, rate)
+            gather(scratch, e, u, v, v_old)
+            start_residual(rod, scratch, e, rate)
             if full:
-                start_tangent(rod, work, e, rate)
+                start_tangent(rod, scratch, e, rate)
             below = along
             for point in range(2):
                 shape = rod.shape[e, point]
                 place, share = 2 * e + point, rod.spin_shape[point, 1]
-                b, db = blend(shape[2], work.ue), blend(shape[2], work.ve)
+                b, db = blend(shape[2], scratch.ue), blend(shape[2], scratch.ve)
                 # material at spin psi: the rate of r'' that it sees (`rod.section`, with t = z)
                 ring_x, ring_y = db[0] + spin_rate * b[1], db[1] - spin_rate * b[0]
                 strain = Strain(
                     e, place, 1.0, 0.0, 0.0, 1.0, 0.0, b[0], b[1], 0.0, -b[1], b[0], 0.0, 2.0, 0.0, 0.0, spin_rate,
                     ring_x, ring_y, 0.0, psi, cos_psi, sin_psi,
                 )  # fmt: skip
-                out = work.resultants
+                out = scratch.resultants
                 out[:] = 0.0
                 out[MX], out[MY] = rod.bending[e] * b[0], rod.bending[e] * b[1]
-                section_stress(parameters, rod, strain, h2, out)
-                r, dr, ddr = blend(shape[0], work.ue), blend(shape[0], work.ve), blend(shape[0], work.dv)
-                work.load[:] = 0.0
-                work.stiff[:] = 0.0
+                section_stress(parameters, rod, strain, half_step, out)
+                r, dr, ddr = blend(shape[0], scratch.ue), blend(shape[0], scratch.ve), blend(shape[0], scratch.dv)
+                scratch.load[:] = 0.0
+                scratch.stiff[:] = 0.0
                 here = Point(
                     e, place, time, r[0], r[1], rod.arc[e] + share * h - rod.arc[n], dr[0], dr[1], 0.0,
                     rate * ddr[0], rate * ddr[1], 0.0, 0.0, 0.0, 1.0, psi, spin_rate, spin_up,
-                    cos_psi, sin_psi, fresh, number,
+                    cos_psi, sin_psi, first_iteration, number,
                 )  # fmt: skip
-                distributed_load(parameters, rod, here, h2, work.load, work.stiff)
+                distributed_load(parameters, rod, here, half_step, scratch.load, scratch.stiff)
                 weight = 0.5 * h
-                along += weight * work.load[2]
-                added += weight * (work.stiff[0, 0] + work.stiff[1, 1])
-                torque -= weight * (out[COUPLE] + work.load[3])
-                force = tension - below - share * h * work.load[2]
-                add_residual(rod, work, e, point, force, blend(shape[1], work.ue))
+                along += weight * scratch.load[2]
+                added += weight * (scratch.stiff[0, 0] + scratch.stiff[1, 1])
+                torque -= weight * (out[COUPLE] + scratch.load[3])
+                force = tension - below - share * h * scratch.load[2]
+                add_residual(rod, scratch, e, point, force, blend(shape[1], scratch.ue))
                 if full:
-                    add_tangent(rod, work, e, point, force, h2, spin_rate)
+                    add_tangent(rod, scratch, e, point, force, half_step, spin_rate)
             torque += rod.spin_mass[e] * spin_up
-            scatter_residual(work, e)
+            scatter_residual(scratch, e)
             if full:
-                scatter_tangent(work, e)
-        work.axial[WEIGHT] = along
-        work.axial[TORQUE] = torque
+                scatter_tangent(scratch, e)
+        scratch.axial[WEIGHT] = along
+        scratch.axial[TORQUE] = torque
         return added
 
     return assemble

@@ -43,37 +43,37 @@ extrapolate, clear_constrained, move_to_middle, take_step = unknowns.bind(NODE, 
 
 
 @kernel
-def begin(work: Workspace) -> None:
+def begin(scratch: Workspace) -> None:
     """Discard the factors, so that a run resumed between two frames equals one that was not interrupted."""
-    work.reuse[:] = 0.0
+    scratch.reuse[:] = 0.0
 
 
 @kernel
-def predict(work: Workspace, constrained: Array, state: State, h2: float) -> None:
+def predict(scratch: Workspace, constrained: Array, state: State, half_step: float) -> None:
     """Extrapolate the mid-step velocity; constrained unknowns move as prescribed."""
-    rotation = work.command[ROTATION]
-    extrapolate(state, h2)
+    rotation = scratch.command[ROTATION]
+    extrapolate(state, half_step)
     clear_constrained(constrained, state.trial)
     state.trial[0, SPIN] = rotation
     state.trial[state.u.shape[0] - 1, SPIN] = rotation
 
 
 @kernel
-def add_ends(constrained: Array, work: Workspace, full: bool) -> None:
+def add_ends(constrained: Array, scratch: Workspace, full: bool) -> None:
     """Add the loads on bit and top to the system, then remove the constrained unknowns from it."""
-    last = work.diagonal.shape[0] - 1
+    last = scratch.diagonal.shape[0] - 1
     for end in range(2):
         node = 0 if end == 0 else last
-        own, right = work.diagonal[node], work.right[node]
-        other = work.upper[0] if end == 0 else work.lower[last - 1]
+        own, right = scratch.diagonal[node], scratch.right[node]
+        other = scratch.upper[0] if end == 0 else scratch.lower[last - 1]
         for i in range(NODE):
-            right[i] += work.ends[end, column(i), RESIDUAL]
+            right[i] += scratch.ends[end, column(i), RESIDUAL]
             if constrained[end, column(i)]:
                 right[i] = 0.0
         if full:
             for i in range(NODE):
                 for j in range(NODE):
-                    own[i, j] += work.ends[end, column(i), column(j)]
+                    own[i, j] += scratch.ends[end, column(i), column(j)]
                 if constrained[end, column(i)]:
                     for j in range(NODE):
                         own[i, j] = 0.0
@@ -82,51 +82,51 @@ def add_ends(constrained: Array, work: Workspace, full: bool) -> None:
 
 
 @kernel
-def solve(work: Workspace) -> bool:
+def solve(scratch: Workspace) -> bool:
     """Solve the block system in place, with new factors where `build` has made a new tangent."""
-    if work.reuse[HALF_STEP] < 0.0:
-        if not factor_blocks(work.lower, work.diagonal, work.upper, work.inverse):
-            work.reuse[HALF_STEP] = 0.0
+    if scratch.reuse[HALF_STEP] < 0.0:
+        if not factor_blocks(scratch.lower, scratch.diagonal, scratch.upper, scratch.inverse):
+            scratch.reuse[HALF_STEP] = 0.0
             return False
-        work.reuse[HALF_STEP] = -work.reuse[HALF_STEP]
-        work.reuse[RENEW] = 0.0
-    solve_blocks(work.lower, work.upper, work.inverse, work.right)
+        scratch.reuse[HALF_STEP] = -scratch.reuse[HALF_STEP]
+        scratch.reuse[RENEW] = 0.0
+    solve_blocks(scratch.lower, scratch.upper, scratch.inverse, scratch.right)
     return True
 
 
 @kernel
-def correct(work: Workspace, state: State, control: StepControl, h2: float) -> float:
+def correct(scratch: Workspace, state: State, control: StepControl, half_step: float) -> float:
     """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
     position, angle, total, torque = 0.0, 0.0, 0.0, 0.0
     for i in range(state.u.shape[0]):
-        right, row = work.right[i], state.trial[i]
+        right, row = scratch.right[i], state.trial[i]
         row[X] -= right[0]
         row[Y] -= right[1]
         row[SLOPE_X] -= right[2]
         row[SLOPE_Y] -= right[3]
         position = max(position, abs(right[0]), abs(right[1]))
         angle = max(angle, abs(right[2]), abs(right[3]))
-        lever = work.lever[i]
+        lever = scratch.lever[i]
         torque -= lever[0] * right[0] + lever[1] * right[1] + lever[2] * right[2] + lever[3] * right[3]
         total += right[0] + right[1] + right[2] + right[3]
-    size = max(position / control.position, angle / control.angle) * h2 + 0.0 * total
-    work.axial[TORQUE] += torque
-    check_contraction(work.reuse, size)
+    size = max(position / control.position, angle / control.angle) * half_step + 0.0 * total
+    scratch.axial[TORQUE] += torque
+    check_contraction(scratch.reuse, size)
     return size
 
 
 @kernel
-def accept(work: Workspace, _constrained: Array, state: State, counters: Array, h2: float) -> None:
+def accept(scratch: Workspace, _constrained: Array, state: State, counters: Array, half_step: float) -> None:
     """Take the step; the string ends it at the speed that the drive prescribes."""
-    last, seconds = state.u.shape[0] - 1, 2.0 * h2
-    take_step(state, h2)
+    last, seconds = state.u.shape[0] - 1, 2.0 * half_step
+    take_step(state, half_step)
     angle = state.u[last, SPIN] + seconds * state.trial[last, SPIN]
     for end in (0, last):
         state.u[end, SPIN] = angle
-        state.v[end, SPIN] = work.command[ROTATION]
-    counters[TORQUE_IMPULSE] += (work.axial[TORQUE] + work.ends[BIT, SPIN, RESIDUAL]) * seconds
-    counters[HOOK_IMPULSE] += work.axial[AT_TOP] * seconds
-    counters[BIT_IMPULSE] -= work.axial[AT_BIT] * seconds
+        state.v[end, SPIN] = scratch.command[ROTATION]
+    counters[TORQUE_IMPULSE] += (scratch.axial[TORQUE] + scratch.ends[BIT, SPIN, RESIDUAL]) * seconds
+    counters[HOOK_IMPULSE] += scratch.axial[AT_TOP] * seconds
+    counters[BIT_IMPULSE] -= scratch.axial[AT_BIT] * seconds
 
 
 @kernel
@@ -160,45 +160,56 @@ def bind(effects: Effects) -> Formulation:
     def build(
         parameters: Any,
         rod: Rod,
-        work: Workspace,
+        scratch: Workspace,
         constrained: Array,
         state: State,
         time: float,
-        h2: float,
-        fresh: bool,
+        half_step: float,
+        first_iteration: bool,
         number: float,
     ) -> None:
         """Fill the block system: elements, loads at the ends, constraints."""
         last = state.u.shape[0] - 1
-        move_to_middle(state, h2)
+        move_to_middle(state, half_step)
         for end in (0, last):
-            state.place[end, SPIN] = state.u[last, SPIN] + h2 * state.trial[last, SPIN]
-        work.ends[:] = 0.0
-        end_load(parameters, rod, work.command, time, h2, state.place, state.trial, state.v, work.ends)
-        bit = work.ends[BIT]
+            state.place[end, SPIN] = state.u[last, SPIN] + half_step * state.trial[last, SPIN]
+        scratch.ends[:] = 0.0
+        end_load(parameters, rod, scratch.command, time, half_step, state.place, state.trial, state.v, scratch.ends)
+        bit = scratch.ends[BIT]
         at_bit = abs(bit[X, X] - bit[Y, Y]) + abs(bit[X, Y] + bit[Y, X])  # contact resists in one direction
         # pushed up at the bit, or down at the top with the string's weight added on the way
-        tension = work.ends[BIT, 2, RESIDUAL]
-        if work.ends[TOP, 2, RESIDUAL] != 0.0 or constrained[0, 2]:
-            tension = work.axial[WEIGHT] - work.ends[TOP, 2, RESIDUAL]
-        full = outdated(work.reuse, h2, fresh)
+        tension = scratch.ends[BIT, 2, RESIDUAL]
+        if scratch.ends[TOP, 2, RESIDUAL] != 0.0 or constrained[0, 2]:
+            tension = scratch.axial[WEIGHT] - scratch.ends[TOP, 2, RESIDUAL]
+        full = outdated(scratch.reuse, half_step, first_iteration)
         for _ in range(2):
             added = (
                 assemble(
-                    parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v, tension, full
+                    parameters,
+                    rod,
+                    scratch,
+                    time,
+                    half_step,
+                    first_iteration,
+                    number,
+                    state.place,
+                    state.trial,
+                    state.v,
+                    tension,
+                    full,
                 )
                 + at_bit
             )
-            same = abs(added - work.reuse[ADDED]) <= CHANGE * abs(work.reuse[ADDED])
+            same = abs(added - scratch.reuse[ADDED]) <= CHANGE * abs(scratch.reuse[ADDED])
             if not same:
                 state.clock[FACTOR] = np.inf  # the rate of convergence without contact does not apply to contact
             if full or same:
                 break
             full = True  # contact has begun or ended
-            work.reuse[RENEW_STEPS] = STEPS_AFTER_CHANGE
+            scratch.reuse[RENEW_STEPS] = STEPS_AFTER_CHANGE
         if full:
-            work.reuse[HALF_STEP], work.reuse[ADDED] = -h2, added
-        work.axial[AT_BIT], work.axial[AT_TOP] = tension, tension - work.axial[WEIGHT]
-        add_ends(constrained, work, full)
+            scratch.reuse[HALF_STEP], scratch.reuse[ADDED] = -half_step, added
+        scratch.axial[AT_BIT], scratch.axial[AT_TOP] = tension, tension - scratch.axial[WEIGHT]
+        add_ends(constrained, scratch, full)
 
     return Formulation(begin, predict, build, solve, correct, accept, finish, order=1)

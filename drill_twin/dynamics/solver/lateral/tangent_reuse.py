@@ -19,14 +19,14 @@ STEPS_AFTER_CHANGE = 8.0  # steps of renewing at once, after factors that were n
 
 
 @kernel
-def outdated(reuse: Array, h2: float, fresh: bool) -> bool:
-    """True if the tangent must be assembled and factored again; `fresh`: in the first iteration of a step."""
-    if fresh:
+def outdated(reuse: Array, half_step: float, first_iteration: bool) -> bool:
+    """True if the tangent must be assembled and factored again; `first_iteration`: in the first iteration of a step."""
+    if first_iteration:
         reuse[LAST_SIZE] = 0.0
         reuse[RENEW_STEPS] = max(reuse[RENEW_STEPS] - 1.0, 0.0)
     if reuse[RENEW_STEPS] > 0.0:
         reuse[RENEW] = 1.0
-    other_step: bool = abs(reuse[HALF_STEP] - h2) > SAME_STEP * h2
+    other_step: bool = abs(reuse[HALF_STEP] - half_step) > SAME_STEP * half_step
     return other_step or reuse[RENEW] > 0.0
 
 

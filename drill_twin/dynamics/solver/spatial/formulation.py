@@ -33,28 +33,28 @@ extrapolate, clear_constrained, move_to_middle, take_step = unknowns.bind(NODE, 
 
 
 @kernel
-def add_ends(work: Workspace) -> None:
+def add_ends(scratch: Workspace) -> None:
     """Add the loads on bit and top to the system."""
-    last = work.diagonal.shape[0] - 1
+    last = scratch.diagonal.shape[0] - 1
     for i in range(NODE):
         for j in range(NODE + 1):
-            work.diagonal[0, i, j] += work.ends[0, i, j]
-            work.diagonal[last, i, j] += work.ends[1, i, j]
+            scratch.diagonal[0, i, j] += scratch.ends[0, i, j]
+            scratch.diagonal[last, i, j] += scratch.ends[1, i, j]
 
 
 @kernel
-def constrain(constrained: Array, work: Workspace) -> None:
+def constrain(constrained: Array, scratch: Workspace) -> None:
     """Remove the constrained unknowns, whose velocity is prescribed; save the rows of the ends for the reactions."""
-    last = work.diagonal.shape[0] - 1
+    last = scratch.diagonal.shape[0] - 1
     for end in range(2):
         node = 0 if end == 0 else last
-        own = work.diagonal[node]
-        other = work.upper[0] if end == 0 else work.lower[last - 1]
+        own = scratch.diagonal[node]
+        other = scratch.upper[0] if end == 0 else scratch.lower[last - 1]
         for i in range(NODE):
-            work.reaction[end, i] = own[i, NODE]
+            scratch.reaction[end, i] = own[i, NODE]
             for j in range(NODE):
-                work.end_rows[end, i, j] = own[i, j]
-                work.end_rows[end, i, NODE + j] = other[i, j]
+                scratch.end_rows[end, i, j] = own[i, j]
+                scratch.end_rows[end, i, NODE + j] = other[i, j]
             if constrained[end, i]:
                 for j in range(NODE):
                     own[i, j] = 0.0
@@ -64,67 +64,67 @@ def constrain(constrained: Array, work: Workspace) -> None:
 
 
 @kernel
-def update_reactions(work: Workspace) -> None:
+def update_reactions(scratch: Workspace) -> None:
     """Update the reactions at the ends by the Newton step just solved for."""
-    last = work.diagonal.shape[0] - 1
+    last = scratch.diagonal.shape[0] - 1
     for end in range(2):
-        own = work.diagonal[0 if end == 0 else last]
-        other = work.diagonal[1 if end == 0 else last - 1]
+        own = scratch.diagonal[0 if end == 0 else last]
+        other = scratch.diagonal[1 if end == 0 else last - 1]
         for i in range(NODE):
             for j in range(NODE):
-                work.reaction[end, i] -= work.end_rows[end, i, j] * own[j, NODE]
-                work.reaction[end, i] -= work.end_rows[end, i, NODE + j] * other[j, NODE]
+                scratch.reaction[end, i] -= scratch.end_rows[end, i, j] * own[j, NODE]
+                scratch.reaction[end, i] -= scratch.end_rows[end, i, NODE + j] * other[j, NODE]
 
 
 @kernel
-def predict(work: Workspace, constrained: Array, state: State, h2: float) -> None:
+def predict(scratch: Workspace, constrained: Array, state: State, half_step: float) -> None:
     """Extrapolate the mid-step velocity; constrained unknowns move as prescribed."""
-    extrapolate(state, h2)
+    extrapolate(state, half_step)
     turn_row(state.bit_frame, state.trial[0])
     clear_constrained(constrained, state.trial)
     turn_row_back(state.bit_frame, state.trial[0])
     if constrained[1, SPIN]:
-        state.trial[state.u.shape[0] - 1, SPIN] = work.command[ROTATION]
+        state.trial[state.u.shape[0] - 1, SPIN] = scratch.command[ROTATION]
 
 
 @kernel
-def correct(work: Workspace, state: State, control: StepControl, h2: float) -> float:
+def correct(scratch: Workspace, state: State, control: StepControl, half_step: float) -> float:
     """Apply the Newton step; returns its size in tolerances, NaN if it is not finite."""
-    update_reactions(work)
-    turn_step_back(state.bit_frame, work.diagonal[0])
+    update_reactions(scratch)
+    turn_step_back(state.bit_frame, scratch.diagonal[0])
     position, angle, total = 0.0, 0.0, 0.0
     for i in range(state.u.shape[0]):
         for c in range(NODE):
-            change = work.diagonal[i, c, NODE]
+            change = scratch.diagonal[i, c, NODE]
             state.trial[i, c] -= change
             total += change
             if c < 3:
                 position = max(position, abs(change))
             else:
                 angle = max(angle, abs(change))
-    return max(position / control.position, angle / control.angle) * h2 + 0.0 * total
+    return max(position / control.position, angle / control.angle) * half_step + 0.0 * total
 
 
 @kernel
-def accept(work: Workspace, constrained: Array, state: State, counters: Array, h2: float) -> None:
+def accept(scratch: Workspace, constrained: Array, state: State, counters: Array, half_step: float) -> None:
     """Take the step; a constrained top ends it at the speed that the drive prescribes."""
-    seconds = 2.0 * h2
-    take_step(state, h2)
-    counters[TORQUE_IMPULSE] += work.reaction[1, SPIN] * seconds
-    counters[HOOK_IMPULSE] += work.reaction[1, 2] * seconds
-    counters[BIT_IMPULSE] += work.reaction[0, 2] * seconds
+    seconds = 2.0 * half_step
+    take_step(state, half_step)
+    counters[TORQUE_IMPULSE] += scratch.reaction[1, SPIN] * seconds
+    counters[HOOK_IMPULSE] += scratch.reaction[1, 2] * seconds
+    counters[BIT_IMPULSE] += scratch.reaction[0, 2] * seconds
     if constrained[1, SPIN]:
-        state.v[state.u.shape[0] - 1, SPIN] = work.command[ROTATION]
+        state.v[state.u.shape[0] - 1, SPIN] = scratch.command[ROTATION]
 
 
 @kernel
-def solve(work: Workspace) -> bool:
+def solve(scratch: Workspace) -> bool:
     """Solve the block system in place."""
-    return solve_blocks(work.lower, work.diagonal, work.upper, work.spare)
+    return solve_blocks(scratch.lower, scratch.diagonal, scratch.upper, scratch.spare)
 
 
 @kernel
-def begin(work: Workspace) -> None:
+def begin(scratch: Workspace) -> None:
     """No-op: no factors are kept from step to step."""
 
 
@@ -141,27 +141,27 @@ def bind(effects: Effects) -> Formulation:
     def build(
         parameters: Any,
         rod: Rod,
-        work: Workspace,
+        scratch: Workspace,
         constrained: Array,
         state: State,
         time: float,
-        h2: float,
-        fresh: bool,
+        half_step: float,
+        first_iteration: bool,
         number: float,
     ) -> None:
         """Fill the block system: elements, loads at the ends, constraints."""
         frame = state.bit_frame
-        move_to_middle(state, h2)
-        assemble(parameters, rod, work, time, h2, fresh, number, state.place, state.trial, state.v)
-        work.ends[:] = 0.0
+        move_to_middle(state, half_step)
+        assemble(parameters, rod, scratch, time, half_step, first_iteration, number, state.place, state.trial, state.v)
+        scratch.ends[:] = 0.0
         # the bit is constrained, loaded and braked along and across the hole
-        turn_blocks(frame, work.diagonal[0], work.upper[0], work.lower[0])
+        turn_blocks(frame, scratch.diagonal[0], scratch.upper[0], scratch.lower[0])
         to_bit(frame, state.place[0], state.trial[0])
         turn_row(frame, state.v[0])
-        end_load(parameters, rod, work.command, time, h2, state.place, state.trial, state.v, work.ends)
+        end_load(parameters, rod, scratch.command, time, half_step, state.place, state.trial, state.v, scratch.ends)
         from_bit(frame, state.place[0], state.trial[0])
         turn_row_back(frame, state.v[0])
-        add_ends(work)
-        constrain(constrained, work)
+        add_ends(scratch)
+        constrain(constrained, scratch)
 
     return Formulation(begin, predict, build, solve, correct, accept, finish, order=2)

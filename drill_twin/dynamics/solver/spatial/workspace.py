@@ -28,7 +28,7 @@ class Workspace(NamedTuple):
     sbb: Array
     coupling: Array  # (4, 3)
     load: Array  # (4,) force per length on r and couple per length on the spin
-    stiff: Array  # (4, 4) minus its derivative by the velocities (and h2 times by the positions)
+    stiff: Array  # (4, 4) minus its derivative by the velocities (and half_step times by the positions)
     ke: Array  # (9, 16) element tangent: component pair (x, y, z by x, y, z), then shape pair (4 by 4)
     kc: Array  # (4, 3, 4) spin coupling by component and shape: columns of node 0 and 1, rows of node 0 and 1
     re: Array  # (3, 4) element residual: component, shape
