@@ -18,7 +18,7 @@ from drill_twin_evidence.paper.search import search as module
 from drill_twin_evidence.paper.search import space
 from drill_twin_evidence.paper.search.bench import Bench
 from drill_twin_evidence.paper.search.exclusion import exclusion_of, finalists_of, score, short_spectra, tables
-from drill_twin_evidence.paper.search.goals import ASSUMPTIONS, LOOSE, STRICT, Evaluated, pair_misfits
+from drill_twin_evidence.paper.search.goals import ASSUMPTIONS, LOOSE, PAIRS, STRICT, Evaluated, pair_misfits
 from drill_twin_evidence.paper.search.habits import CASES, HABITS, habit_table, habits
 from drill_twin_evidence.paper.search.readings import BASE, NUMBERS, Motion, failed, misfits, read
 from drill_twin_evidence.paper.search.space import FREE, SLIP, mutated, random_set, set_of
@@ -254,3 +254,20 @@ def test_the_page_has_the_counts_of_the_record_of_the_search():
         assert f"| {one.name} | {(strict & (least[one.name] <= 1.0)).sum()} |" in page
     for pair, excluded in zip(pairs, loose, strict=True):
         assert not excluded or f"| {float(pair['all kept']):.2f} | {float(pair['none kept']):.2f} |" in page
+
+
+def test_the_page_has_the_counts_of_the_search_by_runs_alone():
+    root = Path(__file__).parents[3]
+    page = (root / "docs" / "paper_search.md").read_text("utf-8").partition("## The search repeated")[2]
+    data = json.loads((root / "evidence" / "pages" / "paper_search.json").read_text("utf-8"))
+    least = np.array(list(data["least"].values()), float)[:, *np.array(PAIRS).T]
+    strict, opened = least[STRICT] > 1.0, [int((row[least[STRICT] > 1.0] <= 1.0).sum()) for row in least]
+    assert f"{data['sets']} sets by {data['runs']} runs" in page
+    assert f"| pairs met by no set, all kept | 35 | {strict.sum()} |" in page
+    assert f"| pairs met by no set, none kept | 4 | {(least[LOOSE] > 1.0).sum()} |" in page
+    assert f"R as the diameter alone | 26 | {opened[1]} |" in page
+    assert f"any reading alone | 13 | {opened[7]} |" in page
+    assert opened[2:7] == [0] * 5
+    for under, words in ((STRICT, "all"), (LOOSE, "none")):
+        most = max(one["met"] for one in data["finalists"] if one["under"] == ASSUMPTIONS[under].name)
+        assert f"met by one set, {words} kept | {10 + (under == LOOSE)} | {most} |" in page
