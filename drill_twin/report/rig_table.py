@@ -15,6 +15,8 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError, MessageError
 from drill_twin.core.extras import import_extra
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
+from drill_twin.core.rig_channels import RIG_CHANNELS
+from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, LENGTH, TORQUE
 from drill_twin.core.version import __version__
 from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import RigSeries
@@ -24,6 +26,13 @@ from drill_twin.io.messages.stamps import raw_header_stamp
 from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
 from drill_twin.report.selection import Selection, open_bag
 
+_COLUMNS = (
+    "bit_force", "hookload", "top_drive_speed", "top_drive_torque", "bit_speed", "bit_torque", "block_position",
+)  # fmt: skip
+_UNITS = {
+    FORCE: ("kN", 1e-3), TORQUE: ("kN.m", 1e-3), ANGULAR_SPEED: ("rpm", 30.0 / math.pi), LENGTH: ("m", 1.0),
+}  # fmt: skip
+"""Unit of a column by its dimension, and how many of it are one of SI."""
 NULL = -999.25
 """Value of LAS for none."""
 
@@ -75,17 +84,12 @@ def _name(scene: str) -> str:
 
 def rig_channels(rig: RigSeries) -> list[Channel]:
     """Channels of `/rig/state`, converted: N to kN, N m to kN.m, rad/s to rpm; the first is the time [s]."""
-    rpm = 30.0 / math.pi
-    return [
-        Channel("TIME", "time", "s", rig.time),
-        Channel("WOB", "weight on bit", "kN", 1e-3 * rig.bit_force),
-        Channel("HKLD", "hookload", "kN", 1e-3 * rig.hookload),
-        Channel("RPM", "speed of the top drive", "rpm", rpm * rig.top_drive_speed),
-        Channel("TQA", "torque of the top drive on the string", "kN.m", 1e-3 * rig.top_drive_torque),
-        Channel("BRPM", "speed of the bit", "rpm", rpm * rig.bit_speed),
-        Channel("BTQ", "torque of the rock on the bit", "kN.m", 1e-3 * rig.bit_torque),
-        Channel("BPOS", "height of the travelling block above its start", "m", rig.block_position),
-    ]
+    columns = [Channel("TIME", "time", "s", rig.time)]
+    for field in _COLUMNS:
+        channel = RIG_CHANNELS[field]
+        unit, count = _UNITS[channel.dimension]
+        columns.append(Channel(channel.mnemonics[0].upper(), channel.heading, unit, count * getattr(rig, field)))
+    return columns
 
 
 def csv_text(channels: Sequence[Channel]) -> str:

@@ -57,7 +57,7 @@ class BlockRows:
 
     def entries(self, blocks: Array) -> Array:
         """Entries of the matrix of the free unknowns, at `row` and `column`."""
-        return np.asarray(blocks.flat[self._from])
+        return np.asarray(blocks.reshape(-1)[self._from])
 
     def times_j(self, blocks: Array) -> Array:
         """Blocks times J, the quarter turn about the axis."""
@@ -99,7 +99,7 @@ class BlockRows:
         """
         half, places = self._band
         store = np.zeros((self.unknowns, 3 * half + 1))
-        store.flat[places] = self.entries(blocks)
+        store.reshape(-1)[places] = self.entries(blocks)
         return solve_banded(store, half, right, *(() if instead is None else ([held], [instead])))
 
     def _nodes(self, blocks: Array) -> Array:
