@@ -43,7 +43,7 @@ def refuse_unused(node: Node) -> None:
     Raises:
         ParameterError: An override names no topic of this node.
     """
-    known = [name for name in node._parameters if name.startswith(_PREFIX)]  # noqa: SLF001
+    known = [f"{_PREFIX}{name}" for name in node.get_parameters_by_prefix(_PREFIX.removesuffix("."))]
     for name in given_parameters(node):
         if name.startswith(_PREFIX) and name not in known:
             near = difflib.get_close_matches(name, known, n=1)
