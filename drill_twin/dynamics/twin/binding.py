@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the compiled frame loop is bound to besides the arguments of the time loop: marks, bounds, sources, memories."""
+"""Arguments of the compiled frame loop besides those of the time loop: marks, bounds, sources, memories."""
 
 from __future__ import annotations
 

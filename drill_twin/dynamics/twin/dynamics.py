@@ -175,7 +175,7 @@ class Dynamics:
 
     @property
     def bound(self) -> BoundTwin:
-        """What the compiled frame loop is bound to, with the parameters in force."""
+        """Arguments of the compiled frame loop, with the parameters in force."""
         if self._bound is None or self._bound.parameters is not self.parameters:
             self._bound, self._packed = self._bind(), None
         return self._bound

@@ -52,7 +52,7 @@ AS_SET, MINUS_SET = -1, -2
 
 
 class Reactions(NamedTuple):
-    """Where the forces of the rig are found: indices into the counters, or beyond them into the impulses of the bit."""
+    """Sources of the forces of the rig: indices into the counters, or beyond them into the impulses of the bit."""
 
     torque: int  # of the top drive
     weight: int  # on bit
@@ -68,7 +68,7 @@ class Past(NamedTuple):
 
 
 class Effort(NamedTuple):
-    """What the time loop counts, now and at the start of the frame."""
+    """Counts of the time loop, now and at the start of the frame."""
 
     counters: Array
     counters_before: Array

@@ -79,8 +79,7 @@ def loop(scene: dt.Scene) -> float:
     dynamics, schedule = Twin(scene).dynamics, Schedule.from_scene(scene)
     began = time.process_time()
     for second in range(1, round(DURATION) + 1):
-        command = schedule.at(float(second))
-        target = np.array([command.weight_on_bit, command.rotation])
+        target = schedule.at(float(second)).array()
         dynamics.advance(target, 1.0)
         dynamics.command[:] = target
     return time.process_time() - began
