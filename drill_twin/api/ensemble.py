@@ -17,7 +17,7 @@ from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runs import compile_kernel
 from drill_twin.runs.ensemble import OUTPUTS, EnsembleResult, expand
 from drill_twin.runs.ensemble.outputs import Request
-from drill_twin.runs.ensemble.run import Run
+from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Schedule
 
@@ -94,7 +94,7 @@ class Ensemble:
         first = self.members.scene(next(iter(self.members)))
         with executor_of(workers, dask) as executor:
             compile_kernel(first, request.period, analysis="findings" in request.names)
-            runs = [Run()] * len(self.members)
+            runs = [MemberRun()] * len(self.members)
             with closing(executor.run(self.members, request)) as ended:
                 for count, (number, run) in enumerate(ended, 1):
                     runs[number] = run

@@ -14,7 +14,7 @@ from drill_twin.core.units import UnitError, parse
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, TIME, Dimension
 from drill_twin.runs import compile_kernel
 from drill_twin.scene import Scene
-from drill_twin.studies.maps import OperatingMap, Plan, Plane, Span, build_map
+from drill_twin.studies.maps import MapPlan, OperatingMap, Plane, Span, build_map
 
 STEPS = 128
 """Steps of the lattice along each range: a boundary is located within 1 / 128 of it."""
@@ -90,7 +90,7 @@ def operating_map(
     ranges = {key: split_range(f"vary {key}", text) for key, text in (vary or {}).items()}
     place = None if folder is None else Path(folder)
     with executor_of(workers, dask) as executor:
-        plan = Plan(plane, length, asked, seeds, ranges, runs, hysteresis, growth, executor)
+        plan = MapPlan(plane, length, asked, seeds, ranges, runs, hysteresis, growth, executor)
         compile_kernel(own, own.numerics.frame_period, analysis=True)
         return build_map(own, plan, place, *([progress] if progress is not None else []))
 

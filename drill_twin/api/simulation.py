@@ -19,7 +19,7 @@ from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
 from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
-from drill_twin.runs import Run, compile_kernel
+from drill_twin.runs import SessionRun, compile_kernel
 from drill_twin.runs.session import SetPoints
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.rig import FASTEST_BLOCK, FASTEST_ROTATION, LARGEST_LOAD
@@ -112,7 +112,7 @@ class Simulation:
         finally:
             progress.end()
         self._bag = MemoryBag(f"run of {self.scene.name}")
-        self._run = Run(self.scene, self._bag)
+        self._run = SessionRun(self.scene, self._bag)
         self._reported = -1
         self.state: State | None = None
 
@@ -240,7 +240,7 @@ class Simulation:
         return length * NANOSECONDS / self._period
 
     def _run_on(self, set_points: SetPoints, frames: int, progress: Callable[[State], None] | None = None) -> State:
-        """Run on by frames: one at a time for a progress, else as many at once as `Run` takes."""
+        """Run on by frames: one at a time for a progress, else as many at once as `SessionRun` takes."""
         end = self._run.loop.frames + frames
         while (left := end - self._run.loop.frames) > 0:
             try:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from drill_twin.core.errors import shortened
-from drill_twin.gateway.signals import Limits, Target, range_taken
+from drill_twin.gateway.signals import CommandTarget, Limits, range_taken
 
 REQUEST, HEARTBEAT = "Request", "Heartbeat"
 """Names of the nodes that a client writes: true to request control and false to give it back; a number that changes."""
@@ -52,7 +52,7 @@ class Control:
 
     def __init__(
         self,
-        targets: Sequence[Target],
+        targets: Sequence[CommandTarget],
         timeout: float,
         changed: Callable[[], None],
         clock: Callable[[], float] = time.monotonic,

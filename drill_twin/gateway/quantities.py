@@ -48,7 +48,7 @@ _HOUR = 3600.0  # s
 
 
 @dataclass(frozen=True)
-class Quantity:
+class RigQuantity:
     """Quantity that the topics carry, or that follows from them."""
 
     topic: str
@@ -70,28 +70,28 @@ _MEANINGS = {
     "hookload": "upward force on the string at the top",
 }
 QUANTITIES = {
-    **{name: Quantity(RIG_STATE, channel_of(name).dimension, _MEANINGS.get(name) or channel_of(name).heading)
+    **{name: RigQuantity(RIG_STATE, channel_of(name).dimension, _MEANINGS.get(name) or channel_of(name).heading)
        for name in _RIG},
-    "bit_angular_acceleration": Quantity(RIG_STATE, ANGULAR_ACCELERATION, "change of the bit's speed over a frame"),
-    "stick_slip_severity": Quantity(
+    "bit_angular_acceleration": RigQuantity(RIG_STATE, ANGULAR_ACCELERATION, "change of the bit's speed over a frame"),
+    "stick_slip_severity": RigQuantity(
         RIG_STATE,
         DIMENSIONLESS,
         "(fastest - slowest) / (2 mean) of the bit's speed in the last 20 s (Pavone and Desplans 1994)",
     ),
-    "simulated_time": Quantity(RIG_STATE, TIME, "simulated time"),
-    "bit_depth": Quantity(STRING_POSES, LENGTH, "depth of the bit below the top clamp along the axis at the top"),
-    "wall_force": Quantity(MARKS_STATE, FORCE, "largest normal force of the wall at a mark"),
-    "axial_acceleration": Quantity(MARKS_STATE, ACCELERATION, "axial acceleration of the lowest mark, over a frame"),
-    "lateral_acceleration": Quantity(
+    "simulated_time": RigQuantity(RIG_STATE, TIME, "simulated time"),
+    "bit_depth": RigQuantity(STRING_POSES, LENGTH, "depth of the bit below the top clamp along the axis at the top"),
+    "wall_force": RigQuantity(MARKS_STATE, FORCE, "largest normal force of the wall at a mark"),
+    "axial_acceleration": RigQuantity(MARKS_STATE, ACCELERATION, "axial acceleration of the lowest mark, over a frame"),
+    "lateral_acceleration": RigQuantity(
         MARKS_STATE, ACCELERATION, "lateral acceleration of the mark where it is largest, over a frame"
     ),
-    "whirl_orbit_radius": Quantity(WHIRL_STATE, LENGTH, "radius of the largest orbit of a mark"),
-    "whirl_precession": Quantity(WHIRL_STATE, ANGULAR_SPEED, "precession of that mark, positive forward"),
-    "whirl_ratio": Quantity(WHIRL_STATE, DIMENSIONLESS, "precession over rotation of that mark"),
-    "whirl_confidence": Quantity(WHIRL_STATE, DIMENSIONLESS, "confidence of these, 0 to 1"),
-    "whirl_detected": Quantity(WHIRL_ONSET, DIMENSIONLESS, "1 once a whirl has begun, else 0", on_change=True),
-    "rate_of_penetration": Quantity(DIAGNOSTICS, SPEED, "rate of penetration, where the bit drills"),
-    "real_time_factor": Quantity(REALTIME_FACTOR, DIMENSIONLESS, "simulated over wall time"),
+    "whirl_orbit_radius": RigQuantity(WHIRL_STATE, LENGTH, "radius of the largest orbit of a mark"),
+    "whirl_precession": RigQuantity(WHIRL_STATE, ANGULAR_SPEED, "precession of that mark, positive forward"),
+    "whirl_ratio": RigQuantity(WHIRL_STATE, DIMENSIONLESS, "precession over rotation of that mark"),
+    "whirl_confidence": RigQuantity(WHIRL_STATE, DIMENSIONLESS, "confidence of these, 0 to 1"),
+    "whirl_detected": RigQuantity(WHIRL_ONSET, DIMENSIONLESS, "1 once a whirl has begun, else 0", on_change=True),
+    "rate_of_penetration": RigQuantity(DIAGNOSTICS, SPEED, "rate of penetration, where the bit drills"),
+    "real_time_factor": RigQuantity(REALTIME_FACTOR, DIMENSIONLESS, "simulated over wall time"),
 }  # fmt: skip
 """Quantities by name."""
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from drill_twin.core.errors import shortened
 from drill_twin.gateway.event_loop import EventLoopThread
 from drill_twin.gateway.signals import RigSignal
-from drill_twin.gateway.soundness import Judged, Reading, SoundnessCheck
+from drill_twin.gateway.soundness import CheckedValue, Judged, SoundnessCheck
 
 PATIENCE = 3.0
 """Longest wait for an answer [s]."""
@@ -79,7 +79,7 @@ class RigReader(ABC):
     def _connected(self) -> None:
         self.connections, self.fault = self.connections + 1, ""
 
-    def _take(self, readings: Iterable[Reading]) -> None:
+    def _take(self, readings: Iterable[CheckedValue]) -> None:
         """Judge a reading of each signal."""
         now = time.time()
         self._judged = [

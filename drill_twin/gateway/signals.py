@@ -40,7 +40,7 @@ _FILE = ForeignFile("a file of signals", LARGEST_TEXT, SignalsError)
 
 
 @dataclass(frozen=True)
-class Shown:
+class ShownSignal:
     """Signal of the twin on the OPC UA server."""
 
     name: str
@@ -56,7 +56,7 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class Target:
+class CommandTarget:
     """Set-point that a client with control writes."""
 
     name: str
@@ -99,7 +99,7 @@ Limits = Mapping[str, tuple[float, float]]
 """Lowest and highest set-point of a scene by quantity [SI]."""
 
 
-def range_taken(signal: Target | RigSignal, limits: Limits) -> tuple[float, float]:
+def range_taken(signal: CommandTarget | RigSignal, limits: Limits) -> tuple[float, float]:
     """Range of a set-point in its unit: that of the file within that of the scene; infinite where neither says."""
     low, high = (one / signal.factor for one in limits.get(signal.quantity, (-math.inf, math.inf)))
     return max(low, signal.low), min(high, signal.high)
@@ -109,9 +109,9 @@ def range_taken(signal: Target | RigSignal, limits: Limits) -> tuple[float, floa
 class Signals:
     """Signals of a gateway."""
 
-    show: tuple[Shown, ...] = ()
+    show: tuple[ShownSignal, ...] = ()
     """Twin -> OPC UA."""
-    command: tuple[Target, ...] = ()
+    command: tuple[CommandTarget, ...] = ()
     """OPC UA -> twin."""
     measure: tuple[RigSignal, ...] = ()
     """Server of the rig -> `/measured/rig/state` and `/measured/downhole/SUB/summary`."""
@@ -171,15 +171,15 @@ class _Reader:
             self._known((name, signal), line, _SECTIONS[name])
         return section
 
-    def _shown(self, name: str, line: Mapping[str, Any]) -> Shown:
+    def _shown(self, name: str, line: Mapping[str, Any]) -> ShownSignal:
         quantity, unit, factor = self._quantity(("show", name), line)
         kind = str(line.get("class", name))
-        return Shown(name, quantity, unit, factor, kind)
+        return ShownSignal(name, quantity, unit, factor, kind)
 
-    def _target(self, name: str, line: Mapping[str, Any]) -> Target:
+    def _target(self, name: str, line: Mapping[str, Any]) -> CommandTarget:
         place = ("command", name)
         quantity, unit, factor = self._quantity(place, line, SET_POINTS)
-        return Target(name, quantity, unit, factor, *self._range(place, line))
+        return CommandTarget(name, quantity, unit, factor, *self._range(place, line))
 
     def _of_rig(self, place: Place, line: Mapping[str, Any]) -> RigSignal:
         known = SET_POINTS if place[0] == "follow" else tuple(MEASURED)

@@ -13,7 +13,7 @@ _AHEAD = 2.0  # s by which a stamp may be later than the clock of this machine
 
 
 @dataclass(frozen=True)
-class Reading:
+class CheckedValue:
     """Reading of a node."""
 
     value: object
@@ -44,7 +44,7 @@ class SoundnessCheck:
         self._last: float | None = None
         self._changed = 0.0
 
-    def judge(self, reading: Reading, now: float) -> Judged:
+    def judge(self, reading: CheckedValue, now: float) -> Judged:
         """Judge a reading at a time [s since 1970]."""
         fault = self._fault(reading, now)
         if fault or not isinstance(reading.value, int | float):
@@ -52,7 +52,7 @@ class SoundnessCheck:
         stamp = reading.stamp if math.isfinite(reading.stamp) else now
         return Judged(float(reading.value) * self._signal.factor, stamp, "")
 
-    def _fault(self, reading: Reading, now: float) -> str:
+    def _fault(self, reading: CheckedValue, now: float) -> str:
         signal, value = self._signal, reading.value
         if reading.status:
             return f"status {reading.status}"

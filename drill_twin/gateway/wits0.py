@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 
 from drill_twin.gateway.rig_reader import PATIENCE, RefusedError, RigReader
 from drill_twin.gateway.signals import RigSignal
-from drill_twin.gateway.soundness import Reading
+from drill_twin.gateway.soundness import CheckedValue
 
 BEGIN, END = "&&", "!!"
 _ABSENT = {"-9999", "-999.25", "-8888"}  # what rigs send for no value
@@ -85,10 +85,10 @@ class WitsReader(RigReader):
         except ValueError as error:
             raise RefusedError(f"expected lines of WITS, found one of more than {_LONGEST_LINE} bytes") from error
 
-    def _readings(self) -> Iterator[Reading]:
+    def _readings(self) -> Iterator[CheckedValue]:
         for item in self._items:
             text, stamp = self._found.get(item, ("", math.nan))
-            yield Reading(_number(text), "" if text else f"item {item} has not come", stamp)
+            yield CheckedValue(_number(text), "" if text else f"item {item} has not come", stamp)
 
 
 def _number(text: str) -> float | str:

@@ -9,8 +9,8 @@ from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.topics import FRAME_ID, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import (
     STRING_LEVEL,
-    Motion,
     OnsetMessage,
+    SubjectMotion,
     WhirlStateEncoder,
     encode_motion,
     encode_onset,
@@ -44,8 +44,8 @@ class FindingsEncoder:
     @staticmethod
     def bit_only(stamp: int, bit: StickSlip) -> tuple[str, bytes]:
         """Topic and bytes of `/whirl/motion` for a stream without marks."""
-        whirl = Motion(STRING_LEVEL, BitMotion.UNKNOWN.value, NOT_OBSERVABLE)
-        return WHIRL_MOTION, encode_motion(stamp, [whirl, Motion(BIT, bit.motion.value, bit.criterion)])
+        whirl = SubjectMotion(STRING_LEVEL, BitMotion.UNKNOWN.value, NOT_OBSERVABLE)
+        return WHIRL_MOTION, encode_motion(stamp, [whirl, SubjectMotion(BIT, bit.motion.value, bit.criterion)])
 
     def messages(self, findings: Findings, frame_id: str = FRAME_ID) -> Iterator[tuple[str, bytes]]:
         """Topics and bytes of the messages for these findings, in the frame of the samples."""
@@ -86,10 +86,10 @@ class FindingsEncoder:
             yield WHIRL_ONSET, encode_onset(stamp, message, self._frame_id)
 
 
-def _motions(findings: Findings) -> list[Motion]:
+def _motions(findings: Findings) -> list[SubjectMotion]:
     marks = zip(findings.marks, findings.state, findings.criterion, strict=True)
     return [
-        Motion(STRING_LEVEL, findings.motion.value, findings.motion_criterion),
-        *(Motion(mark, state.value, criterion) for mark, state, criterion in marks),
-        Motion(BIT, findings.bit.value, findings.bit_criterion),
+        SubjectMotion(STRING_LEVEL, findings.motion.value, findings.motion_criterion),
+        *(SubjectMotion(mark, state.value, criterion) for mark, state, criterion in marks),
+        SubjectMotion(BIT, findings.bit.value, findings.bit_criterion),
     ]

@@ -29,7 +29,7 @@ DELAY = 10.0
 
 
 def parse_limit(text: str) -> dict[str, float]:
-    """Name and value of a limit written as `torque_high=12 kN m`, for `Limits.set`.
+    """Name and value of a limit written as `torque_high=12 kN m`, for `AlarmLimits.set`.
 
     Raises:
         DrillTwinError: It is none, or the value has no fitting unit.
@@ -45,7 +45,7 @@ def parse_limit(text: str) -> dict[str, float]:
     return {name: found / math.tau if _DIMENSIONS[channel] is ANGULAR_SPEED else found}
 
 
-class Limits:
+class AlarmLimits:
     """Lowest and highest value of each channel [units of `CHANNELS`]."""
 
     def __init__(self) -> None:

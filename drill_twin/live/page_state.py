@@ -35,7 +35,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
-from drill_twin.io.messages.whirl_encode import STRING_LEVEL, Motion, OnsetMessage, read_whirl_state
+from drill_twin.io.messages.whirl_encode import STRING_LEVEL, OnsetMessage, SubjectMotion, read_whirl_state
 from drill_twin.live.advice import shown_map, targets
 from drill_twin.live.estimates import shown_estimates
 from drill_twin.live.plain import number, rig_values, short
@@ -143,7 +143,7 @@ class PageState:
         self._estimates = shown_estimates(found[1])
         self._supervision.estimate(self._estimates["level"], self._estimates["text"])
 
-    def _on_motion(self, found: tuple[int, list[Motion]]) -> None:
+    def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:
         for motion in found[1]:
             if motion.subject == STRING_LEVEL:
                 self._motion = {"state": short(motion.state), "criterion": short(motion.criterion)}

@@ -11,7 +11,7 @@ from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.live.alarms import Alarms
 from drill_twin.live.lamps import Lamp, stick_slip_lamp, whirl_lamp
-from drill_twin.live.limits import SIDES, Limits
+from drill_twin.live.limits import SIDES, AlarmLimits
 from drill_twin.live.trends import CHANNELS, Trends
 from drill_twin.whirl import StickSlip
 
@@ -29,7 +29,7 @@ class Supervision:
         Args:
             recorded: The trends of a recording are there from the start (`Trends.push`); those of a run grow.
         """
-        self.trends, self.alarms, self.limits = Trends(), Alarms(recorded=recorded), Limits()
+        self.trends, self.alarms, self.limits = Trends(), Alarms(recorded=recorded), AlarmLimits()
         self._recorded = recorded
         self.time: float | None = None
         """Simulated time of the last rig state [s]."""

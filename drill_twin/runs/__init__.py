@@ -3,6 +3,6 @@
 
 from drill_twin.runs.compilation import compile_kernel
 from drill_twin.runs.loop import RunLoop
-from drill_twin.runs.session import Outcome, Progress, Run, Session
+from drill_twin.runs.session import Outcome, Progress, Session, SessionRun
 
-__all__ = ["Outcome", "Progress", "Run", "RunLoop", "Session", "compile_kernel"]
+__all__ = ["Outcome", "Progress", "RunLoop", "Session", "SessionRun", "compile_kernel"]

@@ -55,7 +55,7 @@ Recorded = tuple[str, int, bytes]
 """Topic, stamp [ns] and CDR bytes of a message."""
 
 
-class Recorder(Protocol):
+class MessageSink(Protocol):
     """Takes the messages of a session: a bag writer, or `drill_twin.io.bag.memory.MemoryBag`."""
 
     def write(self, topic: str, stamp: int, raw: bytes) -> None:
@@ -97,7 +97,7 @@ class Progress:
     """Simulated over wall time so far."""
 
 
-class Run:
+class SessionRun:
     """One run, some frames at a time, recorded as it goes.
 
     Attributes:
@@ -105,7 +105,7 @@ class Run:
         pipeline: The whirl analysis.
     """
 
-    def __init__(self, scene: Scene, recorder: Recorder) -> None:
+    def __init__(self, scene: Scene, recorder: MessageSink) -> None:
         """Compile what the scene calls for, and announce the run.
 
         Args:
@@ -315,7 +315,7 @@ class Session:
         frames = max(1, math.ceil(self.schedule.duration * NANOSECONDS / self._period - 0.5))
         with BagWriter(folder, topics=dict.fromkeys((*OF_EVERY_RUN, *topics_of(self.scene)))) as bag:
             with checked(check):
-                run = Run(self.scene, bag)
+                run = SessionRun(self.scene, bag)
             try:
                 with checked(check), suppress(RunStopped):
                     while (left := frames - run.loop.frames) > 0 and not stop():
@@ -334,7 +334,7 @@ class Session:
         return Outcome(bag.folder, seconds(run.stamp), finished, wall, run.motion_seconds, run.pipeline.summary())
 
 
-def _saved(run: Run, bag: Path, error: RunError) -> str:
+def _saved(run: SessionRun, bag: Path, error: RunError) -> str:
     """Save the last good state beside the bag; returns where, in words."""
     if not isinstance(error, StoppedError):
         return ""

@@ -15,8 +15,8 @@ from drill_twin.whirl.analyzer_state import (
     INCOMPLETE,
     MISSING,
     NEXT,
-    Block,
     Found,
+    SampleBlock,
     Samples,
 )
 from drill_twin.whirl.criteria import Criteria
@@ -67,7 +67,7 @@ a sample in which it has."""
 
 @strict_kernel
 def take_sample(
-    block: Block, samples: Samples, clock: Clock, bins: SampleBins, separation: RunoutSeparation, bit: BitSpeed,
+    block: SampleBlock, samples: Samples, clock: Clock, bins: SampleBins, separation: RunoutSeparation, bit: BitSpeed,
     flow: Integers,
 ) -> int:  # fmt: skip
     """Read the next sample and rotate; a sample that cannot be analysed is skipped and counted."""
@@ -116,7 +116,7 @@ def _seconds(clock: Clock) -> float:
 
 @strict_kernel
 def add_sample(
-    block: Block, samples: Samples, clock: Clock, bins: SampleBins, separation: RunoutSeparation, carrier: Carrier
+    block: SampleBlock, samples: Samples, clock: Clock, bins: SampleBins, separation: RunoutSeparation, carrier: Carrier
 ) -> None:
     """Add the sample to the present bin."""
     seen, distance = samples.seen, samples.distance
@@ -196,7 +196,7 @@ def estimate_state(
 
 
 @strict_kernel
-def note_findings(found: Found, block: Block, samples: Samples, orbit: Orbit, clock: Clock) -> None:
+def note_findings(found: Found, block: SampleBlock, samples: Samples, orbit: Orbit, clock: Clock) -> None:
     """Write down the estimates after the sample."""
     at = block.counts[NEXT]
     found.stamp[at] = clock.stamps[LAST]

@@ -33,10 +33,10 @@ BLOCK = 256
 ACCEPTED, INCOMPLETE, MISSING, GAPS = range(4)
 """Indices into `Samples.quality`: samples analysed; skipped samples and marks; gaps between bins."""
 COUNT, HAS_SPIN, HAS_FORCE, NEXT = range(4)
-"""Indices into `Block.counts`: samples, whether they contain spin and wall forces, and the next one to be analysed."""
+"""Indices into `SampleBlock.counts`: samples, whether they contain spin and wall forces, and the next one analysed."""
 
 
-class Block(NamedTuple):
+class SampleBlock(NamedTuple):
     """Samples to be analysed, `BLOCK` at most."""
 
     stamp: Integers  # (BLOCK,) [ns]
@@ -47,7 +47,7 @@ class Block(NamedTuple):
     counts: Integers
 
     @classmethod
-    def of(cls, m: int) -> Block:
+    def of(cls, m: int) -> SampleBlock:
         """Empty block for m marks."""
         spin, force = np.zeros((2, BLOCK, m))
         position, speeds = np.zeros((BLOCK, m, 2)), np.zeros((BLOCK, 2))
@@ -94,7 +94,7 @@ class AnalyzerState(NamedTuple):
 
     criteria: Criteria
     marks: MarkArrays
-    block: Block
+    block: SampleBlock
     found: Found
     clock: Clock
     samples: Samples
@@ -119,7 +119,7 @@ class AnalyzerState(NamedTuple):
         """State before the first sample of m marks, whose string has radii `wall_offset` [m], shape (m,)."""
         m, clearance = marks.clearance.size, marks.clearance
         return cls(
-            criteria, marks, Block.of(m), Found.of(m), Clock.of(m),
+            criteria, marks, SampleBlock.of(m), Found.of(m), Clock.of(m),
             Samples.of(LARGEST_RADIUS * clearance + wall_offset), SampleBins.of(m), Bin.of(m),
             Carrier.of(clearance), RunoutSeparation.of(marks.wall_radius, criteria), History.of(m), Orbit.of(clearance),
             AveragedRadius.of(clearance, criteria), Onsets.of(marks.inclined), SynchronousOnsets.of(m),

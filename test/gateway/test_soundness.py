@@ -6,7 +6,7 @@ import math
 import pytest
 
 from drill_twin.gateway.signals import RigSignal
-from drill_twin.gateway.soundness import Reading, SoundnessCheck, unit_fault
+from drill_twin.gateway.soundness import CheckedValue, SoundnessCheck, unit_fault
 
 SIGNAL = RigSignal("weight_on_bit", "ns=2;s=WOB", "kN", 1000.0, 0.0, 500.0, stale_after=2.0, frozen_after=5.0)
 NOW = 1.8e9
@@ -15,7 +15,7 @@ NOW = 1.8e9
 @pytest.fixture
 def judge():
     check = SoundnessCheck(SIGNAL)
-    return lambda value, status="", age=0.0, now=NOW: check.judge(Reading(value, status, now - age), now)
+    return lambda value, status="", age=0.0, now=NOW: check.judge(CheckedValue(value, status, now - age), now)
 
 
 def test_a_sound_value_is_in_si(judge):

@@ -15,7 +15,7 @@ from drill_twin.scene import load_scene
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
 from drill_twin.studies.maps.operating_map import digest_of
 from drill_twin.studies.maps.page import lattice_data
-from drill_twin.studies.maps.runs import Key, Record
+from drill_twin.studies.maps.runs import Key, RunRecord
 
 SCENE = load_scene("pa6_bench")
 
@@ -24,7 +24,7 @@ def lattice(steps=8):
     """Calm on the lower half."""
     plane = Plane(Span(0.0, 80.0), Span(0.0, 4.0 * math.pi), steps)
     nodes = [(i, j) for i in range(steps + 1) for j in range(steps + 1)]
-    runs = {Key(*node): Record(Regime.FORWARD if 2 * node[0] > steps else Regime.SMOOTH) for node in nodes}
+    runs = {Key(*node): RunRecord(Regime.FORWARD if 2 * node[0] > steps else Regime.SMOOTH) for node in nodes}
     return lattice_data(OperatingMap(SCENE.name, digest_of(SCENE), SCENE.to_yaml(), plane, 10.0, (), runs))
 
 

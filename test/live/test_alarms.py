@@ -11,7 +11,7 @@ from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import TwinEncoder, encode_string
 from drill_twin.io.messages.topics import DIAGNOSTICS, ESTIMATE_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_STATE
-from drill_twin.io.messages.whirl_encode import Motion, WhirlStateEncoder, encode_motion
+from drill_twin.io.messages.whirl_encode import SubjectMotion, WhirlStateEncoder, encode_motion
 from drill_twin.live.alarms import Alarms
 from drill_twin.live.lamps import stick_slip_lamp, whirl_lamp
 from drill_twin.live.limits import parse_limit
@@ -127,7 +127,7 @@ def test_a_string_on_the_low_side_of_a_deviated_hole_is_not_severe_for_its_radiu
         radii = [scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks]
         ones = [1.0] * len(marks)
         page.update(WHIRL_STATE, WhirlStateEncoder(marks).encode(0, radii, ones, ones, ones))
-        motions = [Motion("string", "forward whirl", "")]
+        motions = [SubjectMotion("string", "forward whirl", "")]
         page.update(WHIRL_MOTION, encode_motion(0, motions))
         lamps = page.snapshot()["lamps"]
         levels[name] = lamps["whirl"]["level"]

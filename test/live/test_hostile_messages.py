@@ -9,7 +9,7 @@ from drill_twin.io.messages.cdr import JointStateTemplate, PoseArrayTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, STRING_POSES, WHIRL_MOTION, WHIRL_ONSET
-from drill_twin.io.messages.whirl_encode import Motion, OnsetMessage, encode_motion, encode_onset
+from drill_twin.io.messages.whirl_encode import OnsetMessage, SubjectMotion, encode_motion, encode_onset
 from drill_twin.live.page_state import PageState
 from drill_twin.live.sources import Sources
 
@@ -28,7 +28,7 @@ def test_the_picture_stays_small_and_plain():
         page.update(MARKS_STATE, marks([f"mark_{turn}_{k}" for k in range(20)]))
         page.update(DIAGNOSTICS, encode_diagnostics(0, [Status(f"{turn}_{k}", Level.OK, "fine") for k in range(20)]))
     page.update(STRING_POSES, PoseArrayTemplate(30_000).fill(0, np.zeros((30_000, 3)), np.zeros((30_000, 4))))
-    page.update(WHIRL_MOTION, encode_motion(0, [Motion("string", ODD, ODD), Motion(ODD, ODD, ODD)]))
+    page.update(WHIRL_MOTION, encode_motion(0, [SubjectMotion("string", ODD, ODD), SubjectMotion(ODD, ODD, ODD)]))
     page.update(WHIRL_ONSET, encode_onset(0, OnsetMessage(1.0, ODD, 1.0)))
     values = {"realtime_factor": ODD, "pace": ODD, "state": "running"}
     page.update(

@@ -12,7 +12,7 @@ from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE
 from drill_twin.scene import load_scene
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
 from drill_twin.studies.maps.operating_map import digest_of
-from drill_twin.studies.maps.runs import Key, Record
+from drill_twin.studies.maps.runs import Key, RunRecord
 
 COARSE = (
     "numerics.elements=8; numerics.step=10 ms; numerics.frame_rate=50 Hz; rig.rotation.duration=1 s; "
@@ -25,7 +25,7 @@ def made_up_map(file, scene):
     """Calm below 20 N, whatever the speed."""
     plane = Plane(Span(0.0, 80.0), Span(0.0, 8.0 * math.pi), 8)
     runs = {
-        Key(i, j): Record(Regime.FORWARD if i >= 2 else Regime.SMOOTH) for i in range(9) for j in range(9)
+        Key(i, j): RunRecord(Regime.FORWARD if i >= 2 else Regime.SMOOTH) for i in range(9) for j in range(9)
     }  # fmt: skip
     found = OperatingMap(scene.name, digest_of(scene), scene.to_yaml(), plane, 10.0, (), runs)
     file.write_text(json.dumps(found.to_dict()), "utf-8")

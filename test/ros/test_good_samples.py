@@ -18,7 +18,7 @@ from drill_twin.live.sources import Sources
 from drill_twin.scene import load_scene
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
 from drill_twin.studies.maps.operating_map import digest_of
-from drill_twin.studies.maps.runs import Key, Record
+from drill_twin.studies.maps.runs import Key, RunRecord
 
 COARSE = (
     "numerics.elements=8; numerics.step=10 ms; numerics.frame_rate=50 Hz; rig.rotation.duration=1 s; "
@@ -124,7 +124,7 @@ def test_a_rig_that_parts_from_the_model_is_a_warning(bench, estimator):
 
 def made_up_map(file, scene):
     plane = Plane(Span(0.0, 80.0), Span(0.0, 8.0 * math.pi), 8)
-    runs = {Key(i, j): Record(Regime.SMOOTH) for i in range(9) for j in range(9)}
+    runs = {Key(i, j): RunRecord(Regime.SMOOTH) for i in range(9) for j in range(9)}
     found = OperatingMap(scene.name, digest_of(scene), scene.to_yaml(), plane, 10.0, (), runs)
     file.write_text(json.dumps(found.to_dict()), "utf-8")
     return str(file)

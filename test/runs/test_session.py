@@ -24,7 +24,7 @@ from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.topics import OF_EVERY_RUN
 from drill_twin.io.scene_geometry import string_geometry
 from drill_twin.report import read_recording
-from drill_twin.runs import Run, Session
+from drill_twin.runs import Session, SessionRun
 from drill_twin.scene import parse_scene
 from drill_twin.scene.set_points import Schedule
 
@@ -182,7 +182,7 @@ def test_frames_before_one_that_cannot_be_encoded_are_recorded(session, tmp_path
 
 @pytest.mark.parametrize("frames", [1, 7, 256])
 def test_the_size_of_the_blocks_does_not_change_a_byte(session, bench_run, tmp_path, monkeypatch, frames):
-    monkeypatch.setattr(Run, "most_frames", property(lambda run: min(frames, 100 - run.loop.frames % 100)))
+    monkeypatch.setattr(SessionRun, "most_frames", property(lambda run: min(frames, 100 - run.loop.frames % 100)))
     again = session.run(tmp_path / "bag_0")
     wanted, found = ([m for m in Bag(bag).messages() if m[0] in DETERMINED] for bag in (bench_run.bag, again.bag))
     assert found == wanted

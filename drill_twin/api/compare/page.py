@@ -9,11 +9,13 @@ from html import escape
 from importlib.resources import files
 from pathlib import Path
 
-from drill_twin.api.compare.quantities import Quantity
+from drill_twin.api.compare.quantities import ComparedQuantity
 from drill_twin.core.table import Column, Table
 
 
-def page(names: Sequence[str], found: Sequence[Quantity], tolerance: float, notes: Sequence[str], figure: Path) -> str:
+def page(
+    names: Sequence[str], found: Sequence[ComparedQuantity], tolerance: float, notes: Sequence[str], figure: Path
+) -> str:
     """HTML text; rows that differ are first.
 
     Args:
@@ -43,7 +45,7 @@ def page(names: Sequence[str], found: Sequence[Quantity], tolerance: float, note
     )
 
 
-def _table(names: Sequence[str], rows: Sequence[Quantity]) -> str:
+def _table(names: Sequence[str], rows: Sequence[ComparedQuantity]) -> str:
     cells = (
         (Column(of.name, of.shown_unit if of.unit else "").title, *(of.text(case) for case in range(len(names))))
         for of in rows

@@ -23,7 +23,7 @@ POSES = 40
 """Shapes of the string, over the second half of the run, of which the largest bending stress is taken."""
 
 
-class Quantity(NamedTuple):
+class ComparedQuantity(NamedTuple):
     """Quantity in each case: numbers in SI, or words."""
 
     name: str
@@ -70,7 +70,7 @@ def _differ(one: float | str, other: float | str, tolerance: float) -> bool:
     return larger > NOTHING and abs(one - other) > tolerance * larger
 
 
-def quantities(cases: Sequence[Case]) -> list[Quantity]:
+def quantities(cases: Sequence[Case]) -> list[ComparedQuantity]:
     """Everything that is compared, those of the balance first; those that no case has are left out."""
     rows = [dict(_of(case)) for case in cases]
     names = dict.fromkeys(key for row in rows for key in row)
@@ -78,7 +78,7 @@ def quantities(cases: Sequence[Case]) -> list[Quantity]:
     for name, unit in names:
         known = next(row[name, unit] for row in rows if (name, unit) in row)
         missing: float | str = "" if isinstance(known, str) else math.nan
-        found.append(Quantity(name, unit, tuple(row.get((name, unit), missing) for row in rows)))
+        found.append(ComparedQuantity(name, unit, tuple(row.get((name, unit), missing) for row in rows)))
     return [of for of in found if any(value == value and value != "" for value in of.values)]  # noqa: PLR0124  NaN
 
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from drill_twin.runs import Outcome, Session
     from drill_twin.scene import Scene
     from drill_twin.scene.set_points import Schedule
-    from drill_twin.studies.accuracy import Plan
+    from drill_twin.studies.accuracy import AccuracyPlan
 
 
 def run(
@@ -102,7 +102,7 @@ def run(
     )  # fmt: skip
 
 
-def _planned(scene: Scene, show: Callable[[str], None]) -> Plan:
+def _planned(scene: Scene, show: Callable[[str], None]) -> AccuracyPlan:
     """Choose the resolution and print the expected error; `show` takes the progress in words."""
     from drill_twin.cli.show import remark
     from drill_twin.studies.accuracy import resolve
@@ -113,7 +113,7 @@ def _planned(scene: Scene, show: Callable[[str], None]) -> Plan:
     return plan
 
 
-def _checked(plan: Plan, recording: Recording, motion_seconds: float, *, rerun: bool) -> dict[str, Any]:
+def _checked(plan: AccuracyPlan, recording: Recording, motion_seconds: float, *, rerun: bool) -> dict[str, Any]:
     """Compare a run with its plan, print the result, and return it for the summary."""
     from drill_twin.cli.progress import shown_progress
     from drill_twin.cli.show import remark

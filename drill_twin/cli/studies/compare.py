@@ -13,7 +13,7 @@ from drill_twin.cli.options import DurationOption, JsonOption, ReplaceOption, Se
 from drill_twin.core.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from drill_twin.api.compare.quantities import Quantity
+    from drill_twin.api.compare.quantities import ComparedQuantity
     from drill_twin.core.table import Table
 
 
@@ -83,7 +83,7 @@ def compare(
     )  # fmt: skip
 
 
-def _shown(cases: Sequence[str], rows: Sequence[Quantity], notes: Sequence[str]) -> Iterator[Table | str]:
+def _shown(cases: Sequence[str], rows: Sequence[ComparedQuantity], notes: Sequence[str]) -> Iterator[Table | str]:
     from drill_twin.core.table import Table
 
     letters = [chr(ord("A") + number) for number in range(len(cases))]

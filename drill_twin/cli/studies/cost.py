@@ -20,7 +20,7 @@ from drill_twin.cli.options import (
 
 if TYPE_CHECKING:
     from drill_twin.core.table import Table
-    from drill_twin.studies.accuracy.errors import Errors
+    from drill_twin.studies.accuracy.errors import MotionErrors
     from drill_twin.studies.convergence import Curve
 
 
@@ -159,7 +159,7 @@ def _table(curve: Curve) -> Table:
 def _meshes(curve: Curve) -> Table:
     from drill_twin.core.table import Table
 
-    def row(elements: str, errors: Errors, *price: str) -> tuple[str, ...]:
+    def row(elements: str, errors: MotionErrors, *price: str) -> tuple[str, ...]:
         found = (
             errors.path, errors.onset, errors.hookload, errors.torque, errors.stick_slip, errors.frequency,
         )  # fmt: skip

@@ -21,7 +21,7 @@ from drill_twin.cli.options import (
 if TYPE_CHECKING:
     from drill_twin.core.table import Table
     from drill_twin.studies.ablation import Ablation, Change
-    from drill_twin.studies.ablation.compare import Quantity
+    from drill_twin.studies.ablation.compare import AblationQuantity
 
 
 def effects(
@@ -100,7 +100,7 @@ def _row(change: Change, runs: int) -> tuple[str, ...]:
     return (name, *prices, *(_cell(key, change.quantities[key], runs) for key in NAMES))
 
 
-def _cell(key: str, quantity: Quantity, runs: int) -> str:
+def _cell(key: str, quantity: AblationQuantity, runs: int) -> str:
     mark = " *" if quantity.matters else "  " if quantity.known else " ?"
     return _value(key, quantity.after, quantity.runs_after, runs) + mark
 

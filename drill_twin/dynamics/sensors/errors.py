@@ -18,7 +18,7 @@ from drill_twin.scene.blocks.sensors import Channel
 _BLOCK = 256  # samples drawn at once
 
 
-class Errors(NamedTuple):
+class InstrumentErrors(NamedTuple):
     """Errors of c quantities that an instrument measures, each of shape (c,)."""
 
     noise: Array
@@ -31,14 +31,14 @@ class Errors(NamedTuple):
     """Step of the readings; 0 without quantisation."""
 
 
-def errors_of(channels: Sequence[Channel], seed: int, instrument: int) -> Errors:
+def errors_of(channels: Sequence[Channel], seed: int, instrument: int) -> InstrumentErrors:
     """Errors of the channels of an instrument, with a bias drawn from its seed; one channel for each quantity."""
     draw = np.random.default_rng([seed, instrument, 0]).normal(size=len(channels))
     noise, spread, largest, step = np.array([(c.noise, c.bias, c.range or np.inf, c.resolution) for c in channels]).T
-    return Errors(noise, spread * draw, largest, step)
+    return InstrumentErrors(noise, spread * draw, largest, step)
 
 
-def with_errors(true: Array, normal: Array, errors: Errors) -> Array:
+def with_errors(true: Array, normal: Array, errors: InstrumentErrors) -> Array:
     """Readings of true values, shape (..., c).
 
     Args:
@@ -52,7 +52,7 @@ def with_errors(true: Array, normal: Array, errors: Errors) -> Array:
     return np.clip(reading, -errors.largest, errors.largest)
 
 
-class Noise:
+class ReadingNoise:
     """Standard normal numbers by the number of the sample."""
 
     def __init__(self, channels: int, seed: int, instrument: int) -> None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.sensors.errors import Noise, errors_of, with_errors
+from drill_twin.dynamics.sensors.errors import ReadingNoise, errors_of, with_errors
 from drill_twin.scene.blocks.sensors import Channel
 
 _SLACK = 1e-6  # of a sample: frames are due at whole multiples of the rate, but for round-off
@@ -40,7 +40,7 @@ class Instrument:
             number: Number of the instrument, for noise of its own.
         """
         self._errors = errors_of(channels, seed, number)
-        self._noise = Noise(len(channels), seed, number)
+        self._noise = ReadingNoise(len(channels), seed, number)
         self._rate, self._delay = rate, delay
         self._sum, self._covered = np.zeros(len(channels)), 0.0
         self._waiting: deque[tuple[float, Reading]] = deque()

@@ -17,7 +17,7 @@ from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, Equation
 from drill_twin.dynamics.torque_drag.along_string import AlongString, along_string
 from drill_twin.dynamics.torque_drag.buckling import BucklingLoads, BucklingState
 from drill_twin.dynamics.torque_drag.operations import Operation
-from drill_twin.dynamics.torque_drag.sliding_balance import Balance, SlidingBalance
+from drill_twin.dynamics.torque_drag.sliding_balance import BalancedString, SlidingBalance
 from drill_twin.dynamics.torque_drag.soft_string import HoleAndString, SoftString, lock_up_weight, soft_string
 from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
 from drill_twin.physics.effects.gravity import line_weight
@@ -32,7 +32,7 @@ NO_TORQUE = 1e-4
 """Torque over make-up torque below which a connection is not loaded; Newton's residual is of that size."""
 
 
-class Contact(NamedTuple):
+class ContactLoad(NamedTuple):
     """Bit or stabiliser on the wall of the hole."""
 
     name: str
@@ -47,7 +47,7 @@ class Contact(NamedTuple):
 class OperationLoads(NamedTuple):
     """Loads of the string in an operation."""
 
-    balance: Balance
+    balance: BalancedString
     along: AlongString
     soft: SoftString
     buckling: BucklingLoads
@@ -61,7 +61,7 @@ class OperationLoads(NamedTuple):
     """Yield strength over the largest equivalent stress; NaN in a string without `yield_strength`."""
     make_up_margin: float
     """Make-up torque over torque, where least; infinite without torque, NaN in a string without `make_up_torque`."""
-    contacts: tuple[Contact, ...]
+    contacts: tuple[ContactLoad, ...]
     """The bit, then the stabilisers from the bit up."""
 
     @property
@@ -220,11 +220,13 @@ def least(margins: Array) -> float:
     return float(known.min()) if known.size else math.nan
 
 
-def _contacts(scene: Scene, solver: SlidingBalance, balance: Balance, along: AlongString) -> tuple[Contact, ...]:
+def _contacts(
+    scene: Scene, solver: SlidingBalance, balance: BalancedString, along: AlongString
+) -> tuple[ContactLoad, ...]:
     rod = solver.equations.model.rod
     tangents = np.array([[0.0, 0.0, 1.0]]) if solver.axis is None else solver.axis.tangent
     tilts = np.linalg.norm(np.cross(balance.u[:, 3:6], tangents), axis=1)
-    found, bottom = [Contact("bit", 0.0, balance.bit_side_force, math.asin(min(float(tilts[0]), 1.0)))], 0.0
+    found, bottom = [ContactLoad("bit", 0.0, balance.bit_side_force, math.asin(min(float(tilts[0]), 1.0)))], 0.0
     for number, section in enumerate(scene.string.sections):
         top = bottom + section.length
         if section.blade_diameter is not None and section.adjusted_mass is None:  # with one: pipe on its tool joints
@@ -232,6 +234,6 @@ def _contacts(scene: Scene, solver: SlidingBalance, balance: Balance, along: Alo
             force = float(np.sum((along.side_force * rod.length)[inside]))
             node = int(np.argmin(np.abs(rod.arc - 0.5 * (bottom + top))))
             name = section.name or f"section {number + 1}"
-            found.append(Contact(name, 0.5 * (bottom + top), force, math.asin(min(float(tilts[node]), 1.0))))
+            found.append(ContactLoad(name, 0.5 * (bottom + top), force, math.asin(min(float(tilts[node]), 1.0))))
         bottom = top
     return tuple(found)

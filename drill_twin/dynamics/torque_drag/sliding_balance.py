@@ -47,7 +47,7 @@ HELD = 3.0
 """Length over which the first guess goes from the hole's axis at an end to the wall, in lengths (EI / w)^(1/3)."""
 
 
-class Balance(NamedTuple):
+class BalancedString(NamedTuple):
     """String in balance during an operation."""
 
     operation: Operation
@@ -108,7 +108,7 @@ class SlidingBalance:
         v[:, SPIN] = operation.rotation
         return v
 
-    def solve(self, operation: Operation, guess: Array | None = None) -> Balance:
+    def solve(self, operation: Operation, guess: Array | None = None) -> BalancedString:
         """Find the balance in an operation.
 
         Args:
@@ -132,7 +132,7 @@ class SlidingBalance:
             if not np.isfinite(force):
                 break
             if force < TOLERANCE * load:
-                return Balance(operation, u, residual[0].copy(), residual[-1].copy(), count)
+                return BalancedString(operation, u, residual[0].copy(), residual[-1].copy(), count)
             step = float(np.clip(step * np.clip(last / force, SHRINKAGE, GROWTH), SHORTEST, LONGEST))
             last = force
             tangents[MASS, :, SPIN] = 0.0  # torsion is linear while all of the string slides
@@ -149,7 +149,7 @@ class SlidingBalance:
             f"residual {last:.3g} N of a load of {load:.3g} N after {count} steps. {remedy}"
         )
 
-    def stiffness(self, balance: Balance) -> Array:
+    def stiffness(self, balance: BalancedString) -> Array:
         """Tangent by position at a balance as block rows, shape (n + 1, 7, 21)."""
         operation = balance.operation
         _, tangents = self.equations.blocks(

@@ -22,7 +22,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import BagError, MessageError
 from drill_twin.gateway.quantities import QUANTITIES, TwinQuantities
-from drill_twin.gateway.signals import Shown, read_signals, signals_path
+from drill_twin.gateway.signals import ShownSignal, read_signals, signals_path
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
 from drill_twin.report.rig_table import Channel, las_text
@@ -60,7 +60,7 @@ class DrillingLog:
     """Simulated time [s], shape (rows,)."""
     values: Mapping[str, Array]
     """Values by D-WIS name in the units of `signals`, each of shape (rows,); NaN where there is none."""
-    signals: Mapping[str, Shown]
+    signals: Mapping[str, ShownSignal]
     """Signals by D-WIS name."""
 
     def stamps(self) -> list[str]:

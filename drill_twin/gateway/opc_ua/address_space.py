@@ -11,7 +11,7 @@ from asyncua import ua
 from drill_twin.gateway.control import HEARTBEAT, REQUEST
 from drill_twin.gateway.dwis import NAMESPACE, PROPOSED_NAMESPACE, UNITS
 from drill_twin.gateway.quantities import QUANTITIES
-from drill_twin.gateway.signals import Shown, Target, is_ours, prototype
+from drill_twin.gateway.signals import CommandTarget, ShownSignal, is_ours, prototype
 
 PERMISSION, HOLDER = "Permission", "Holder"
 _VERBS = (
@@ -70,7 +70,7 @@ class AddressSpace:
         """Browse name of a node of ours."""
         return ua.QualifiedName(name, self._own)
 
-    async def add_signal(self, signal: Shown) -> Any:
+    async def add_signal(self, signal: ShownSignal) -> Any:
         """Add the nodes of a signal; returns the node id of its variable."""
         variable = await self._signals.add_variable(
             self.id(signal.name), self.name(signal.name), ua.Variant(0.0, ua.VariantType.Double)
@@ -95,7 +95,7 @@ class AddressSpace:
         await variable.write_attribute(ua.AttributeIds.Value, empty)
         return variable.nodeid
 
-    async def add_control(self, targets: Sequence[Target]) -> dict[str, Any]:
+    async def add_control(self, targets: Sequence[CommandTarget]) -> dict[str, Any]:
         """Add the nodes of control and the set-points; returns their ids by name."""
         folder = await self.root.add_object(self.id("Control"), self.name("Control"))
         rows = (

@@ -20,11 +20,11 @@ from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 from drill_twin.gateway.opc_ua.keys import CERTIFICATE, Keys
 from drill_twin.gateway.rig_reader import PATIENCE, RefusedError, RigReader
 from drill_twin.gateway.signals import RigSignal
-from drill_twin.gateway.soundness import Reading, unit_fault
+from drill_twin.gateway.soundness import CheckedValue, unit_fault
 
 
 @dataclass(frozen=True)
-class Access:
+class ServerAccess:
     """Address of a rig's server, and the way to enter it."""
 
     url: str
@@ -42,7 +42,7 @@ class Access:
 class RigClient(RigReader):
     """Client of the OPC UA server of a rig."""
 
-    def __init__(self, access: Access, signals: Sequence[RigSignal], period: float) -> None:
+    def __init__(self, access: ServerAccess, signals: Sequence[RigSignal], period: float) -> None:
         """Begin to read.
 
         Args:
@@ -106,13 +106,13 @@ class RigClient(RigReader):
         return self._units[index]
 
 
-def _reading(found: Any) -> Reading:
+def _reading(found: Any) -> CheckedValue:
     stamp = found.SourceTimestamp
     if stamp is not None and stamp.tzinfo is None:
         stamp = stamp.replace(tzinfo=UTC)
     status = "" if found.StatusCode is None or found.StatusCode.is_good() else found.StatusCode.name
     value = found.Value.Value if found.Value is not None else None
-    return Reading(value, status, stamp.timestamp() if stamp is not None else math.nan)
+    return CheckedValue(value, status, stamp.timestamp() if stamp is not None else math.nan)
 
 
 def _node_id(text: str, uris: Sequence[str]) -> Any:

@@ -26,7 +26,7 @@ from drill_twin.gateway.event_loop import EventLoopThread
 from drill_twin.gateway.opc_ua.address_space import HOLDER, PERMISSION, AddressSpace
 from drill_twin.gateway.opc_ua.keys import Keys
 from drill_twin.gateway.opc_ua.sessions import Sessions
-from drill_twin.gateway.signals import Shown, Target
+from drill_twin.gateway.signals import CommandTarget, ShownSignal
 
 APPLICATION = "urn:drill_twin:gateway"
 """URI of the application, and of the namespace of its nodes."""
@@ -38,7 +38,7 @@ logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what a client does wr
 
 
 @dataclass(frozen=True)
-class Sample:
+class PublishedSample:
     """Value of a signal in its unit."""
 
     value: float
@@ -53,8 +53,8 @@ class OpcUaServer:
     def __init__(
         self,
         address: tuple[str, int],
-        signals: Sequence[Shown],
-        targets: Sequence[Target],
+        signals: Sequence[ShownSignal],
+        targets: Sequence[CommandTarget],
         control: Control,
         keys: Keys | None,
     ) -> None:
@@ -127,7 +127,7 @@ class OpcUaServer:
         server.set_identity_tokens([ua.UserNameIdentityToken])
         server.set_certificate_validator(self.sessions.check_certificate)
 
-    def show(self, samples: Mapping[str, Sample]) -> None:
+    def show(self, samples: Mapping[str, PublishedSample]) -> None:
         """Show the values of signals from now on; what has not changed is not sent again."""
         changed = []
         for name, sample in samples.items():
@@ -176,7 +176,7 @@ def _has_session(client: Any) -> bool:
     return session is not None and session.is_activated()
 
 
-def _status(sample: Sample) -> int:
+def _status(sample: PublishedSample) -> int:
     if not math.isfinite(sample.value):
         return int(ua.StatusCodes.BadNoData)
     return int(ua.StatusCodes.UncertainLastUsableValue if sample.stale else ua.StatusCodes.Good)

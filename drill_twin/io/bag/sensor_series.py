@@ -75,7 +75,7 @@ class SurfaceSeries(RigSeries):
         return read_rig_state(state), ()
 
 
-class Sub:
+class SubSeries:
     """Readings and summaries of a downhole sub."""
 
     def __init__(self) -> None:
@@ -107,7 +107,7 @@ class Measured:
                 self.skipped += 1
 
     def _reset(self) -> None:
-        self.subs: dict[str, Sub] = {}
+        self.subs: dict[str, SubSeries] = {}
         """Subs by name; those of a real rig as `measured/NAME`."""
         self.surface = SurfaceSeries()
         """Surface channels of a simulated rig."""
@@ -117,6 +117,6 @@ class Measured:
     def _series(self, topic: str) -> ImuSeries | SummarySeries | SurfaceSeries:
         if name := sub_of(topic):
             key = f"measured/{name}" if topic.startswith(MEASURED) else name
-            sub = self.subs.setdefault(key, Sub())
+            sub = self.subs.setdefault(key, SubSeries())
             return sub.imu if topic.endswith("/imu") else sub.summary
         return self.surface if topic == SURFACE_STATE else self.rig

@@ -30,7 +30,7 @@ _NONE_YET = "no onset so far"
 
 
 @dataclass(frozen=True, eq=False)
-class WhirlState:
+class WhirlOfMarks:
     """Whirl of each mark at one instant, arrays of shape (m,)."""
 
     stamp: int
@@ -48,7 +48,7 @@ class WhirlState:
 
 
 @dataclass(frozen=True)
-class Motion:
+class SubjectMotion:
     """Motion state of one mark or of the string."""
 
     subject: str
@@ -114,7 +114,7 @@ class WhirlStateEncoder:
         return self._template.rows(stamps, values)
 
 
-def read_whirl_state(state: JointState) -> WhirlState:
+def read_whirl_state(state: JointState) -> WhirlOfMarks:
     """Findings of a `/whirl/state`.
 
     Raises:
@@ -127,10 +127,10 @@ def read_whirl_state(state: JointState) -> WhirlState:
             f"found {', '.join(state.names) or 'none'}"
         )
     values = state.position.reshape(len(marks), len(WHIRL_SCALARS))
-    return WhirlState(state.stamp, marks, *values.T)
+    return WhirlOfMarks(state.stamp, marks, *values.T)
 
 
-def encode_motion(stamp: int, motions: Sequence[Motion], frame_id: str = FRAME_ID) -> bytes:
+def encode_motion(stamp: int, motions: Sequence[SubjectMotion], frame_id: str = FRAME_ID) -> bytes:
     """CDR of `/whirl/motion` at a stamp [ns]."""
     return encode_diagnostics(
         stamp,
@@ -148,7 +148,7 @@ def encode_motion(stamp: int, motions: Sequence[Motion], frame_id: str = FRAME_I
     )
 
 
-def decode_motion(raw: bytes) -> tuple[int, list[Motion]]:
+def decode_motion(raw: bytes) -> tuple[int, list[SubjectMotion]]:
     """Stamp [ns] and motion states of a `/whirl/motion`.
 
     Raises:
@@ -159,7 +159,9 @@ def decode_motion(raw: bytes) -> tuple[int, list[Motion]]:
     for status in statuses:
         if not status.name.startswith(_MOTION):
             raise MessageError(f"expected {_MOTION}<mark> in a /whirl/motion, found {status.name!r}")
-        motions.append(Motion(status.name.removeprefix(_MOTION), status.text, status.values.get("criterion", "")))
+        motions.append(
+            SubjectMotion(status.name.removeprefix(_MOTION), status.text, status.values.get("criterion", ""))
+        )
     return stamp, motions
 
 

@@ -24,7 +24,7 @@ from drill_twin.io.messages.topics import (
     TWIN_SCENE,
     WHIRL_MOTION,
 )
-from drill_twin.io.messages.whirl_encode import STRING_LEVEL, Motion
+from drill_twin.io.messages.whirl_encode import STRING_LEVEL, SubjectMotion
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter
@@ -119,7 +119,7 @@ class Advisor(TwinNode):
             self._clear()
         self._tracker.take(seconds(state.stamp), rig.bit_force, rig.top_drive_speed)
 
-    def _on_motion(self, found: tuple[int, list[Motion]]) -> None:
+    def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:
         self.samples.take(WHIRL_MOTION)
         self._whirls = any(motion.subject == STRING_LEVEL and whirls_in(motion.state) for motion in found[1])
 

@@ -11,7 +11,7 @@ from rclpy.context import Context
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import CLOCK_TOPIC, DIAGNOSTICS, WHIRL_MOTION, WHIRL_ONSET
-from drill_twin.io.messages.whirl_encode import STRING_LEVEL, Motion, OnsetMessage
+from drill_twin.io.messages.whirl_encode import STRING_LEVEL, OnsetMessage, SubjectMotion
 from drill_twin.ros.core.node import TwinNode
 
 
@@ -54,7 +54,7 @@ class DemoObserver(TwinNode):
             )
         self.onset = onset
 
-    def _on_motion(self, found: tuple[int, list[Motion]]) -> None:
+    def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:
         stamp, motions = found
         for motion in motions:
             if motion.subject == STRING_LEVEL and motion.state != self.motion:

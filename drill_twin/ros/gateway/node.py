@@ -30,13 +30,13 @@ from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import ParameterError
 from drill_twin.ros.gateway.commands import CommandOutput
 from drill_twin.ros.gateway.parameters import PARAMETERS
-from drill_twin.ros.gateway.rig import Rig
+from drill_twin.ros.gateway.rig import RigLink
 from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.scene import parse_scene
 
 if TYPE_CHECKING:
     from drill_twin.gateway.opc_ua.keys import Keys
-    from drill_twin.gateway.opc_ua.server import OpcUaServer, Sample
+    from drill_twin.gateway.opc_ua.server import OpcUaServer, PublishedSample
 
 _TURN = 0.05  # s between two turns of the loop
 _CONTROL_PERIOD = 0.1  # s
@@ -65,14 +65,14 @@ class Gateway(TwinNode):
         self._told_control: tuple[Permission, str] | None = None
         self._unread = self._denied = ""
         self._server: OpcUaServer | None = None
-        self._rig: Rig | None = None
+        self._rig: RigLink | None = None
 
     def on_start(self) -> None:
         """Start server and client, and subscribe to the topics of the signals."""
         keys = _read_keys(self.settings.keys)
         self._server = _make_server(self.settings, self._signals, self._control, keys)
         if self.settings.rig_url:
-            self._rig = Rig(self, self._output, self._signals, keys)
+            self._rig = RigLink(self, self._output, self._signals, keys)
         topics = {QUANTITIES[signal.quantity].topic for signal in self._signals.show}
         for topic in topics | ({RIG_STATE} if self._signals.command or self._rig else set()):
             depth = 1 if TOPICS[topic].latched else _DEPTH
@@ -117,14 +117,14 @@ class Gateway(TwinNode):
 
     # --- twin -> OPC UA -------------------------------------------------------------------------------------------
 
-    def _samples(self) -> dict[str, Sample]:
-        from drill_twin.gateway.opc_ua.server import Sample
+    def _samples(self) -> dict[str, PublishedSample]:
+        from drill_twin.gateway.opc_ua.server import PublishedSample
 
         values, samples = self._quantities.values, {}
         for signal in self._signals.show:
             if signal.quantity in values:
                 value = values[signal.quantity] / signal.factor
-                samples[signal.name] = Sample(value, self._is_stale(signal.quantity))
+                samples[signal.name] = PublishedSample(value, self._is_stale(signal.quantity))
         return samples
 
     def _is_stale(self, quantity: str) -> bool:

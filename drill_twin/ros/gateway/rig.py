@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from drill_twin.gateway.soundness import Judged
 
 
-class Rig:
+class RigLink:
     """Publishes what a rig measures, and sends its set-points."""
 
     def __init__(self, node: TwinNode, output: CommandOutput, signals: Signals, keys: Keys | None) -> None:
@@ -179,7 +179,7 @@ def check_security(settings: Any, *, follows: bool, has_keys: bool) -> None:
 
 def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | None) -> RigReader:
     from drill_twin.gateway.opc_ua.passwords import check_private
-    from drill_twin.gateway.opc_ua.rig_client import Access, RigClient
+    from drill_twin.gateway.opc_ua.rig_client import RigClient, ServerAccess
     from drill_twin.gateway.opc_ua.server import APPLICATION
 
     password = ""
@@ -189,7 +189,7 @@ def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | Non
             raise ParameterError(f"parameter rig_user: expected the password in {file}, found no such file")
         check_private(file)
         password = ForeignFile("a password", 10_000, ParameterError).text(file).strip()
-    access = Access(settings.rig_url, keys, APPLICATION, settings.rig_user, password)
+    access = ServerAccess(settings.rig_url, keys, APPLICATION, settings.rig_user, password)
     return RigClient(access, signals, 1.0 / settings.rig_rate)
 
 

@@ -26,7 +26,7 @@ _FRAMES = 20  # without a command, before its source is lost: after a pause, or 
 
 
 @dataclass(frozen=True)
-class Limits:
+class CommandLimits:
     """Ranges of accepted set-points; both ends included."""
 
     weight_on_bit: tuple[float, float]
@@ -75,7 +75,7 @@ class CommandArbiter:
     """Judges commands and holds the set-point."""
 
     def __init__(
-        self, limits: Limits, silence: Silence, first: Command, *, clock: Callable[[], float] = time.monotonic
+        self, limits: CommandLimits, silence: Silence, first: Command, *, clock: Callable[[], float] = time.monotonic
     ) -> None:
         self._limits = limits
         self._silence = silence
@@ -98,7 +98,7 @@ class CommandArbiter:
         """True while the set-point in force is from single values, which come on change and not at a rate."""
         self._last_refusal_time = -math.inf
 
-    def set_limits(self, limits: Limits, silence: Silence) -> None:
+    def set_limits(self, limits: CommandLimits, silence: Silence) -> None:
         """Apply other limits from now on."""
         self._limits, self._silence = limits, silence
 

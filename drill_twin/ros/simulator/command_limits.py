@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from drill_twin.ros.simulator.command_arbiter import Limits
+from drill_twin.ros.simulator.command_arbiter import CommandLimits
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.rig import SetPoint
 
@@ -16,7 +16,7 @@ _FASTEST = 200.0 * math.pi  # rad/s, 100 rev/s, as in a scene file
 _STRAIN = 0.01  # of the weakest section, where the scene only says that a record is played
 
 
-def limits_for(scene: Scene, *, max_weight_on_bit: float, max_speed: float, negative: bool) -> Limits:
+def limits_for(scene: Scene, *, max_weight_on_bit: float, max_speed: float, negative: bool) -> CommandLimits:
     """The limits of a scene; its own set-points are always within them.
 
     Args:
@@ -31,7 +31,7 @@ def limits_for(scene: Scene, *, max_weight_on_bit: float, max_speed: float, nega
     rig = scene.rig
     weight = max_weight_on_bit or _largest(rig.weight_on_bit, _LEAST_WEIGHT, _strained(scene))
     speed = max_speed or _largest(rig.rotation, _LEAST_SPEED, _FASTEST)
-    return Limits(
+    return CommandLimits(
         weight_on_bit=_range(rig.weight_on_bit, weight, negative=negative),
         rotation=_range(rig.rotation, speed, negative=negative),
         block_not_followed=_block_not_followed(scene),

@@ -33,7 +33,7 @@ SERVICES = {
 """Names under the node and types."""
 
 
-class Run(Protocol):
+class ControlledRun(Protocol):
     """A run that the services control."""
 
     @property
@@ -59,7 +59,7 @@ class Run(Protocol):
 class Answers:
     """An answer for each service; requests and responses are those of the package."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: ControlledRun) -> None:
         self._run = run
 
     def get_simulation_state(self, request: Any, response: Any) -> Any:
@@ -119,7 +119,7 @@ def _done(response: Any, *actions: Callable[[], str]) -> Any:
     return _said(response, OK)
 
 
-def offer_where_installed(node: Node, run: Run) -> list[Service]:
+def offer_where_installed(node: Node, run: ControlledRun) -> list[Service]:
     """The services of the package; none where it is not installed."""
     try:
         kinds = importlib.import_module("simulation_interfaces.srv")

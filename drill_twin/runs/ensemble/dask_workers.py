@@ -31,7 +31,7 @@ from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.runs.compilation import compile_kernel
 from drill_twin.runs.ensemble.members import Member, Members, scene_of
 from drill_twin.runs.ensemble.outputs import Request
-from drill_twin.runs.ensemble.run import Run, run_member
+from drill_twin.runs.ensemble.run import MemberRun, run_member
 from drill_twin.scene import Scene
 
 CONNECT = 10.0
@@ -84,7 +84,7 @@ class DaskWorkers:
         threads: Mapping[str, int] = self._client.nthreads()
         return max(1, sum(threads.values()))
 
-    def run(self, members: Members, request: Request) -> Generator[tuple[int, Run]]:
+    def run(self, members: Members, request: Request) -> Generator[tuple[int, MemberRun]]:
         """As in `Executor`."""
         cores, setup, sources = self.cores, pickle.dumps((members.base, request)), fingerprint(members.base)
         size = min(LARGEST_TASK, max(1, len(members) // (TASKS_PER_CORE * cores)))
@@ -115,9 +115,9 @@ class DaskWorkers:
             if silent >= PATIENCE:
                 raise self._without_workers(silent)
 
-    def _result(self, future: Any) -> list[Run]:
+    def _result(self, future: Any) -> list[MemberRun]:
         try:
-            found: list[Run] = future.result()
+            found: list[MemberRun] = future.result()
         except DrillTwinError as error:
             raise RunError(f"{self.address}: {error}") from error
         except self._distributed.scheduler.KilledWorker as error:
@@ -165,7 +165,7 @@ def _tasks(members: Iterator[Member], size: int) -> Iterator[list[Member]]:
 # --- in the worker --------------------------------------------------------------------------------------------------
 
 
-def run_task(setup: bytes, expected: Mapping[str, str], members: bytes) -> list[Run]:
+def run_task(setup: bytes, expected: Mapping[str, str], members: bytes) -> list[MemberRun]:
     """Run members of a scene; called in a worker.
 
     Args:

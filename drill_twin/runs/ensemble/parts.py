@@ -21,7 +21,7 @@ MOST_BYTES = 4 * 1024 * 1024
 """Most memory of the frames of one call where the state of all nodes is recorded."""
 
 
-class Part(NamedTuple):
+class Chunk(NamedTuple):
     """Frames that were computed together; they hold until the next are."""
 
     rows: FrameSeries
@@ -31,13 +31,13 @@ class Part(NamedTuple):
     repeated: int
     """Frames that the step guard repeated with a smaller step."""
 
-    def first(self, count: int) -> Part:
+    def first(self, count: int) -> Chunk:
         """Some of the frames; the effort is that of all."""
         rows, rig = ([column[:count] for column in part] for part in (self.rows, self.rig))
         return self._replace(rows=FrameSeries(*rows), rig=RigSeries(*rig))
 
 
-def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None) -> Iterator[Part]:
+def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None) -> Iterator[Chunk]:
     """Advance a twin that has not run, part by part: motion of marks and rig.
 
     Args:
@@ -59,7 +59,7 @@ def parts_of(twin: Twin, commands: Array, period: float, size: int | None = None
             repeated = twin.advance_frames(commands[first : first + record.size], period, record)
         except DrillTwinError as ended:
             error = ended
-        part = Part(rows, rig, time.thread_time() - began, repeated)
+        part = Chunk(rows, rig, time.thread_time() - began, repeated)
         if count := round(twin.time / period) - first:
             yield part.first(count)
         if error is not None:

@@ -12,7 +12,7 @@ import numpy as np
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.extras import import_extra
 from drill_twin.runs.ensemble.members import Members
-from drill_twin.runs.ensemble.run import Run
+from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.whirl import Summary
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class EnsembleResult:
         dimensions: Dimensions of each output after the first, which is that of the members, by name.
     """
 
-    def __init__(self, members: Members, runs: Sequence[Run]) -> None:
+    def __init__(self, members: Members, runs: Sequence[MemberRun]) -> None:
         self._members, self.runs = members, list(runs)
         self.members = list(members)
         known = [run.values for run in runs if run.values]

@@ -26,7 +26,7 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
-class Run:
+class MemberRun:
     """Outcome of a member.
 
     Attributes:
@@ -51,7 +51,7 @@ class Executor(Protocol):
     `drill_twin.runs.ensemble.dask_workers.DaskWorkers`.
     """
 
-    def run(self, members: Members, request: Request) -> Generator[tuple[int, Run]]:
+    def run(self, members: Members, request: Request) -> Generator[tuple[int, MemberRun]]:
         """Run all members; the same bits wherever they are run.
 
         Args:
@@ -76,7 +76,7 @@ class Threads:
 
     workers: int = 1
 
-    def run(self, members: Members, request: Request) -> Generator[tuple[int, Run]]:
+    def run(self, members: Members, request: Request) -> Generator[tuple[int, MemberRun]]:
         """As in `Executor`."""
         jobs = {member.number: member for member in members}
         yield from on_threads(lambda member, _: run_member(members.base, request, member), jobs, self.workers)
@@ -114,7 +114,7 @@ def on_threads(
         pool.shutdown(cancel_futures=True)
 
 
-def run_member(base: Scene, request: Request, member: Member) -> Run:
+def run_member(base: Scene, request: Request, member: Member) -> MemberRun:
     """Run one member of a base scene; its failure is part of the outcome."""
     began = time.thread_time()
     kernel, repeated, failure, simulated = 0.0, 0, "", 0.0
@@ -140,4 +140,4 @@ def run_member(base: Scene, request: Request, member: Member) -> Run:
         failure = (
             f"{member}: expected room for its arrays, found no memory left; take fewer workers or a lower mark_rate"
         )
-    return Run(values, failure, simulated, repeated, kernel, time.thread_time() - began)
+    return MemberRun(values, failure, simulated, repeated, kernel, time.thread_time() - began)

@@ -11,7 +11,7 @@ from drill_twin.core.errors import TableError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.scene.records.cells import number
 from drill_twin.scene.records.columns import Columns
-from drill_twin.scene.records.rows import LARGEST_FILE, MOST_COLUMNS, RowError, Rows, split
+from drill_twin.scene.records.rows import LARGEST_FILE, MOST_COLUMNS, RecordRows, RowError, split
 
 CSV = ForeignFile("a CSV file", LARGEST_FILE, TableError, may_be_empty=False)
 _DELIMITERS = ",;\t|"
@@ -39,7 +39,7 @@ def read_csv(path: Path) -> Columns:
     return rows.columns(path, {})
 
 
-def _begin(header: str) -> tuple[list[str], Rows]:
+def _begin(header: str) -> tuple[list[str], RecordRows]:
     """Names of the columns, and their rows to be filled.
 
     Raises:
@@ -53,7 +53,7 @@ def _begin(header: str) -> tuple[list[str], Rows]:
         raise RowError("expected a header with column names, found numbers")
     if twice := sorted(name for name, count in Counter(names).items() if count > 1):
         raise RowError(f"expected each column once, found {', '.join(twice)[:100]} again")
-    return names, Rows(names, delimiter)
+    return names, RecordRows(names, delimiter)
 
 
 def used_lines(kind: ForeignFile, path: Path) -> Iterator[tuple[int, str]]:

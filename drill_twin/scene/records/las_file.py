@@ -10,7 +10,7 @@ from pathlib import Path
 from drill_twin.core.errors import TableError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.scene.records.columns import Columns
-from drill_twin.scene.records.rows import LARGEST_FILE, RowError, Rows
+from drill_twin.scene.records.rows import LARGEST_FILE, RecordRows, RowError
 
 LAS = ForeignFile("a LAS file", LARGEST_FILE, TableError, may_be_empty=False)
 _LONGEST_LINE, _MOST_CURVES = 100_000, 1000
@@ -32,7 +32,7 @@ def read_las(path: Path) -> Columns:
         place[name] += 1
         names.append(name if count[name] == 1 else f"{name}:{place[name]}")
         units[names[-1]] = unit
-    rows = Rows(names, _DELIMITERS.get(version.get("DLM", "").upper(), " "))
+    rows = RecordRows(names, _DELIMITERS.get(version.get("DLM", "").upper(), " "))
     if version.get("WRAP", "").upper() == "YES":
         lines = _unwrapped(lines, len(names))
     for number, line in lines:

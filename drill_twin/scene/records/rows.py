@@ -38,7 +38,7 @@ class Text(NamedTuple):
         return f'"{self.cell}" in row {self.row}'
 
 
-class Rows:
+class RecordRows:
     """Rows as they are read; 8 bytes a cell.
 
     Attributes:

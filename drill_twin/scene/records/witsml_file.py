@@ -16,7 +16,7 @@ from xml.parsers import expat
 from drill_twin.core.errors import TableError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.scene.records.columns import Columns
-from drill_twin.scene.records.rows import LARGEST_FILE, MOST_COLUMNS, RowError, Rows
+from drill_twin.scene.records.rows import LARGEST_FILE, MOST_COLUMNS, RecordRows, RowError
 
 WITSML = ForeignFile("a WITSML log", LARGEST_FILE, TableError, may_be_empty=False)
 _VERSION = "1.4.1"
@@ -37,7 +37,7 @@ class _LogReader:
     def __init__(self) -> None:
         self.header: dict[str, str] = {}
         self.names: list[str] = []
-        self.rows: Rows | None = None
+        self.rows: RecordRows | None = None
         self._open: list[str] = []
         self._text: list[str] = []
         self._length = self._logs = 0
@@ -86,7 +86,7 @@ class _LogReader:
         if 0 in rows.texts:
             raise _RefusedError(f'expected a time in row {rows.count}, found "{rows.texts[0].cell}"')
 
-    def _begin(self) -> Rows:
+    def _begin(self) -> RecordRows:
         kind = self.header.get("indexType", "none")
         if kind not in _TIME:
             raise _RefusedError(
@@ -101,7 +101,7 @@ class _LogReader:
         if not 1 < len(self.names) <= MOST_COLUMNS or twice:
             found = f"{', '.join(twice)[:100]} again" if twice else f"{len(self.names)} names"
             raise _RefusedError(f"expected 2 to {MOST_COLUMNS} names in mnemonicList, each once, found {found}")
-        return Rows(self.names, self.header.get("dataDelimiter") or ",")
+        return RecordRows(self.names, self.header.get("dataDelimiter") or ",")
 
     def columns(self, path: Path) -> Columns:
         """The columns of numbers, the index first and in s."""

@@ -10,7 +10,7 @@ from typing import Any
 from drill_twin.core.errors import RunError, SceneError
 from drill_twin.physics.effects import EFFECTS
 from drill_twin.scene import load_scene
-from drill_twin.studies.ablation.compare import Quantity, differences, worst
+from drill_twin.studies.ablation.compare import AblationQuantity, differences, worst
 from drill_twin.studies.accuracy.trial import Trial, run_trial
 from drill_twin.studies.pool import run_jobs
 
@@ -27,7 +27,7 @@ class Change:
 
     left_out: tuple[str, ...]
     """Keys of the effects that were left out: one, and those that require it."""
-    quantities: dict[str, Quantity] = field(default_factory=dict)
+    quantities: dict[str, AblationQuantity] = field(default_factory=dict)
     """Results with and without, by name; empty if the run failed."""
     cost_share: float | None = None
     """Share of the run time that is saved [-]; negative if the run without it takes longer, None if it failed."""

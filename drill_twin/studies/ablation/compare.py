@@ -26,7 +26,7 @@ NAMES = {
 
 
 @dataclass(frozen=True)
-class Quantity:
+class AblationQuantity:
     """A quantity with and without a group of effects."""
 
     before: float | None
@@ -47,7 +47,7 @@ class Quantity:
     """False if so few runs could not have shown a difference."""
 
 
-def differences(before: Sequence[Trial], after: Sequence[Trial], tolerance: float) -> dict[str, Quantity]:
+def differences(before: Sequence[Trial], after: Sequence[Trial], tolerance: float) -> dict[str, AblationQuantity]:
     """Every quantity with and without a group of effects.
 
     Args:
@@ -62,7 +62,7 @@ def differences(before: Sequence[Trial], after: Sequence[Trial], tolerance: floa
     }
 
 
-def worst(quantities: Mapping[str, Quantity]) -> float:
+def worst(quantities: Mapping[str, AblationQuantity]) -> float:
     """Largest difference in tolerances, of the significant ones if there are any."""
     sure = [quantity.tolerances for quantity in quantities.values() if quantity.matters]
     return max(sure or [quantity.tolerances for quantity in quantities.values()] or [0.0])
@@ -75,7 +75,7 @@ def _values(trials: Sequence[Trial], name: str) -> list[float]:
 
 def _quantity(
     values: tuple[list[float], list[float]], sizes: tuple[int, int], tolerance: float, relative: bool
-) -> Quantity:
+) -> AblationQuantity:
     """Means and counts, of the runs that have the quantity, with and without a group."""
     before, after = values
     means, counts = (_mean(before), _mean(after)), (len(before), len(after))
@@ -83,13 +83,13 @@ def _quantity(
     more_often = differ and _fisher(counts, sizes) < 1.0 - CONFIDENCE
     countable = not differ or _fisher((sizes[0], 0), sizes) < 1.0 - CONFIDENCE
     if one is None or other is None:
-        return Quantity(*means, *counts, math.nan, math.inf if differ else 0.0, more_often, countable)
+        return AblationQuantity(*means, *counts, math.nan, math.inf if differ else 0.0, more_often, countable)
     scale, difference = tolerance * (abs(one) if relative else 1.0), abs(other - one)
     measurable = min(counts) > 1
     noise = math.sqrt(_square_error(before) + _square_error(after)) if measurable else math.nan
     matters = more_often or (measurable and difference > max(scale, _chance_difference(before, after)))
     known = matters or (measurable and countable)
-    return Quantity(one, other, *counts, noise, difference / max(scale, 1e-300), matters, known)
+    return AblationQuantity(one, other, *counts, noise, difference / max(scale, 1e-300), matters, known)
 
 
 def _fisher(counts: tuple[int, int], sizes: tuple[int, int]) -> float:

@@ -17,7 +17,7 @@ from drill_twin.report.recording import Recording
 from drill_twin.studies.accuracy.errors import largest_distance
 from drill_twin.studies.accuracy.measure import AFTER_ONSET, at
 from drill_twin.studies.accuracy.motion_run import run_motion
-from drill_twin.studies.accuracy.plan import Plan
+from drill_twin.studies.accuracy.plan import AccuracyPlan
 
 RICHARDSON = 4.0 / 3.0
 """Error over the difference from a run of half the step and twice the elements, for second order."""
@@ -32,7 +32,7 @@ METHOD = (
 
 
 @dataclass(frozen=True)
-class Interval:
+class ErrorInterval:
     """Mean over time and its 95 % confidence interval, by the method of batch means (Law 2007, section 9.5.3)."""
 
     mean: float
@@ -58,9 +58,9 @@ class AccuracyResult:
     """Processor time of the measurement of the error model; 0 where there was one [s]."""
     check_seconds: float
     """Processor time of this check [s]."""
-    orbit_radius: Interval | None
+    orbit_radius: ErrorInterval | None
     """Orbit radius over the clearance, mean of the marks [-]; None without whirl."""
-    precession_hz: Interval | None
+    precession_hz: ErrorInterval | None
     """Precession frequency of the mark with the largest orbit [Hz], positive = forward."""
 
     def to_dict(self) -> dict[str, Any]:
@@ -69,7 +69,7 @@ class AccuracyResult:
 
 
 def check(
-    plan: Plan,
+    plan: AccuracyPlan,
     recording: Recording,
     motion_seconds: float,
     *,
@@ -108,7 +108,7 @@ def check(
 
 
 def _actual(
-    plan: Plan,
+    plan: AccuracyPlan,
     time: Array,
     line: ComplexArray,
     onset: float | None,
@@ -132,7 +132,7 @@ def _precession(time: Array, line: ComplexArray) -> Array:
     return turns
 
 
-def interval(time: Array, values: Array, onset: float | None) -> Interval | None:
+def interval(time: Array, values: Array, onset: float | None) -> ErrorInterval | None:
     """Confidence interval of the mean after the onset; None where the record after it is too short.
 
     Args:
@@ -148,4 +148,4 @@ def interval(time: Array, values: Array, onset: float | None) -> Interval | None
         return None
     means = late[: size * BATCHES].reshape(BATCHES, size).mean(axis=1)
     half = float(student.ppf(0.5 + 0.5 * CONFIDENCE, BATCHES - 1) * means.std(ddof=1) / math.sqrt(BATCHES))
-    return Interval(float(means.mean()), float(means.mean()) - half, float(means.mean()) + half)
+    return ErrorInterval(float(means.mean()), float(means.mean()) - half, float(means.mean()) + half)

@@ -48,7 +48,7 @@ _Error = Annotated[float, Field(ge=0.0)]  # infinite for a run without an onset 
 
 
 @dataclass(frozen=True)
-class Point:
+class MeasuredPoint:
     """Errors and effort of a resolution."""
 
     elements: _Elements
@@ -87,13 +87,13 @@ class ErrorModel:
     """Time step of the converged run [s]."""
     ended: str
     """End of the measurement: `reached`, `budget`, or `finest`."""
-    points: tuple[Point, ...]
+    points: tuple[MeasuredPoint, ...]
 
     def covers(self, duration: float) -> bool:
         """True if it tells the errors of a run of a simulated duration [s]: all that is before the onset."""
         return self.onset_s is not None or duration <= self.covered_s * (1.0 + 1e-9)
 
-    def cheapest(self, accuracy: float) -> Point | None:
+    def cheapest(self, accuracy: float) -> MeasuredPoint | None:
         """The cheapest resolution whose error is below the accuracy with a margin; None if there is none.
 
         A resolution counts only if every finer one is accurate enough too: otherwise its small error is a coincidence.
@@ -101,11 +101,11 @@ class ErrorModel:
         fit = [point for point in self.judged if MARGIN * max(map(self.expected, self._finer(point))) <= accuracy]
         return min(fit, key=lambda point: self.effort(point, 2.0 * (self.onset_s or 1.0)), default=None)
 
-    def expected(self, point: Point) -> float:
+    def expected(self, point: MeasuredPoint) -> float:
         """Expected error [-]: that against the converged run, plus the error of the converged run itself."""
         return point.error + REFERENCE_SHARE * self.best
 
-    def _finer(self, point: Point) -> list[Point]:
+    def _finer(self, point: MeasuredPoint) -> list[MeasuredPoint]:
         """All resolutions that are at least as fine as this one, which is among them."""
         return [
             other
@@ -119,7 +119,7 @@ class ErrorModel:
         return min((point.error for point in self.judged), default=1.0)
 
     @property
-    def judged(self) -> list[Point]:
+    def judged(self) -> list[MeasuredPoint]:
         """Resolutions well below that of the converged run, which alone shows the error of mesh and step."""
         return [
             point
@@ -127,12 +127,12 @@ class ErrorModel:
             if COARSER * point.elements <= self.elements and COARSER * self.step <= point.step
         ]
 
-    def iterations(self, point: Point, duration: float) -> float:
+    def iterations(self, point: MeasuredPoint, duration: float) -> float:
         """Newton iterations of a run of a simulated duration [s]."""
         early = duration if self.onset_s is None else min(self.onset_s, duration)
         return point.before * early + point.after * (duration - early)
 
-    def effort(self, point: Point, duration: float) -> float:
+    def effort(self, point: MeasuredPoint, duration: float) -> float:
         """Time of a run of a simulated duration [s], in times of one element in one iteration."""
         return self.iterations(point, duration) * (point.elements + OVERHEAD)
 
@@ -194,10 +194,10 @@ def from_motions(
     )  # fmt: skip
 
 
-def _point(motion: Motion, reference: Motion, onset: float | None, later: float) -> Point:
+def _point(motion: Motion, reference: Motion, onset: float | None, later: float) -> MeasuredPoint:
     path, late = errors_before(motion, reference)
     before, after = rates(motion, onset)
-    return Point(motion.elements, motion.step, motion.tolerance, path, late, before, later * after)
+    return MeasuredPoint(motion.elements, motion.step, motion.tolerance, path, late, before, later * after)
 
 
 def rates(motion: Motion, onset: float | None, end: float = np.inf) -> tuple[float, float]:

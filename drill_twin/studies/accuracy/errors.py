@@ -20,7 +20,7 @@ SETTLED = 0.5
 
 
 @dataclass(frozen=True)
-class Errors:
+class MotionErrors:
     """Differences from the converged run, all dimensionless; None where there is nothing to compare."""
 
     path: float | None
@@ -54,11 +54,11 @@ def statistics(motion: Motion) -> tuple[float, float]:
     return float(radius.mean()), float(motion.contact[late].mean())
 
 
-def compare(motion: Motion, reference: Motion) -> Errors:
+def compare(motion: Motion, reference: Motion) -> MotionErrors:
     """Errors of a run of the same scene with the same frames."""
     radius, contact = statistics(motion)
     true_radius, true_contact = statistics(reference)
-    return Errors(
+    return MotionErrors(
         path=path_error(motion, reference),
         onset=_relative(motion.onset, reference.onset),
         frequency=_relative(motion.frequency, reference.frequency),
@@ -98,7 +98,7 @@ def largest_distance(path: ComplexArray, true: ComplexArray) -> float:
     return float(np.abs(path - true).max()) / largest if largest > 0.0 else 0.0
 
 
-def spread(replicas: Sequence[Motion], reference: Motion) -> Errors:
+def spread(replicas: Sequence[Motion], reference: Motion) -> MotionErrors:
     """Root mean square of the errors of replicas of the converged run: smaller errors cannot be resolved."""
     found = [compare(replica, reference) for replica in replicas]
 
@@ -106,7 +106,7 @@ def spread(replicas: Sequence[Motion], reference: Motion) -> Errors:
         values = [getattr(errors, name) for errors in found if getattr(errors, name) is not None]
         return float(np.sqrt(np.mean(np.square(values)))) if values else None
 
-    return Errors(
+    return MotionErrors(
         rms("path"), rms("onset"), rms("frequency"), rms("radius") or 0.0, rms("contact") or 0.0,
         rms("hookload"), rms("torque"), rms("stick_slip"),
     )  # fmt: skip

@@ -13,7 +13,7 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs import compile_kernel
 from drill_twin.runs.ensemble.parts import planned
 from drill_twin.scene import Scene
-from drill_twin.studies.accuracy.error_model import MARGIN, ErrorModel, Point, load_model, save_model
+from drill_twin.studies.accuracy.error_model import MARGIN, ErrorModel, MeasuredPoint, load_model, save_model
 from drill_twin.studies.accuracy.measure import Measurement, Report, at
 
 PROBE = 0.2
@@ -23,7 +23,7 @@ PROBED = 50
 
 
 @dataclass(frozen=True)
-class Plan:
+class AccuracyPlan:
     """A scene that is ready to run, with its expected error and time."""
 
     scene: Scene
@@ -63,7 +63,7 @@ def resolve(
     duration: float | None = None,
     progress: Report = lambda *_: None,
     compiling: Callable[[str], None] | None = None,
-) -> Plan:
+) -> AccuracyPlan:
     """Choose the cheapest resolution that is accurate enough.
 
     The formulation stays the scene's, because it changes the model and not the resolution.
@@ -105,7 +105,7 @@ def resolve(
         raise SceneError(_refusal(scene, asked, model))
     chosen = at(scene, point.elements, point.step, point.tolerance)
     seconds = expected_seconds(chosen, model.iterations(point, length), length)
-    return Plan(chosen, asked, model.expected(point), seconds, model.onset_s, source, measuring, _basis(model))
+    return AccuracyPlan(chosen, asked, model.expected(point), seconds, model.onset_s, source, measuring, _basis(model))
 
 
 def _basis(model: ErrorModel) -> str:
@@ -118,7 +118,7 @@ def _basis(model: ErrorModel) -> str:
 
 
 def _refusal(scene: Scene, asked: float, model: ErrorModel) -> str:
-    best: Point = min(model.judged or model.points, key=model.expected)
+    best: MeasuredPoint = min(model.judged or model.points, key=model.expected)
     why = "when its budget of time ended" if model.ended == "budget" else "with what was tried"
     return (
         f"{scene.name}: numerics.accuracy: expected an error that can be reached, found {asked * 100:.2g} %, and at "

@@ -12,7 +12,7 @@ from drill_twin.core.errors import RunError, SceneError
 from drill_twin.dynamics.discretisation.resolution import resolution_of
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene, load_scene
-from drill_twin.studies.accuracy.errors import Errors, compare, spread
+from drill_twin.studies.accuracy.errors import MotionErrors, compare, spread
 from drill_twin.studies.accuracy.motion_run import Motion, cached_run
 from drill_twin.studies.pool import run_jobs
 
@@ -59,7 +59,7 @@ class MeasuredRun:
     """Errors and cost of a run."""
 
     resolution: Resolution
-    errors: Errors
+    errors: MotionErrors
     cost: float
     """Processor time per simulated second [s/s]."""
     realtime_factor: float
@@ -79,7 +79,7 @@ class Curve:
     scene: str
     version: str
     reference: Resolution
-    noise: Errors
+    noise: MotionErrors
     """Spread of replicas of the converged run: smaller errors cannot be resolved."""
     onset_s: float | None
     """Onset of the converged run [s]."""

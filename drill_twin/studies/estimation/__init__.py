@@ -2,7 +2,13 @@
 """Estimates of state and numbers of a running rig from what is measured, by an ensemble that is corrected."""
 
 from drill_twin.studies.estimation.bands import Band
-from drill_twin.studies.estimation.ensemble_filter import CHANNELS, EnsembleFilter, Estimate, EstimatorOptions, Window
+from drill_twin.studies.estimation.ensemble_filter import (
+    CHANNELS,
+    EnsembleFilter,
+    Estimate,
+    EstimatorOptions,
+    FilterWindow,
+)
 from drill_twin.studies.estimation.intake import SET_POINTS, Intake
 from drill_twin.studies.estimation.members import LOAD, SENSORS, unit_of
 from drill_twin.studies.estimation.square_root_filter import Correction, correction
@@ -17,8 +23,8 @@ __all__ = [
     "EnsembleFilter",
     "Estimate",
     "EstimatorOptions",
+    "FilterWindow",
     "Intake",
-    "Window",
     "correction",
     "unit_of",
 ]

@@ -18,7 +18,7 @@ from drill_twin.studies.estimation.bands import Band
 from drill_twin.studies.estimation.branches import Branches
 from drill_twin.studies.estimation.channel_errors import ChannelErrors
 from drill_twin.studies.estimation.divergence import Divergence
-from drill_twin.studies.estimation.members import Members, Pace, Prediction
+from drill_twin.studies.estimation.members import EstimatorMembers, Pace, Prediction
 from drill_twin.studies.estimation.phase import PhaseCorrection
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin.studies.estimation.subs import VALUES, speed
@@ -78,7 +78,7 @@ class EstimatorOptions:
 
 
 @dataclass(frozen=True)
-class Window:
+class FilterWindow:
     """Estimate over a window of time.
 
     Attributes:
@@ -168,7 +168,7 @@ class EnsembleFilter:
         every = max(1, round(frame_rate / options.rate))
         samples = max(1, round(options.window * frame_rate / every))
         self.pace = Pace(scene.numerics.frame_period, every * samples, samples)
-        self.members = Members(scene, ranges, options.members, self.pace, options.seed, subs)
+        self.members = EstimatorMembers(scene, ranges, options.members, self.pace, options.seed, subs)
         self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
         self.time = 0.0
         self._errors = ChannelErrors(self.channels, options.error)
@@ -178,7 +178,7 @@ class EnsembleFilter:
         self._replaced, self._unmeasured = 0, 0.0
         self._distance: Array = np.zeros(options.members)
 
-    def advance(self, window: Window) -> Estimate:
+    def advance(self, window: FilterWindow) -> Estimate:
         """Advance all members by a window, correct them, and say what is known then.
 
         Raises:
@@ -222,7 +222,7 @@ class EnsembleFilter:
         """Number of the member that is nearest to the rig; -1 if its frames are not asked for."""
         return int(np.argmin(self._distance)) if self.options.frames else -1
 
-    def _compared(self, prediction: Prediction, window: Window) -> tuple[Array, Array, Array]:
+    def _compared(self, prediction: Prediction, window: FilterWindow) -> tuple[Array, Array, Array]:
         """Channels of the members, (N, C, S), and of the rig, (C, S), and readings of its subs, (s, F, 6)."""
         pace, subs = self.pace, self.members.subs
         missing = np.full(pace.samples, np.nan)

@@ -14,7 +14,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Command, Schedule
-from drill_twin.studies.estimation.ensemble_filter import Window
+from drill_twin.studies.estimation.ensemble_filter import FilterWindow
 from drill_twin.studies.estimation.members import Pace
 from drill_twin.studies.estimation.sub_intake import SubIntake
 
@@ -58,7 +58,7 @@ class Intake:
         self._last: dict[str, tuple[float, float]] = {}  # last new value of each channel, and when it came
         self._varied: set[str] = set()
         self._largest: dict[str, float] = {}
-        self._ready: deque[Window] = deque()
+        self._ready: deque[FilterWindow] = deque()
         self._subs = [SubIntake(pace, sub, self.troubles) for sub in subs]
 
     @property
@@ -111,7 +111,7 @@ class Intake:
             return
         self._subs[sub].take(time, values)
 
-    def window(self) -> Window | None:
+    def window(self) -> FilterWindow | None:
         """The next whole window, if there is one."""
         return self._ready.popleft() if self._ready else None
 
@@ -135,7 +135,7 @@ class Intake:
         measured = {name: self._means(name, samples, ends) for name in self._channels}
         readings = np.array([sub.close(self._start) for sub in self._subs])
         self._start += self._pace.window
-        self._ready.append(Window(commands, measured, readings if self._subs else None))
+        self._ready.append(FilterWindow(commands, measured, readings if self._subs else None))
 
     def _set_points(self, name: str, samples: Sequence[tuple[float, Mapping[str, float]]], ends: Array) -> Array:
         """Set-point at the end of each frame: between those given linear, after the last one held."""

@@ -90,7 +90,7 @@ class Prediction:
     readings: Array
 
 
-class Members:
+class EstimatorMembers:
     """N twins.
 
     Attributes:

@@ -14,7 +14,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.studies.estimation.channel_errors import ChannelErrors
-from drill_twin.studies.estimation.members import Members
+from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, correction
 from drill_twin.studies.estimation.subs import lateral_velocity, sound, velocity_noise
 
@@ -31,7 +31,7 @@ class PhaseCorrection:
         errors: Of these channels.
     """
 
-    def __init__(self, members: Members, share: float) -> None:
+    def __init__(self, members: EstimatorMembers, share: float) -> None:
         pace, subs = members.pace, members.subs
         names = [f"{sub.name}/{axis}" for axis in "xy" for sub in subs]
         floor = np.tile([velocity_noise(sub, pace.window) for sub in subs], 2)
@@ -40,7 +40,7 @@ class PhaseCorrection:
         self.measured: Array = np.full(self.predicted.shape[1:], np.nan)
 
     def __call__(
-        self, members: Members, predicted: Array, measured: Array, found: Sequence[Correction]
+        self, members: EstimatorMembers, predicted: Array, measured: Array, found: Sequence[Correction]
     ) -> list[Correction]:
         """Turn the members, and find the correction of their lateral motion; they have that afterwards.
 

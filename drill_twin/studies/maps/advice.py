@@ -26,7 +26,7 @@ FROM_REST, DIES = "whirl begins from rest", "an existing whirl dies"
 """Names of the two boundaries."""
 
 
-class Target(NamedTuple):
+class AdvisedSetPoint(NamedTuple):
     """Advised set-point."""
 
     weight: float
@@ -52,7 +52,7 @@ class Advice(NamedTuple):
     """Boundary that the margin is to."""
     margin: Margin
     """Distance to that boundary; negative beyond it."""
-    target: Target | None
+    target: AdvisedSetPoint | None
     """Set-point to go to, with speed 0 where the rotation must stop; None: stay, or there is none."""
 
 
@@ -116,13 +116,13 @@ class Adviser:
         again, slower = None, whirls and (stops or 0.0 <= speed < found.plane.speed.low)
         if slower or (whirls and target is None and (late or not good)):  # a rotation that stops must not be resumed
             again = self._target(self._calm, *found.plane.command((0, 0)), above=math.inf)
-            target = None if again is None else Target(again.weight, 0.0, math.inf)
+            target = None if again is None else AdvisedSetPoint(again.weight, 0.0, math.inf)
         keeps = bool(found.keeps_whirling[node])
         level = Level.ERROR if late or not good else Level.WARN if whirls or target is not None else Level.OK
         text = self._text(regime, margin, target, again, whirls=whirls, good=good, late=late, stops=stops)
         return Advice(level, text, regime, keeps, boundary, margin, target)
 
-    def _target(self, allowed: Mask, weight: float, speed: float, *, above: float = 0.0) -> Target | None:
+    def _target(self, allowed: Mask, weight: float, speed: float, *, above: float = 0.0) -> AdvisedSetPoint | None:
         """Nearest allowed set-point that is farther from the boundary than `above` [steps] and has the wanted margin.
 
         Where none has it, one of those with the largest; `above` infinite asks for these. Speeds so slow that no run
@@ -140,14 +140,14 @@ class Adviser:
         nodes = np.argwhere(depth >= least)
         place = np.array(self.map.plane.place(weight, speed))
         nearest: Node = tuple(nodes[int(np.argmin(np.hypot(*(nodes - place).T)))].tolist())
-        return Target(*self.map.plane.command(nearest), (float(depth[nearest]) - 0.5) / self.map.plane.steps)
+        return AdvisedSetPoint(*self.map.plane.command(nearest), (float(depth[nearest]) - 0.5) / self.map.plane.steps)
 
     def _text(
         self,
         regime: Regime | None,
         margin: Margin,
-        target: Target | None,
-        again: Target | None,
+        target: AdvisedSetPoint | None,
+        again: AdvisedSetPoint | None,
         *,
         whirls: bool,
         good: bool,

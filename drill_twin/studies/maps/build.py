@@ -18,13 +18,13 @@ from drill_twin.studies.maps.operating_map import OperatingMap, digest_of
 from drill_twin.studies.maps.plane import Plane
 from drill_twin.studies.maps.prior import growth_of
 from drill_twin.studies.maps.runs import Runner
-from drill_twin.studies.maps.search import Progress, Search
+from drill_twin.studies.maps.search import BoundarySearch, Progress
 
 MOST_RUNS = 1_000_000
 
 
 @dataclass(frozen=True)
-class Plan:
+class MapPlan:
     """Options of a map.
 
     Attributes:
@@ -51,7 +51,7 @@ class Plan:
 
 
 def build_map(
-    scene: Scene, plan: Plan, folder: Path | None = None, progress: Progress = lambda _, __, ___: None
+    scene: Scene, plan: MapPlan, folder: Path | None = None, progress: Progress = lambda _, __, ___: None
 ) -> OperatingMap:
     """Make the map of a scene; runs that `folder` has from before are not made again.
 
@@ -77,7 +77,7 @@ def build_map(
     journal = Journal(folder / "runs.jsonl", setup) if folder is not None else None
     runner = Runner(scene, plane, plan.duration, plan.asked, draws, plan.executor)
     growth = growth_of(scene, plane) if plan.growth else None
-    search = Search(runner, journal, plan.runs, progress, None if growth is None else growth.lateral)
+    search = BoundarySearch(runner, journal, plan.runs, progress, None if growth is None else growth.lateral)
     search.calm()
     search.onset()
     search.regimes()
@@ -97,7 +97,7 @@ def build_map(
     return made()
 
 
-def _check(scene: Scene, plan: Plan) -> None:
+def _check(scene: Scene, plan: MapPlan) -> None:
     plan.plane.checked()
     if not 1 <= plan.runs <= MOST_RUNS:
         raise ArgumentError(f"runs: expected 1 to {MOST_RUNS}, found {plan.runs}")

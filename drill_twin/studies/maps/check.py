@@ -10,7 +10,7 @@ import numpy as np
 from drill_twin.studies.maps.operating_map import OperatingMap
 from drill_twin.studies.maps.regimes import Regime
 from drill_twin.studies.maps.runs import FINER, Key
-from drill_twin.studies.maps.search import Search
+from drill_twin.studies.maps.search import BoundarySearch
 from drill_twin.studies.maps.window import cells_of
 
 MOST, RUNS_FOR_ONE = 59, 20
@@ -18,7 +18,7 @@ MOST, RUNS_FOR_ONE = 59, 20
 ROUNDS = 4
 
 
-def check(search: Search, made: Callable[[], OperatingMap], runs: int, draws: int) -> None:
+def check(search: BoundarySearch, made: Callable[[], OperatingMap], runs: int, draws: int) -> None:
     """Check the windows; each check that fails makes them smaller, and a new round begins.
 
     Args:

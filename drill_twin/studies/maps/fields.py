@@ -13,7 +13,7 @@ from drill_twin.core.arrays import Mask
 from drill_twin.core.proportions import proportion_interval
 from drill_twin.studies.maps.plane import UNKNOWN, Labels, Node, Plane, boundary, filled, on_lattice
 from drill_twin.studies.maps.regimes import Regime
-from drill_twin.studies.maps.runs import Key, Record
+from drill_twin.studies.maps.runs import Key, RunRecord
 from drill_twin.studies.maps.window import CONFIDENCE, known_and_calm
 
 LIKELY = 0.05
@@ -44,7 +44,7 @@ class MapFields:
     plane: Plane
     duration: float
     draws: Sequence[Mapping[str, float | str]]
-    records: Mapping[Key, Record]
+    records: Mapping[Key, RunRecord]
     notes: Sequence[str] = ()
     growth: Sequence[Sequence[float]] = field(default=())
     torsional: Sequence[Sequence[float]] = field(default=())
@@ -59,9 +59,9 @@ class MapFields:
         return filled(labels)
 
     @cached_property
-    def runs_at_nodes(self) -> Mapping[Node, Sequence[Record]]:
+    def runs_at_nodes(self) -> Mapping[Node, Sequence[RunRecord]]:
         """Runs from rest at each node that has them, the first draw first."""
-        runs: dict[Node, list[Record]] = {}
+        runs: dict[Node, list[RunRecord]] = {}
         for key in sorted((key for key in self.records if key.searches), key=lambda key: key.draw):
             runs.setdefault(key.node, []).append(self.records[key])
         return runs
@@ -121,7 +121,7 @@ class MapFields:
         return np.maximum(self.growth, self.torsional).tolist() if len(self.torsional) else self.growth
 
     @property
-    def checks(self) -> Sequence[tuple[Key, Record]]:
+    def checks(self) -> Sequence[tuple[Key, RunRecord]]:
         """Runs of the whole time asked at set-points drawn in the windows."""
         return [(key, record) for key, record in self.records.items() if key.finer > 1]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from drill_twin.core.files.json_lines import JsonLines
-from drill_twin.studies.maps.runs import Key, Record
+from drill_twin.studies.maps.runs import Key, RunRecord
 
 FOREIGN = "expected the runs of a map, found another file; choose another folder with --out"
 OTHER = "expected runs of this map, found those of another {}; choose another folder with --out, or --replace"
@@ -34,13 +34,13 @@ class Journal:
             ArgumentError: The journal is of another setup, or no journal.
             BagError: It cannot be read or written.
         """
-        self.records = dict[Key, Record]()
-        self._lines = JsonLines(file, "map", setup, self._read, foreign=FOREIGN, other=OTHER, of=tuple[Key, Record])
+        self.records = dict[Key, RunRecord]()
+        self._lines = JsonLines(file, "map", setup, self._read, foreign=FOREIGN, other=OTHER, of=tuple[Key, RunRecord])
 
-    def _read(self, run: tuple[Key, Record]) -> None:
+    def _read(self, run: tuple[Key, RunRecord]) -> None:
         self.records.update([run])
 
-    def kept(self, runs: Generator[tuple[Key, Record]]) -> Generator[tuple[Key, Record]]:
+    def kept(self, runs: Generator[tuple[Key, RunRecord]]) -> Generator[tuple[Key, RunRecord]]:
         """The same runs, each appended as it ends.
 
         Raises:

@@ -23,8 +23,8 @@ from drill_twin.scene import Scene
 from drill_twin.studies.maps.fields import MapFields
 from drill_twin.studies.maps.plane import Node, Plane, Span
 from drill_twin.studies.maps.regimes import REGIMES, Regime
-from drill_twin.studies.maps.runs import FINER, Key, Record, values_of
-from drill_twin.studies.maps.window import Window, basis, cells_of, rectangles, safe_cells
+from drill_twin.studies.maps.runs import FINER, Key, RunRecord, values_of
+from drill_twin.studies.maps.window import SafeWindow, basis, cells_of, rectangles, safe_cells
 
 FORMAT = 2
 _FILE = ForeignFile("the map.json of `drill-twin map`", 256_000_000, ArgumentError)
@@ -76,15 +76,15 @@ class OperatingMap(MapFields):
         return rectangles(safe_cells(self))
 
     @property
-    def windows(self) -> Sequence[Window]:
+    def windows(self) -> Sequence[SafeWindow]:
         """Safe windows (`drill_twin.studies.maps.window`), the largest first; they may overlap."""
         command = self.plane.command
         return [
-            Window(*map(Span, command((i, j)), command((k, m)))) for i, k, j, m in self.window_nodes
+            SafeWindow(*map(Span, command((i, j)), command((k, m)))) for i, k, j, m in self.window_nodes
         ]  # fmt: skip
 
     @property
-    def window(self) -> Window | None:
+    def window(self) -> SafeWindow | None:
         """Largest safe window."""
         return next(iter(self.windows), None)
 
@@ -197,7 +197,7 @@ class OperatingMap(MapFields):
             if finer not in {1, FINER} or not (0 <= i <= plane.steps * finer and 0 <= j <= plane.steps * finer):
                 raise ValueError(f"node {i}, {j}")
             key = Key(int(i), int(j), draw, None if origin is None else (int(origin[0]), int(origin[1])), finer)
-            records[key] = Record.from_dict(
+            records[key] = RunRecord.from_dict(
                 {name: value for name, value in run.items() if name not in {"node", "draw", "origin", "finer"}}
             )
         if not any(key.searches and key.draw == 0 for key in records):

@@ -19,7 +19,7 @@ BEHIND = 0.05
 """Least difference of the mean speeds of bit and top drive, over the latter, of a string that still winds up."""
 
 
-class Torsion(NamedTuple):
+class TorsionalSpeeds(NamedTuple):
     """Speeds of bit and top drive over the last time base of the stick-slip index."""
 
     severity: float
@@ -86,7 +86,7 @@ _BY_STATE = {
 
 
 def regime_of(
-    summary: Summary, radius_shares: Iterable[float], torsion: Torsion, *, vertical: bool, grows: bool
+    summary: Summary, radius_shares: Iterable[float], torsion: TorsionalSpeeds, *, vertical: bool, grows: bool
 ) -> Regime:
     """Regime at the end of a run.
 

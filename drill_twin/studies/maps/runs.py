@@ -15,10 +15,10 @@ from drill_twin.core.missing import number_or_nan
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runs.ensemble import Executor, expand
 from drill_twin.runs.ensemble.outputs import Request
-from drill_twin.runs.ensemble.run import Run
+from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.scene import Scene
 from drill_twin.studies.maps.plane import Node, Plane
-from drill_twin.studies.maps.regimes import Regime, Torsion, regime_of
+from drill_twin.studies.maps.regimes import Regime, TorsionalSpeeds, regime_of
 from drill_twin.studies.maps.trend import Trend
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.motion.stick_slip_index import MODERATE, TIME_BASE
@@ -68,7 +68,7 @@ class Key(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Record:
+class RunRecord:
     """Findings and severity of one run; NaN where there is none."""
 
     regime: Regime
@@ -113,7 +113,7 @@ class Record:
         }
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Record:
+    def from_dict(cls, data: Mapping[str, Any]) -> RunRecord:
         """Inverse of `to_dict`."""
         orbit = tuple((int(x), int(y)) for x, y in data.get("orbit", ()))
         return cls(**{**data, "regime": Regime(data["regime"]), "orbit": orbit})
@@ -139,7 +139,7 @@ class Runner:
     draws: Sequence[Mapping[str, float | str]]
     executor: Executor
 
-    def run(self, keys: Sequence[Key]) -> Generator[tuple[Key, Record]]:
+    def run(self, keys: Sequence[Key]) -> Generator[tuple[Key, RunRecord]]:
         """Run them, and yield each as it ends; those of one length together, those from rest first."""
         for kind in sorted({(key.finer, key.origin is not None) for key in keys}):
             group = [key for key in keys if (key.finer, key.origin is not None) == kind]
@@ -156,9 +156,9 @@ class Runner:
         every = max(1, round(self.scene.numerics.frame_rate / ORBIT_RATE))
         return Request(OUTPUTS, seconds(period), frames, every)
 
-    def _record(self, run: Run, key: Key) -> Record:
+    def _record(self, run: MemberRun, key: Key) -> RunRecord:
         if run.failure or not run.values:
-            return Record(Regime.FAILED, failure=run.failure or "no frame was computed")
+            return RunRecord(Regime.FAILED, failure=run.failure or "no frame was computed")
         values = {name: variable.value for name, variable in run.values.items()}
         clearance = np.array([mark.clearance for mark in self.scene.mark_table])
         shares = values["radius_late"] / clearance
@@ -168,7 +168,7 @@ class Runner:
             number_or_nan(found) for found in (summary.onset_s, summary.mode_frequency_hz, summary.mode_ratio)
         )
         length, index = key.length(self.duration, self.asked), values["stick_slip_index"]
-        torsion = Torsion(float(index[1].max()), *values["mean_speed"].tolist())
+        torsion = TorsionalSpeeds(float(index[1].max()), *values["mean_speed"].tolist())
         lateral = Trend(values["lateral_rest"][0] / clearance, values["lateral_rest"][1] / clearance, length / 4.0)
         twist = Trend(index[0], index[1], min(float(TIME_BASE), length / 4.0))
         ahead = max(self.asked - length, 0.0)
@@ -178,7 +178,7 @@ class Runner:
             or twist.reaches(MODERATE, ahead)
             or (key.origin is None and math.isfinite(onset))
         )
-        return Record(
+        return RunRecord(
             regime_of(summary, shares, torsion, vertical=is_vertical(self.scene), grows=grows),
             onset, hz, ratio, summary.bit.value, float(shares.max()),
             float(values["wall_force_late"]), float(values["torque_swing_late"]), float(values["bending_stress_end"]),

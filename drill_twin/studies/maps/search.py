@@ -17,7 +17,7 @@ from drill_twin.studies.maps.journal import Journal
 from drill_twin.studies.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_known, wanted
 from drill_twin.studies.maps.prior import expected
 from drill_twin.studies.maps.regimes import Regime
-from drill_twin.studies.maps.runs import HOLD, Key, Record, Runner
+from drill_twin.studies.maps.runs import HOLD, Key, Runner, RunRecord
 
 ONSET_CELLS, COARSE = 8, 16
 """Cells along each range before any is split: in the search for the onset, and in all others."""
@@ -34,12 +34,12 @@ Progress = Callable[[str, int, int], None]
 """Takes the phase, the runs that have ended, and the number expected by now."""
 
 
-def whirl_label(record: Record) -> int:
+def whirl_label(record: RunRecord) -> int:
     """Label of a run in the search for the onset: 0 without whirl, 1 with whirl, 2 not known, for it failed."""
     return 2 if record.regime is Regime.FAILED else int(record.whirls)
 
 
-class Search:
+class BoundarySearch:
     """Search of one map.
 
     Attributes:
@@ -60,7 +60,7 @@ class Search:
             growth: Growth rates at the points of an even grid [1/s]; None where they do not apply.
         """
         self._runner, self._journal, self._budget, self._progress = runner, journal, budget, progress
-        self.records: dict[Key, Record] = {}
+        self.records: dict[Key, RunRecord] = {}
         self.notes: list[str] = []
         self._growth = growth
         self._first, self._others = (FEW_CELLS, FEW_CELLS) if budget <= FEW_RUNS else (ONSET_CELLS, COARSE)
@@ -141,17 +141,17 @@ class Search:
     def _hold(self) -> float:
         return HOLD * self._runner.duration
 
-    def _from_rest(self) -> Iterable[tuple[Key, Record]]:
+    def _from_rest(self) -> Iterable[tuple[Key, RunRecord]]:
         return [(key, record) for key, record in self.records.items() if key.searches and key.draw == 0]
 
-    def _labels(self, label: Callable[[Record], int]) -> Labels:
+    def _labels(self, label: Callable[[RunRecord], int]) -> Labels:
         labels = self._plane.labels()
         for key, record in self._from_rest():
             labels[key.node] = label(record)
         return labels
 
     def _refine(
-        self, phase: str, label: Callable[[Record], int], cells: int, finest: int, growth: Array | None = None
+        self, phase: str, label: Callable[[RunRecord], int], cells: int, finest: int, growth: Array | None = None
     ) -> None:
         coarse, hinted = max(1, self._steps // cells), max(finest, self._steps // REGIME_CELLS)
         while True:
@@ -197,7 +197,7 @@ class Search:
         new = new[:room]
         known = {} if self._journal is None else self._journal.records
         missing = [key for key in new if key not in known]
-        made = dict[Key, Record]()
+        made = dict[Key, RunRecord]()
         before, expected = len(self.records) + len(new) - len(missing), len(self.records) + len(new)
         runs = self._runner.run(missing)
         with closing(runs if self._journal is None else self._journal.kept(runs)) as ended:

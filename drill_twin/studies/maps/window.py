@@ -34,7 +34,7 @@ CONFIDENCE = 0.9
 """Two-sided confidence of a count, of which the upper limit holds with 95 %."""
 
 
-class Window(NamedTuple):
+class SafeWindow(NamedTuple):
     """Rectangle of set-points."""
 
     weight: Span

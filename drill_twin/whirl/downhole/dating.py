@@ -26,7 +26,7 @@ from scipy.linalg import cholesky, solve_triangular
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.downhole.high_pass import GRAVITY, ToolNoise
-from drill_twin.whirl.downhole.motion import Record
+from drill_twin.whirl.downhole.motion import MotionRecord
 
 BEFORE = 24.0
 """Length of the record before the onset [rev]."""
@@ -71,7 +71,7 @@ class _Motion(NamedTuple):
     deviation: Array  # standard deviation of the position on an axis
 
 
-def date_onset(record: Record, clearance: float, noise: ToolNoise, begin: float, detected: float) -> Date:
+def date_onset(record: MotionRecord, clearance: float, noise: ToolNoise, begin: float, detected: float) -> Date:
     """Time at which the radius crossed the threshold of an onset.
 
     Args:
@@ -100,7 +100,7 @@ def date_onset(record: Record, clearance: float, noise: ToolNoise, begin: float,
 
 
 def _most_probable(
-    record: Record,
+    record: MotionRecord,
     rows: slice,
     at: NDArray[np.int64],
     revolutions: Array,

@@ -21,7 +21,7 @@ from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.downhole.high_pass import GRAVITY, HighPass, ToolNoise, corner_for
 from drill_twin.whirl.downhole.impacts import ImpactCounter
-from drill_twin.whirl.downhole.torsion import Torsion
+from drill_twin.whirl.downhole.torsion import TorsionEstimator
 
 SLOWEST = 0.06
 """Least corner of the high pass over the rotation [-]."""
@@ -67,7 +67,7 @@ class Kept(NamedTuple):
     revolutions: float
 
 
-class Record(NamedTuple):
+class MotionRecord(NamedTuple):
     """The last readings as arrays, shape (n,)."""
 
     stamp: Array
@@ -96,7 +96,7 @@ class SubMotion:
         """Gaps after which the fit began anew."""
         self.impacts = ImpactCounter(clearance, noise)
         """Impacts on the wall."""
-        self.torsion = Torsion()
+        self.torsion = TorsionEstimator()
         """Stick-slip of the section."""
         self._spin = self._revolutions = 0.0
         self._restart()
@@ -214,8 +214,8 @@ class SubMotion:
         for acceleration in (record.acceleration + self._synchronous * record.turn).tolist():
             self._filter(acceleration)
 
-    def record(self) -> Record:
+    def record(self) -> MotionRecord:
         """The last readings."""
         stamp, acceleration, tilt, turn, _, _, _, revolutions = zip(*self._kept, strict=True)
         total: ComplexArray = np.array(acceleration, np.complex128) + self._axial * np.array(tilt, np.complex128)
-        return Record(np.array(stamp) * 1e-9, total, np.array(turn, np.complex128), np.array(revolutions))
+        return MotionRecord(np.array(stamp) * 1e-9, total, np.array(turn, np.complex128), np.array(revolutions))

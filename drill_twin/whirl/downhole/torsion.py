@@ -17,7 +17,7 @@ KNOWN = 0.1
 """Largest standard error of the radius, over the radius, for it to be reported."""
 
 
-class Torsion:
+class TorsionEstimator:
     """Sums over the readings of a section."""
 
     def __init__(self) -> None:

@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from statistics import median
 
-from drill_twin.runs.session import Run
+from drill_twin.runs.session import SessionRun
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.set_points import Schedule
 
@@ -28,7 +28,7 @@ class Discard:
         """Do nothing."""
 
 
-def seconds_of(run: Run, schedule: Schedule) -> float:
+def seconds_of(run: SessionRun, schedule: Schedule) -> float:
     """Processor time of `FRAMES` frames [s]."""
     began = time.process_time()
     end = run.loop.frames + FRAMES
@@ -40,7 +40,7 @@ def seconds_of(run: Run, schedule: Schedule) -> float:
 def share(scene: Scene) -> float:
     """Median over the rounds of the time with the effect over that without, minus 1."""
     plain = scene.model_copy(update={"effects": scene.effects.model_copy(update={"fatigue": None})})
-    schedule, runs = Schedule.from_scene(scene), [Run(described, Discard()) for described in (scene, plain)]
+    schedule, runs = Schedule.from_scene(scene), [SessionRun(described, Discard()) for described in (scene, plain)]
     for run in runs:
         seconds_of(run, schedule)  # compiles
     rounds = ([seconds_of(run, schedule) for run in runs] for _ in range(ROUNDS))

@@ -23,8 +23,8 @@ from drill_twin.studies.maps import read_map
 from drill_twin.studies.maps.plane import Labels, filled
 from drill_twin.studies.maps.prior import growth_of
 from drill_twin.studies.maps.regimes import REGIMES
-from drill_twin.studies.maps.runs import Key, Record, Runner
-from drill_twin.studies.maps.search import Search
+from drill_twin.studies.maps.runs import Key, Runner, RunRecord
+from drill_twin.studies.maps.search import BoundarySearch
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class Replayed(Runner):
 
     regimes: Labels
 
-    def run(self, keys: Sequence[Key]) -> Generator[tuple[Key, Record]]:
+    def run(self, keys: Sequence[Key]) -> Generator[tuple[Key, RunRecord]]:
         """Regimes of the map."""
-        yield from ((key, Record(REGIMES[int(self.regimes[key.node])])) for key in keys)
+        yield from ((key, RunRecord(REGIMES[int(self.regimes[key.node])])) for key in keys)
 
 
 def main() -> None:
@@ -52,7 +52,7 @@ def main() -> None:
         )
         cells: list[object] = []
         for given in (None, None if growth is None else growth.lateral):
-            search = Search(runner, None, 10**6, lambda *_: None, given)
+            search = BoundarySearch(runner, None, 10**6, lambda *_: None, given)
             search.onset()
             labels = found.plane.labels()
             for key, record in search.records.items():

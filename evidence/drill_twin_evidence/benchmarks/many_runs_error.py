@@ -24,7 +24,7 @@ from drill_twin.scene import parse_scene
 from drill_twin.studies.maps import OperatingMap, read_map
 from drill_twin.studies.maps.draws import draws_of
 from drill_twin.studies.maps.runs import SPEED, WEIGHT
-from drill_twin.studies.maps.search import Search
+from drill_twin.studies.maps.search import BoundarySearch
 from drill_twin_evidence.benchmarks.growth_prior import Replayed
 from drill_twin_evidence.benchmarks.map_boundary import lattice_points
 
@@ -59,7 +59,7 @@ def boundary_error(found: OperatingMap, budget: int) -> tuple[int, Array]:
     scene = parse_scene(found.scene)
     growth = np.array(found.growth) if len(found.growth) else None
     runner = Replayed(scene, found.plane, found.duration, found.asked, (), Threads(), found.regimes)
-    search = Search(runner, None, budget, lambda *_: None, growth)
+    search = BoundarySearch(runner, None, budget, lambda *_: None, growth)
     search.onset()
     fewer = replace(found, draws=(), records=search.records)
     mine, true = (np.array(lattice_points(each, found.plane)) / found.plane.steps for each in (fewer, found))

@@ -26,7 +26,7 @@ from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
 from drill_twin.studies.maps import OperatingMap, Plane, Regime
 from drill_twin.studies.maps.journal import Journal
-from drill_twin.studies.maps.runs import FINER, Key, Record, Runner
+from drill_twin.studies.maps.runs import FINER, Key, Runner, RunRecord
 from drill_twin.studies.maps.window import cells_of
 from drill_twin_evidence.benchmarks.advice_loop import COARSE
 
@@ -93,7 +93,7 @@ def judge(seed: int, points: int, grid: int, out: Path, workers: int) -> dict[st
     }  # fmt: skip
 
 
-def troubled(record: Record) -> bool:
+def troubled(record: RunRecord) -> bool:
     """A run whirled or stuck, or could not be followed."""
     return record.regime in {Regime.STICK_SLIP, Regime.FAILED} or record.whirls or math.isfinite(record.onset_s)
 
@@ -112,7 +112,9 @@ def spread(grid: int) -> list[int]:
     return [int((k + 0.5) / grid * STEPS * FINER) for k in range(grid)]
 
 
-def long_runs(scene: dt.Scene, found: OperatingMap, keys: list[Key], folder: Path, workers: int) -> dict[Key, Record]:
+def long_runs(
+    scene: dt.Scene, found: OperatingMap, keys: list[Key], folder: Path, workers: int
+) -> dict[Key, RunRecord]:
     """Runs of the time asked; those of a folder are not made again."""
     plane: Plane = found.plane
     setup = {"scene": scene.to_yaml(), "asked": found.asked, "ranges": [list(plane.weight), list(plane.speed)]}

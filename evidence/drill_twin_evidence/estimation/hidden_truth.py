@@ -14,8 +14,8 @@ from drill_twin.core.arrays import Array
 from drill_twin.dynamics.sensors.errors import errors_of, with_errors
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Schedule
-from drill_twin.studies.estimation import LOAD, EnsembleFilter, Estimate, EstimatorOptions, Window
-from drill_twin.studies.estimation.members import Members, Prediction
+from drill_twin.studies.estimation import LOAD, EnsembleFilter, Estimate, EstimatorOptions, FilterWindow
+from drill_twin.studies.estimation.members import EstimatorMembers, Prediction
 from drill_twin.studies.fitting.ranges import Ranges
 
 _NOISE = 0.01
@@ -168,11 +168,11 @@ def follow(case: Case, number: int, seconds: float, members: int, *, imu: bool =
     found = EnsembleFilter(scene, case.ranges, case.channels, options, subs)
     middle = {key: (0.5 * (low + high) * (1.0 - 1e-9), 0.5 * (low + high)) for key, (low, high) in case.ranges.items()}
     truth, open_loop = (
-        Members(scene, ranges, 1, found.pace, seed, subs)
+        EstimatorMembers(scene, ranges, 1, found.pace, seed, subs)
         for ranges, seed in ((case.ranges, _TRUTHS + number), (middle, _OPEN))
     )
     tools = [Tool(sub, number) for sub in truth.subs]
-    sensors: dict[Members, list[dict[str, float]]] = {truth: [], open_loop: []}
+    sensors: dict[EstimatorMembers, list[dict[str, float]]] = {truth: [], open_loop: []}
     schedule, draw = Schedule.from_scene(scene), np.random.default_rng([number, 1])
     scale: dict[str, float] = {}
     estimates, whirls = [], []
@@ -190,7 +190,7 @@ def follow(case: Case, number: int, seconds: float, members: int, *, imu: bool =
             measured[name] = values + _NOISE * scale[name] * draw.standard_normal(values.size)
         readings = np.array([tool(true.readings[0, :, k]) for k, tool in enumerate(tools)])
         began = time.process_time()
-        estimates.append(found.advance(Window(commands, measured, readings if tools else None)))
+        estimates.append(found.advance(FilterWindow(commands, measured, readings if tools else None)))
         spent += time.process_time() - began
     return Followed(
         hidden=dict(zip(truth.keys, truth.values[0].tolist(), strict=True)),
@@ -214,7 +214,7 @@ class Tool:
         return with_errors(true, self._draw.standard_normal(true.shape), self._errors)
 
 
-def _advance(one: Members, commands: Array, sensors: list[dict[str, float]]) -> Prediction:
+def _advance(one: EstimatorMembers, commands: Array, sensors: list[dict[str, float]]) -> Prediction:
     """Advance a twin by a window, and add its virtual sensors, those of `Estimate.sensors`."""
     prediction = one.advance(commands)[1]
     sensors.append(

@@ -26,7 +26,7 @@ from drill_twin.core.arrays import ComplexArray
 from drill_twin.core.frame_period import frame_period
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.growth_map import growth_map
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import state_near, whirl_states
 from drill_twin.dynamics.twin.twin import Twin
@@ -160,7 +160,7 @@ def _steady_state(equations: EquationsOfMotion, command: Command, run: _Run) -> 
     moved = u.copy()
     moved[:, 0], moved[:, 1], moved[:, 3], moved[:, 4] = place[0].real, place[0].imag, slope[0].real, slope[0].imag
     u = u + equations.rows((moved - u)[:, equations.columns][equations.free])
-    return state_near(equations, Whirl(command, u, run.motion.speed))
+    return state_near(equations, SteadyWhirl(command, u, run.motion.speed))
 
 
 def _two_frequency_state(equations: EquationsOfMotion, command: Command, run: _Run) -> TwoFrequencyState | None:

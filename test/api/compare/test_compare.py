@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import drill_twin as dt
 from drill_twin.api.compare.case import Case, prepare
-from drill_twin.api.compare.quantities import Quantity, quantities
+from drill_twin.api.compare.quantities import ComparedQuantity, quantities
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 
@@ -26,13 +26,13 @@ HEAVIER = "pa6_bench,wob=60 N,effects.wall_friction.coefficient=0.1"
     ],
 )  # fmt: skip
 def test_what_differs(values: tuple[float | str, ...], differs: bool) -> None:
-    assert Quantity("speed", "m", values).differs(0.05) is differs
+    assert ComparedQuantity("speed", "m", values).differs(0.05) is differs
 
 
 def test_numbers_are_shown_with_their_difference() -> None:
-    force = Quantity("force", "N", (8e3, 1e4, math.nan))
+    force = ComparedQuantity("force", "N", (8e3, 1e4, math.nan))
     assert (force.text(0), force.text(1), force.text(2), force.shown_unit) == ("8", "10 (+25 %)", "none", "kN")
-    assert Quantity("stress", "Pa", (2e6, 1e6)).text(1) == "1 (-50 %)"
+    assert ComparedQuantity("stress", "Pa", (2e6, 1e6)).text(1) == "1 (-50 %)"
 
 
 def test_a_case_is_a_scene_with_changes_or_a_bag(tmp_path: Path) -> None:

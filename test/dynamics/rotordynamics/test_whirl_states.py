@@ -18,7 +18,7 @@ from drill_twin.dynamics.rotordynamics.growth_map import growth_map
 from drill_twin.dynamics.rotordynamics.steady import whirl_start
 from drill_twin.dynamics.rotordynamics.steady.imperfections import imperfect, locked_states, modulation
 from drill_twin.dynamics.rotordynamics.steady.shape_search import ShapeSearch
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import rolling_ratios, state_near, whirl_states
 from drill_twin.dynamics.rotordynamics.turning_frame import quarter_turn
 from drill_twin.dynamics.twin.dynamics import Dynamics
@@ -77,7 +77,7 @@ def test_the_turn_of_the_whole_shape_is_neutral(fast):
 def test_newton_finds_a_state_again_from_near(fast):
     equations, states = fast
     state = next(state for state in states if state.is_stable)
-    near = Whirl(FAST, state.whirl.u, state.whirl.omega * 1.001)
+    near = SteadyWhirl(FAST, state.whirl.u, state.whirl.omega * 1.001)
     again = TurningEquations(equations).newton(near)
     assert again is not None
     assert again.omega == pytest.approx(state.whirl.omega, rel=1e-9)
@@ -194,9 +194,9 @@ def test_a_state_is_found_again_from_a_shape_and_speed_of_a_run(fast):
     equations, states = fast
     state = next(state for state in states if state.is_stable)
     u, _ = equations.on_axis(FAST)
-    near = state_near(equations, Whirl(FAST, u + 1.02 * (state.whirl.u - u), state.whirl.omega * 1.003))
+    near = state_near(equations, SteadyWhirl(FAST, u + 1.02 * (state.whirl.u - u), state.whirl.omega * 1.003))
     assert near.ratio == pytest.approx(state.ratio, rel=1e-6)
-    assert state_near(equations, Whirl(FAST, u, state.whirl.omega)) is None
+    assert state_near(equations, SteadyWhirl(FAST, u, state.whirl.omega)) is None
 
 
 @pytest.mark.parametrize(("collars", "ratios"), [("8 in", (-1.882, -0.815)), ("5.5 in", (-0.815,))])

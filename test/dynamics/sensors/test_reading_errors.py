@@ -8,7 +8,7 @@ import pytest
 
 from drill_twin.api.results.result import Result
 from drill_twin.core.errors import ArgumentError
-from drill_twin.dynamics.sensors.errors import Noise, errors_of, with_errors
+from drill_twin.dynamics.sensors.errors import ReadingNoise, errors_of, with_errors
 from drill_twin.dynamics.sensors.sampling import Instrument
 from drill_twin.dynamics.sensors.summaries import SUMMARY, summary
 from drill_twin.dynamics.sensors.surface import drive_torque
@@ -16,7 +16,7 @@ from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
 from drill_twin.io.messages.topics import SURFACE_STATE, TOPICS, imu_topic, sub_of, summary_topic
-from drill_twin.runs.session import Run
+from drill_twin.runs.session import SessionRun
 from drill_twin.scene import load_scene, parse_scene
 from drill_twin.scene.blocks.sensors import Accelerometer, SpeedChannel
 from drill_twin.scene.set_points import Command
@@ -36,9 +36,9 @@ def test_errors_are_bias_noise_step_and_range() -> None:
 
 
 def test_noise_is_white_and_depends_on_the_sample_alone() -> None:
-    noise = Noise(2, 5, 1)
+    noise = ReadingNoise(2, 5, 1)
     drawn = np.array([noise.at(k) for k in range(4000)])
-    np.testing.assert_array_equal(drawn[700], Noise(2, 5, 1).at(700))
+    np.testing.assert_array_equal(drawn[700], ReadingNoise(2, 5, 1).at(700))
     assert not np.array_equal(drawn[:256], drawn[256:512])
     assert np.abs(drawn.mean(axis=0)).max() < 0.05
     assert np.abs(np.cov(drawn.T) - np.eye(2)).max() < 0.06
@@ -89,7 +89,7 @@ def bag() -> MemoryBag:
     overrides = {"sensors.subs": SUBS, "sensors.surface": SURFACE, "rig.duration": "3 s", "wob": "5 N"}
     scene = parse_scene(load_scene("pa6_bench").to_yaml(), name="x", overrides=overrides)
     recorder = MemoryBag()
-    run = Run(scene, recorder)
+    run = SessionRun(scene, recorder)
     for frame in range(1, 301):
         run.advance([Command(5.0, min(12.0, 6.0 * frame / 100.0))])
     return recorder

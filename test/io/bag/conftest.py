@@ -14,12 +14,18 @@ from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import TwinEncoder, encode_string
 from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.stamps import stamp_ns
-from drill_twin.io.messages.whirl_encode import Motion, OnsetMessage, WhirlStateEncoder, encode_motion, encode_onset
+from drill_twin.io.messages.whirl_encode import (
+    OnsetMessage,
+    SubjectMotion,
+    WhirlStateEncoder,
+    encode_motion,
+    encode_onset,
+)
 from drill_twin.scene.set_points.command import Command
 
 SCENE = "name: made up\nrun:\n  seed: 1\n"
 ONSET = OnsetMessage(time=0.1 + 0.2, mark="mark_3", confidence=1.0 / 3.0)
-MOTION = Motion("mark_3", "forward whirl", "ratio 0.5 for 3 revolutions")
+MOTION = SubjectMotion("mark_3", "forward whirl", "ratio 0.5 for 3 revolutions")
 
 Message = tuple[str, int, bytes]
 
@@ -40,7 +46,7 @@ def onset() -> OnsetMessage:
 
 
 @pytest.fixture
-def motion() -> Motion:
+def motion() -> SubjectMotion:
     return MOTION
 
 

@@ -11,8 +11,8 @@ from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.whirl_encode import (
-    Motion,
     OnsetMessage,
+    SubjectMotion,
     WhirlStateEncoder,
     decode_motion,
     decode_onset,
@@ -44,7 +44,7 @@ def test_other_joints_are_not_findings():
 
 
 @settings(max_examples=50, deadline=None)
-@given(st.lists(st.builds(Motion, words, words, words), max_size=5), st.integers(0, 2**60))
+@given(st.lists(st.builds(SubjectMotion, words, words, words), max_size=5), st.integers(0, 2**60))
 def test_motion(motions, stamp):
     assert decode_motion(encode_motion(stamp, motions)) == (stamp, motions)
 

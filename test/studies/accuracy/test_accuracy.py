@@ -19,9 +19,9 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble.parts import parts_of, planned
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.paths import config_dir, presets
-from drill_twin.studies.accuracy import Plan, error_model, resolve
+from drill_twin.studies.accuracy import AccuracyPlan, error_model, resolve
 from drill_twin.studies.accuracy.check import interval
-from drill_twin.studies.accuracy.error_model import OVERHEAD, ErrorModel, Point, content_key, load_model
+from drill_twin.studies.accuracy.error_model import OVERHEAD, ErrorModel, MeasuredPoint, content_key, load_model
 from drill_twin.studies.accuracy.errors import compare, errors_before
 from drill_twin.studies.accuracy.measure import AFTER_ONSET, TIGHT, Measurement, at
 from drill_twin.studies.accuracy.motion_run import run_motion
@@ -48,7 +48,7 @@ def asking(accuracy: str, changes: dict[str, str], scene: str = "pa6_bench") -> 
     return load_scene(scene, overrides={**changes, "accuracy": accuracy})
 
 
-def true_error(plan: Plan) -> float:
+def true_error(plan: AccuracyPlan) -> float:
     """Error of the chosen resolution against a run of four times its elements, an eighth of its step and 1e-8."""
     numerics = plan.scene.numerics
     finer = at(plan.scene, 4 * int(numerics.elements), float(numerics.step) / 8.0, 1e-8)
@@ -93,12 +93,12 @@ def test_the_error_is_below_the_accuracy_elsewhere(scene: str, changes: dict[str
     assert true_error(plan) <= plan.asked
 
 
-def curve(*points: Point) -> ErrorModel:
+def curve(*points: MeasuredPoint) -> ErrorModel:
     return ErrorModel("key", 5.0, 7.0, 32, 5e-4, "reached", points)
 
 
 def test_the_cheapest_that_is_good_enough_is_chosen() -> None:
-    rough = Point(8, 1e-2, 1e-5, path=4e-3, onset=1e-4, before=100.0, after=200.0)
+    rough = MeasuredPoint(8, 1e-2, 1e-5, path=4e-3, onset=1e-4, before=100.0, after=200.0)
     fine = replace(rough, step=5e-3, path=1e-3, before=200.0, after=400.0)
     finest = replace(rough, step=1e-3, path=1e-5, before=800.0)
     found = curve(finest, fine, rough)

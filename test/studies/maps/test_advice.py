@@ -10,7 +10,7 @@ from drill_twin.io.messages.diagnostics import Level
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
 from drill_twin.studies.maps.advice import Adviser, status_of
 from drill_twin.studies.maps.advice_tracker import Tracker
-from drill_twin.studies.maps.runs import Key, Record
+from drill_twin.studies.maps.runs import Key, RunRecord
 
 STEPS = 16
 PLANE = Plane(Span(0.0, 160.0), Span(0.0, 16.0), STEPS)  # a step is 10 N and 1 rad/s
@@ -20,12 +20,12 @@ def adviser(*, begins=16, dies=8, margin=0.1):
     """Whirl from rest where i + j >= begins; an existing one goes on where i + j >= dies."""
     nodes = [(i, j) for i in range(STEPS + 1) for j in range(STEPS + 1)]
     regimes = [Regime.FORWARD if i + j >= begins else Regime.SMOOTH for i, j in nodes]
-    records = {Key(*node): Record(regime) for node, regime in zip(nodes, regimes, strict=True)}
+    records = {Key(*node): RunRecord(regime) for node, regime in zip(nodes, regimes, strict=True)}
     for i, j in nodes:
         if dies <= i + j < begins:
-            records[Key(i, j, 0, (STEPS, STEPS))] = Record(Regime.FORWARD)
+            records[Key(i, j, 0, (STEPS, STEPS))] = RunRecord(Regime.FORWARD)
         elif i + j < min(dies, begins):
-            records[Key(i, j, 0, (STEPS, STEPS))] = Record(Regime.SMOOTH)
+            records[Key(i, j, 0, (STEPS, STEPS))] = RunRecord(Regime.SMOOTH)
     return Adviser(OperatingMap("string", "", "", PLANE, 100.0, (), records), margin)
 
 
@@ -43,7 +43,7 @@ def test_a_calm_set_point_with_margin_is_held():
 def test_the_margin_along_each_axis_is_that_to_its_own_boundary():
     """Whirl from 120 N on at any speed, and from 8 rad/s on at any weight."""
     nodes = [(i, j) for i in range(STEPS + 1) for j in range(STEPS + 1)]
-    records = {Key(i, j): Record(Regime.FORWARD if i >= 12 or j >= 8 else Regime.SMOOTH) for i, j in nodes}
+    records = {Key(i, j): RunRecord(Regime.FORWARD if i >= 12 or j >= 8 else Regime.SMOOTH) for i, j in nodes}
     margin = OperatingMap("string", "", "", PLANE, 100.0, (), records).margin(40.0, 4.0)
     assert margin == pytest.approx((75.0, 3.5, 3.5 / STEPS))
 

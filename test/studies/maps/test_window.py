@@ -13,9 +13,9 @@ from coarse_map import COARSE
 import drill_twin as dt
 from drill_twin.runs.ensemble import Threads
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
-from drill_twin.studies.maps.regimes import Torsion
-from drill_twin.studies.maps.runs import FINER, Key, Record, Runner
-from drill_twin.studies.maps.search import Search
+from drill_twin.studies.maps.regimes import TorsionalSpeeds
+from drill_twin.studies.maps.runs import FINER, Key, Runner, RunRecord
+from drill_twin.studies.maps.search import BoundarySearch
 from drill_twin.studies.maps.trend import Trend
 from drill_twin.studies.maps.window import MARGIN, cells_of, known_and_calm, rectangles
 
@@ -26,7 +26,7 @@ PLANE = Plane(Span(0.0, 320.0), Span(0.0, 32.0), STEPS)  # a step is 10 N and 1 
 def made(regime_at, *, every=1, growth=(), extra=(), draws=()):
     """Map with a run at each `every`-th node."""
     nodes = [(i, j) for i in range(0, STEPS + 1, every) for j in range(0, STEPS + 1, every)]
-    records = {Key(i, j): Record(regime_at(i, j)) for i, j in nodes} | dict(extra)
+    records = {Key(i, j): RunRecord(regime_at(i, j)) for i, j in nodes} | dict(extra)
     return OperatingMap("string", "", "", PLANE, 30.0, draws, records, growth=growth, asked=300.0)
 
 
@@ -90,7 +90,7 @@ def test_a_run_that_failed_is_no_whirl():
 def test_a_check_that_fails_takes_its_place_out_and_the_count_begins_anew():
     def checks(*regimes):
         places = [(FINER * (4 + k) + 7, FINER * 5 + 9) for k in range(len(regimes))]
-        return {Key(i, j, 0, None, FINER): Record(regime) for (i, j), regime in zip(places, regimes, strict=True)}
+        return {Key(i, j, 0, None, FINER): RunRecord(regime) for (i, j), regime in zip(places, regimes, strict=True)}
 
     good = made(triangle, extra=checks(*[Regime.SMOOTH] * 9))
     assert good.clean_checks == 9
@@ -104,10 +104,10 @@ def test_a_check_that_fails_takes_its_place_out_and_the_count_begins_anew():
 
 def test_draws_are_counted_with_their_limit():
     """Four draws without whirl show a chance below 53 %, not below 5 %."""
-    extra = {Key(i, j, draw): Record(triangle(i, j)) for i in range(33) for j in range(33) for draw in (1, 2, 3)}
+    extra = {Key(i, j, draw): RunRecord(triangle(i, j)) for i in range(33) for j in range(33) for draw in (1, 2, 3)}
     found = made(triangle, extra=extra, draws=({}, {}, {}, {}))
     assert "with 4 draws: each of them whirls with a chance below 52.7% (95 %)" in " ".join(found.basis)
-    one = made(triangle, extra=extra | {Key(8, 8, 2): Record(Regime.FORWARD)}, draws=({}, {}, {}, {}))
+    one = made(triangle, extra=extra | {Key(8, 8, 2): RunRecord(Regime.FORWARD)}, draws=({}, {}, {}, {}))
     assert one.whirls[8, 8]
     assert not cells_of(one)[7:9, 7:9].any()
 
@@ -118,11 +118,11 @@ def test_draws_stop_where_one_whirls_and_are_all_made_where_none_does():
     class Drawn(Runner):
         def run(self, keys):
             asked.extend(keys)
-            yield from ((key, Record(Regime.FORWARD if key.draw == 2 and key.i < 8 else triangle(*key.node)))
+            yield from ((key, RunRecord(Regime.FORWARD if key.draw == 2 and key.i < 8 else triangle(*key.node)))
                         for key in keys)  # fmt: skip
 
     runner = Drawn(dt.load_scene("pa6_bench", COARSE), PLANE, 30.0, 300.0, ({},) * 32, Threads())
-    search = Search(runner, None, 10**6, lambda *_: None, None)
+    search = BoundarySearch(runner, None, 10**6, lambda *_: None, None)
     search.onset()
     search.draws()
     counts = {}
@@ -135,8 +135,10 @@ def test_draws_stop_where_one_whirls_and_are_all_made_where_none_does():
 
 
 def test_a_table_has_no_smooth_run_with_an_onset():
-    from_whirl = Record(Regime.SMOOTH, onset_s=9.0)
-    found = made(triangle, extra={Key(3, 3, 0, (32, 32)): from_whirl, Key(32, 32): Record(Regime.FORWARD, onset_s=5.0)})
+    from_whirl = RunRecord(Regime.SMOOTH, onset_s=9.0)
+    found = made(
+        triangle, extra={Key(3, 3, 0, (32, 32)): from_whirl, Key(32, 32): RunRecord(Regime.FORWARD, onset_s=5.0)}
+    )
     rows = list(csv.DictReader(io.StringIO(found.csv())))
     assert not any(row["regime"] == "smooth" and row["onset_s"] for row in rows)
     assert any(row["onset_s"] == "5.0" for row in rows)
@@ -175,11 +177,11 @@ def test_a_trend_is_told_to_the_end_of_the_time_asked():
 
 
 def test_a_bit_that_sticks_or_stands_is_not_calm():
-    assert Torsion(1.05, 12.0, 12.0).sticks
-    assert Torsion(0.0, 0.0, 12.0).sticks
-    assert not Torsion(0.2, 12.0, 12.0).sticks
-    assert Torsion(0.2, 11.0, 12.0).winds
-    assert not Torsion(0.0, 0.0, 0.0).sticks
+    assert TorsionalSpeeds(1.05, 12.0, 12.0).sticks
+    assert TorsionalSpeeds(0.0, 0.0, 12.0).sticks
+    assert not TorsionalSpeeds(0.2, 12.0, 12.0).sticks
+    assert TorsionalSpeeds(0.2, 11.0, 12.0).winds
+    assert not TorsionalSpeeds(0.0, 0.0, 0.0).sticks
 
 
 def test_a_run_whose_whirl_would_begin_after_it_is_not_settled():

@@ -16,7 +16,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl, solve
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations, solve
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
@@ -34,7 +34,7 @@ ON_WALL = 0.99
 """Least radius over the clearance of a whirl on the wall."""
 
 
-class Parameter(NamedTuple):
+class BranchParameter(NamedTuple):
     """A number that a branch is followed in."""
 
     name: str
@@ -61,17 +61,17 @@ class Branch:
     """Reasons for the ends: at the first point and at the last."""
 
 
-def load_of(turning: TurningEquations, command: Command, low: float, high: float) -> Parameter:
+def load_of(turning: TurningEquations, command: Command, low: float, high: float) -> BranchParameter:
     """Weight on bit as parameter [N]."""
-    return Parameter("load", low, high, lambda value: (turning, Command(value, command.rotation)))
+    return BranchParameter("load", low, high, lambda value: (turning, Command(value, command.rotation)))
 
 
-def speed_of(turning: TurningEquations, command: Command, low: float, high: float) -> Parameter:
+def speed_of(turning: TurningEquations, command: Command, low: float, high: float) -> BranchParameter:
     """Rotation as parameter [rad/s]."""
-    return Parameter("speed", low, high, lambda value: (turning, Command(command.weight_on_bit, value)))
+    return BranchParameter("speed", low, high, lambda value: (turning, Command(command.weight_on_bit, value)))
 
 
-def key_of(turning: TurningEquations, command: Command, key: str, low: float, high: float) -> Parameter:
+def key_of(turning: TurningEquations, command: Command, key: str, low: float, high: float) -> BranchParameter:
     """Number of the scene as parameter, by its key, such as `effects.wall_friction.coefficient`; SI."""
     scene = turning.equations.scene
     elements = turning.equations.model.rod.length.size
@@ -81,11 +81,11 @@ def key_of(turning: TurningEquations, command: Command, key: str, low: float, hi
         changed: Scene = build_scene(data, name=scene.name, overrides={"numerics.elements": elements, key: value})
         return TurningEquations(EquationsOfMotion(changed)), command
 
-    return Parameter(key, low, high, at)
+    return BranchParameter(key, low, high, at)
 
 
 class _Point(NamedTuple):
-    whirl: Whirl
+    whirl: SteadyWhirl
     value: float
     tangent: Array  # of the free unknowns over the clearance, omega over the rotation, parameter over its range
 
@@ -93,7 +93,7 @@ class _Point(NamedTuple):
 class _Follower:
     """Continuation from one state."""
 
-    def __init__(self, parameter: Parameter, start: Whirl, value: float) -> None:
+    def __init__(self, parameter: BranchParameter, start: SteadyWhirl, value: float) -> None:
         turning, _ = parameter.at(value)
         self.parameter, self.turning = parameter, turning
         self.held = turning.frame.farthest(turning.frame.values(start.u))
@@ -102,7 +102,7 @@ class _Follower:
         self.scale = np.concatenate([np.full(turning.equations.unknowns, turning.clearance), [self.range]])
         self.scale[self.held] = rotation
 
-    def system(self, whirl: Whirl, value: float) -> tuple[Array, Array]:
+    def system(self, whirl: SteadyWhirl, value: float) -> tuple[Array, Array]:
         """Residual, and its derivatives by the scaled unknowns and the parameter, shape (m,) and (m, m + 1)."""
         turning, command = self.parameter.at(value)
         own = replace(whirl, command=command)
@@ -123,16 +123,16 @@ class _Follower:
         found = solve(whole, right)
         return np.asarray(found / np.linalg.norm(found))
 
-    def moved(self, whirl: Whirl, value: float, step: Array) -> tuple[Whirl, float]:
+    def moved(self, whirl: SteadyWhirl, value: float, step: Array) -> tuple[SteadyWhirl, float]:
         """Whirl and value after a step of the scaled unknowns."""
         change = step * self.scale
         omega, change[self.held] = change[self.held], 0.0
         following = value + float(change[-1])
         _, command = self.parameter.at(following)
         u = whirl.u + self.turning.equations.rows(change[:-1])
-        return Whirl(command, u, whirl.omega + float(omega)), following
+        return SteadyWhirl(command, u, whirl.omega + float(omega)), following
 
-    def correct(self, whirl: Whirl, value: float, tangent: Array) -> tuple[_Point, int] | None:
+    def correct(self, whirl: SteadyWhirl, value: float, tangent: Array) -> tuple[_Point, int] | None:
         """Point of the branch in the plane normal to the tangent, and iterations used; None without convergence."""
         for iteration in range(CORRECTIONS):
             residual, matrix = self.system(whirl, value)
@@ -145,7 +145,7 @@ class _Follower:
                 return _Point(whirl, value, self.tangent(matrix, tangent)), iteration + 1
         return None
 
-    def follow(self, start: Whirl, value: float, sense: float) -> tuple[list[_Point], str]:
+    def follow(self, start: SteadyWhirl, value: float, sense: float) -> tuple[list[_Point], str]:
         """Points from a state on, in the sense of growing (1) or falling (-1) values, and the reason of the end."""
         first = np.zeros(self.scale.size)
         first[-1] = sense
@@ -170,7 +170,7 @@ class _Follower:
         return points, f"{MOST_POINTS} points"
 
 
-def branch(parameter: Parameter, start: Whirl, value: float) -> Branch:
+def branch(parameter: BranchParameter, start: SteadyWhirl, value: float) -> Branch:
     """Follow a steady whirl both ways in a parameter.
 
     Args:

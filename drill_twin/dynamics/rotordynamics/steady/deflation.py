@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
 
 LONGEST = 4.0
 """Largest factor on a step; deflated steps may be of any length and sign."""
@@ -25,11 +25,11 @@ class Deflation:
     (root mean square) and whirl speeds over the rotation together.
     """
 
-    def __init__(self, turning: TurningEquations, known: Sequence[Whirl]) -> None:
+    def __init__(self, turning: TurningEquations, known: Sequence[SteadyWhirl]) -> None:
         """Take the known whirls of the same equations."""
         self._turning, self._known = turning, known
 
-    def factor(self, whirl: Whirl, step: Array, change: float) -> float:
+    def factor(self, whirl: SteadyWhirl, step: Array, change: float) -> float:
         """Factor on a Newton step of the free unknowns, shape (m,), and of omega.
 
         From m F with step d of F: 1 / (1 - m' d / m) (Sherman and Morrison).

@@ -18,7 +18,7 @@ import numpy as np
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.shape_search import ShapeSearch
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TOLERANCE, TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TOLERANCE, SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.dynamics.solver.linearisation import MASS
 from drill_twin.physics.model.mesh import SPIN
@@ -49,7 +49,7 @@ def imperfect(equations: EquationsOfMotion, share: float = 1.0) -> Iterator[None
 class Modulation:
     """First-order motion about a steady whirl, Re(amplitude exp(i rate t)) in its frame."""
 
-    whirl: Whirl
+    whirl: SteadyWhirl
     rate: float
     """Rotation less whirl speed [rad/s]."""
     amplitude: ComplexArray
@@ -68,7 +68,7 @@ class Modulation:
         return np.asarray(turn[:, None] * (place[..., 0] + 1j * place[..., 1]), np.complex128)
 
 
-def modulation(turning: TurningEquations, whirl: Whirl) -> Modulation:
+def modulation(turning: TurningEquations, whirl: SteadyWhirl) -> Modulation:
     """Modulation of a steady whirl by bow and eccentricity; zero in a scene without them."""
     equations, frame = turning.equations, turning.frame
     system = turning.at(whirl)
@@ -91,20 +91,20 @@ def modulation(turning: TurningEquations, whirl: Whirl) -> Modulation:
 
 def locked_states(turning: TurningEquations, command: Command) -> tuple[WhirlState, ...]:
     """States locked to the rotation, from the axis and from its lowest modes near it and near the wall."""
-    equations, found = turning.equations, list[Whirl]()
+    equations, found = turning.equations, list[SteadyWhirl]()
     search = ShapeSearch(turning, command)
     with imperfect(equations):
         shortest = 0.1 / max(command.rotation**2, 1.0)
         for number, start in enumerate(_starts(search)):
             # plain Newton from the axis, which may be unstable
             first = shortest if number else FIRST_STEP
-            whirl = _relaxed(turning, Whirl(command, start, command.rotation), first)
+            whirl = _relaxed(turning, SteadyWhirl(command, start, command.rotation), first)
             if whirl is not None and not any(_apart(whirl, other) < 1e-3 * turning.clearance for other in found):
                 found.append(whirl)
         return tuple(state_of(turning, whirl, is_locked=True) for whirl in found)
 
 
-def locked_near(turning: TurningEquations, whirl: Whirl) -> WhirlState | None:
+def locked_near(turning: TurningEquations, whirl: SteadyWhirl) -> WhirlState | None:
     """State locked to the rotation near a shape, such as one of another mesh; None if there is none."""
     with imperfect(turning.equations):
         found = _relaxed(turning, whirl, FIRST_STEP)
@@ -126,7 +126,7 @@ def _starts(search: ShapeSearch) -> Iterator[Array]:
                 yield u
 
 
-def _relaxed(turning: TurningEquations, whirl: Whirl, shortest: float) -> Whirl | None:
+def _relaxed(turning: TurningEquations, whirl: SteadyWhirl, shortest: float) -> SteadyWhirl | None:
     """Equilibrium in the frame of the string near a first shape, by pseudo-transient continuation."""
     rows, length, last = turning.equations.block_rows, shortest, np.inf
     for _ in range(STEPS):
@@ -148,5 +148,5 @@ def _relaxed(turning: TurningEquations, whirl: Whirl, shortest: float) -> Whirl 
     return None
 
 
-def _apart(one: Whirl, other: Whirl) -> float:
+def _apart(one: SteadyWhirl, other: SteadyWhirl) -> float:
     return float(np.hypot(*(one.u[:, :2] - other.u[:, :2]).T).max())

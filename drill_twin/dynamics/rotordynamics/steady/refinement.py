@@ -16,7 +16,7 @@ from scipy.interpolate import CubicHermiteSpline
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed
 from drill_twin.dynamics.rotordynamics.steady.imperfections import locked_near
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import MARGIN, TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import MARGIN, SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.dynamics.rotordynamics.steady.whirl_states import is_new, state_near
 from drill_twin.physics.model.mesh import SPIN
@@ -31,7 +31,7 @@ SAME_RATIO, SAME_RADIUS = 0.01, 0.1
 """Largest changes of whirl speed over rotation, and of radii over the clearance, of the same state on two meshes."""
 
 
-def on_mesh(equations: EquationsOfMotion, whirl: Whirl, arc: Array) -> Whirl:
+def on_mesh(equations: EquationsOfMotion, whirl: SteadyWhirl, arc: Array) -> SteadyWhirl:
     """A whirl on another mesh of the same form, by the shape functions of its own.
 
     Args:

@@ -22,7 +22,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.equilibrium.static_equilibrium import random_shape
 from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, undamped_basis
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.turning_frame import quarter_turn
 from drill_twin.dynamics.solver.linearisation import MASS
 from drill_twin.scene.set_points.command import Command
@@ -50,7 +50,7 @@ SOFT_CREEP, CREEP_FACTOR = 1e-2, 5.0
 class Shape(NamedTuple):
     """Shape in balance at a whirl speed, and the extra force per momentum that holds it there [1/s2]."""
 
-    whirl: Whirl
+    whirl: SteadyWhirl
     drive: float
 
 
@@ -67,7 +67,7 @@ class ShapeSearch:
         """Find the fastest growth of buckling, which sets the first step."""
         self.turning, self.command = turning, command
         self.axis, _ = turning.equations.on_axis(command)
-        system = turning.at(Whirl(command, self.axis, 0.0))
+        system = turning.at(SteadyWhirl(command, self.axis, 0.0))
         x = np.ix_(turning.frame.x, turning.frame.x)
         pencil = Pencil(system.mass[x], system.damping[x], system.stiffness[x])
         self._modes = undamped_basis(pencil, 4)
@@ -118,7 +118,7 @@ class ShapeSearch:
         """Shape in balance at a whirl speed, near a first shape; None if there is none."""
         turning, frame = self.turning, self.turning.frame
         first = FIRST_STEP / max(1.0, omega**2 - self._lowest)
-        whirl, drive, length, last = Whirl(self.command, start, omega), 0.0, first, np.inf
+        whirl, drive, length, last = SteadyWhirl(self.command, start, omega), 0.0, first, np.inf
         for _ in range(steps):
             system = turning.at(whirl)
             mass, rows = system.tangents[MASS], system.rows
@@ -145,7 +145,7 @@ class ShapeSearch:
             last = force
         return None
 
-    def crossings(self, shapes: list[Shape]) -> Iterator[Whirl]:
+    def crossings(self, shapes: list[Shape]) -> Iterator[SteadyWhirl]:
         """Guesses of steady whirls: shapes between two with drives of different sign (false position)."""
         for first, second in pairwise(shapes):
             one, other = first, second
@@ -162,7 +162,7 @@ class ShapeSearch:
             yield min(one, other, key=lambda shape: abs(shape.drive)).whirl
 
 
-def stiffen_friction(turning: TurningEquations, whirl: Whirl, real: float) -> Whirl | None:
+def stiffen_friction(turning: TurningEquations, whirl: SteadyWhirl, real: float) -> SteadyWhirl | None:
     """Follow a steady whirl from `SOFT_CREEP` to the real regularisation of the friction [m/s]; None if it is lost."""
     creep, before = SOFT_CREEP, None
     while creep > real * (1.0 + 1e-9):

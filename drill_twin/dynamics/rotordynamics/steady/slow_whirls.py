@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 
 from drill_twin.core.arrays import Array
 from drill_twin.dynamics.rotordynamics.steady.shape_search import ShapeSearch
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl
 from drill_twin.physics.model.mesh import SPIN
 
 TURNS = (-1.0, 1.0)
@@ -31,7 +31,7 @@ STEADY = 1e-4
 ACROSS = (0, 1, 3, 4)
 
 
-def slow_whirls(search: ShapeSearch) -> Iterator[Whirl]:
+def slow_whirls(search: ShapeSearch) -> Iterator[SteadyWhirl]:
     """Guesses of steady whirls from helices and from the lowest modes."""
     for start in (*(helix(search, turns) for turns in TURNS), *search.starts(0, 0)):
         found = damped(search, start)
@@ -54,7 +54,7 @@ def helix(search: ShapeSearch, turns: float) -> Array:
     return search.on_constraints(u)
 
 
-def damped(search: ShapeSearch, start: Array) -> Whirl | None:
+def damped(search: ShapeSearch, start: Array) -> SteadyWhirl | None:
     """Whirl that damped steps from a shape at rest settle in; None if they settle in none."""
     turning, command = search.turning, search.command
     equations, length = turning.equations, STEP
@@ -80,5 +80,5 @@ def damped(search: ShapeSearch, start: Array) -> Whirl | None:
         omega = float((np.vdot(place, speed) / max(float(np.vdot(place, place).real), 1e-300)).imag)
         moving = float(np.abs(speed - 1j * omega * place).max())
         if moving < STEADY * turning.clearance * abs(command.rotation):
-            return Whirl(command, u, omega)
+            return SteadyWhirl(command, u, omega)
     return None

@@ -38,7 +38,7 @@ NEUTRAL = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Whirl:
+class SteadyWhirl:
     """Shape and speed of a whirl at one instant."""
 
     command: Command
@@ -61,7 +61,7 @@ class Whirl:
         return np.asarray(np.hypot(self.u[:, 0], self.u[:, 1]))
 
 
-StepFactor = Callable[[Whirl, Array, float], float]
+StepFactor = Callable[[SteadyWhirl, Array, float], float]
 """Factor on a Newton step, from the whirl, the step of the free unknowns, and that of omega."""
 
 
@@ -79,7 +79,7 @@ class TurningEquations:
         self.equations, self.frame = equations, TurningFrame(equations)
         self.clearance = float(equations.model.wellbore.clearance.min())
 
-    def at(self, whirl: Whirl) -> Linearised:
+    def at(self, whirl: SteadyWhirl) -> Linearised:
         """Residual and tangents at a whirl."""
         return self.equations.evaluate(whirl.command, *whirl.motion)
 
@@ -90,7 +90,7 @@ class TurningEquations:
         result: Array = stiffness + omega * rows.times_j(damping) - omega**2 * rows.across(mass)
         return result
 
-    def by_omega(self, system: Linearised, whirl: Whirl) -> Array:
+    def by_omega(self, system: Linearised, whirl: SteadyWhirl) -> Array:
         """Derivative of the residual by the whirl speed, C J u - 2 omega M u across the axis."""
         turned = quarter_turn(whirl.u)
         damped = system.rows.times(system.tangents[DAMPING], self.frame.values(turned))
@@ -98,7 +98,9 @@ class TurningEquations:
         result: Array = damped + 2.0 * whirl.omega * moved
         return result
 
-    def newton(self, start: Whirl, away: StepFactor | None = None, iterations: int = ITERATIONS) -> Whirl | None:
+    def newton(
+        self, start: SteadyWhirl, away: StepFactor | None = None, iterations: int = ITERATIONS
+    ) -> SteadyWhirl | None:
         """Steady whirl near a first guess; None if Newton's method does not converge.
 
         The direction of the node farthest from the axis is held: its motion around is no unknown, and omega takes its
@@ -127,7 +129,7 @@ class TurningEquations:
                 return whirl
         return None
 
-    def spectrum(self, whirl: Whirl, *, is_locked: bool = False) -> ComplexArray:
+    def spectrum(self, whirl: SteadyWhirl, *, is_locked: bool = False) -> ComplexArray:
         """Eigenvalues in the turning frame [rad/s], fastest growth first; without the zero one, if there is one."""
         system = self.at(whirl)
         gyroscopic = system.damping + 2.0 * whirl.omega * self.frame.times_j(system.mass)

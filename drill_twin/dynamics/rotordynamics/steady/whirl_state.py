@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import MARGIN, TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import MARGIN, SteadyWhirl, TurningEquations
 
 ROLLING = 1e-2
 """Largest slip of a rolling string, over the speed of its surface."""
@@ -20,7 +20,7 @@ ROLLING = 1e-2
 class WhirlState:
     """A steady whirl and its stability."""
 
-    whirl: Whirl
+    whirl: SteadyWhirl
     spectrum: ComplexArray
     """Eigenvalues in the turning frame [rad/s], fastest growth first."""
     slip: float
@@ -95,7 +95,7 @@ class WhirlState:
         return "backward" if self.ratio < 0.0 else "forward"
 
 
-def state_of(turning: TurningEquations, whirl: Whirl, *, is_locked: bool = False) -> WhirlState:
+def state_of(turning: TurningEquations, whirl: SteadyWhirl, *, is_locked: bool = False) -> WhirlState:
     """A steady whirl with its stability and contact; one locked to the rotation has a direction, and no zero
     eigenvalue.
     """

@@ -18,7 +18,7 @@ from drill_twin.dynamics.rotordynamics.modes import is_vertical
 from drill_twin.dynamics.rotordynamics.steady.deflation import Deflation
 from drill_twin.dynamics.rotordynamics.steady.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
 from drill_twin.dynamics.rotordynamics.steady.slow_whirls import ACROSS, slow_whirls
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
@@ -66,7 +66,7 @@ def check_whirls(equations: EquationsOfMotion, command: Command) -> None:
         raise SceneError(f"{name}: expected a rotation other than 0, found none; give one, such as --rps 2")
 
 
-class Search(NamedTuple):
+class StateSearch(NamedTuple):
     """Result of a search for steady whirls."""
 
     states: tuple[WhirlState, ...]
@@ -89,7 +89,7 @@ def search(
     random_starts: int = RANDOM_STARTS,
     seed: int = SEED,
     evaluations: float = math.inf,
-) -> Search:
+) -> StateSearch:
     """Steady whirl states on the mesh of the equations.
 
     Those of a string that stretches and twists are found from those of its lateral form, which Newton's method reaches
@@ -115,7 +115,7 @@ def search(
             near = state_near(equations, whirl)
             if near is not None and is_new(near.whirl, [state.whirl for state in states], clearance):
                 states.append(near)
-        return Search(tuple(sorted(states, key=lambda state: -state.whirl.omega)), is_whole)
+        return StateSearch(tuple(sorted(states, key=lambda state: -state.whirl.omega)), is_whole)
     return _search(equations, command, random_starts, seed, evaluations)
 
 
@@ -133,10 +133,10 @@ def _softened(turning: TurningEquations) -> Iterator[float]:
 
 def _search(
     equations: EquationsOfMotion, command: Command, random_starts: int, seed: int, evaluations: float
-) -> Search:
+) -> StateSearch:
     turning = TurningEquations(equations)
-    found: list[Whirl] = []
-    soft: list[Whirl] = []
+    found: list[SteadyWhirl] = []
+    soft: list[SteadyWhirl] = []
     is_whole, ends = True, equations.evaluations + evaluations
     with _softened(turning) as real:
         for guess in _guesses(ShapeSearch(turning, command), seed, random_starts):
@@ -150,7 +150,7 @@ def _search(
             if stiff is not None and is_new(stiff, found, turning.clearance):
                 found.append(stiff)
     ordered = sorted(found, key=lambda one: -one.omega)
-    return Search(tuple(state_of(turning, whirl) for whirl in ordered), is_whole)
+    return StateSearch(tuple(state_of(turning, whirl) for whirl in ordered), is_whole)
 
 
 def lateral_form(scene: Scene, elements: int) -> Scene:
@@ -160,14 +160,14 @@ def lateral_form(scene: Scene, elements: int) -> Scene:
     return meshed(without(scene, sorted(left_out)), elements)
 
 
-def across(equations: EquationsOfMotion, whirl: Whirl) -> Whirl:
+def across(equations: EquationsOfMotion, whirl: SteadyWhirl) -> SteadyWhirl:
     """A whirl of the lateral form as a first guess in another one, on the same mesh."""
     u, _ = equations.on_axis(whirl.command)
     u[:, ACROSS] = whirl.u[:, ACROSS]
     return replace(whirl, u=u)
 
 
-def state_near(equations: EquationsOfMotion, whirl: Whirl) -> WhirlState | None:
+def state_near(equations: EquationsOfMotion, whirl: SteadyWhirl) -> WhirlState | None:
     """Steady whirl near a shape and speed from elsewhere, such as a run in time; None if there is none."""
     turning = TurningEquations(equations)
     with _softened(turning) as real:
@@ -188,14 +188,14 @@ def rolling_ratios(model: DiscreteModel) -> tuple[float, ...]:
     return tuple(found)
 
 
-def _guesses(search: ShapeSearch, seed: int, random_starts: int) -> Iterator[Whirl]:
+def _guesses(search: ShapeSearch, seed: int, random_starts: int) -> Iterator[SteadyWhirl]:
     """First guesses: of fast whirls from shapes over whirl speeds, then of slow ones from helices."""
     for start in search.starts(seed, random_starts):
         yield from search.crossings(search.family(start))
     yield from slow_whirls(search)
 
 
-def _add_near(turning: TurningEquations, guess: Whirl, found: list[Whirl]) -> None:
+def _add_near(turning: TurningEquations, guess: SteadyWhirl, found: list[SteadyWhirl]) -> None:
     """Add the steady whirls that Newton's method finds from a guess, each deflated before the next is sought."""
     whirl = turning.newton(guess)
     for _ in range(DEFLATIONS):
@@ -205,7 +205,7 @@ def _add_near(turning: TurningEquations, guess: Whirl, found: list[Whirl]) -> No
         whirl = turning.newton(guess, Deflation(turning, found).factor)
 
 
-def is_new(whirl: Whirl, others: Sequence[Whirl], clearance: float) -> bool:
+def is_new(whirl: SteadyWhirl, others: Sequence[SteadyWhirl], clearance: float) -> bool:
     """True for a whirl on the wall that is none of others of the same mesh."""
     if float(whirl.radius.max()) < 0.9 * clearance:
         return False

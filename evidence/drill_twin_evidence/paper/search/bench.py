@@ -14,7 +14,7 @@ import numpy as np
 from drill_twin.api.ensemble import Ensemble
 from drill_twin.api.scenes import override
 from drill_twin.dynamics.twin.dynamics import kernel_of
-from drill_twin.runs.ensemble.run import Run
+from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Schedule
 from drill_twin_evidence.paper.runs.cases import Case
@@ -81,7 +81,7 @@ class Bench:
         return form | dict(self.resolution) | one.keys() | case.keys()
 
 
-def _motion(scene: Scene, run: Run) -> Motion | None:
+def _motion(scene: Scene, run: MemberRun) -> Motion | None:
     if run.failure:
         return None
     time, centre = run.values["time"].value, run.values["centre"].value

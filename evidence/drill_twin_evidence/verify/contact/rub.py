@@ -15,7 +15,7 @@ from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.branches import branch, speed_of
 from drill_twin.dynamics.rotordynamics.steady.shape_search import Shape, ShapeSearch
 from drill_twin.dynamics.rotordynamics.steady.slow_whirls import helix
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations, Whirl
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 from drill_twin_evidence.verify.case import FORMS, case
@@ -59,7 +59,7 @@ def dynamic_stiffness(omega: float) -> complex:
     return complex(-2.0 * EI * shear - mass * omega**2 + 1j * DRAG * DISC * omega)
 
 
-def _newton(turning: TurningEquations, shape: Shape | None) -> Whirl:
+def _newton(turning: TurningEquations, shape: Shape | None) -> SteadyWhirl:
     whirl = turning.newton(shape.whirl) if shape is not None else None
     if whirl is None:
         raise RunError("expected a steady whirl near the first shape, found none: Newton's method does not converge")

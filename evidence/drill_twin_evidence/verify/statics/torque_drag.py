@@ -12,7 +12,7 @@ from scipy.sparse.linalg import eigsh
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, analyse
 from drill_twin.dynamics.torque_drag.operations import Operation
-from drill_twin.dynamics.torque_drag.sliding_balance import Balance, SlidingBalance
+from drill_twin.dynamics.torque_drag.sliding_balance import BalancedString, SlidingBalance
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene import Scene
 from drill_twin_evidence.verify.case import case
@@ -144,7 +144,7 @@ def snaking() -> Iterator[Row]:
               loads[0] + (loads[1] - loads[0]) * first / (first - second), 2e-2)  # fmt: skip
 
 
-def _least_eigenvalue(solver: SlidingBalance, balance: Balance) -> float:
+def _least_eigenvalue(solver: SlidingBalance, balance: BalancedString) -> float:
     """Least eigenvalue of the stiffness against bending and stretch, which is symmetric without friction."""
     matrix = solver.rows.sparse(solver.stiffness(balance))
     moving = np.flatnonzero(np.nonzero(solver.rows.free)[1] != SPIN)
