@@ -20,7 +20,7 @@ from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runs import SessionRun, compile_kernel
-from drill_twin.runs.session import SetPoints
+from drill_twin.runs.session_run import SetPoints
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.rig import FASTEST_BLOCK, FASTEST_ROTATION, LARGEST_LOAD
 from drill_twin.scene.set_points import Command, Schedule

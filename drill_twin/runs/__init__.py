@@ -3,6 +3,7 @@
 
 from drill_twin.runs.compilation import compile_kernel
 from drill_twin.runs.loop import RunLoop
-from drill_twin.runs.session import Outcome, Progress, Session, SessionRun
+from drill_twin.runs.session import Outcome, Progress, Session
+from drill_twin.runs.session_run import SessionRun
 
 __all__ = ["Outcome", "Progress", "RunLoop", "Session", "SessionRun", "compile_kernel"]

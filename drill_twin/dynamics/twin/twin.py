@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
 from drill_twin.dynamics.solver.state import HALVINGS, PAUSED, REACHED, STEPS
 from drill_twin.dynamics.twin.dynamics import Dynamics, restore_arrays
@@ -197,6 +198,10 @@ class Twin:
     def _follow(self, record: Record, commands: Array, seconds: float) -> None:
         """Advance by frames in compiled code; Python takes over for one that is rejected."""
         loop, count = self._loop, len(commands)
+        if commands.shape[1:] != (3,) or count > len(record.table):  # compiled code checks no bounds
+            raise ArgumentError(
+                f"expected set-points of shape (F, 3), F {len(record.table)} at most, found {commands.shape}"
+            )
         record.interventions.clear()
         loop.begin()
         try:

@@ -10,7 +10,8 @@ from drill_twin.studies.estimation.ensemble_filter import (
     FilterWindow,
 )
 from drill_twin.studies.estimation.intake import SET_POINTS, Intake
-from drill_twin.studies.estimation.members import LOAD, SENSORS, unit_of
+from drill_twin.studies.estimation.members import LOAD
+from drill_twin.studies.estimation.prediction import SENSORS, unit_of
 from drill_twin.studies.estimation.square_root_filter import Correction, correction
 
 __all__ = [

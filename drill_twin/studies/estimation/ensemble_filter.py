@@ -18,8 +18,9 @@ from drill_twin.studies.estimation.bands import Band
 from drill_twin.studies.estimation.branches import Branches
 from drill_twin.studies.estimation.channel_errors import ChannelErrors
 from drill_twin.studies.estimation.divergence import Divergence
-from drill_twin.studies.estimation.members import EstimatorMembers, Pace, Prediction
+from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
+from drill_twin.studies.estimation.prediction import Pace, Prediction
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin.studies.estimation.subs import VALUES, speed
 from drill_twin.studies.fitting.ranges import Ranges
@@ -99,7 +100,7 @@ class Estimate:
     Attributes:
         time: Time [s].
         numbers: Free numbers [SI] by key.
-        sensors: Virtual sensors by name, see `drill_twin.studies.estimation.members.SENSORS`; with a sub also the
+        sensors: Virtual sensors by name, see `drill_twin.studies.estimation.prediction.SENSORS`; with a sub also the
             places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
         whirls: Share of the members that whirl.
         chance: Share of those that whirl within the horizon; NaN if it is not computed.

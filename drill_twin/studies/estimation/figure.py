@@ -10,7 +10,7 @@ import numpy as np
 
 from drill_twin.studies.estimation.bands import SHARE
 from drill_twin.studies.estimation.ensemble_filter import Estimate
-from drill_twin.studies.estimation.members import unit_of
+from drill_twin.studies.estimation.prediction import unit_of
 from drill_twin.studies.fitting.record import Record
 
 if TYPE_CHECKING:

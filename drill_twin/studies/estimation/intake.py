@@ -15,7 +15,7 @@ from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Command, Schedule
 from drill_twin.studies.estimation.ensemble_filter import FilterWindow
-from drill_twin.studies.estimation.members import Pace
+from drill_twin.studies.estimation.prediction import Pace
 from drill_twin.studies.estimation.sub_intake import SubIntake
 
 SET_POINTS = tuple(field.name for field in fields(Command))

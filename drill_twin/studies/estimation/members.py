@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy import special, stats
@@ -26,6 +25,7 @@ from drill_twin.scene.set_points import Command
 from drill_twin.studies.estimation.asynchronous import asynchronous_radius
 from drill_twin.studies.estimation.bands import SHARE, Band
 from drill_twin.studies.estimation.lateral import LateralMotion
+from drill_twin.studies.estimation.prediction import SENSORS, Pace, Prediction
 from drill_twin.studies.estimation.square_root_filter import Correction, applied
 from drill_twin.studies.estimation.subs import VALUES, SubReader, listed
 from drill_twin.studies.fitting.posterior import full_key
@@ -36,58 +36,6 @@ LOAD = "load_factor"
 """Number that is no key of a scene: weight on bit of a member over the one that is commanded or indicated."""
 WIDEST = 4.0
 """Standard deviations to which a number may move in the space where its prior is standard normal."""
-SENSORS: Mapping[str, str] = {
-    "weight_on_bit": "N",
-    "bit_speed": "rad/s",
-    "bit_torque": "N m",
-    "radius": "m",
-    "wall_force": "N",
-    "bending_stress": "Pa",
-}
-"""Virtual sensors and their units: bit and weight on it at the end of the window, largest radius of a mark and largest
-wall force of a node in it, largest bending stress at its end."""
-
-
-def unit_of(sensor: str) -> str:
-    """Unit of a virtual sensor; places of marks are in m."""
-    return SENSORS.get(sensor, "m")
-
-
-@dataclass(frozen=True)
-class Pace:
-    """Lengths in time.
-
-    Attributes:
-        period: Of a frame [s].
-        frames: Frames of a window.
-        samples: Samples of a window.
-    """
-
-    period: float
-    frames: int
-    samples: int
-
-    @property
-    def window(self) -> float:
-        """Length of a window [s]."""
-        return self.period * self.frames
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """A window of N members.
-
-    Attributes:
-        channels: By name, shape (N, S): means over the samples (`drill_twin.runs.ensemble.outputs.series.Channels`).
-        sensors: Virtual sensors by name, each of shape (N,).
-        whirls: Whether each member whirls, shape (N,).
-        readings: Of the subs, shape (N, F, s, 6) (`drill_twin.studies.estimation.subs`).
-    """
-
-    channels: Mapping[str, Array]
-    sensors: Mapping[str, Array]
-    whirls: Mask
-    readings: Array
 
 
 class EstimatorMembers:

@@ -11,7 +11,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.scene.blocks.sensors import Sub
-from drill_twin.studies.estimation.members import Pace
+from drill_twin.studies.estimation.prediction import Pace
 from drill_twin.studies.estimation.subs import VALUES
 
 _LARGEST = 1e5

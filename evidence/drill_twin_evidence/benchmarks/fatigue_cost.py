@@ -10,7 +10,7 @@ import time
 from collections.abc import Sequence
 from statistics import median
 
-from drill_twin.runs.session import SessionRun
+from drill_twin.runs.session_run import SessionRun
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.set_points import Schedule
 

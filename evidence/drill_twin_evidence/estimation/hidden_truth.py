@@ -15,7 +15,8 @@ from drill_twin.dynamics.sensors.errors import errors_of, with_errors
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Schedule
 from drill_twin.studies.estimation import LOAD, EnsembleFilter, Estimate, EstimatorOptions, FilterWindow
-from drill_twin.studies.estimation.members import EstimatorMembers, Prediction
+from drill_twin.studies.estimation.members import EstimatorMembers
+from drill_twin.studies.estimation.prediction import Prediction
 from drill_twin.studies.fitting.ranges import Ranges
 
 _NOISE = 0.01

@@ -16,7 +16,7 @@ from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
 from drill_twin.io.messages.topics import SURFACE_STATE, TOPICS, imu_topic, sub_of, summary_topic
-from drill_twin.runs.session import SessionRun
+from drill_twin.runs.session_run import SessionRun
 from drill_twin.scene import load_scene, parse_scene
 from drill_twin.scene.blocks.sensors import Accelerometer, SpeedChannel
 from drill_twin.scene.set_points import Command

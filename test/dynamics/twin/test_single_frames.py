@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points import Command
@@ -43,3 +44,12 @@ def test_a_frame_stays_as_it_is(scene):
     np.testing.assert_array_equal(first.positions, kept[0])
     np.testing.assert_array_equal(first.marks.centre, kept[1])
     assert first.rig == kept[2]
+
+
+@pytest.mark.parametrize("shape", [(COUNT, 2), (COUNT, 4), (3,), (COUNT + 1, 3)])
+def test_set_points_of_another_shape_are_refused(scene, shape):
+    """Compiled code would read or write beyond them."""
+    twin = Twin(scene)
+    with pytest.raises(ArgumentError, match=r"set-points of shape \(F, 3\)"):
+        twin.advance_frames(np.zeros(shape), PERIOD, twin.record(COUNT))
+    assert twin.time == 0.0

@@ -13,8 +13,8 @@ from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.studies.estimation.lateral import LateralMotion
-from drill_twin.studies.estimation.members import Pace
 from drill_twin.studies.estimation.phase import turns
+from drill_twin.studies.estimation.prediction import Pace
 from drill_twin.studies.estimation.sub_intake import SubIntake
 from drill_twin.studies.estimation.subs import VALUES, lateral_velocity, sound
 

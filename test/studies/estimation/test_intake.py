@@ -8,7 +8,7 @@ import pytest
 
 import drill_twin as dt
 from drill_twin.studies.estimation.intake import Intake
-from drill_twin.studies.estimation.members import Pace
+from drill_twin.studies.estimation.prediction import Pace
 
 PACE = Pace(0.01, 100, 10)
 

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One run of a session, some frames at a time: what driver, simulator and analyzer send, recorded as it goes."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from itertools import takewhile
+from typing import Protocol
+
+from drill_twin.core.errors import MessageError
+from drill_twin.dynamics.twin.frame import Frames
+from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.rig_messages import CommandEncoder
+from drill_twin.io.messages.stamps import NANOSECONDS, seconds
+from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.io.samples import SampleRows
+from drill_twin.io.whirl_pipeline import WhirlPipeline
+from drill_twin.runs.loop import RunLoop
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points import Command
+from drill_twin.whirl import Findings
+
+MARKER_RATE = 25.0
+"""Messages on `/string/markers` per simulated second."""
+BLOCK_SECONDS = 0.05
+"""Time by the clock after which the frames computed so far are recorded [s]."""
+SetPoints = Callable[[float], Command]
+"""Set-points at a time [s]."""
+Recorded = tuple[str, int, bytes]
+"""Topic, stamp [ns] and CDR bytes of a message."""
+
+
+class MessageSink(Protocol):
+    """Takes the messages of a session: a bag writer, or `drill_twin.io.bag.memory.MemoryBag`."""
+
+    def write(self, topic: str, stamp: int, raw: bytes) -> None:
+        """Record the CDR bytes of a message at a stamp [ns]."""
+
+    def write_all(self, messages: Sequence[Recorded]) -> None:
+        """Record messages one after the other."""
+
+
+class SessionRun:
+    """One run, some frames at a time, recorded as it goes.
+
+    Attributes:
+        loop: The run loop with the twin.
+        pipeline: The whirl analysis.
+    """
+
+    def __init__(self, scene: Scene, recorder: MessageSink) -> None:
+        """Compile what the scene calls for, and announce the run.
+
+        Args:
+            scene: The scene.
+            recorder: Takes the messages.
+        """
+        self._recorder = recorder
+        self._period = scene.numerics.frame_period_ns
+        self.pipeline = WhirlPipeline()
+        self.loop = RunLoop(scene, seconds(self._period), self._record)
+        self.command = self.loop.first
+        """Set-points in force."""
+        self._commands = CommandEncoder()
+        self._frame_id = self.loop.geometry.frame_id
+        self.motion_seconds = 0.0
+        """Processor time of computing the motion so far [s]."""
+        self.last: Frames | None = None
+        """The last frame; views that hold until the next call of `advance`."""
+        self._quick = 1  # frames in BLOCK_SECONDS
+        self._echo_due = self._markers_due = 0
+        self._diagnostics_due = NANOSECONDS
+        self.loop.announce()
+
+    @property
+    def stamp(self) -> int:
+        """Simulated time [ns]."""
+        return self.loop.frames * self._period
+
+    @property
+    def findings(self) -> Findings | None:
+        """The latest findings."""
+        return self.pipeline.findings
+
+    @property
+    def most_frames(self) -> int:
+        """Most frames of the next `advance`: up to the next diagnostics, and some `BLOCK_SECONDS` by the clock."""
+        until = -(-(self._diagnostics_due - self.stamp) // self._period)
+        return max(1, min(until, self.loop.most_frames, self._quick))
+
+    def advance(self, commands: Sequence[Command]) -> None:
+        """Advance by frames, `most_frames` at most, at whose ends the commands hold.
+
+        Raises:
+            RunError: The motion could not be followed; the frames before are recorded.
+            MessageError: A set-point or a result is not a finite number; the same.
+        """
+        began, start = time.perf_counter(), self.stamp
+        sound = sum(1 for _ in takewhile(Command.is_finite, commands))
+        busy = time.thread_time()
+        frames, error = self.loop.fill(commands[:sound])
+        self.motion_seconds += time.thread_time() - busy
+        filled, count = time.perf_counter(), len(frames.time)
+        self._write(start, commands[:count], frames)
+        self.loop.count(frames, time.perf_counter() - filled)
+        if count:
+            self.last = frames.part(slice(-1, None))
+        if error is not None and not isinstance(error, Exception):  # a request to stop, no fault of the next command
+            raise error
+        if count < len(commands):  # what the driver sent before it failed
+            batch: list[Recorded] = []
+            after, command = self.stamp + self._period, commands[count]
+            self._command(batch, after, command, self._commands.command(after, command))
+            self._recorder.write_all(batch)
+        if error is not None:
+            raise error
+        self._quick = max(1, int(BLOCK_SECONDS * count / (time.perf_counter() - began)))
+        if self.stamp >= self._diagnostics_due:
+            self._diagnostics_due += NANOSECONDS
+            self.report_diagnostics()
+
+    def follow(self, set_points: SetPoints, frames: int) -> None:
+        """As `advance`, under the set-points at the end of each frame [s]; those before one that fails are recorded."""
+        commands: list[Command] = []
+        try:
+            for frame in range(1, frames + 1):
+                end = seconds(self.stamp + frame * self._period)
+                commands.append(set_points(end))
+        except BaseException:
+            if commands:
+                self.advance(commands)
+            raise
+        self.advance(commands)
+
+    def _write(self, start: int, commands: Sequence[Command], frames: Frames) -> None:
+        """Record frames from a stamp [ns] on: what driver, simulator and analyzer send."""
+        stamps = [start + k * self._period for k in range(1, len(commands) + 1)]
+        if not stamps:
+            return
+        markers_due = self._markers_due
+        try:
+            messages = self.loop.messages(frames, self._markers_at(stamps))
+        except MessageError:
+            if len(stamps) == 1:
+                raise
+            half, self._markers_due = len(stamps) // 2, markers_due
+            self._write(start, commands[:half], frames.part(slice(half)))
+            self._write(stamps[half - 1], commands[half:], frames.part(slice(half, None)))
+            return
+        found = self.pipeline.find_rows(stamps, SampleRows.of(frames))
+        findings = [] if found is None else self.pipeline.encode_rows(found, self._frame_id)
+        batch: list[Recorded] = []
+        for row, (stamp, command, raw) in enumerate(
+            zip(stamps, commands, self._commands.commands(stamps, commands), strict=True)
+        ):
+            self._command(batch, stamp, command, raw)
+            for topic, sent in messages[row]:
+                batch.append((topic, stamp, sent))
+                if found is None:
+                    batch += [(name, stamp, message) for name, message in self.pipeline.take(topic, sent)]
+                elif topic == MARKS_STATE:
+                    batch += [(name, stamp, message) for name, message in findings[row]]
+        self._recorder.write_all(batch)
+
+    def _command(self, batch: list[Recorded], stamp: int, command: Command, raw: bytes) -> None:
+        """Add what the rig driver sends before a frame: the command, and its echo on change and once a second."""
+        before = stamp - self._period
+        batch.append((RIG_COMMAND, before, raw))
+        if command != self.command or stamp >= self._echo_due:
+            self._echo_due = stamp + NANOSECONDS
+            batch.append((WOB_COMMAND, before, self._commands.wob_command(command)))
+            batch.append((RPS_COMMAND, before, self._commands.rps_command(command)))
+        self.command = command
+
+    def _record(self, topic: str, raw: bytes) -> None:
+        """Record a message, and what the analysis finds in it."""
+        self._recorder.write(topic, self.stamp, raw)
+        for found, message in self.pipeline.take(topic, raw):
+            self._recorder.write(found, self.stamp, message)
+
+    def _markers_at(self, stamps: Sequence[int]) -> list[int]:
+        """Numbers of the frames, by their stamps [ns], for which markers are due."""
+        rows = []
+        for row, stamp in enumerate(stamps):
+            if stamp >= self._markers_due:
+                self._markers_due = stamp + round(NANOSECONDS / MARKER_RATE)
+                rows.append(row)
+        return rows
+
+    def report_diagnostics(self) -> None:
+        """Record the diagnostics of simulator and analyzer, as the nodes publish them each second."""
+        quality = self.pipeline.summary().quality
+        simulator = {
+            "pace": "fast",
+            **self.loop.diagnostics(),
+            "weight_on_bit": f"{self.command.weight_on_bit:g}",
+            "speed_rev_s": f"{self.command.rotation / math.tau:g}",
+        }
+        analyzer = {"samples": str(quality.accepted), "malformed": str(self.pipeline.malformed)}
+        motion = self.findings.motion.value if self.findings else "unknown"
+        statuses = [
+            Status("simulator", *self.loop.verdict(), simulator),
+            Status("analyzer", Level.OK, f"motion: {motion}", analyzer),
+        ]
+        self._recorder.write(DIAGNOSTICS, self.stamp, encode_diagnostics(self.stamp, statuses))
