@@ -9,7 +9,8 @@ from collections.abc import Collection
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-from drill_twin.core.errors import DrillTwinError, RunError
+from drill_twin.core.errors import RunError
+from drill_twin.core.extras import missing
 from drill_twin.core.loopback import in_url
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.io.messages.type_store import definition
@@ -88,8 +89,6 @@ def _library() -> ModuleType:
     try:
         import foxglove
     except ModuleNotFoundError as error:
-        raise DrillTwinError(
-            f"expected the Python module {error.name!r}, found none; pip install 'drill_twin[foxglove]'"
-        ) from error
+        raise missing(error, "foxglove") from error
     library: ModuleType = foxglove
     return library

@@ -206,7 +206,7 @@ def test_without_keys_this_host_may_be_called_by_any_of_its_names(bench, host):
 )
 def test_the_twin_goes_to_the_safe_set_point_when_a_gateway_in_control_is_killed(rig, joints):
     """Last of this file: the gateway is gone."""
-    states, holder = rig.collect(RIG_STATE), rig.client()
+    states, commands, holder = rig.collect(RIG_STATE), rig.collect(RIG_COMMAND), rig.client()
     rig.set_parameter("simulator", "safe_ramp_time", 0.5)
     rig.set_parameter("gateway", "grant", "always")
     assert holder.ask("write", "Request", True) == "Good"
@@ -214,6 +214,8 @@ def test_the_twin_goes_to_the_safe_set_point_when_a_gateway_in_control_is_killed
     rig.until_status("gateway", lambda status: status.values["holder"] == "driller")
     assert holder.ask("write", "WOBTarget", 25.0) == "Good"  # once; the gateway repeats it
     rig.until(lambda: states and _applied(joints(states[-1:])[0])[0] == pytest.approx(25.0), what="the target")
+    sent = len(commands)
+    rig.until(lambda: len(commands) > sent + 5, what="more commands: a source is one that sends at a rate")
     rig.gateway.kill()
     rig.until(lambda: _applied(joints(states[-1:])[0]) == pytest.approx((0.0, 0.0)), what="the safe set-point")
     status = rig.until_status("simulator", lambda status: "no command for" in status.text)

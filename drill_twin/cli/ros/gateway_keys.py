@@ -30,11 +30,9 @@ def gateway_keys(
     try:
         from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, USERS, make_keys
     except ModuleNotFoundError as error:
-        from drill_twin.core.errors import DrillTwinError
+        from drill_twin.core.extras import missing
 
-        raise DrillTwinError(
-            f"expected the Python module {error.name!r}, found none; pip install 'drill_twin[opcua]'"
-        ) from error
+        raise missing(error, "opcua") from error
     new = make_keys(folder, "urn:drill_twin:gateway", host or socket.gethostname(), {user: password})
     print(f"{folder / USERS}: {user} is {'new' if user in new else 'given another password'}")
     print(f"{folder / CERTIFICATE}: for clients to trust; put theirs into {folder / TRUSTED}")

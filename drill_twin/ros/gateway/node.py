@@ -18,6 +18,7 @@ from rclpy.context import Context
 from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import DrillTwinError, MessageError
+from drill_twin.core.extras import missing
 from drill_twin.core.loopback import is_loopback
 from drill_twin.gateway.control import Control, Permission
 from drill_twin.gateway.quantities import QUANTITIES, TwinQuantities
@@ -246,9 +247,6 @@ class Gateway(TwinNode):
         return Level.OK, "showing the twin" if present else "waiting for the twin"
 
 
-_REMEDY = "pip install 'drill_twin[opcua]'"
-
-
 def _read_keys(folder: str) -> Keys | None:
     """Keys of a folder; None for an empty name.
 
@@ -258,7 +256,7 @@ def _read_keys(folder: str) -> Keys | None:
     try:
         from drill_twin.gateway.opc_ua.keys import read_keys
     except ModuleNotFoundError as error:
-        raise DrillTwinError(f"expected the Python module {error.name!r}, found none; {_REMEDY}") from error
+        raise missing(error, "opcua") from error
     return read_keys(Path(folder)) if folder else None
 
 
@@ -272,5 +270,5 @@ def _make_server(settings: Any, signals: Signals, control: Control, keys: Keys |
     try:
         from drill_twin.gateway.opc_ua.server import OpcUaServer
     except ModuleNotFoundError as error:
-        raise DrillTwinError(f"expected the Python module {error.name!r}, found none; {_REMEDY}") from error
+        raise missing(error, "opcua") from error
     return OpcUaServer((settings.host, settings.port), signals.show, signals.command, control, keys)

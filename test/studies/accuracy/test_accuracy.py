@@ -251,7 +251,7 @@ def test_the_command_says_what_to_expect_and_what_came(tmp_path: Path, monkeypat
     words = [word for key, value in SWING.items() for word in ("--set", f"{key}={value}")]
     made = CliRunner().invoke(app, ["run", "pa6_bench", *words, "--accuracy", "0.1 %", "--out", "made", "--json"])
     assert made.exit_code == 0, made.output
-    assert "measuring what accuracy costs: " in made.stderr
+    assert "(measured curve, " in made.stderr
     assert "s of processor time for the motion, besides loading, recording and check; no onset" in made.stderr
     found = json.loads(made.stdout)
     assert found == json.loads((tmp_path / "made" / "summary.json").read_text("utf-8"))
