@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from drill_twin.whirl import BitMotion, MotionState, StickSlip
-from drill_twin.whirl.motion.timeline import NO_WHIRL
+from drill_twin.whirl.motion.states import NO_WHIRL
 
 SEVERE_RADIUS = 0.9
 """Radius of an orbit over its clearance from which a whirl is severe: the string is on the wall."""

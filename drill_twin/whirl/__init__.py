@@ -10,7 +10,7 @@ from drill_twin.whirl.criteria import BitMotion, Criteria, MotionState
 from drill_twin.whirl.findings import Findings, MotionPeriod, Onset, Quality, StickSlipPeriod, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.record.spectrum import Peak, Spectrum, centre_line, spectrum_over_time, two_sided_spectrum
+from drill_twin.whirl.spectrum import Peak, Spectrum, centre_line, spectrum_over_time, two_sided_spectrum
 
 __all__ = [
     "AnalysisError",

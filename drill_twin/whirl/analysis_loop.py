@@ -48,7 +48,7 @@ from drill_twin.whirl.analyzer_kernel import (
 )
 from drill_twin.whirl.analyzer_state import COUNT, NEXT
 from drill_twin.whirl.history import LENGTH
-from drill_twin.whirl.record.run_statistics import add_bin
+from drill_twin.whirl.run_statistics import add_bin
 
 
 @strict_kernel

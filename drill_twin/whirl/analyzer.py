@@ -25,7 +25,7 @@ from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.findings import Findings, FoundRows, Onset, Quality, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkArrays, MarkInfo, check_marks
 from drill_twin.whirl.motion.stick_slip import MEAN, SECOND_POLE, StickSlip
-from drill_twin.whirl.record.run_statistics import SAMPLE_RATE
+from drill_twin.whirl.run_statistics import SAMPLE_RATE
 from drill_twin.whirl.summary import summarise
 from drill_twin.whirl.whirl_estimator import WhirlEstimator
 

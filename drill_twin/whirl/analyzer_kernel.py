@@ -23,11 +23,17 @@ from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import APPENDED, LENGTH, History, append
 from drill_twin.whirl.motion.classifier import MotionClassifier, classify
 from drill_twin.whirl.motion.stick_slip import BitSpeed, add_bit_speed
-from drill_twin.whirl.onset.asynchronous_onset import Onsets, drop_candidates, ends, watch
-from drill_twin.whirl.onset.averaged_radius import AveragedRadius, average_radius
+from drill_twin.whirl.onset.asynchronous_onset import (
+    AveragedRadius,
+    Onsets,
+    average_radius,
+    drop_candidates,
+    ends,
+    watch,
+)
 from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsets, watch_synchronous
 from drill_twin.whirl.orbit.carrier import Carrier, follow, judge, restore
-from drill_twin.whirl.orbit.orbit import ROTATION, Orbit, find_precession, fit_orbit
+from drill_twin.whirl.orbit.orbit import ROTATION, Orbit, StringShape, find_precession, find_shape, fit_orbit
 from drill_twin.whirl.orbit.runout_separation import (
     KNOWN,
     NOT_KNOWN,
@@ -37,11 +43,26 @@ from drill_twin.whirl.orbit.runout_separation import (
     separate,
     start,
 )
-from drill_twin.whirl.orbit.string_shape import StringShape, find_shape
-from drill_twin.whirl.record.run_statistics import ESTIMATED
-from drill_twin.whirl.rotation import ANGLE, FIRST, LAST, REVOLUTIONS, Clock, accept, is_new, rotate
-from drill_twin.whirl.sample_bins import BINS, FORCES, TIME, Bin, SampleBins, add, close, is_full
-from drill_twin.whirl.sample_bins import REVOLUTIONS as BIN_REVOLUTIONS
+from drill_twin.whirl.run_statistics import ESTIMATED
+from drill_twin.whirl.sample_bins import (
+    BINS,
+    FIRST,
+    FORCES,
+    LAST,
+    REVOLUTIONS,
+    TIME,
+    TOTAL_ANGLE,
+    TOTAL_REVOLUTIONS,
+    Bin,
+    Clock,
+    SampleBins,
+    accept,
+    add,
+    close,
+    is_full,
+    is_new,
+    rotate,
+)
 
 INTERVAL_REV = 4.0 / BINS
 """Interval of the estimates of orbit and motion state [rev]; the onset is checked with every bin."""
@@ -98,7 +119,7 @@ def take_sample(
     if samples.quality[ACCEPTED] == 0:
         samples.origin[0] = stamp * 1e-9
     rotate(clock, accept(clock.stamps, stamp), top_speed, spin, has_spin)
-    return BIN_FULL if is_full(bins, _seconds(clock), clock.rotation[REVOLUTIONS]) else TAKEN
+    return BIN_FULL if is_full(bins, _seconds(clock), clock.rotation[TOTAL_REVOLUTIONS]) else TAKEN
 
 
 @strict_kernel
@@ -120,11 +141,11 @@ def add_sample(
 ) -> None:
     """Add the sample to the present bin."""
     seen, distance = samples.seen, samples.distance
-    at, angle = block.counts[NEXT], clock.rotation[ANGLE]
+    at, angle = block.counts[NEXT], clock.rotation[TOTAL_ANGLE]
     if not block.counts[HAS_SPIN]:
         samples.point[1, :] = complex(math.cos(angle), math.sin(angle))
         _find_distance(samples, separation)
-    when = (_seconds(clock), angle, clock.rotation[REVOLUTIONS])
+    when = (_seconds(clock), angle, clock.rotation[TOTAL_REVOLUTIONS])
     add(bins, when, samples.point[0], samples.point[1], seen, block.force[at], block.counts[HAS_FORCE] != 0)
     follow(carrier, separation, when[0], samples.point[0], samples.point[1], seen)
     samples.quality[ACCEPTED] += 1
@@ -168,7 +189,7 @@ def estimate_orbit(
 ) -> int:  # fmt: skip
     """Estimate the orbit where that is due; return whether it was, and whether there is something to decide."""
     hold(separation, criteria, onsets.time, onsets.active)
-    revolutions, time = numbers[BIN_REVOLUTIONS], numbers[TIME]
+    revolutions, time = numbers[REVOLUTIONS], numbers[TIME]
     flags[ESTIMATED] = 0
     if history.counts[APPENDED] < 2 or (revolutions < due[0] and time < due[1]):
         return NOT_DUE

@@ -14,16 +14,13 @@ from drill_twin.whirl.history import History
 from drill_twin.whirl.marks import MarkArrays
 from drill_twin.whirl.motion.classifier import MotionClassifier
 from drill_twin.whirl.motion.stick_slip import BitSpeed
-from drill_twin.whirl.onset.asynchronous_onset import Onsets
-from drill_twin.whirl.onset.averaged_radius import AveragedRadius
+from drill_twin.whirl.onset.asynchronous_onset import AveragedRadius, Onsets
 from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsets
 from drill_twin.whirl.orbit.carrier import Carrier
-from drill_twin.whirl.orbit.orbit import Orbit
+from drill_twin.whirl.orbit.orbit import Orbit, StringShape
 from drill_twin.whirl.orbit.runout_separation import RunoutSeparation
-from drill_twin.whirl.orbit.string_shape import StringShape
-from drill_twin.whirl.record.run_statistics import RunStatistics
-from drill_twin.whirl.rotation import Clock
-from drill_twin.whirl.sample_bins import Bin, SampleBins
+from drill_twin.whirl.run_statistics import RunStatistics
+from drill_twin.whirl.sample_bins import Bin, Clock, SampleBins
 
 LARGEST_RADIUS = 3.0
 """Largest plausible radius of a mark over its clearance; beyond is an error of measurement."""

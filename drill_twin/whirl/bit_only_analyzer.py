@@ -9,7 +9,7 @@ from drill_twin.core.compile.jit import as_python
 from drill_twin.core.missing import number_or_none
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.rotation import ANGLE, DUPLICATE, LATE, REVOLUTIONS, Clock, accept, is_new, rotate
+from drill_twin.whirl.sample_bins import DUPLICATE, LATE, TOTAL_ANGLE, TOTAL_REVOLUTIONS, Clock, accept, is_new, rotate
 
 NOT_OBSERVABLE = "whirl is not observable: there are no lateral positions of marks"
 _IS_NEW, _ACCEPT, _ROTATE = as_python(is_new), as_python(accept), as_python(rotate)
@@ -27,7 +27,7 @@ class BitOnlyAnalyzer:
     @property
     def quality(self) -> Quality:
         """Counts of good and bad samples so far."""
-        stamps, revolutions = self._clock.stamps.tolist(), float(self._clock.rotation[REVOLUTIONS])
+        stamps, revolutions = self._clock.stamps.tolist(), float(self._clock.rotation[TOTAL_REVOLUTIONS])
         rate = self._accepted / revolutions if revolutions > 0.0 else math.nan
         return Quality(self._accepted, stamps[DUPLICATE], stamps[LATE], self._incomplete, samples_per_revolution=rate)
 
@@ -55,7 +55,7 @@ class BitOnlyAnalyzer:
             precession_ratio=None,
             frequency_mark=None,
             max_radius_m={},
-            rotation_rev_s=float(self._clock.rotation[ANGLE]) / math.tau / seconds if seconds > 0.0 else None,
+            rotation_rev_s=float(self._clock.rotation[TOTAL_ANGLE]) / math.tau / seconds if seconds > 0.0 else None,
             motion=(),
             mark_motion={},
             stick_slip=tuple(self.bit.periods),

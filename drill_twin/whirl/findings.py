@@ -185,7 +185,7 @@ class SubFindings:
     """Findings of a downhole sub beside whirl."""
 
     impacts: int
-    """Impacts on the wall (`drill_twin.whirl.downhole.impacts`)."""
+    """Impacts on the wall (`drill_twin.whirl.downhole.sub_findings`)."""
     impact_rate_hz: float | None
     """Impacts in a second."""
     largest_impact: float | None

@@ -12,10 +12,14 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.compile.jit import as_python
 from drill_twin.whirl.analyzer_state import AnalyzerState
 from drill_twin.whirl.history import ASYNCHRONOUS, History
-from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, update_candidate
-from drill_twin.whirl.onset.averaged_radius import width_for
-from drill_twin.whirl.onset.swept_angle import SweptAngle
-from drill_twin.whirl.onset.threshold_crossing import Crossing, Detection, asynchronous_crossing, steady_position
+from drill_twin.whirl.onset.asynchronous_onset import INTERVAL, update_candidate, width_for
+from drill_twin.whirl.onset.threshold_crossing import (
+    Crossing,
+    Detection,
+    SweptAngle,
+    asynchronous_crossing,
+    steady_position,
+)
 
 RUN_UP = 16.0
 """Duration over which the rotation is compared with its present value [rev]."""

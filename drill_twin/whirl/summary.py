@@ -10,12 +10,11 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.missing import number_or_none
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.findings import Quality, Summary
-from drill_twin.whirl.motion.lasting import lasting_motion, whirl_end
+from drill_twin.whirl.motion.states import lasting_motion, whirl_end
 from drill_twin.whirl.motion.stick_slip import StickSlip
-from drill_twin.whirl.record.run_statistics import SECONDS, TURNS, RunStatistics
+from drill_twin.whirl.run_statistics import SECONDS, TURNS, RunStatistics
 from drill_twin.whirl.sample_bins import TIME
-from drill_twin.whirl.text import doubt
-from drill_twin.whirl.whirl_estimator import WhirlEstimator
+from drill_twin.whirl.whirl_estimator import WhirlEstimator, doubt
 
 
 def summarise(

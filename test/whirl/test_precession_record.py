@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from drill_twin.report.text import findings
-from drill_twin.whirl.record.precession import precession_record
+from drill_twin.whirl.spectrum import precession_record
 
 TIME = np.arange(0.0, 40.0, 0.01)
 

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.report.recording import Recording
-from drill_twin.whirl.record.precession import WINDOW, precession_record
-from drill_twin.whirl.record.spectrum import centre_line
+from drill_twin.whirl.spectrum import WINDOW, centre_line, precession_record
 
 
 def precession(recording: Recording) -> dict[str, Any]:

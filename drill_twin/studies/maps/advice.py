@@ -17,7 +17,7 @@ from drill_twin.studies.maps.regimes import REGIMES, Regime
 from drill_twin.studies.maps.runs import RAMP, STAY
 from drill_twin.whirl import MotionState
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.motion.timeline import NO_WHIRL
+from drill_twin.whirl.motion.states import NO_WHIRL
 
 MARGIN = 0.05
 """Distance to the boundary that a set-point should have, as a share of the ranges."""

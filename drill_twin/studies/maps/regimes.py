@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from drill_twin.whirl import MotionState, Summary
 from drill_twin.whirl.criteria import BitMotion, Criteria
+from drill_twin.whirl.motion.states import NO_WHIRL
 from drill_twin.whirl.motion.stick_slip_index import FULL, MODERATE, STUCK
-from drill_twin.whirl.motion.timeline import NO_WHIRL
 
 BUCKLED_RADIUS = 0.25
 """Least radius of a mark, over its clearance, of a string that is buckled and does not whirl."""

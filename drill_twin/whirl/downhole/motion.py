@@ -20,8 +20,7 @@ import numpy as np
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.downhole.high_pass import GRAVITY, HighPass, ToolNoise, corner_for
-from drill_twin.whirl.downhole.impacts import ImpactCounter
-from drill_twin.whirl.downhole.torsion import TorsionEstimator
+from drill_twin.whirl.downhole.sub_findings import ImpactCounter, TorsionEstimator
 
 SLOWEST = 0.06
 """Least corner of the high pass over the rotation [-]."""

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Motion states: classification, hysteresis, timeline, irregularity, stick-slip."""
+"""Motion states of the marks and the string, and stick-slip of the bit."""

@@ -20,6 +20,10 @@ exp(-4.5^2 / 2) = 4e-5, and must be so in each of the two or more independent av
 than 1e-8 per revolution and mark: one in a year for four marks at 2 rev/s. `test/whirl/test_steady.py` checks for none
 in as many revolutions as four marks make in a day, with noise of 5 % of the clearance. Noise that is not white over a
 revolution (slow drift of a camera) is not covered.
+
+The noise is that of the bins: their third difference, demodulated with the precession, suppresses any steady or
+growing orbit and amplifies white noise 20 times in power (binomial weights 1, -3, 3, -1). The radius of the
+asynchronous part is averaged as far as the noise requires.
 """
 
 from __future__ import annotations
@@ -29,13 +33,124 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array, Integers, Mask
+from drill_twin.core.arrays import Array, ComplexArray, Integers, Mask
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import APPENDED, ASYNCHRONOUS, History, bins_in, end_of
-from drill_twin.whirl.onset.averaged_radius import AveragedRadius
 from drill_twin.whirl.orbit.orbit import Orbit
-from drill_twin.whirl.sample_bins import ANGLE, REVOLUTIONS, TIME
+from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME
+
+GAIN = 20.0
+"""Power gain of a third difference on white noise."""
+MEMORY = 64
+"""Memory [bins]."""
+OUTLIER = 16.0
+"""Largest power of a single difference, over the present estimate."""
+
+
+class Noise(NamedTuple):
+    """Noise of a bin per axis over the clearance, of m marks."""
+
+    level: Array  # (m,) standard deviation
+    power: Array  # (m,)
+    bins: Integers  # (1,)
+
+    @classmethod
+    def of(cls, m: int) -> Noise:
+        """Noise before the first bin."""
+        return cls(np.zeros(m), np.zeros(m), np.zeros(1, np.int64))
+
+    @property
+    def converged(self) -> bool:
+        """True after enough bins."""
+        return bool(self.bins[0] >= MEMORY // 4)
+
+
+@strict_kernel
+def update_noise(noise: Noise, vector: ComplexArray, whirling: Mask) -> None:
+    """Add the newest four bins over the clearance, demodulated with the precession, shape (4, m).
+
+    Marks that whirl keep their estimate, since irregular motion is not noise.
+    """
+    converged = noise.bins[0] >= MEMORY // 4
+    noise.bins[0] = min(noise.bins[0] + 1, MEMORY)
+    for k in range(whirling.size):
+        first, second, third, last = vector[0, k], vector[1, k], vector[2, k], vector[3, k]
+        across = last.real - 3.0 * third.real + 3.0 * second.real - first.real
+        up = last.imag - 3.0 * third.imag + 3.0 * second.imag - first.imag
+        power = (across * across + up * up) / (2.0 * GAIN)
+        if converged:
+            power = np.minimum(power, OUTLIER * noise.power[k] + 1e-300)
+        if not whirling[k]:
+            noise.power[k] += (power - noise.power[k]) / noise.bins[0]
+        noise.level[k] = np.sqrt(noise.power[k])
+
+
+LONGEST = BINS // 2
+"""Most bins averaged."""
+
+
+class AveragedRadius(NamedTuple):
+    """Radius of each mark over the clearance, averaged over at most half a revolution."""
+
+    radius: Array  # (m,) over the clearance
+    threshold: Array  # (m,) of the radius
+    release: Array  # (m,) radius below which a candidate is dropped
+    noise: Noise
+    width: Integers  # (1,) bins averaged
+    clearance: Array  # (m,) [m]
+    demodulated: ComplexArray  # (LONGEST, m) work
+
+    @classmethod
+    def of(cls, clearance: Array, criteria: Criteria) -> AveragedRadius:
+        """Radii before the first bin."""
+        m = clearance.size
+        threshold = np.full(m, criteria.onset_radius)
+        return cls(
+            np.zeros(m), threshold, threshold.copy(), Noise.of(m), np.ones(1, np.int64), clearance,
+            np.zeros((LONGEST, m), complex),
+        )  # fmt: skip
+
+
+@strict_kernel
+def average_radius(
+    averaged: AveragedRadius, history: History, criteria: Criteria, rate: Array, carrier: Array, whirling: Mask
+) -> None:
+    """Average with the newest bin; `rate` of the asynchronous part, and of its `carrier` or 0 [rad/s], shape (m,)."""
+    m, end = whirling.size, end_of(history)
+    longest = min(LONGEST, max(1, bins_in(history, 0.5)))
+    bins = max(4, longest)
+    for i in range(bins):
+        at = end - bins + i
+        since = history.clock[at, TIME] - history.clock[end - 1, TIME]
+        for k in range(m):
+            angle = -(carrier[k] if carrier[k] != 0.0 else rate[k]) * since
+            turned = history.complex_part[at, ASYNCHRONOUS, k] * complex(math.cos(angle), math.sin(angle))
+            averaged.demodulated[i, k] = turned / averaged.clearance[k]
+    update_noise(averaged.noise, averaged.demodulated[bins - 4 : bins], whirling)
+    level = averaged.noise.level
+    largest = level[0]
+    for k in range(1, m):
+        largest = np.maximum(largest, level[k])
+    width = averaged.width[0] = width_for(criteria, largest, longest)
+    for k in range(m):
+        total, remaining = 0j, level[k] / math.sqrt(width)
+        for i in range(bins - width, bins):
+            total += averaged.demodulated[i, k]
+        averaged.radius[k] = abs(total) / width
+        averaged.threshold[k] = np.maximum(criteria.onset_radius, criteria.false_alarm_factor * remaining)
+        averaged.release[k] = averaged.threshold[k] - remaining
+
+
+@strict_kernel
+def width_for(criteria: Criteria, noise: float, longest: int) -> int:
+    """Fewest bins, a power of 2 up to `longest`, that reduce the noise of a bin below the onset's threshold."""
+    factor, radius = criteria.false_alarm_factor, criteria.onset_radius
+    width = 1
+    while width * 2 <= longest and noise * factor > radius * math.sqrt(width):
+        width *= 2
+    return width
+
 
 INTERVAL = 4
 """Interval at which a displaced mark is checked [bins]."""

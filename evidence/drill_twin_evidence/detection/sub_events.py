@@ -11,8 +11,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.scene import load_scene
-from drill_twin.whirl.downhole.impacts import SHARE
-from drill_twin.whirl.downhole.torsion import AT_REST
+from drill_twin.whirl.downhole.sub_findings import AT_REST, SHARE
 from drill_twin_evidence.detection.cases import bouncing
 from drill_twin_evidence.detection.runs import Run, simulate
 from drill_twin_evidence.detection.sub_readings import MARK, analyser_of

@@ -63,10 +63,10 @@ FAULTS = (
     # Analysis
     Fault("off-by-one: mean of a bin over one sample too many", "whirl/sample_bins.py",
           "found = n - bins.missed[k]", "found = n + 1 - bins.missed[k]", "whirl/test_precession.py"),
-    Fault("off-by-one: last cell of the window of a peak left out", "whirl/orbit/dominant_precession.py",
+    Fault("off-by-one: last cell of the window of a peak left out", "whirl/run_statistics.py",
           "centre + PEAK_CELLS + 1)", "centre + PEAK_CELLS)", "whirl/test_precession.py"),
-    Fault("sign: left-hand rotation counted as right-hand", "whirl/rotation.py",
-          "rotation[ANGLE] += increment", "rotation[ANGLE] += abs(increment)", "whirl/test_precession.py"),
+    Fault("sign: left-hand rotation counted as right-hand", "whirl/sample_bins.py",
+          "rotation[TOTAL_ANGLE] += increment", "rotation[TOTAL_ANGLE] += abs(increment)", "whirl/test_precession.py"),
     # Run
     Fault("formula: slope at the ends of the STEP set-point", "scene/set_points/shapes.py",
           "x * x * (3.0 - 2.0 * x)", "x * x * (2.0 - x)", "scene/set_points/test_schedule_shapes.py"),
@@ -105,7 +105,7 @@ FAULTS = (
     Fault("sign: gravity by the tilt of a downhole tool", "whirl/downhole/motion.py",
           "kept.acceleration + self._axial * kept.tilt", "kept.acceleration - self._axial * kept.tilt",
           "whirl/test_downhole.py", "tilted_section or sense_ratio"),
-    Fault("sign: a section that turns to the left counts as at rest", "whirl/downhole/torsion.py",
+    Fault("sign: a section that turns to the left counts as at rest", "whirl/downhole/sub_findings.py",
           "math.copysign(1.0, mean) * speed < AT_REST", "speed < AT_REST", "whirl/test_downhole.py", "stick_slip"),
     # Physics: each costs a compilation of a kernel
     Fault("dropped term: drag across the string in y", "physics/effects/drag.py",

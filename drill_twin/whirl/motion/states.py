@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Motion states of subjects over time: hysteresis of their estimates, consecutive periods, and what lasts.
+
+A state holds until the low-passed share of another leads clearly.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array, Integers
+from drill_twin.core.compile.jit import strict_kernel
+from drill_twin.whirl.criteria import Criteria, MotionState
+from drill_twin.whirl.findings import MotionPeriod
+
+LARGEST_COUNT = 2000
+"""Largest number of periods stored; later ones are counted only."""
+NO_WHIRL = frozenset({MotionState.NOT_OBSERVABLE, MotionState.AT_REST, MotionState.FIXED_AXIS})
+
+OPEN, DURATION, WEIGHTED_SHARE, ENTERED, DESCRIBED = range(5)
+"""Columns of the present periods: 1 where there is one; its duration and the integral of its share [rev]; revolutions
+at which it was entered [rev]; 1 after its criterion was that of the settled state."""
+
+
+def no_periods(subjects: int) -> Array:
+    """Present periods of several subjects, before the first, shape (subjects, 5)."""
+    return np.zeros((subjects, 5))
+
+
+@strict_kernel
+def extend(present: Array, share: float, elapsed: float) -> None:
+    """Extend a present period, shape (5,), by `elapsed` [rev], with this share of the estimates."""
+    if present[OPEN]:
+        present[DURATION] += elapsed
+        present[WEIGHTED_SHARE] += elapsed * share
+
+
+@strict_kernel
+def needs_description(present: Array, revolutions: float, after: float) -> bool:
+    """Check whether a present period started `after` revolutions ago and has not been described since."""
+    return bool(present[OPEN] and not present[DESCRIBED] and revolutions - present[ENTERED] > after)
+
+
+@dataclass
+class _Period:
+    start: float
+    state: MotionState
+    criterion: str
+    numbers: Array  # as its row of the present periods
+
+
+class Timeline:
+    """Periods of one state each; a period of zero length is removed."""
+
+    def __init__(self, present: Array) -> None:
+        """Begin without a period; `present`, shape (5,), has the numbers of the last one."""
+        self._present = present
+        self._periods: list[_Period] = []
+        self.dropped = 0
+        """Periods that were not stored."""
+
+    def start(self, state: MotionState, start: float, criterion: str, revolutions: float) -> None:
+        """Start a period at `start` [s]; its state was entered at `revolutions` [rev]."""
+        periods = self._periods
+        self._store()
+        if len(periods) >= LARGEST_COUNT:
+            self.dropped += 1
+            self._present[OPEN] = 0.0
+            return
+        while len(periods) > 1 and start <= periods[-1].start:
+            periods.pop()
+        if not periods or periods[-1].state is not state:
+            if periods:
+                start = max(start, periods[-1].start)
+            periods.append(_Period(start, state, criterion, np.array([1.0, 0.0, 0.0, revolutions, 0.0])))
+        self._present[:] = periods[-1].numbers
+
+    def describe(self, criterion: str) -> None:
+        """Replace the criterion of the present period."""
+        self._periods[-1].criterion, self._present[DESCRIBED] = criterion, 1.0
+
+    def _store(self) -> None:
+        """Keep the numbers of the present period."""
+        if self._present[OPEN]:
+            self._periods[-1].numbers[:] = self._present
+
+    def move_first_whirl(self, start: float) -> None:
+        """Move the start of the first whirl to `start` [s], if that is earlier and after the period before."""
+        for i, period in enumerate(self._periods):
+            if period.state not in NO_WHIRL:
+                if i and self._periods[i - 1].start < start < period.start:
+                    period.start = start
+                return
+
+    @property
+    def periods(self) -> tuple[MotionPeriod, ...]:
+        """The periods so far, each with its mean confidence."""
+        self._store()
+        return tuple(
+            MotionPeriod(
+                period.start,
+                period.state,
+                period.criterion,
+                float(period.numbers[WEIGHTED_SHARE] / period.numbers[DURATION])
+                if period.numbers[DURATION] > 0.0
+                else 1.0,
+            )
+            for period in self._periods
+        )
+
+
+def lasting_motion(periods: Sequence[MotionPeriod], begin: float, end: float) -> MotionState | None:
+    """State that holds for the largest share of the second half of a time [s]; None without periods."""
+    begin = 0.5 * (begin + end)
+    share: dict[MotionState, float] = {}
+    for period, stop in zip(periods, [*(after.start_s for after in periods[1:]), end], strict=False):
+        share[period.state] = share.get(period.state, 0.0) + max(0.0, stop - max(period.start_s, begin))
+    return max(share, key=lambda state: share[state], default=None)
+
+
+def whirl_end(periods: Sequence[MotionPeriod]) -> float | None:
+    """Time since which the string has not whirled any more [s]; None where it whirls at the end, or never did."""
+    end = None
+    for period, after in pairwise(periods):
+        if period.state not in NO_WHIRL and after.state in NO_WHIRL:
+            end = after.start_s
+    return end if periods and periods[-1].state in NO_WHIRL else None
+
+
+STATES = tuple(MotionState)
+INDEX = {state: i for i, state in enumerate(STATES)}
+HIDDEN, AT_REST, FIXED_AXIS, SYNCHRONOUS, FORWARD, ROLLING, SECOND_BENDING, IRREGULAR, REVERSE, SPIRAL = range(
+    len(STATES)
+)
+
+RISE = 0.1
+"""A new state starts when its share last rose above this."""
+SETTLED = 2.0
+"""Duration after which the criterion of a state is described with its present numbers [rev]."""
+
+
+KEPT, CHANGED, SETTLED_NOW = range(3)
+"""Values of `StateHysteresis.event`: nothing, the state of a subject changes, its state has settled."""
+
+
+class StateHysteresis(NamedTuple):
+    """States of several subjects: the marks, then the string."""
+
+    held: Integers  # (subjects,) present state
+    estimate: Integers  # (subjects,) newest estimate
+    start: Array  # (subjects,) start of the estimated state [s]; nan: when its share rose, less the delay
+    share: Array  # (subjects, states) of the recent estimates
+    since: Array  # (subjects, states) start of the state [s]
+    event: Integers  # (subjects,)
+    present: Array  # (subjects, 5) present periods, see `Timeline`
+    last: Array  # (3,) time [s] and revolutions of the last estimate, and the number of estimates
+
+    @classmethod
+    def of(cls, subjects: int) -> StateHysteresis:
+        """Subjects at rest, before the first estimate."""
+        share, since = np.zeros((2, subjects, len(STATES)))
+        held = np.full(subjects, INDEX[MotionState.AT_REST], np.int64)
+        return cls(
+            held, held.copy(), np.zeros(subjects), share, since, np.zeros(subjects, np.int64), no_periods(subjects),
+            np.zeros(3),
+        )  # fmt: skip
+
+    @property
+    def states(self) -> tuple[MotionState, ...]:
+        """Present state of each subject."""
+        return tuple(STATES[state] for state in self.held.tolist())
+
+    @property
+    def confidence(self) -> Array:
+        """Share of the recent estimates for the present state, 0 to 1, shape (subjects,)."""
+        share: Array = self.share[np.arange(self.held.size), self.held]
+        return share
+
+
+@strict_kernel
+def update_states(hysteresis: StateHysteresis, criteria: Criteria, lag: float, time: float, revolutions: float) -> bool:
+    """Add an estimate of the state of each subject.
+
+    Args:
+        hysteresis: The states, with `estimate` and `start`.
+        criteria: Thresholds.
+        lag: Delay of the estimates [s].
+        time: Time since the first sample [s].
+        revolutions: Revolutions since the first sample [rev].
+
+    Returns:
+        Whether there is an `event`.
+    """
+    last, shares, held = hysteresis.last, hysteresis.share, hysteresis.held
+    first = last[2] == 0.0
+    last[2] += 1.0
+    elapsed = max(revolutions - last[1], 4.0 * criteria.rest_rotation * (time - last[0]))
+    last[0], last[1] = time, revolutions
+    gain = 1.0 if first else 1.0 - math.exp(-elapsed / criteria.state_memory)
+    any_event = False
+    for subject in range(held.size):
+        share, state, now = shares[subject], hysteresis.estimate[subject], held[subject]
+        before = share[state]
+        for k in range(share.size):
+            share[k] *= 1.0 - gain
+        share[state] += gain
+        if before < RISE <= share[state]:
+            delay = lag if is_whirl(now) else 0.0
+            hysteresis.since[subject, state] = 0.0 if first else time - delay
+        hysteresis.event[subject] = KEPT
+        if state != now and share[state] >= share[now] + criteria.state_lead:
+            if not math.isnan(hysteresis.start[subject]):
+                hysteresis.since[subject, state] = hysteresis.start[subject]
+            held[subject] = state
+            hysteresis.event[subject] = CHANGED
+        elif first:
+            hysteresis.event[subject] = CHANGED
+        else:
+            present = hysteresis.present[subject]
+            extend(present, share[now], elapsed)
+            if needs_description(present, revolutions, SETTLED):
+                hysteresis.event[subject] = SETTLED_NOW
+        any_event = any_event or hysteresis.event[subject] != KEPT
+    return any_event
+
+
+@strict_kernel
+def is_whirl(state: int) -> bool:
+    """Check that a state, by its index, is one of a string that whirls."""
+    return state not in (HIDDEN, AT_REST, FIXED_AXIS)
