@@ -7,7 +7,6 @@ from setuptools import find_packages, setup
 
 PACKAGE = "drill_twin"
 SHARE = f"share/{PACKAGE}"
-EXECUTABLES = sorted(file.stem for file in Path("config/nodes").glob("*.yaml"))
 
 
 def config_files() -> list[tuple[str, list[str]]]:
@@ -26,6 +25,8 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (SHARE, ["package.xml"]),
+        # Found by `ros2 run` and `ros2 launch`; on no PATH, since their names are those of other programs too.
+        (f"lib/{PACKAGE}", sorted(map(str, Path("resource/executables").iterdir()))),
         (f"{SHARE}/bin", ["resource/bin/drill-twin"]),
         (f"{SHARE}/hook", ["resource/hook/drill_twin_path.dsv"]),  # named in colcon.pkg
         *config_files(),
@@ -86,9 +87,6 @@ setup(
     long_description_content_type="text/markdown",
     license="Apache-2.0",
     entry_points={
-        "console_scripts": [
-            *(f"{name} = {PACKAGE}.ros.entry_points:main" for name in EXECUTABLES),
-            f"drill-twin = {PACKAGE}.cli:main",
-        ],
+        "console_scripts": [f"drill-twin = {PACKAGE}.cli:main"],
     },
 )

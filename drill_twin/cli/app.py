@@ -15,7 +15,7 @@ from drill_twin.cli.bags.rerun import rerun
 from drill_twin.cli.bags.watch import watch
 from drill_twin.cli.ros.doctor import doctor
 from drill_twin.cli.ros.gateway_keys import gateway_keys
-from drill_twin.cli.ros.nodes import demo, load, replay, topics
+from drill_twin.cli.ros.nodes import demo, load, node, replay, topics
 from drill_twin.cli.runs.estimate import estimate
 from drill_twin.cli.runs.fit import fit
 from drill_twin.cli.runs.operating_map import operating_map
@@ -32,8 +32,8 @@ from drill_twin.core.version import __version__
 
 app = typer.Typer(
     cls=CommandGroup,
-    help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]demo[/], "
-    "[bold]replay[/], [bold]load[/], and [bold]watch[/] without a bag, need ROS 2 (rclpy).",
+    help="A digital twin of a drillstring: simulate a scene, analyse a bag, draw a report. Only [bold]node[/], "
+    "[bold]demo[/], [bold]replay[/], [bold]load[/], and [bold]watch[/] without a bag, need ROS 2 (rclpy).",
     epilog='For example: [bold]drill-twin run pa6_bench --wob "40 N" --rps 2 --duration 30 --out out/first --report[/]',
     rich_markup_mode="rich",
     add_completion=False,
@@ -78,6 +78,14 @@ app.command(rich_help_panel=_SCENE)(scenes)
 app.command(rich_help_panel=_SCENE)(new)
 app.command(rich_help_panel=_SCENE)(check)
 app.command(rich_help_panel=_SCENE)(schema)
+app.command(
+    rich_help_panel=_ROS,
+    context_settings={
+        "allow_extra_args": True,
+        "allow_interspersed_args": False,
+        "ignore_unknown_options": True,
+    },
+)(node)
 app.command(
     rich_help_panel=_ROS,
     add_help_option=False,

@@ -4,8 +4,9 @@
 Exit codes: 0 ended as asked (also by SIGINT or SIGTERM), 1 the run could not go on, 2 refused to start.
 
 A new node is a class of `core.node.TwinNode`, a row in `NODES` and one in `permissions.RIGHTS`, and the two
-files printed from its tables: `config/nodes/NAME.yaml` by `python -m drill_twin.ros NAME --parameters`, and
-`config/security/NAME.policy.xml` by `policy_text`. Its executable, help text and tests follow from these.
+files printed from its tables: `config/nodes/NAME.yaml` by `drill-twin node NAME --parameters`, and
+`config/security/NAME.policy.xml` by `policy_text`. Its help text and tests follow from these; its executable is a copy
+of the others in `resource/executables/`.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, NoReturn
 
 from drill_twin.core.errors import DrillTwinError, RunError, printable
@@ -83,11 +83,6 @@ def start(name: str, arguments: Sequence[str] | None = None) -> int:
         print(f"{name}: error: {printable(error_text(error))}", file=sys.stderr, flush=True)
         return 1
     return 0
-
-
-def main() -> None:
-    """Console script of every executable: runs the one that the script is named after."""
-    end(start(Path(sys.argv[0]).name))
 
 
 def end(code: int) -> NoReturn:

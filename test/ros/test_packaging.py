@@ -3,8 +3,10 @@
 
 import ast
 import importlib
+import os
 import re
 import runpy
+import subprocess
 import sys
 from pathlib import Path
 
@@ -20,7 +22,7 @@ from drill_twin.scene import presets
 
 ROOT = Path(__file__).resolve().parents[2]
 NODES = {name: entry_points.load(name) for name in entry_points.NODES}
-EXECUTABLES = {*NODES, "twin"}
+EXECUTABLES = {*NODES, "twin", "watch"}
 # Import name -> distribution, where they differ.
 DISTRIBUTIONS = {"foxglove": "foxglove-sdk", "yaml": "pyyaml", "llvmlite": "numba", "pydantic_core": "pydantic"}
 FROM_ROS = {"rclpy", "rcl_interfaces", "std_srvs", "ament_index_python"}
@@ -48,14 +50,37 @@ def test_versions_and_licences_agree(setup_arguments):
     assert "Apache License" in (ROOT / "LICENSE").read_text("utf-8")
 
 
-def test_every_executable_exists(setup_arguments):
+def test_commands_carry_the_name_of_the_package_and_ros2_run_finds_every_node(setup_arguments):
+    """What is on PATH after `pip install` is `drill-twin`; `ros2 run` looks into lib/drill_twin."""
     scripts = dict(line.split(" = ") for line in setup_arguments["entry_points"]["console_scripts"])
-    assert set(scripts) == EXECUTABLES | {"drill-twin"}
+    assert set(scripts) == {"drill-twin"}
+    module, _, function = scripts["drill-twin"].partition(":")
+    assert callable(getattr(importlib.import_module(module), function))
+    executables = [ROOT / file for file in dict(setup_arguments["data_files"])["lib/drill_twin"]]
+    assert {file.name for file in executables} == EXECUTABLES <= set(entry_points.EXECUTABLES)
+    assert len({file.read_bytes() for file in executables}) == 1
+    assert all(os.access(file, os.X_OK) for file in executables)
     assert set(NODES) == set(RIGHTS)
     assert all(name == entry_points.load(name).NAME for name in NODES)
-    for entry in scripts.values():
-        module, _, function = entry.partition(":")
-        assert callable(getattr(importlib.import_module(module), function))
+
+
+@pytest.mark.parametrize("layout", ["lib/drill_twin", "bin"])
+def test_an_executable_runs_its_node_wherever_the_command_is(tmp_path, layout):
+    """`colcon` puts the command beside the executables, `pip` into bin; it is called from any folder, by a link too."""
+    command = tmp_path / layout / "drill-twin"
+    executables = tmp_path / "lib" / "drill_twin"
+    for folder in (command.parent, executables):
+        folder.mkdir(parents=True, exist_ok=True)
+    command.write_text(f"#!{sys.executable}\nfrom drill_twin.cli import main\nmain()\n")
+    command.chmod(0o755)
+    (executables / "analyzer").symlink_to(ROOT / "resource" / "executables" / "analyzer")
+    environment = dict(os.environ, PYTHONPATH=str(ROOT))
+    said = subprocess.run(
+        [executables / "analyzer", "--help"],
+        cwd="/", env=environment, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert said.returncode == 0, said.stderr
+    assert said.stdout.startswith("usage: analyzer ")
 
 
 def test_all_data_is_installed(setup_arguments):
@@ -110,7 +135,7 @@ def test_a_parameter_file_holds_every_parameter_with_its_default_and_a_comment(n
 
 @pytest.mark.parametrize("node", sorted(NODES))
 def test_a_parameter_file_is_what_the_table_of_the_node_prints(node):
-    """To make it anew: python -m drill_twin.ros NODE --parameters > config/nodes/NODE.yaml."""
+    """To make it anew: drill-twin node NODE --parameters > config/nodes/NODE.yaml."""
     make = NODES[node]
     assert (ROOT / "config" / "nodes" / f"{node}.yaml").read_text("utf-8") == file_text(
         node, make.PURPOSE, make.PARAMETERS

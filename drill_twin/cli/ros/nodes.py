@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands `drill-twin demo`, `replay`, `load` and `topics`: the nodes and their topics."""
+"""Commands `drill-twin node`, `demo`, `replay`, `load` and `topics`: the nodes and their topics."""
 
 from __future__ import annotations
 
@@ -13,6 +13,23 @@ from drill_twin.cli.options import BagArgument, JsonOption, NamespaceOption
 
 if TYPE_CHECKING:
     from drill_twin.core.table import Table
+
+
+def node(
+    context: typer.Context,
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME",
+            help="simulator, rig_driver, analyzer, recorder, advisor, estimator, gateway, replayer, or twin for several "
+            "in one process. All that follows is the node's: --help, or --ros-args with parameters and remappings.",
+        ),
+    ],
+) -> None:
+    """Run one node, as `ros2 run drill_twin NAME` does where ros2 is installed. Needs ROS 2 (rclpy)."""
+    from drill_twin.ros.entry_points import start
+
+    raise typer.Exit(start(name, context.args))
 
 
 def demo(context: typer.Context) -> None:
