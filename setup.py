@@ -20,7 +20,7 @@ setup(
     version="0.1.0",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     package_data={
-        PACKAGE: ["py.typed", "api/__init__.pyi", "report/page/assets/*", "live/page/*", "studies/maps/*.html"]
+        PACKAGE: ["py.typed", "api/__init__.pyi", "report/assets/*", "live/page/*", "studies/maps/*.html"]
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),

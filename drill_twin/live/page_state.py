@@ -42,7 +42,7 @@ from drill_twin.live.plain import number, rig_values, short
 from drill_twin.live.shown_scene import shown_scene
 from drill_twin.live.sources import Sources, without_old_values
 from drill_twin.live.supervision import Supervision
-from drill_twin.report.quantities.loads import string_weight
+from drill_twin.report.quantities import string_weight
 from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.studies.maps.operating_map import digest_of

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from drill_twin.io.scene_geometry import string_steps
-from drill_twin.report.page.well_geometry import well_geometry
+from drill_twin.report.string_curve import well_geometry
 from drill_twin.scene import Scene
 
 _STATIONS = 41  # depths at which the hole is drawn, and at each change of its radius

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.whole_file import write_whole
-from drill_twin.report.figures import FIGURES, left_out
+from drill_twin.report.figures import FIGURES, drawing, left_out
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.summary import summarise, to_json
 
@@ -69,8 +69,8 @@ def build_report(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         write_whole(files.summary, to_json(summary))
-        from drill_twin.report.page.charts import CHARTS, chart
-        from drill_twin.report.page.page import build_page
+        from drill_twin.report.charts import CHARTS, chart
+        from drill_twin.report.page import build_page
 
         charts = {}
         for name, path in files.figures.items():
@@ -89,14 +89,10 @@ def build_report(
 
 def draw(name: str, recording: Recording) -> Figure:
     """One of `FIGURES`."""
-    import importlib
-
     from drill_twin.report.figures.style import styled
 
-    module = importlib.import_module(f"drill_twin.report.figures.{name}")
-    function: Callable[[Recording], Figure] = getattr(module, name)
     with styled():
-        return function(recording)
+        return drawing(name)(recording)
 
 
 def _save(name: str, recording: Recording, path: Path) -> Figure:

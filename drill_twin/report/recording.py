@@ -18,7 +18,6 @@ from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import BagError, MessageError
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.bag.time_series import Rows
@@ -37,10 +36,19 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
 )
 from drill_twin.io.whirl_pipeline import WhirlPipeline
-from drill_twin.report.live_findings import LiveFindings
-from drill_twin.report.run_log import RunLog
-from drill_twin.report.selected_messages import Message, SelectedMessages, no_rotation, no_samples, no_scene
-from drill_twin.report.selection import Selection, marks_without_scene, missing_topics, open_bag, sub_without_marks
+from drill_twin.report.run_log import LiveFindings, RunLog
+from drill_twin.report.selection import (
+    Message,
+    SelectedMessages,
+    Selection,
+    marks_without_scene,
+    missing_topics,
+    no_rotation,
+    no_samples,
+    no_scene,
+    open_bag,
+    sub_without_marks,
+)
 from drill_twin.report.string_curve import along_hole, smooth
 from drill_twin.scene import Scene
 from drill_twin.whirl import Findings, MarkInfo, Summary
@@ -96,7 +104,10 @@ class Recording:
         self._messages = SelectedMessages(bag, self.selection, {self._sub_topic} if self.sub else set())
         self._reset()
         for batch in self._messages.batches(tuple(self._readers), self.skipped):
-            self._take(batch)
+            taken = self._take_rows(batch)  # many at once where they are as drill_twin records them
+            for topic, raw, time in batch:
+                if topic not in taken:
+                    self._take_message(topic, raw, time)
         self._skip_other_layouts()
         self.summary: Summary = self._checked_summary()
 
@@ -119,13 +130,6 @@ class Recording:
         }
         if self.selection.whole:
             self._readers[WHIRL_STATE] = self.live.on_state
-
-    def _take(self, batch: list[Message]) -> None:
-        """Take messages: many at once where they are as drill_twin records them, else one by one."""
-        taken = self._take_rows(batch)
-        for topic, raw, time in batch:
-            if topic not in taken:
-                self._take_message(topic, raw, time)
 
     def _take_rows(self, batch: list[Message]) -> Collection[str]:
         """Take the messages of a batch that can be taken at once; returns their topics."""
@@ -156,7 +160,16 @@ class Recording:
         return taken
 
     def _take_message(self, topic: str, raw: bytes, time: float) -> None:
-        reason = self._analyse(topic, raw)
+        runs, malformed, reason = self._pipeline.runs, self._pipeline.malformed, ""
+        messages = self._pipeline.take(topic, raw)
+        if self._pipeline.runs > max(runs, 1):
+            self._reset()
+        if self._pipeline.malformed > malformed:
+            reason = self._pipeline.trouble
+        for name, message in messages:
+            if name == WHIRL_STATE:
+                self.live.on_analysed(message)
+                self.whirl.add_message(message)
         try:
             self._readers[topic](raw)
         except MessageError as error:
@@ -172,18 +185,6 @@ class Recording:
             height = mark.distance_from_bit - self.scene.length
             row[0, 0] = place.position.real, place.position.imag, height, place.spin
             self.marks.append(place.stamp, row, (mark.name,))
-
-    def _analyse(self, topic: str, raw: bytes) -> str:
-        """Analyse a message; returns the reason why it could not be used, or an empty text."""
-        runs, malformed = self._pipeline.runs, self._pipeline.malformed
-        messages = self._pipeline.take(topic, raw)
-        if self._pipeline.runs > max(runs, 1):
-            self._reset()
-        for name, message in messages:
-            if name == WHIRL_STATE:
-                self.live.on_analysed(message)
-                self.whirl.add_message(message)
-        return self._pipeline.trouble if self._pipeline.malformed > malformed else ""
 
     def _skip_other_layouts(self) -> None:
         """Count the messages of another scene than most, unless the analysis has."""
@@ -296,4 +297,4 @@ def read_recording(path: str | Path, scene: Scene | None = None, selection: Sele
     Raises:
         BagError: Not a bag of this package, or nothing in it that could be analysed.
     """
-    return Recording(open_bag(bag_path(path), selection or Selection()), scene, selection)
+    return Recording(open_bag(path, selection or Selection()), scene, selection)

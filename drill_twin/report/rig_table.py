@@ -18,7 +18,6 @@ from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.core.rig_channels import RIG_CHANNELS
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, LENGTH, TORQUE
 from drill_twin.core.version import __version__
-from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.series import RigSeries
 from drill_twin.io.bag.skipped import stray_stamps
 from drill_twin.io.messages.decode import read_string
@@ -54,7 +53,7 @@ def read_rig(path: str | Path, selection: Selection) -> tuple[RigSeries, str]:
         BagError: It is no bag, or has no such states in this time.
         TableError: It is a record that cannot be read.
     """
-    bag = open_bag(bag_path(path), selection)
+    bag = open_bag(path, selection)
     rig, scene, place = RigSeries(), "", -1
     stray = stray_stamps([raw_header_stamp(raw) for _, _, raw in bag.messages((RIG_STATE,))])
     for topic, _, raw in bag.messages((TWIN_SCENE, RIG_STATE)):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Texts of a bag on its run: the `run` block of the scene and the simulator's diagnostics."""
+"""Record of a run beside its motion: the `run` block of the scene, the simulator's diagnostics, live findings.
+
+The findings of the analyzer that ran with the twin are compared with those of the analysis of the bag.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,8 @@ from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import decode_diagnostics
-from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.stamps import seconds, unpack_stamp
+from drill_twin.io.messages.whirl_encode import OnsetMessage, decode_onset
 from drill_twin.runs.monitor.model_limits import recorded_sentences
 from drill_twin.runs.monitor.rejected_steps import RecordedRejections, is_count
 
@@ -104,3 +108,39 @@ def _finite(text: str) -> float | None:
     except ValueError:
         return None
     return value if math.isfinite(value) else None
+
+
+class LiveFindings:
+    """Recorded `/whirl/state` and `/whirl/onset`, beside the `/whirl/state` that the analysis gives."""
+
+    def __init__(self) -> None:
+        self.onset: OnsetMessage | None = None
+        """Last onset announced."""
+        self._recorded: dict[int, bytes] = {}
+        self._analysed: dict[int, bytes] = {}
+
+    def on_state(self, raw: bytes) -> None:
+        """Keep a recorded `/whirl/state`."""
+        self._recorded[unpack_stamp(raw)] = raw
+
+    def on_onset(self, raw: bytes) -> None:
+        """Keep a recorded `/whirl/onset`.
+
+        Raises:
+            MessageError: It cannot be decoded.
+        """
+        self.onset = decode_onset(raw)[1]
+
+    def on_analysed(self, raw: bytes) -> None:
+        """Keep a `/whirl/state` of the analysis of the bag."""
+        self._analysed[unpack_stamp(raw)] = raw
+
+    @property
+    def messages(self) -> int:
+        """Number of recorded `/whirl/state`."""
+        return len(self._recorded)
+
+    @property
+    def differing(self) -> int:
+        """Number of those that differ from the analysis in any byte."""
+        return sum(self._analysed.get(stamp) != raw for stamp, raw in self._recorded.items())

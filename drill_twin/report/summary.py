@@ -13,10 +13,7 @@ import numpy as np
 
 from drill_twin.dynamics.twin.frame import COUNTS
 from drill_twin.io.bag.reader import Bag
-from drill_twin.report.quantities.fatigue import fatigue
-from drill_twin.report.quantities.loads import applied, loads
-from drill_twin.report.quantities.precession import precession
-from drill_twin.report.quantities.wall_depth import soft_wall, wall_depth
+from drill_twin.report.quantities import applied, fatigue, loads, precession, soft_wall, wall_depth
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.whirl import AnalysisError, BitMotion, MotionPeriod, MotionState, two_sided_spectrum
 
@@ -44,7 +41,7 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
           `frequency_mark`; `precession_ratio`: the same over the rotation, `rotation_rev_s`. None for irregular motion,
           which has no single frequency.
         * `whirl_frequency_interval_hz`, `window_rev`, `spectrum_lines`, `ratios`: see
-          `drill_twin.report.quantities.precession`.
+          `drill_twin.report.quantities`.
         * `max_radius_m`: largest distance of the centre line from the hole's axis by mark [m].
         * `motion`, `mark_motion`: timelines of the motion states, each with start and end, criterion and confidence.
         * `whirl_observable`: whether the bag has positions of marks.
@@ -55,11 +52,11 @@ def summarise(bag: Recording | Bag | str | Path) -> dict[str, Any]:
         * `applied`: `mean`, `min` and `max` of weight on bit [N] and rotation of the top drive [rad/s] over the second
           half; `load_at`: where the scene has the weight applied, `bit`, `top` or `block`.
         * `loads`: `mean`, `min` and `max` of weight on bit, hookload and drag [N] and of the torques of top drive and
-          bit [N m] (`drill_twin.report.quantities.loads`).
+          bit [N m] (`drill_twin.report.quantities`).
         * `fatigue`: by section of the effect `fatigue`, stress, cycles, damage and time to a damage of 1
-          (`drill_twin.report.quantities.fatigue`); None without it.
+          (`drill_twin.report.quantities`); None without it.
         * `wall`: the largest penetration of the wall, its place and time, and that at rest under the largest weight on
-          bit (`drill_twin.report.quantities.wall_depth`).
+          bit (`drill_twin.report.quantities`).
         * `realtime_factor`: simulated over wall time; `physics_speed`: simulated time over the time spent computing
           the motion. None where not recorded.
         * `steps`, `cut_steps`, `loose_steps`: time steps taken, how often one was halved, and how many were taken while

@@ -8,7 +8,7 @@ import pytest
 
 from drill_twin.live.player import Player
 from drill_twin.report import read_recording
-from drill_twin.report.quantities.loads import loads, string_weight
+from drill_twin.report.quantities import loads, string_weight
 
 
 @pytest.fixture

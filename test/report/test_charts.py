@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from drill_twin.report import read_recording
 from drill_twin.report.build import draw
-from drill_twin.report.page.charts import CHARTS, chart
+from drill_twin.report.charts import CHARTS, chart
 
 
 def numbers(packed):

@@ -15,7 +15,7 @@ from threading import Thread
 import pytest
 
 from drill_twin.report import build_report
-from drill_twin.report.page.charts import CHARTS
+from drill_twin.report.charts import CHARTS
 
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 MEASURE = """

@@ -7,7 +7,7 @@ import pytest
 from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages import topics
-from drill_twin.report import selected_messages
+from drill_twin.report import selection
 from drill_twin.report.recording import Recording
 from drill_twin.report.summary import summarise
 
@@ -45,12 +45,12 @@ def content(bag: MemoryBag):
 def test_batches_change_nothing(bench_run, monkeypatch, odd):
     bag = spoiled(Bag(bench_run.bag), odd)
     found = content(bag)
-    monkeypatch.setattr(selected_messages, "_FIRST_BATCH", 10**9)
+    monkeypatch.setattr(selection, "_FIRST_BATCH", 10**9)
     monkeypatch.setattr(Recording, "_take_rows", lambda *_: ())
     assert found == content(bag)
     for size in (7, 300):
         monkeypatch.undo()
-        monkeypatch.setattr(selected_messages, "_BATCH", size)
+        monkeypatch.setattr(selection, "_BATCH", size)
         assert found == content(bag)
 
 

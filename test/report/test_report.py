@@ -3,7 +3,6 @@
 
 import base64
 import gzip
-import importlib
 import json
 import re
 from html.parser import HTMLParser
@@ -16,10 +15,10 @@ from PIL import Image
 
 from drill_twin.core.errors import BagError
 from drill_twin.report import build_report, read_recording, summarise
-from drill_twin.report.figures import FIGURES, OVER_TIME
+from drill_twin.report.charts import CHARTS
+from drill_twin.report.figures import FIGURES, OVER_TIME, drawing
 from drill_twin.report.figures.style import STATE_COLOURS, styled
-from drill_twin.report.page.charts import CHARTS
-from drill_twin.report.page.page import build_page
+from drill_twin.report.page import build_page
 from drill_twin.report.text import NOT_VALIDATED
 from drill_twin.scene import load_scene
 from drill_twin.whirl import MotionState
@@ -68,7 +67,7 @@ def recording(known_bag):
 
 def drawn(name, recording):
     with styled():
-        return getattr(importlib.import_module(f"drill_twin.report.figures.{name}"), name)(recording)
+        return drawing(name)(recording)
 
 
 def test_all_files_are_there(files, known_bag):

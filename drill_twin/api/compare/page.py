@@ -30,7 +30,7 @@ def page(
     parts = (("What differs", ordered[:differing]), ("What does not", ordered[differing:]))
     tables = "".join(f"<h2>{title}</h2><section>{_table(names, rows)}</section>" for title, rows in parts if rows)
     picture = base64.b64encode(figure.read_bytes()).decode()
-    style = files("drill_twin.report.page").joinpath("assets", "page.css").read_text("utf-8")
+    style = files("drill_twin.report").joinpath("assets", "page.css").read_text("utf-8")
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><title>drill_twin: comparison</title>'

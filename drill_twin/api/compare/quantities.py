@@ -13,7 +13,7 @@ from drill_twin.api.compare.case import Case
 from drill_twin.core.arrays import Array
 from drill_twin.core.missing import number_or_nan
 from drill_twin.report.load_text import KILO
-from drill_twin.report.quantities.string_forces import bending_stress_at
+from drill_twin.report.string_forces import bending_stress_at
 
 NOTHING = 1e-9
 """Number that is zero but for rounding."""

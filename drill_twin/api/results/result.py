@@ -17,7 +17,6 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
 from drill_twin.io.bag.memory import copy_bag
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.reading.files import bag_path
 from drill_twin.io.bag.sensor_series import Measured
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries
 from drill_twin.io.downhole import sub_analyzer
@@ -264,6 +263,6 @@ def read_bag(
         TableError: The record cannot be read.
     """
     selection = Selection(begin=begin, end=end, namespace=namespace, sub=sub)
-    result = Result(open_bag(bag_path(path), selection), scene, selection)
+    result = Result(open_bag(path, selection), scene, selection)
     _ = result.recording
     return result

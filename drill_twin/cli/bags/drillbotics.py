@@ -48,7 +48,6 @@ def drillbotics(
     from drill_twin.core.units.dimension import FREQUENCY
     from drill_twin.gateway.drillbotics.files import LOWEST_RATE, TIMESERIES, read_log
     from drill_twin.gateway.drillbotics.rules import check_log, check_timeseries
-    from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.report.selection import Selection, open_bag
 
     try:
@@ -60,7 +59,7 @@ def drillbotics(
     folder = out or default_folder(bag)
     selection = Selection(begin=begin, end=end, namespace=namespace or None)
     with shown_progress("reading the bag"):
-        source = open_bag(bag_path(bag), selection)
+        source = open_bag(bag, selection)
         log = read_log(source, selection, rows, _date(start) if start else None)
     name = well
     if not well:

@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of a report, one a file: each takes a recording and returns a matplotlib figure.
+"""Figures of a report: each takes a recording and returns a matplotlib figure.
 
 Those over time have the same width and margins, so that one below the other they share their time axis.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from drill_twin.report.recording import Recording
 
 OVER_TIME = ("set_points", "displacement", "motion", "spectrum_over_time")
@@ -28,7 +32,19 @@ CAPTIONS = {
 """Captions of the other figures, in their order on the page."""
 
 FIGURES = (*OVER_TIME, *CAPTIONS)
-"""All figures of a report: the modules here, each with a function of its name."""
+"""All figures of a report."""
+_FILES = {
+    **dict.fromkeys(("set_points", "displacement", "motion"), "over_time"),
+    "spectrum_over_time": "spectrum",
+    "string_shapes": "orbits",
+}
+"""Modules of the functions that draw them; those of the others have their name."""
+
+
+def drawing(name: str) -> Callable[[Recording], Figure]:
+    """Function that draws one of `FIGURES`; matplotlib is imported with it."""
+    function: Callable[[Recording], Figure] = getattr(import_module(f"{__name__}.{_FILES.get(name, name)}"), name)
+    return function
 
 
 def left_out(recording: Recording) -> dict[str, str]:

@@ -1,14 +1,35 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two-sided spectrum of the centre line: forward whirl to the right of zero, backward whirl to the left."""
+"""Two-sided spectrum of the centre line: forward whirl to the right of zero, backward whirl to the left; or over time.
+
+Over time it is that of the mark with most whirl, with multiples of the rotation, and below it the radii of the orbits.
+"""
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from drill_twin.report.figures.style import GREY, INK, LEFT, RIGHT, VERMILION, blank, head, mark_style, note
+from drill_twin.report.figures.style import (
+    GREY,
+    INK,
+    LEFT,
+    RIGHT,
+    VERMILION,
+    blank,
+    draw_onset,
+    head,
+    mark_label,
+    mark_style,
+    note,
+    over_time,
+)
 from drill_twin.report.recording import Recording
 from drill_twin.whirl import AnalysisError, two_sided_spectrum
+from drill_twin.whirl import spectrum_over_time as sliding
 
 _SHORTEST = 2.0
 """Least time after the onset for which the spectrum begins at the onset [s]."""
@@ -65,3 +86,88 @@ def _lines(panel: Axes, recording: Recording) -> None:
         panel.axvline(frequency, color=colour, linewidth=1.1, linestyle=(0, (4, 2)), zorder=1, gid=name)
         looks = {"ha": "left" if number else "right", "va": "bottom", "fontsize": 9.5, "color": colour}
         note(panel, name, (frequency, 1.0), where=("data", "axes fraction"), shift=(0, 3), **looks)
+
+
+_REVOLUTIONS = 6.0
+"""Length of the window [rev]."""
+_MULTIPLES = (-1, 1, 2, 3)
+_DEPTH = 1e-2
+"""Smallest radius shown, over the largest."""
+_STRING_MARK = 0.02
+"""Share of the largest radius above which the precession is drawn."""
+
+
+def spectrum_over_time(recording: Recording) -> Figure:
+    """Two panels: radius of each line over time and signed frequency; radius of each mark's orbit over time."""
+    mark = _leading_mark(recording)
+    name = mark_label(recording.places[mark])
+    figure, (lines, radii) = over_time(recording.duration, [2.9, 1.3], title=f"Spectrum over time, {name}", headed=True)
+    _spectra(lines, recording, mark)
+    _rotation(lines, recording)
+    time, radius = recording.whirl.time, recording.whirl.orbit_radius
+    for number, place in enumerate(recording.places):
+        radii.plot(time, 1e3 * radius[:, number], linewidth=1.0, label=place.name, **mark_style(number))
+    radii.set_ylim(bottom=0.0)
+    radii.set_ylabel("orbit radius [mm]")
+    radii.set_title("Distance of the centre line from the axis", fontsize=10.5, pad=4)
+    radii.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(6, len(recording.places)), borderaxespad=0.2)
+    draw_onset(recording.summary.onset, recording.duration, [lines, radii])
+    return figure
+
+
+def _leading_mark(recording: Recording) -> int:
+    """Mark whose frequency the summary gives, else the one with the largest radius."""
+    names = [place.name for place in recording.places]
+    if recording.summary.frequency_mark in names:
+        return names.index(recording.summary.frequency_mark)
+    largest = [recording.summary.max_radius_m.get(name) or 0.0 for name in names]
+    return int(np.argmax(largest))
+
+
+def _spectra(panel: Axes, recording: Recording, mark: int) -> None:
+    rotation = abs(recording.summary.rotation_rev_s or 0.0)
+    sign = -1.0 if (recording.summary.rotation_rev_s or 1.0) < 0.0 else 1.0
+    window = min(_REVOLUTIONS / rotation if rotation else math.inf, 0.25 * recording.duration)
+    reach = 3.3 * rotation if rotation else 5.0
+    panel.set_ylim(-1.6 * rotation if rotation else -5.0, reach)
+    panel.set_ylabel("frequency [Hz]\n- backward, + forward")
+    try:
+        time, frequency, radius = sliding(recording.marks.time, recording.centre_lines()[:, mark], window)
+    except AnalysisError as error:
+        panel.text(0.5, 0.5, str(error), transform=panel.transAxes, ha="center", color=GREY, wrap=True)
+        return
+    inside = np.abs(frequency) <= 1.05 * reach
+    order = np.argsort(sign * frequency[inside])
+    shown = 1e3 * radius[inside][order]
+    largest = max(float(shown.max()), 1e-6)
+    panel.pcolormesh(
+        time,
+        (sign * frequency[inside])[order],
+        np.maximum(shown, _DEPTH * largest),
+        norm=LogNorm(_DEPTH * largest, largest),
+        cmap="Greys",
+        shading="nearest",
+        rasterized=True,
+    )
+    panel.set_title(
+        f"Darker is wider, up to {largest:.3g} mm (black); window {window:.2g} s; orange: precession found",
+        fontsize=10.5,
+        pad=4,
+    )
+    panel.grid(visible=False)
+    moved, precession = recording.whirl.orbit_radius[:, mark], recording.whirl.precession[:, mark]
+    wide = np.where(moved > _STRING_MARK * np.nanmax(moved), precession, np.nan)
+    panel.plot(recording.whirl.time, wide, ".", markersize=1.2, color=VERMILION)
+
+
+def _rotation(panel: Axes, recording: Recording) -> None:
+    if not len(recording.rig):
+        return
+    time, speed = recording.rig.time, np.abs(recording.rig.top_drive_speed) / math.tau
+    for multiple in _MULTIPLES:
+        style = "--" if multiple == 1 else ":"
+        panel.plot(time, multiple * speed, color=INK, linewidth=1.1 if multiple == 1 else 0.9, linestyle=style)
+        text = "rotation" if multiple == 1 else f"{multiple} x"
+        looks = {"ha": "right", "va": "bottom", "fontsize": 8.5, "color": INK}
+        note(panel, text, (1.0, float(multiple * speed[-1])), where=("axes fraction", "data"), shift=(-3, 1), **looks)
+    panel.axhline(0.0, color=GREY, linewidth=0.8)

@@ -17,9 +17,9 @@ from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.discretisation.discretise import contact_radius
 from drill_twin.report.figures.style import BLUE, GREY, INK, LIGHT, VERMILION, blank, head
 from drill_twin.report.load_text import KILO
-from drill_twin.report.quantities.string_forces import string_forces
 from drill_twin.report.recording import Recording
 from drill_twin.report.string_curve import VERTICAL, inclination, low_side
+from drill_twin.report.string_forces import string_forces
 
 _WIDE = 0.05
 """Radius of the hole in the section as drawn, over the size of the well."""

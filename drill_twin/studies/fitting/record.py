@@ -137,7 +137,6 @@ def read_record(
 
 
 def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float, subs: Sequence[str]) -> Record:
-    from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.report.recording import Recording
     from drill_twin.report.selection import Selection, open_bag
 
@@ -149,7 +148,7 @@ def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float, subs: Sequ
                 f'channel: expected of a bag the name alone, as "{channel}", found "{channel}={column}'
                 f'{unit and ":"}{unit}"; a bag has topics in SI, no columns'
             )
-    bag = open_bag(bag_path(path), Selection())
+    bag = open_bag(path, Selection())
     recording = Recording(bag)
     rig, commands = recording.rig, recording.commands
     time = np.asarray(rig.time) - start

@@ -14,11 +14,11 @@ from typing import Any
 from drill_twin.core.table import Column, Table
 from drill_twin.core.version import __version__
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
+from drill_twin.report.charts import plotly_packed, view_data
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out
 from drill_twin.report.load_text import load_rows, millimetres
-from drill_twin.report.page.interactive import plotly_packed, view_data
-from drill_twin.report.page.well_geometry import deviated
 from drill_twin.report.recording import Recording
+from drill_twin.report.string_curve import deviated
 from drill_twin.report.text import (
     NOT_VALIDATED,
     applied,
@@ -50,7 +50,7 @@ def build_page(
         recording: The run.
         summary: Its summary.
         figures: PNG files by name.
-        charts: Those of them that are drawn by plotly, by name (`drill_twin.report.page.charts`).
+        charts: Those of them that are drawn by plotly, by name (`drill_twin.report.charts`).
     """
     scene = recording.scene if recording.scene_known else None
     name = scene.name if scene else recording.path.name
@@ -216,4 +216,4 @@ def _scripts(charts: Mapping[str, Any], recording: Recording) -> str:
 
 
 def _asset(name: str) -> str:
-    return files("drill_twin.report.page").joinpath("assets", name).read_text("utf-8")
+    return files("drill_twin.report").joinpath("assets", name).read_text("utf-8")

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Figures over time: the rig as far as it is recorded, displacement of the marks, motion states.
+
+Set-points are drawn as commanded; displacement as x, y and distance from the axis, as in Figs 4 to 6 of the paper;
+motion states with the precession that decides them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from drill_twin.core.arrays import Array
+from drill_twin.report.figures.style import (
+    BLUE,
+    GREY,
+    INK,
+    ORANGE,
+    RIGHT,
+    STATE_COLOURS,
+    draw_onset,
+    mark_label,
+    mark_style,
+    note,
+    over_time,
+)
+from drill_twin.report.load_text import KILO, millimetres
+from drill_twin.report.recording import Recording
+from drill_twin.whirl import Criteria, MotionPeriod, MotionState
+
+
+class _Panel(NamedTuple):
+    label: str
+    unit: str
+    lines: dict[str, Array]
+    commanded: Array | None = None
+
+
+def set_points(recording: Recording) -> Figure:
+    """One panel a quantity of the rig that the recording holds."""
+    found = list(_panels(recording))
+    figure, panels = over_time(recording.duration, [1.35] * len(found), title=_title(found))
+    for panel, (label, unit, lines, commanded) in zip(panels, found, strict=True):
+        largest = max(float(np.nanmax(np.abs(values), initial=1.0)) for values in lines.values())
+        scale, prefix = (1e-3, "k") if unit.startswith("N") and largest > KILO else (1.0, "")
+        if commanded is not None:
+            panel.plot(
+                recording.commands.time, scale * commanded, color=GREY, linewidth=4.5, alpha=0.4, label="commanded"
+            )
+        for name, values in lines.items():
+            colour, line = (ORANGE, "--") if name == "bit" else (BLUE, "-")
+            panel.plot(recording.rig.time, scale * values, color=colour, linestyle=line, label=name)
+        panel.set_ylabel(f"{label} [{prefix}{unit}]")
+        panel.margins(y=0.12)
+        if len(panel.get_lines()) > 1:
+            panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+    draw_onset(recording.summary.onset, recording.duration, panels)
+    return figure
+
+
+def _panels(recording: Recording) -> Iterator[_Panel]:
+    """Panels with at least one line that has values."""
+    rig, commands = recording.rig, recording.commands
+    turns = 1.0 / math.tau
+    for label, unit, lines, commanded in (
+        ("weight on bit", "N", {"applied": rig.bit_force}, commands.weight_on_bit if len(commands) else None),
+        ("rotation", "rev/s", {"top drive": turns * rig.top_drive_speed, "bit": turns * rig.bit_speed},
+         turns * commands.rotation if len(commands) else None),
+        ("torque", "N m", {"top drive": rig.top_drive_torque, "bit": -rig.bit_torque}, None),
+        ("hookload", "N", {"hookload": rig.hookload}, None),
+    ):  # fmt: skip
+        known = {name: values for name, values in lines.items() if np.isfinite(values).any()}
+        if known:
+            yield _Panel(label, unit, known, commanded)
+
+
+def _title(found: list[_Panel]) -> str:
+    names = [panel.label for panel in found]
+    return f"{', '.join(names[:-1])} and {names[-1]}".capitalize() if len(names) > 1 else names[0].capitalize()
+
+
+def displacement(recording: Recording) -> Figure:
+    """One panel a place with marks, all with one scale [mm], with the limits of the centre line."""
+    time, centre = recording.marks.time, recording.centre_lines() * 1e3
+    at: dict[float, list[int]] = {}
+    for number, place in enumerate(recording.places):
+        at.setdefault(place.distance_from_bit, []).append(number)
+    numbers = [group[0] for group in at.values()]
+    places = [recording.places[number] for number in numbers]
+    largest = float(np.nanmax(np.abs(centre), initial=0.0))
+    nearest = min(place.clearance for place in places) * 1e3
+    limit = 1.12 * max(largest, nearest if largest > 0.4 * nearest else 1e-3)
+    figure, panels = over_time(
+        recording.duration, [1.25] * len(places), title="Displacement of the centre line at the marks", headed=True
+    )
+    for number, panel, place in zip(numbers, panels, places, strict=True):
+        z = centre[:, number]
+        radius = np.abs(z)
+        panel.fill_between(time, -radius, radius, color=INK, alpha=0.10, linewidth=0, label="distance from axis")
+        panel.plot(time, z.real, color=BLUE, linewidth=0.9, label="x")
+        panel.plot(time, z.imag, color=ORANGE, linewidth=0.9, label="y")
+        for side in (-1.0, 1.0):
+            panel.axhline(side * place.clearance * 1e3, color=GREY, linewidth=1.0, linestyle=":")
+        panel.set_ylim(-max(limit, 1e-6), max(limit, 1e-6))
+        panel.set_ylabel("[mm]")
+        name = mark_label(*(recording.places[mark] for mark in at[place.distance_from_bit]))
+        panel.set_title(f"{name}: at most {millimetres(1e-3 * np.nanmax(radius))}", fontsize=10.5, pad=3)
+    draw_onset(recording.summary.onset, recording.duration, panels)
+    handles, labels = panels[0].get_legend_handles_labels()
+    if limit > nearest:
+        handles.append(panels[0].get_lines()[2])
+        labels.append("touches the wall")
+    figure.legend(handles, labels, loc="upper right", bbox_to_anchor=(RIGHT, 1.0), ncols=4, borderaxespad=0.3)
+    return figure
+
+
+_ROW = 0.34
+_ROOM = 11
+"""Number of letters of a name that fit beside the bands."""
+_LETTER = 0.0078
+"""Width of a letter, as a share of the time axis."""
+
+
+def motion(recording: Recording) -> Figure:
+    """Bands of motion states of the string and of each mark; below, signed precession over rotation."""
+    summary = recording.summary
+    rows = {"string": summary.motion, **summary.mark_motion}
+    figure, (bands, ratio) = over_time(recording.duration, [_ROW * len(rows), 1.9], title="Motion state and precession")
+    for row, periods in enumerate(rows.values()):
+        _band(bands, row, periods, recording.duration)
+    bands.set_ylim(len(rows) - 0.5, -0.5)
+    longest = max(len(name) for name in rows)
+    bands.set_yticks(range(len(rows)), list(rows), fontsize=min(10.5, 10.5 * _ROOM / longest))
+    bands.grid(visible=False)
+    bands.tick_params(length=0)
+    for side in ("left", "bottom"):
+        bands.spines[side].set_visible(False)
+    _ratio(ratio, recording)
+    draw_onset(summary.onset, recording.duration, [bands, ratio])
+    _legend(figure, [period.state for periods in rows.values() for period in periods])
+    return figure
+
+
+def _band(panel: Axes, row: int, periods: tuple[MotionPeriod, ...], end: float) -> None:
+    starts = [0.0, *(period.start_s for period in periods[1:])]
+    for start, stop, period in zip(starts, [*starts[1:], end], periods, strict=False):
+        name = period.state.value
+        panel.barh(row, stop - start, left=start, height=0.78, color=STATE_COLOURS[period.state], linewidth=0,
+                   gid=f"{name}, {start:.2f} to {stop:.2f} s")  # fmt: skip
+        if (stop - start) / max(end, 1e-9) > _LETTER * len(name):
+            dark = period.state in {MotionState.ROLLING, MotionState.REVERSE_WHIRL}
+            panel.text(
+                0.5 * (start + stop), row, name, ha="center", va="center", fontsize=9, color="white" if dark else INK
+            )
+
+
+def _ratio(panel: Axes, recording: Recording) -> None:
+    time, ratios = recording.whirl.time, recording.whirl.ratio
+    clearance = np.array([place.clearance for place in recording.places])
+    large = recording.whirl.orbit_radius > Criteria().onset_radius * clearance
+    for mark, name in enumerate(recording.findings.marks):
+        panel.plot(time, ratios[:, mark], linewidth=0.8, alpha=0.25, **mark_style(mark))
+        wide = np.where(large[:, mark], ratios[:, mark], np.nan)
+        panel.plot(time, wide, linewidth=1.5, label=name, **mark_style(mark))
+    seen = ratios[large & np.isfinite(ratios)]
+    low, high = np.percentile(seen, [1.0, 99.0]) if seen.size else (0.0, 1.0)
+    panel.set_ylim(max(min(low - 0.1, -0.3), -3.0), min(max(high + 0.1, 1.25), 3.0))
+    panel.axhline(0.0, color=GREY, linewidth=1.0)
+    panel.axhline(1.0, color=GREY, linewidth=1.0, linestyle="--")
+    looks = {"ha": "right", "va": "bottom", "fontsize": 8.5, "color": GREY}
+    note(panel, "as fast as the string turns", (1.0, 1.0), where=("axes fraction", "data"), shift=(-3, 2), **looks)
+    panel.set_ylabel("precession / rotation\n- backward, + forward")
+    share = f"{100 * Criteria().onset_radius:g} %"
+    panel.set_title(f"Precession over rotation (faint: within {share} of the clearance)", fontsize=10.5, pad=4)
+    panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(6, ratios.shape[1]), borderaxespad=0.2)
+
+
+def _legend(figure: Figure, states: list[MotionState]) -> None:
+    shown = [state for state in MotionState if state in states]
+    handles = [Patch(color=STATE_COLOURS[state], label=state.value) for state in shown]
+    columns = math.ceil(len(handles) / (1 if len(handles) <= 4 else 2))
+    figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(RIGHT, 1.0), ncols=columns, borderaxespad=0.3,
+                  handlelength=1.0, columnspacing=1.2)  # fmt: skip

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Quantities of a recording for its summary: loads, fatigue, precession of the leading mark, depth in the wall."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import as_python
+from drill_twin.core.errors import DrillTwinError
+from drill_twin.dynamics.discretisation.discretise import discretise, tubes_of
+from drill_twin.dynamics.discretisation.initial_state import axial_weight
+from drill_twin.dynamics.discretisation.resolution import MOST
+from drill_twin.dynamics.twin import state_judge
+from drill_twin.dynamics.twin.state_bounds import bounds_of
+from drill_twin.physics.effects.wall import parameters as wall_parameters
+from drill_twin.physics.model.mesh import build_rod
+from drill_twin.report.recording import Recording
+from drill_twin.report.string_curve import along_hole, refined
+from drill_twin.scene import Scene
+from drill_twin.scene.set_points import extremes
+from drill_twin.whirl.spectrum import WINDOW, centre_line, precession_record
+
+
+def fatigue(bag: Recording) -> dict[str, dict[str, float | None]] | None:
+    """By section: stress, cycles and damage of the run; None without the effect.
+
+    Keys: `distance_from_bit_m`, `largest_stress_pa` and its `share_of_yield`, `largest_moment_nm`, `axial_force_n`
+    (mean, positive = tension), `cycles`, `damage`; and for the second half of the run, where the motion has settled,
+    `cycles_per_second` and `seconds_to_damage_1`: the whole life at its rate of damage, None without any.
+    """
+    block = bag.scene.effects.fatigue if bag.scene_known else None
+    if block is None or not len(bag.stress):
+        return None
+    found, strengths = bag.stress, block.yield_strengths(bag.scene)
+    places = {section.name: section.distance(bag.scene.length) for section in block.sections}
+    middle = int(np.searchsorted(found.time, 0.5 * (found.time[0] + found.time[-1])))
+    seconds = float(found.time[-1] - found.time[middle])
+    moment = np.hypot(found.moment_x, found.moment_y).max(axis=0)
+    rows = {}
+    for number, name in enumerate(found.names):
+        damage, cycles = found.damage[:, number], found.cycles[:, number]
+        late = float(damage[-1] - damage[middle])
+        largest = float(found.largest_stress[-1, number])
+        rows[name] = {
+            "distance_from_bit_m": places[name],
+            "largest_stress_pa": largest,
+            "share_of_yield": largest / strengths[name],
+            "largest_moment_nm": float(moment[number]),
+            "axial_force_n": float(found.axial_force[:, number].mean()),
+            "cycles": float(cycles[-1]),
+            "damage": float(damage[-1]),
+            "cycles_per_second": float(cycles[-1] - cycles[middle]) / seconds if seconds > 0.0 else None,
+            "seconds_to_damage_1": seconds / late if late > 0.0 else None,
+        }
+    return rows
+
+
+KEYS = ("weight_on_bit_n", "hookload_n", "top_drive_torque_nm", "bit_torque_nm", "drag_n")
+
+
+def loads(bag: Recording) -> dict[str, dict[str, float] | None]:
+    """Statistics over the whole recording, None for what the bag does not hold.
+
+    Keys: `weight_on_bit_n`, `hookload_n`, `top_drive_torque_nm`, `bit_torque_nm` (of the rock on the bit, negative with
+    right-handed rotation), as on `/rig/state`, and `drag_n`: hookload plus weight on bit less the weight of the string
+    along the hole, which is the axial friction and inertia; positive = against motion upwards.
+    """
+    if not len(bag.rig):
+        return dict.fromkeys(KEYS)
+    rig = bag.rig
+    weight = string_weight(bag.scene) if bag.scene_known else np.nan
+    drag = rig.hookload + rig.bit_force - weight
+    series = (rig.bit_force, rig.hookload, rig.top_drive_torque, rig.bit_torque, drag)
+    return {key: _statistics(values) for key, values in zip(KEYS, series, strict=True)}
+
+
+def applied(bag: Recording) -> dict[str, dict[str, float] | None]:
+    """Statistics of weight on bit [N] and rotation of the top drive [rad/s] over the second half of the recording."""
+    rig = bag.rig
+    if not len(rig):
+        return {"weight_on_bit_n": None, "rotation_rad_s": None}
+    late = rig.time >= 0.5 * (rig.time[0] + rig.time[-1])
+    return {
+        "weight_on_bit_n": _statistics(rig.bit_force[late]),
+        "rotation_rad_s": _statistics(rig.top_drive_speed[late]),
+    }
+
+
+def string_weight(scene: Scene) -> float:
+    """Weight of the string along the hole, less buoyancy [N]; 0 without gravity."""
+    return float(axial_weight(scene, discretise(scene, build_rod(tubes_of(scene), MOST))).sum())
+
+
+def _statistics(values: Array) -> dict[str, float] | None:
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return None
+    return {"mean": float(known.mean()), "min": float(known.min()), "max": float(known.max())}
+
+
+def precession(recording: Recording) -> dict[str, Any]:
+    """Keys of the summary on the precession at `frequency_mark` from the onset until the whirl ends.
+
+    * `whirl_frequency_interval_hz`: smallest and largest mean over windows of `window_rev` revolutions [Hz].
+    * `spectrum_lines`: highest lines of the spectrum: `frequency_hz`, `radius_m`.
+    * `ratios`: precession over rotation as `mode` (the most frequent), as `line` (the highest of the spectrum) and as
+      `mean` (weighted by the radius); None where unknown.
+    """
+    found = recording.summary
+    result: dict[str, Any] = {
+        "window_rev": WINDOW,
+        "whirl_frequency_interval_hz": None,
+        "spectrum_lines": [],
+        "ratios": {"mode": found.mode_ratio, "line": None, "mean": None},
+    }
+    rotation = found.rotation_rev_s
+    if found.onset_s is None or found.frequency_mark is None or not rotation:
+        return result
+    mark = [place.name for place in recording.places].index(found.frequency_mark)
+    end = math.inf if found.whirl_end_s is None else found.whirl_end_s
+    whirl, marks, place = recording.whirl, recording.marks, recording.places[mark]
+    common, of_whirl, of_marks = np.intersect1d(whirl.time, marks.time, return_indices=True)
+    chosen = (common >= found.onset_s) & (common <= end)
+    time, at, seen = common[chosen], of_whirl[chosen], of_marks[chosen]
+    column = marks.names.index(place.name)
+    x, y = np.moveaxis(marks.position[seen, column, :2], -1, 0)
+    spin = marks.spin[seen, column] if place.on == "wall" else None
+    record = precession_record(
+        time, whirl.precession[at, mark], whirl.ratio[at, mark], whirl.orbit_radius[at, mark],
+        centre_line(x, y, spin, place.wall_offset), rotation,
+    )  # fmt: skip
+    result["whirl_frequency_interval_hz"] = record.interval_hz
+    result["spectrum_lines"] = [{"frequency_hz": line.frequency, "radius_m": line.radius} for line in record.lines]
+    result["ratios"]["mean"] = record.mean_ratio
+    if record.lines:
+        result["ratios"]["line"] = record.lines[0].frequency / abs(rotation)
+    return result
+
+
+SOFT = 0.1
+"""Penetration over the clearance above which the motion depends on the stiffness of the wall."""
+SHARES = np.array([0.0, 0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)])
+"""Node and Gauss points of an element; the wall acts at the latter."""
+
+
+def wall_depth(bag: Recording) -> dict[str, Any] | None:
+    """Deepest Gauss point of the string in the wall, over the recorded poses; None without a wall or poses.
+
+    Keys: `deepest_m` (0 without contact), its `distance_from_bit_m` and `time_s`, `clearance_m` there, and `static_m`:
+    the depth under the largest weight on bit at rest (`state_judge.static_depth`); None for a record without its file.
+    """
+    if not bag.scene_known or bag.scene.effects.wall is None or bag.nodes < 2:
+        return None
+    scene, poses = bag.scene, bag.poses
+    curves = along_hole(scene, refined(poses.position, poses.tangent, SHARES))
+    steps = np.linalg.norm(np.diff(curves[0], axis=0), axis=1)
+    up = np.concatenate(([0.0], np.cumsum(steps)))
+    if not (np.isfinite(curves).all() and up[-1] > 0.0):  # poses that no run of this scene publishes
+        return None
+    up *= scene.length / up[-1]
+    clearance = np.array([scene.clearance_at(float(place)) for place in up])
+    depth = np.hypot(curves[..., 0], curves[..., 1]) - clearance
+    depth[:, :: SHARES.size] = -np.inf  # nodes, which the wall does not act on
+    instant, place = np.unravel_index(np.argmax(depth), depth.shape)
+    return {
+        "deepest_m": max(float(depth[instant, place]), 0.0),
+        "distance_from_bit_m": float(up[place]),
+        "time_s": float(bag.poses.time[instant]),
+        "clearance_m": float(clearance[place]),
+        "static_m": static_depth(scene),
+    }
+
+
+def static_depth(scene: Scene) -> float | None:
+    """Depth under the largest weight on bit of the schedule, at rest [m]; None without a wall or the record's file."""
+    block = scene.effects.wall
+    if block is None:
+        return None
+    try:
+        load = extremes(scene).weight_on_bit
+    except DrillTwinError:  # the record of the rig is not at hand
+        return None
+    model = discretise(scene, build_rod(tubes_of(scene), MOST))
+    bounds = bounds_of(scene, model, wall_parameters(block, model), lateral=False)
+    return float(as_python(state_judge.static_depth)(bounds, load))
+
+
+def soft_wall(found: dict[str, Any] | None) -> Iterator[str]:
+    """Yield a note where the string went deep into the wall."""
+    if found is None or found["deepest_m"] <= SOFT * found["clearance_m"]:
+        return
+    depth, share = found["deepest_m"], found["deepest_m"] / found["clearance_m"]
+    at_rest = f", {found['static_m'] * 1e3:.2g} mm of it under its load at rest" if found["static_m"] else ""
+    yield (
+        f"the wall is soft for this motion: the string went {depth * 1e3:.3g} mm into it, {share:.0%} of the "
+        f"clearance{at_rest}; radii and frequencies depend on its stiffness: compare with a stiffer `wall`"
+    )
