@@ -69,7 +69,7 @@ def generate_launch_description() -> LaunchDescription:
             "keep_namespace": False,
         },
     )
-    nodes = [_node("analyzer", {}, condition=IfCondition(analyze)), replayer]
+    nodes = [_node("analyzer", {}, condition=IfCondition(LaunchConfiguration("analyze"))), replayer]
     return LaunchDescription(
         [
             *ARGUMENTS,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ros2 launch drill_twin twin.launch.py`: simulator, rig driver, analyzer; if asked recorder, advisor, estimator."""
+"""`ros2 launch drill_twin twin.launch.py`: simulator, rig driver and analyzer; each node has a flag."""
 
 import os
 from collections.abc import Sequence
@@ -21,7 +21,21 @@ IN_NAMESPACE = [("/clock", "clock"), ("/tf", "tf"), ("/tf_static", "tf_static")]
 END_WITH_LAUNCH = {"DRILL_TWIN_END_WITH_PARENT": str(os.getpid())}
 """Environment of the nodes: none stays behind where launch itself is killed or dies of a signal."""
 
+
+def _flag(name: str, default: str, description: str) -> DeclareLaunchArgument:
+    return DeclareLaunchArgument(name, default_value=default, choices=["true", "false"], description=description)
+
+
 ARGUMENTS = (
+    _flag("simulate", "true", "Simulator; without it, the other nodes go by one that runs elsewhere."),
+    _flag("drive", "true", "Rig driver, which plays the set-points; without it, others command the simulator."),
+    _flag("analyze", "true", "Analyzer, which finds the onset of whirl."),
+    _flag("record", "false", "Recorder of a bag."),
+    _flag("advise", "false", "Advisor, which compares the set-points with a map."),
+    _flag("estimate", "false", "Estimator, which follows what is measured."),
+    _flag("gateway", "false", "Gateway to rig software by OPC UA; its parameters are given in params_file."),
+    _flag("watch", "false", "Page in the browser; its address is in the output."),
+    _flag("rviz", "false", "RViz with the string in its hole."),
     DeclareLaunchArgument(
         "scene", default_value="pa6_bench", description="Scene: an installed one by name, or a scene file by path."
     ),
@@ -42,7 +56,6 @@ ARGUMENTS = (
     DeclareLaunchArgument(
         "table", default_value="", description="CSV, MAT, LAS or WITSML table of measured set-points to play."
     ),
-    DeclareLaunchArgument("record", default_value="false", choices=["true", "false"], description="Record a bag."),
     DeclareLaunchArgument("bag", default_value="", description="New folder of the bag; named by date if empty."),
     DeclareLaunchArgument(
         "overrides",
@@ -56,13 +69,7 @@ ARGUMENTS = (
         "frame_prefix", default_value="", description='Put before the names of all frames, as "rig2/"; none if empty.'
     ),
     DeclareLaunchArgument(
-        "advise", default_value="false", choices=["true", "false"], description="Compare set-points with a map."
-    ),
-    DeclareLaunchArgument(
         "map", default_value="", description="map.json for the advisor; it makes a coarse map of the scene if empty."
-    ),
-    DeclareLaunchArgument(
-        "estimate", default_value="false", choices=["true", "false"], description="Follow what is measured (estimator)."
     ),
     DeclareLaunchArgument(
         "free",
@@ -74,7 +81,7 @@ ARGUMENTS = (
         default_value="rig/state",
         description="Topic that the estimator follows: the simulator as a hidden truth, or measured/rig/state.",
     ),
-    DeclareLaunchArgument("rviz", default_value="false", choices=["true", "false"], description="Open RViz beside it."),
+    DeclareLaunchArgument("watch_port", default_value="8000", description="Port of the page; 0: a free one."),
     DeclareLaunchArgument("namespace", default_value="", description="Namespace of all nodes and topics."),
     DeclareLaunchArgument(
         "use_sim_time",
@@ -92,8 +99,10 @@ ARGUMENTS = (
 
 def generate_launch_description() -> LaunchDescription:
     """Nodes with their parameter files, and what is given on the command line over them."""
-    scene, record = _text("scene"), LaunchConfiguration("record")
-    waited = PythonExpression(["'simulator analyzer recorder' if '", record, "' == 'true' else 'simulator analyzer'"])
+    scene, analyze, record = _text("scene"), LaunchConfiguration("analyze"), LaunchConfiguration("record")
+    waited = PythonExpression(
+        ["'simulator' + ' analyzer' * ('", analyze, "' == 'true') + ' recorder' * ('", record, "' == 'true')"]
+    )
     duration = ParameterValue(LaunchConfiguration("duration"), value_type=float)
     overrides = _text("overrides")
     state = {
@@ -105,7 +114,7 @@ def generate_launch_description() -> LaunchDescription:
         "checkpoint": _text("checkpoint"),
         "frame_prefix": _text("frame_prefix"),
     }
-    simulator = _node("simulator", state)
+    simulator = _node("simulator", state, condition=_asked("simulate"))
     driver = {
         "scene": scene,
         "overrides": overrides,
@@ -115,18 +124,26 @@ def generate_launch_description() -> LaunchDescription:
         "wait_for": ParameterValue(waited, value_type=str),
     }
     nodes = [
-        _node("recorder", {"bag": _text("bag")}, condition=IfCondition(record)),
-        _node("analyzer", {}),
-        _node("advisor", {"map": _text("map")}, condition=IfCondition(LaunchConfiguration("advise"))),
+        _node("recorder", {"bag": _text("bag")}, condition=_asked("record")),
+        _node("analyzer", {}, condition=_asked("analyze")),
+        _node("advisor", {"map": _text("map")}, condition=_asked("advise")),
         _node(
             "estimator",
             {"scene": scene, "free": _text("free")},
             also=[("measured/rig/state", LaunchConfiguration("measured"))],
-            condition=IfCondition(LaunchConfiguration("estimate")),
+            condition=_asked("estimate"),
         ),
+        _node("gateway", {}, condition=_asked("gateway")),
         simulator,
-        _node("rig_driver", driver),
+        _node("rig_driver", driver, condition=_asked("drive")),
+        _node(
+            "watch",
+            {},
+            condition=_asked("watch"),
+            arguments=["--no-browser", "--port", LaunchConfiguration("watch_port")],
+        ),
     ]
+    rviz_file = PathJoinSubstitution([FindPackageShare(PACKAGE), "views", "twin.rviz"])
     return LaunchDescription(
         [
             *ARGUMENTS,
@@ -138,8 +155,13 @@ def generate_launch_description() -> LaunchDescription:
                 namespace=LaunchConfiguration("namespace"),
                 parameters=[_clock()],
                 remappings=IN_NAMESPACE,
-                arguments=["-d", PathJoinSubstitution([FindPackageShare(PACKAGE), "views", "twin.rviz"])],
-                condition=IfCondition(LaunchConfiguration("rviz")),
+                arguments=[
+                    "--display-config",
+                    rviz_file,
+                    "--fixed-frame",
+                    [LaunchConfiguration("frame_prefix"), "hole"],
+                ],
+                condition=_asked("rviz"),
             ),
             *(RegisterEventHandler(OnProcessExit(target_action=node, on_exit=_end_with_error)) for node in nodes),
             RegisterEventHandler(
@@ -155,6 +177,10 @@ def _end_with_error(event: ProcessExited, context: LaunchContext) -> None:
         raise RuntimeError(f"{event.process_name} ended with exit code {event.returncode}, so the launch ends")
 
 
+def _asked(flag: str) -> IfCondition:
+    return IfCondition(LaunchConfiguration(flag))
+
+
 def _text(argument: str) -> ParameterValue:
     """A launch argument as a text parameter, whatever it looks like."""
     return ParameterValue(LaunchConfiguration(argument), value_type=str)
@@ -166,12 +192,14 @@ def _clock() -> dict[str, object]:
 
 def _node(executable: str, parameters: dict[str, object], also: Sequence[object] = (), **more: object) -> Node:
     defaults = PathJoinSubstitution([FindPackageShare(PACKAGE), "nodes", f"{executable}.yaml"])
+    given = LaunchConfiguration("params_file")
     return Node(
         package=PACKAGE,
         executable=executable,
         name=executable,
         namespace=LaunchConfiguration("namespace"),
-        parameters=[defaults, {**parameters, **_clock()}, LaunchConfiguration("params_file")],
+        # The page has no parameters of its own.
+        parameters=[*([] if executable == "watch" else [defaults]), {**parameters, **_clock()}, given],
         remappings=[*IN_NAMESPACE, *also],
         output="screen",
         sigterm_timeout="10",

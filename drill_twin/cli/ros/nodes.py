@@ -21,8 +21,8 @@ def node(
         str,
         typer.Argument(
             metavar="NAME",
-            help="simulator, rig_driver, analyzer, recorder, advisor, estimator, gateway, replayer, or twin for several "
-            "in one process. All that follows is the node's: --help, or --ros-args with parameters and remappings.",
+            help="simulator, rig_driver, analyzer, recorder, advisor, estimator, gateway, replayer, or twin (several "
+            "in one process). All that follows is the node's: --help, or --ros-args with parameters and remappings.",
         ),
     ],
 ) -> None:
