@@ -8,22 +8,54 @@ from xml.etree import ElementTree as ET
 
 import yaml
 
+from drill_twin.io.messages.drawing.transforms import hole_transform
 from drill_twin.io.messages.topics import FRAME_ID, JOINT_STATE, MARKER_ARRAY, POSE_ARRAY, TOPICS
 
 VIEWS = Path(__file__).resolve().parents[2] / "config" / "views"
-RVIZ_TYPES = {"rviz_default_plugins/MarkerArray": MARKER_ARRAY, "rviz_default_plugins/PoseArray": POSE_ARRAY}
+# What RViz of Jazzy reads: classes of its plugins, the type a display subscribes to, and the names of its properties.
+RVIZ_DISPLAYS = {
+    "rviz_default_plugins/MarkerArray": (MARKER_ARRAY, {"Namespaces", "Topic"}),
+    "rviz_default_plugins/PoseArray": (POSE_ARRAY, {"Topic", "Shape", "Axes Length", "Axes Radius"}),
+    "rviz_default_plugins/TF": (
+        None,
+        {"Frame Timeout", "Marker Scale", "Show Arrows", "Show Axes", "Show Names"},
+    ),
+}
+RVIZ_OF_EACH_DISPLAY = {"Class", "Name", "Enabled", "Value"}
+RVIZ_TOPIC = {"Value", "Depth", "Durability Policy", "History Policy", "Reliability Policy"}
+RVIZ_OTHERS = {
+    "Panels": {"rviz_common/Displays", "rviz_common/Views"},
+    "Tools": {f"rviz_default_plugins/{name}" for name in ("MoveCamera", "FocusCamera", "Measure")},
+}
+RVIZ_ORBIT = {"Class", "Name", "Value", "Distance", "Focal Point", "Near Clip Distance", "Pitch", "Yaw", "Target Frame"}
 FOXGLOVE_PATH = re.compile(r"(?P<topic>/\w+(?:/\w+)*)(?:\.(?P<field>\w+)\[(?P<index>\d+|:)\])?")
 
 
 def check_rviz(messages):
-    """Displays show topics of the twin, in its frame, with the durability of their publisher."""
-    manager = yaml.safe_load((VIEWS / "twin.rviz").read_text("utf-8"))["Visualization Manager"]
-    assert manager["Global Options"]["Fixed Frame"] == FRAME_ID
-    assert manager["Displays"]
+    """Displays, tools and properties are RViz's; topics are the twin's, with its quality, in a frame that is on tf."""
+    layout = yaml.safe_load((VIEWS / "twin.rviz").read_text("utf-8"))
+    manager = layout["Visualization Manager"]
+    assert manager["Global Options"]["Fixed Frame"] == hole_transform(0.0).child == FRAME_ID
+    assert {panel["Class"] for panel in layout["Panels"]} == RVIZ_OTHERS["Panels"]
+    assert {tool["Class"] for tool in manager["Tools"]} == RVIZ_OTHERS["Tools"]
+    view = manager["Views"]["Current"]
+    assert view["Class"] == "rviz_default_plugins/Orbit"
+    assert view.keys() <= RVIZ_ORBIT
+    assert view["Target Frame"] == "<Fixed Frame>"  # that of the launch argument frame_prefix too
+    assert manager["Displays"][0]["Enabled"]
     for display in manager["Displays"]:
-        topic = TOPICS[f"/{display['Topic']['Value']}"]
-        assert topic.type_name == RVIZ_TYPES[display["Class"]]
-        assert display["Topic"]["Durability Policy"] == ("Transient Local" if topic.latched else "Volatile")
+        type_name, properties = RVIZ_DISPLAYS[display["Class"]]
+        assert display.keys() == RVIZ_OF_EACH_DISPLAY | properties
+        assert display["Enabled"] == display["Value"]
+        if type_name is None:
+            continue
+        asked = display["Topic"]
+        assert asked.keys() == RVIZ_TOPIC
+        assert not asked["Value"].startswith("/")  # follows the namespace of the launch
+        topic = TOPICS[f"/{asked['Value']}"]
+        assert topic.type_name == type_name
+        assert asked["Durability Policy"] == ("Transient Local" if topic.latched else "Volatile")
+        assert (asked["Reliability Policy"], asked["History Policy"]) == ("Reliable", "Keep Last")
     shown = {marker.ns for marker in messages["/string/markers"].markers}
     assert set(manager["Displays"][0]["Namespaces"]) == shown
     assert {marker.header.frame_id for marker in messages["/string/markers"].markers} == {FRAME_ID}
