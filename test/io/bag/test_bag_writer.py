@@ -10,6 +10,7 @@ import sys
 
 import pytest
 import yaml
+from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
@@ -104,6 +105,51 @@ def test_rosbags_reads_the_file_alone(write_bag, messages):
         assert reader.message_count == len(messages)
         latched = next(c for c in reader.connections if c.topic == TWIN_SCENE)
         assert latched.ext.offered_qos_profiles[0].durability == QosDurability.TRANSIENT_LOCAL
+
+
+def test_the_reader_of_rosbags_that_asks_for_no_types_decodes_every_message(write_bag, messages):
+    """`rosbags.highlevel` takes the types from the bag, as a user's script does."""
+    with AnyReader([write_bag()]) as reader:
+        decoded = [(c.topic, reader.deserialize(raw, c.msgtype)) for c, _, raw in reader.messages()]
+        assert all(c.ext.offered_qos_profiles for c in reader.connections)
+    assert len(decoded) == len(messages)
+    for topic, message in decoded:
+        assert message.__msgtype__ == TOPICS[topic].type_name
+
+
+def test_rosbag2_finds_each_key_that_its_reader_asks_for(write_bag, messages):
+    """Jazzy's `rosbag2_storage/yaml.hpp` decodes metadata.yaml so: a key that is absent or of another kind ends it."""
+    information = metadata_of(write_bag())
+    kinds = {"version": int, "storage_identifier": str, "message_count": int, "compression_format": str,
+             "compression_mode": str, "ros_distro": str, "relative_file_paths": list, "files": list}  # fmt: skip
+    assert {name: type(information[name]) for name in kinds} == kinds
+    assert information["version"] == 9
+    assert information["custom_data"] is None or all(
+        isinstance(text, str) for pair in information["custom_data"].items() for text in pair
+    )
+    for part in (information, *information["files"]):
+        assert part["starting_time"]["nanoseconds_since_epoch"] >= 0
+        assert part["duration"]["nanoseconds"] >= 0
+        assert part["message_count"] == len(messages)
+    forever = {"sec": 9223372036, "nsec": 854775807}
+    for topic in information["topics_with_message_count"]:
+        about = topic["topic_metadata"]
+        row = TOPICS[about["name"]]
+        assert (about["type"], about["serialization_format"]) == (row.type_name, "cdr")
+        assert about["type_description_hash"].startswith("RIHS01_")
+        assert about["offered_qos_profiles"] == [
+            {
+                "history": "keep_last",
+                "depth": row.depth,
+                "reliability": "reliable",
+                "durability": "transient_local" if row.latched else "volatile",
+                "deadline": forever,
+                "lifespan": forever,
+                "liveliness": "automatic",
+                "liveliness_lease_duration": forever,
+                "avoid_ros_namespace_conventions": False,
+            }
+        ]
 
 
 def test_every_message_is_decoded_by_the_schemas_in_the_file(write_bag, messages):
