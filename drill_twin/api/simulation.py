@@ -17,7 +17,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
 from drill_twin.dynamics.twin.frame import Frames
-from drill_twin.io.bag.memory import MemoryBag
+from drill_twin.io.bag.virtual_bags import MemoryBag
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runs import SessionRun, compile_kernel
 from drill_twin.runs.session_run import SetPoints

@@ -1,18 +1,145 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of a rig's signals: connects, judges what it reads, and connects again by itself; one class a protocol."""
+"""Reader of a rig's signals, in a thread of its own: connects, judges what it reads, and connects again by itself.
+
+There is one class a protocol. Value, stamp and unit of a signal are judged at each reading.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import math
+import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Coroutine, Iterable, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 from drill_twin.core.errors import shortened
-from drill_twin.gateway.event_loop import EventLoopThread
+from drill_twin.core.units.registry import UnitError, si_factor
 from drill_twin.gateway.signals import RigSignal
-from drill_twin.gateway.soundness import CheckedValue, Judged, SoundnessCheck
+
+_AHEAD = 2.0  # s by which a stamp may be later than the clock of this machine
+
+
+@dataclass(frozen=True)
+class CheckedValue:
+    """Reading of a node."""
+
+    value: object
+    """Value as the server gave it."""
+    status: str
+    """Name of a status that is not good; empty for a good one."""
+    stamp: float
+    """Source timestamp [s since 1970]; NaN without one."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Value with the verdict on it."""
+
+    value: float = math.nan
+    """Value [SI]; NaN if it is not sound."""
+    stamp: float = math.nan
+    """Source timestamp, or time of the reading where the server gives none [s since 1970]."""
+    fault: str = "no value yet"
+    """Reason why it is not used; empty if it is sound."""
+
+
+class SoundnessCheck:
+    """Judges one signal."""
+
+    def __init__(self, signal: RigSignal) -> None:
+        self._signal = signal
+        self._last: float | None = None
+        self._changed = 0.0
+
+    def judge(self, reading: CheckedValue, now: float) -> Judged:
+        """Judge a reading at a time [s since 1970]."""
+        fault = self._fault(reading, now)
+        if fault or not isinstance(reading.value, int | float):
+            return Judged(fault=fault)
+        stamp = reading.stamp if math.isfinite(reading.stamp) else now
+        return Judged(float(reading.value) * self._signal.factor, stamp, "")
+
+    def _fault(self, reading: CheckedValue, now: float) -> str:
+        signal, value = self._signal, reading.value
+        if reading.status:
+            return f"status {reading.status}"
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return f"expected a number, found {type(value).__name__}"
+        if not math.isfinite(value):
+            return f"expected a finite number, found {value}"
+        if not signal.low <= value <= signal.high:
+            return f"expected {signal.low:g} to {signal.high:g} {signal.unit}, found {value:g}"
+        if signal.stale_after and not math.isfinite(reading.stamp):
+            return "no source timestamp"
+        if signal.stale_after and now - reading.stamp > signal.stale_after:
+            return "stale stamp"
+        if reading.stamp - now > _AHEAD:
+            return "stamp in the future"
+        return self._frozen(float(value), now)
+
+    def _frozen(self, value: float, now: float) -> str:
+        if value != self._last:
+            self._last, self._changed = value, now
+        frozen = 0.0 < self._signal.frozen_after <= now - self._changed
+        return f"frozen for more than {self._signal.frozen_after:g} s" if frozen else ""
+
+
+def unit_fault(signal: RigSignal, found: str) -> str:
+    """Reason why the unit that a server gives to a signal is not that of its line; empty if it is.
+
+    Args:
+        signal: The signal.
+        found: Text of the unit on the server; empty where it gives none.
+    """
+    if not found:
+        return ""
+    try:
+        same = si_factor(found) == si_factor(signal.unit)
+    except UnitError:
+        same = False
+    return "" if same else f"wrong unit: expected {signal.unit}, found {found} on the server"
+
+
+_T = TypeVar("_T")
+
+
+class EventLoopThread:
+    """Runs coroutines while the calling thread does other work."""
+
+    def __init__(self, name: str) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._posted: Future[object] | None = None
+        self._thread = threading.Thread(target=self._loop.run_forever, name=name, daemon=True)
+        self._thread.start()
+
+    def call(self, coroutine: Coroutine[Any, Any, _T], seconds: float = 30.0) -> _T:
+        """Run a coroutine and wait for its result, at most this long [s]; raises what it raises, or TimeoutError."""
+        return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(seconds)
+
+    def post(self, coroutine: Coroutine[Any, Any, object]) -> None:
+        """Run a coroutine without waiting for it; its error is raised by the next call of this method."""
+        if self._posted is not None and self._posted.done():
+            self._posted.result()
+        self._posted = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
+
+    def close(self) -> None:
+        """Cancel what still runs, and end the thread."""
+        self.call(_cancel_others())
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
+
+
+async def _cancel_others() -> None:
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in others:
+        task.cancel()
+    await asyncio.gather(*others, return_exceptions=True)
+
 
 PATIENCE = 3.0
 """Longest wait for an answer [s]."""

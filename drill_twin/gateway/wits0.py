@@ -14,9 +14,8 @@ import time
 from collections.abc import Iterator, Sequence
 from urllib.parse import urlsplit
 
-from drill_twin.gateway.rig_reader import PATIENCE, RefusedError, RigReader
+from drill_twin.gateway.rig_reader import PATIENCE, CheckedValue, RefusedError, RigReader
 from drill_twin.gateway.signals import RigSignal
-from drill_twin.gateway.soundness import CheckedValue
 
 BEGIN, END = "&&", "!!"
 _ABSENT = {"-9999", "-999.25", "-8888"}  # what rigs send for no value

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Geometry of a scene's string: for the markers of the viewers and for the whirl analysis."""
+"""Scene of a stream: its geometry for the markers of the viewers, its marks and subs for the whirl analysis."""
 
 from __future__ import annotations
 
@@ -9,12 +9,16 @@ from itertools import pairwise
 
 import numpy as np
 
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.discretisation.discretise import survey_of
+from drill_twin.dynamics.sensors.subs import REAL, subs_by_name
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.drawing.geometry import Step, StringGeometry
-from drill_twin.scene import Scene
+from drill_twin.io.messages.topics import TWIN_SCENE, imu_topic, sub_of
+from drill_twin.scene import Scene, parse_scene
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.whirl import AnalysisError, MarkInfo
+from drill_twin.whirl.downhole import SubAnalyzer, ToolNoise
 
 MOST_STEPS = 100
 """Most intervals of the string that are drawn one by one."""
@@ -106,3 +110,60 @@ def select_marks(marks: Sequence[MarkInfo], names: Sequence[str]) -> list[MarkIn
     if unknown:
         raise AnalysisError(f"expected marks of {', '.join(known)}, found {', '.join(unknown)}; name some of these")
     return [mark for mark in marks if mark.name in names or not names]
+
+
+class SceneTexts:
+    """Parses the texts that differ from the last good, and from the last bad one."""
+
+    def __init__(self) -> None:
+        self._text: str | None = None
+        self._refused: tuple[str, DrillTwinError] | None = None
+
+    def take(self, text: str) -> Scene | None:
+        """Scene of a text; None for the last good one once more.
+
+        Raises:
+            DrillTwinError: It is no scene.
+        """
+        if text == self._text:
+            return None
+        if self._refused is not None and text == self._refused[0]:
+            raise self._refused[1]
+        try:
+            scene = parse_scene(text, name=TWIN_SCENE)
+        except DrillTwinError as error:
+            self._refused = text, error
+            raise
+        self._text = text
+        return scene
+
+
+def readings_topic(sub: str) -> str:
+    """Topic of the readings of a sub, `NAME`, or `measured/NAME` for that of a real rig.
+
+    Raises:
+        AnalysisError: It is no name of a sub.
+    """
+    name = sub.removeprefix(REAL)
+    topic = f"/{REAL}{imu_topic(name)[1:]}" if sub.startswith(REAL) else imu_topic(name)
+    if sub_of(topic) != name:
+        raise AnalysisError(f"expected the name of a sub, as near_bit or {REAL}near_bit, found {sub!r}")
+    return topic
+
+
+def sub_analyzer(scene: Scene, sub: str) -> SubAnalyzer:
+    """Analysis of the readings of a sub.
+
+    Args:
+        scene: The scene that lists it.
+        sub: Its name, `measured/NAME` for that of a real rig.
+
+    Raises:
+        AnalysisError: The scene does not list it.
+    """
+    listed = subs_by_name(scene)
+    found = listed.get(sub.removeprefix(REAL))
+    if found is None:
+        raise AnalysisError(f"expected a sub that the scene lists, one of {', '.join(listed) or 'none'}, found {sub!r}")
+    noise = ToolNoise(found.accelerometer.noise, found.gyroscope.noise)
+    return SubAnalyzer(sub_info(scene, found), found.radius, noise)

@@ -15,20 +15,25 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import DrillTwinError, MessageError
-from drill_twin.io.downhole import readings_topic, sub_analyzer
 from drill_twin.io.findings_encoder import FindingsEncoder
 from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_string
 from drill_twin.io.messages.sensor_messages import ImuReading, read_imu
 from drill_twin.io.messages.topics import FRAME_ID, MARKS_STATE, RIG_STATE, TWIN_SCENE
-from drill_twin.io.sample_order import SampleOrder
-from drill_twin.io.samples import FASTEST, UNKNOWN, WAITING, MarkReader, Sample, SamplePairing, SampleRows, speeds
-from drill_twin.io.scene_geometry import mark_infos, select_marks
-from drill_twin.io.scene_texts import SceneTexts
+from drill_twin.io.samples import (
+    FASTEST,
+    WAITING,
+    MarkReader,
+    Sample,
+    SampleOrder,
+    SamplePairing,
+    SampleRows,
+    speeds,
+)
+from drill_twin.io.scene_geometry import SceneTexts, mark_infos, readings_topic, select_marks, sub_analyzer
 from drill_twin.scene import Scene
 from drill_twin.whirl import Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
 from drill_twin.whirl.downhole import SubAnalyzer
-from drill_twin.whirl.downhole.motion import Place
-from drill_twin.whirl.findings import FoundRows, Quality, SubFindings
+from drill_twin.whirl.findings import FoundRows, Quality
 
 Message = tuple[str, bytes]
 """Topic and bytes."""
@@ -103,8 +108,8 @@ class WhirlPipeline:
         """Counts of good and bad samples so far."""
         if self.bit_only is not None:
             return self.bit_only.quality
-        if isinstance(self._analyzer, SubAnalyzer):
-            return self._analyzer.quality
+        if self.section is not None:
+            return self.section.quality
         return Quality() if self.findings is None else self.findings.quality
 
     @property
@@ -118,14 +123,9 @@ class WhirlPipeline:
         return f"{self.findings.motion.value}{', stick-slip of the bit' if bit is BitMotion.STICK_SLIP else ''}"
 
     @property
-    def place(self) -> Place | None:
-        """Newest place of the section of a sub; None where marks are analysed, or before its first."""
-        return self._analyzer.place if isinstance(self._analyzer, SubAnalyzer) else None
-
-    @property
-    def sub_findings(self) -> SubFindings | None:
-        """Impacts and stick-slip by the sub that is analysed; None for marks."""
-        return self._analyzer.sub if isinstance(self._analyzer, SubAnalyzer) else None
+    def section(self) -> SubAnalyzer | None:
+        """Analysis of the section of a sub; None where marks are analysed."""
+        return self._analyzer if isinstance(self._analyzer, SubAnalyzer) else None
 
     @property
     def onset_announced(self) -> bool:
@@ -258,7 +258,7 @@ class WhirlPipeline:
         if self._analyzer is not None:
             self._mark_reader.check(state)  # before the rig's state, its partner, comes
         if self._without_rig:
-            return list(self._analyse(Sample(state.stamp, state, UNKNOWN)))
+            return list(self._analyse(Sample(state.stamp, state)))
         sample = self._pairing.add_marks(state)
         return [] if sample is None else list(self._analyse(sample))
 

@@ -21,7 +21,6 @@ from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries, WhirlSeries
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.bag.time_series import Rows
-from drill_twin.io.downhole import readings_topic
 from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.stamps import seconds
 from drill_twin.io.messages.topics import (
@@ -35,6 +34,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_ONSET,
     WHIRL_STATE,
 )
+from drill_twin.io.scene_geometry import readings_topic
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.run_log import LiveFindings, RunLog
 from drill_twin.report.selection import (
@@ -179,8 +179,8 @@ class Recording:
 
     def _add_place(self, _: bytes) -> None:
         """Append the place of the section of the sub, about its mean, as that of a mark."""
-        place = self._pipeline.place
-        if place is not None:
+        section = self._pipeline.section
+        if section is not None and (place := section.place) is not None:
             mark, row = self._pipeline.marks[0], np.full((3, 1, len(MARK_AXES)), np.nan)
             height = mark.distance_from_bit - self.scene.length
             row[0, 0] = place.position.real, place.position.imag, height, place.spin

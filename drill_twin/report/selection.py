@@ -16,9 +16,8 @@ from pathlib import Path
 from drill_twin.core.errors import BagError, MessageError
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading.files import bag_path
-from drill_twin.io.bag.record import RecordBag, is_record
 from drill_twin.io.bag.skipped import SkippedMessages, stray_stamps
-from drill_twin.io.downhole import readings_topic
+from drill_twin.io.bag.virtual_bags import RecordBag, is_record
 from drill_twin.io.messages.decode import JointStateReader
 from drill_twin.io.messages.stamps import raw_header_stamp, seconds
 from drill_twin.io.messages.topics import (
@@ -32,6 +31,7 @@ from drill_twin.io.messages.topics import (
     WHIRL_STATE,
     sub_of,
 )
+from drill_twin.io.scene_geometry import readings_topic
 from drill_twin.whirl import MarkInfo
 from drill_twin.whirl.downhole import WAITING
 

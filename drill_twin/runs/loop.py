@@ -20,7 +20,6 @@ from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.frame import Frame, Frames
 from drill_twin.dynamics.twin.frame_record import Record, frame_of
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.io.measurements import Measurements, sensor_topics
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.drawing.geometry import StringGeometry
 from drill_twin.io.messages.encode import TwinEncoder, encode_float64, encode_string
@@ -34,7 +33,7 @@ from drill_twin.io.messages.topics import (
     STRING_STRESS,
     TWIN_SCENE,
 )
-from drill_twin.io.run_description import describe_run
+from drill_twin.io.run_messages import Measurements, describe_run, sensor_topics
 from drill_twin.io.scene_geometry import string_geometry
 from drill_twin.runs.monitor.drilling_progress import DrillingProgress
 from drill_twin.runs.monitor.model_limits import NOTES, SEPARATOR, MissingEffects

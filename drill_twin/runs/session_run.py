@@ -33,7 +33,7 @@ Recorded = tuple[str, int, bytes]
 
 
 class MessageSink(Protocol):
-    """Takes the messages of a session: a bag writer, or `drill_twin.io.bag.memory.MemoryBag`."""
+    """Takes the messages of a session: a bag writer, or `drill_twin.io.bag.virtual_bags.MemoryBag`."""
 
     def write(self, topic: str, stamp: int, raw: bytes) -> None:
         """Record the CDR bytes of a message at a stamp [ns]."""

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from drill_twin.core.errors import TableError
-from drill_twin.gateway.drillbotics.files import SUGGESTED, TIMESERIES
-from drill_twin.gateway.drillbotics.rules import check_log, check_timeseries
+from drill_twin.gateway.drillbotics import SUGGESTED, TIMESERIES, check_log, check_timeseries
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.report import read_recording

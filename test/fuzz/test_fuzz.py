@@ -26,7 +26,7 @@ from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.record import RecordBag
+from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.live.page_state import INPUTS, PageState
 from drill_twin.runs import Session

@@ -16,8 +16,8 @@ from limited import harmless
 import drill_twin as dt
 from drill_twin.cli.bags.analyze import analyze
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
-from drill_twin.gateway.drillbotics.rules import check_timeseries
-from drill_twin.gateway.opc_ua.passwords import read_users
+from drill_twin.gateway.drillbotics import check_timeseries
+from drill_twin.gateway.opc_ua.keys import read_users
 from drill_twin.gateway.signals import read_signals
 from drill_twin.report import build_report
 from drill_twin.scene import load_scene

@@ -21,8 +21,17 @@ from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 
 from drill_twin.gateway.control import Control
-from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, Keys, make_keys, read_keys
-from drill_twin.gateway.opc_ua.passwords import KeysError, PasswordHash, read_users, set_password
+from drill_twin.gateway.opc_ua.keys import (
+    CERTIFICATE,
+    TRUSTED,
+    Keys,
+    KeysError,
+    PasswordHash,
+    make_keys,
+    read_keys,
+    read_users,
+    set_password,
+)
 from drill_twin.gateway.opc_ua.server import APPLICATION, OpcUaServer
 
 LONG, OTHER = "one two three four", "another of four words"

@@ -5,8 +5,8 @@ import math
 
 import pytest
 
+from drill_twin.gateway.rig_reader import CheckedValue, SoundnessCheck, unit_fault
 from drill_twin.gateway.signals import RigSignal
-from drill_twin.gateway.soundness import CheckedValue, SoundnessCheck, unit_fault
 
 SIGNAL = RigSignal("weight_on_bit", "ns=2;s=WOB", "kN", 1000.0, 0.0, 500.0, stale_after=2.0, frozen_after=5.0)
 NOW = 1.8e9

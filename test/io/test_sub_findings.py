@@ -11,13 +11,13 @@ import drill_twin as dt
 from drill_twin.cli import run_command
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.sensors.sampling import Reading
-from drill_twin.io.bag.memory import MemoryBag, copy_bag
+from drill_twin.io.bag.virtual_bags import MemoryBag, copy_bag
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.sensor_messages import ImuEncoder
 from drill_twin.io.messages.stamps import pack_stamp
 from drill_twin.io.messages.topics import MARKS_STATE, TWIN_SCENE, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import decode_onset
-from drill_twin.io.sample_order import STUCK
+from drill_twin.io.samples import STUCK
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection

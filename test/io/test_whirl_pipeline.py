@@ -13,8 +13,7 @@ from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import pack_stamp
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import decode_motion, decode_onset
-from drill_twin.io.sample_order import STUCK
-from drill_twin.io.samples import WAITING
+from drill_twin.io.samples import STUCK, WAITING
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.whirl import AnalysisError, BitMotion
 

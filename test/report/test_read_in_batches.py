@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from drill_twin.io.bag.memory import MemoryBag
 from drill_twin.io.bag.reader import Bag
+from drill_twin.io.bag.virtual_bags import MemoryBag
 from drill_twin.io.messages import topics
 from drill_twin.report import selection
 from drill_twin.report.recording import Recording

@@ -15,11 +15,11 @@ from drill_twin.api.results.plots import Plots
 from drill_twin.api.results.whirl import Whirl
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
-from drill_twin.io.bag.memory import copy_bag
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.sensor_series import Measured
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, PoseSeries, RigSeries, StressSeries
-from drill_twin.io.downhole import sub_analyzer
+from drill_twin.io.bag.virtual_bags import copy_bag
+from drill_twin.io.scene_geometry import sub_analyzer
 from drill_twin.report.recording import Recording
 from drill_twin.report.selection import Selection, open_bag
 from drill_twin.report.summary import summarise

@@ -145,7 +145,7 @@ def draw(recording: Recording, folder: Path, *, states: bool = False) -> ReportF
 def default_folder(bag: Path) -> Path:
     """Default folder of a report: `out/run/bag_0` -> `out/run`; any other `x` -> `x_report` beside it."""
     from drill_twin.io.bag.reading.files import bag_path
-    from drill_twin.io.bag.record import is_record
+    from drill_twin.io.bag.virtual_bags import is_record
 
     found = bag_path(bag).absolute()
     if (found.suffix in {".mcap", ".db3"} and found.is_file()) or is_record(found):
@@ -155,7 +155,7 @@ def default_folder(bag: Path) -> Path:
 
 def _recording(bag: Path, scene: str, selection: Selection | None = None) -> Recording:
     from drill_twin.cli.show import remark
-    from drill_twin.io.bag.record import RecordBag
+    from drill_twin.io.bag.virtual_bags import RecordBag
     from drill_twin.report.recording import read_recording
     from drill_twin.scene import load_scene
 
@@ -182,7 +182,7 @@ def _selection(
     """
     from drill_twin.core.units import UnitError, parse
     from drill_twin.core.units.dimension import LENGTH
-    from drill_twin.io.bag.topic_names import parse_remappings
+    from drill_twin.io.bag.reader import parse_remappings
     from drill_twin.report.selection import Selection
 
     if sub == "":

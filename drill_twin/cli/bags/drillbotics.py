@@ -46,8 +46,7 @@ def drillbotics(
     from drill_twin.core.table import Table
     from drill_twin.core.units import UnitError, parse
     from drill_twin.core.units.dimension import FREQUENCY
-    from drill_twin.gateway.drillbotics.files import LOWEST_RATE, TIMESERIES, read_log
-    from drill_twin.gateway.drillbotics.rules import check_log, check_timeseries
+    from drill_twin.gateway.drillbotics import LOWEST_RATE, TIMESERIES, check_log, check_timeseries, read_log
     from drill_twin.report.selection import Selection, open_bag
 
     try:

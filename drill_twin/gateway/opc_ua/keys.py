@@ -1,39 +1,162 @@
 # SPDX-License-Identifier: Apache-2.0
 """Folder of keys of the gateway: its certificate and private key, trusted certificates of clients, and users.
 
-`certificate.der`, `private_key.pem`, `trusted/*.der` (or `.pem`), and `users.yaml` with a line a user (`passwords`).
+`certificate.der`, `private_key.pem`, `trusted/*.der` (or `.pem`), and `users.yaml` with a line a user: salted hashes of
+passwords (scrypt), in a file that its owner alone reads.
 """
 
 from __future__ import annotations
 
+import hashlib
+import hmac
+import json
+import re
+import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Final
 
-from asyncua.crypto.cert_gen import (
-    dump_private_key_as_pem,
-    generate_private_key,
-    generate_self_signed_app_certificate,
-)
+from asyncua.crypto.cert_gen import dump_private_key_as_pem, generate_private_key, generate_self_signed_app_certificate
 from cryptography import x509
 from cryptography.hazmat.primitives import serialization
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
+from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.whole_file import PRIVATE, write_whole
-from drill_twin.gateway.opc_ua.passwords import (
-    KeysError,
-    PasswordHash,
-    check_private,
-    fitting,
-    read_users,
-    set_password,
-)
+from drill_twin.core.files.yaml_reader import LARGEST_TEXT, plain_yaml
+
+LEAST_LENGTH: Final = 8
+"""Characters of a password at least: NIST SP 800-63B where it is one factor of two; the certificate is the other."""
+_LONGEST = 1000  # characters
+_LONGEST_NAME = 60
+_COST = (17, 8, 1)  # log2 n, r, p: the least that OWASP's password storage cheat sheet names for scrypt; 128 MiB
+_COST_BEFORE = (13, 8, 1)  # of hashes that do not name theirs
+_HARDEST = (20, 16, 8)
+_REMEDY = "make it with drill-twin gateway-keys"
+
+
+class KeysError(DrillTwinError):
+    """A folder of keys that cannot be used."""
+
+
+_FILE = ForeignFile("a file of users", LARGEST_TEXT, KeysError)
+
+
+@dataclass(frozen=True)
+class PasswordHash:
+    """Salted hash of a password, with the cost of computing it."""
+
+    salt: bytes
+    hash: bytes
+    cost: tuple[int, int, int] = _COST
+    """log2 n, r and p of scrypt."""
+
+    @classmethod
+    def of(cls, password: str) -> PasswordHash:
+        """Hash of a new password.
+
+        Raises:
+            KeysError: It is too short or too long.
+        """
+        if not LEAST_LENGTH <= len(password) <= _LONGEST:
+            raise KeysError(
+                f"password: expected {LEAST_LENGTH} to {_LONGEST} characters, found {len(password)}; four words make a "
+                "good one"
+            )
+        salt = secrets.token_bytes(16)
+        return cls(salt, _scrypt(password, salt, _COST))
+
+    @classmethod
+    def parsed(cls, text: str) -> PasswordHash:
+        """Hash from a line of the file: `LOG2N-R-P:SALT:HASH`, or `SALT:HASH` as earlier versions wrote it.
+
+        Raises:
+            ValueError: It is none, or would cost more than `_HARDEST`.
+        """
+        found = re.fullmatch(r"(?:(\d{1,2})-(\d{1,2})-(\d{1,2}):)?([0-9a-f]{8,128}):([0-9a-f]{32,256})", text)
+        if found is None:
+            raise ValueError(text)
+        n, r, p, salt, digest = found.groups()
+        cost = (int(n), int(r), int(p)) if n else _COST_BEFORE
+        if not all(1 <= one <= most for one, most in zip(cost, _HARDEST, strict=True)):
+            raise ValueError(text)
+        return cls(bytes.fromhex(salt), bytes.fromhex(digest), cost)
+
+    def __str__(self) -> str:
+        """Line of the file."""
+        return f"{'-'.join(map(str, self.cost))}:{self.salt.hex()}:{self.hash.hex()}"
+
+    def is_of(self, password: str) -> bool:
+        """True for the password; takes some tenths of a second of a core and 128 MiB, so call it beside a loop."""
+        return hmac.compare_digest(_scrypt(password[: _LONGEST + 1], self.salt, self.cost, len(self.hash)), self.hash)
+
+
+NOBODY: Final = PasswordHash(bytes(16), bytes(64))
+"""Hash of no password: an unknown user costs the same time as a known one."""
+
+
+def _scrypt(password: str, salt: bytes, cost: tuple[int, int, int], length: int = 64) -> bytes:
+    n, r, p = 2 ** cost[0], cost[1], cost[2]
+    return hashlib.scrypt(
+        password.encode("utf-8", "surrogatepass"), salt=salt, n=n, r=r, p=p, maxmem=2 * 128 * r * (n + p), dklen=length
+    )
+
+
+def read_users(path: Path) -> dict[str, PasswordHash]:
+    """Users of a file, and the hashes of their passwords.
+
+    Raises:
+        KeysError: It cannot be read, or others than its owner can read or write it.
+    """
+    text = _FILE.text(path)
+    check_private(path)
+    lines = plain_yaml(text, str(path)) or {}
+    try:
+        return {str(name): PasswordHash.parsed(text) for name, text in lines.items()}
+    except (AttributeError, TypeError, ValueError):
+        raise KeysError(f"{path}: expected lines NAME: COST:SALT:HASH, found others; {_REMEDY}") from None
+
+
+def set_password(path: Path, name: str, password: str) -> bool:
+    """Add a user to the file, or give one who is there another password; returns True for a new one.
+
+    The file is replaced as a whole: a reader sees the one of before or the new one.
+
+    Raises:
+        KeysError: Name or password are of no use, or the file is not.
+        OSError: It cannot be written.
+    """
+    if not name.isprintable() or not 0 < len(name) <= _LONGEST_NAME:
+        raise KeysError(f"user: expected a name of 1 to {_LONGEST_NAME} printable characters, found {name[:80]!r}")
+    users = read_users(path) if path.exists() else {}
+    is_new = name not in users
+    users[name] = PasswordHash.of(password)
+    write_whole(path, "".join(f"{json.dumps(one)}: {json.dumps(str(users[one]))}\n" for one in users), PRIVATE)
+    return is_new
+
+
+def check_private(path: Path) -> None:
+    """Refuse a secret that others than its owner can read or write.
+
+    Raises:
+        KeysError: They can.
+    """
+    mode = path.stat().st_mode & 0o777
+    if mode & 0o077:
+        raise KeysError(f"{path}: expected a file that its owner alone reads, found mode {mode:o}; chmod 600 {path}")
+
+
+def fitting(users: Mapping[str, PasswordHash], name: str) -> PasswordHash:
+    """Hash of a user; for one who is unknown, that of no password."""
+    return users.get(name, NOBODY)
+
 
 CERTIFICATE, PRIVATE_KEY, TRUSTED, USERS = "certificate.der", "private_key.pem", "trusted", "users.yaml"
 _DAYS = 3650
-_FILE = ForeignFile("a certificate (DER or PEM)", 100_000, KeysError)
+_CERTIFICATE_FILE = ForeignFile("a certificate (DER or PEM)", 100_000, KeysError)
 
 
 @dataclass(frozen=True)
@@ -85,7 +208,7 @@ def read_keys(folder: Path) -> Keys:
 
 
 def _certificate(path: Path) -> bytes:
-    data = _FILE.read(path)
+    data = _CERTIFICATE_FILE.read(path)
     try:
         load = x509.load_pem_x509_certificate if data.startswith(b"-----") else x509.load_der_x509_certificate
         return load(data).public_bytes(serialization.Encoding.DER)

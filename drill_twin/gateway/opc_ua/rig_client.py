@@ -18,9 +18,8 @@ from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 
 from drill_twin.gateway.opc_ua.keys import CERTIFICATE, Keys
-from drill_twin.gateway.rig_reader import PATIENCE, RefusedError, RigReader
+from drill_twin.gateway.rig_reader import PATIENCE, CheckedValue, RefusedError, RigReader, unit_fault
 from drill_twin.gateway.signals import RigSignal
-from drill_twin.gateway.soundness import CheckedValue, unit_fault
 
 
 @dataclass(frozen=True)

@@ -22,10 +22,10 @@ from drill_twin.core.errors import RunError
 from drill_twin.core.loopback import in_url
 from drill_twin.core.version import __version__
 from drill_twin.gateway.control import Control
-from drill_twin.gateway.event_loop import EventLoopThread
 from drill_twin.gateway.opc_ua.address_space import HOLDER, PERMISSION, AddressSpace
 from drill_twin.gateway.opc_ua.keys import Keys
 from drill_twin.gateway.opc_ua.sessions import Sessions
+from drill_twin.gateway.rig_reader import EventLoopThread
 from drill_twin.gateway.signals import CommandTarget, ShownSignal
 
 APPLICATION = "urn:drill_twin:gateway"

@@ -1,22 +1,71 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sessions of the server: users, certificates, and the writes that are taken; what is refused is counted and told."""
+"""Sessions of the server: users, certificates, and the writes that are taken; what is refused is counted and told.
+
+A hash of a password takes tenths of a second, and asyncua asks its user manager while the event loop waits. So the
+activation of a session is held up until a thread has the verdict, which the user manager then finds; without a verdict
+nobody is let in.
+"""
 
 from __future__ import annotations
 
+import asyncio
 import time
 from collections import Counter
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextvars import ContextVar
 from typing import Any
 
 from asyncua import ua
 from asyncua.common.utils import ServiceError
 from asyncua.crypto.permission_rules import UserRole
+from asyncua.server import binary_server_asyncio
+from asyncua.server.uaprocessor import UaProcessor
+from asyncua.ua.ua_binary import struct_from_binary
 from cryptography.hazmat.primitives.serialization import Encoding
 
 from drill_twin.core.errors import shortened
 from drill_twin.gateway.control import Control, User
 from drill_twin.gateway.opc_ua.keys import Keys
-from drill_twin.gateway.opc_ua.password_check import is_checked
+
+_ACTIVATE = ua.NodeId(ua.ObjectIds.ActivateSessionRequest_Encoding_DefaultBinary)
+_AT_ONCE = 2  # 128 MiB each; a connection has one under way, and connections are bounded
+_VERDICT: ContextVar[tuple[str, str] | None] = ContextVar("verdict", default=None)
+_THREADS = ThreadPoolExecutor(_AT_ONCE, thread_name_prefix="passwords")
+
+
+def is_checked(name: str, password: str) -> bool:
+    """True if the request that is worked on brought this name and password, and they were found right."""
+    return _VERDICT.get() == (name, password)
+
+
+class _Processor(UaProcessor):  # type: ignore[misc]  # of a library without types
+    """Requests of a connection."""
+
+    async def _process_message(self, typeid: Any, requesthdr: Any, seqhdr: Any, body: Any) -> Any:
+        _VERDICT.set(await self._verdict(requesthdr, body.copy()) if typeid == _ACTIVATE else None)
+        return await super()._process_message(typeid, requesthdr, seqhdr, body)
+
+    async def _verdict(self, header: Any, body: Any) -> tuple[str, str] | None:
+        """Name and password of an activation if they are right."""
+        keys = getattr(self.iserver.user_manager, "keys", None)
+        session = self.session or self.iserver.lookup_external_session(header.AuthenticationToken)
+        token = struct_from_binary(ua.ActivateSessionParameters, body).UserIdentityToken
+        certificate = self._connection.security_policy.peer_certificate
+        if keys is None or session is None or certificate is None or keys.distrust(certificate):
+            return None
+        if not isinstance(token, ua.UserNameIdentityToken):
+            return None
+        try:
+            name, password = self.iserver.decrypt_user_token(session, token)
+        except Exception:  # noqa: BLE001 - whatever a client sends; the library answers it
+            return None
+        right = await asyncio.get_running_loop().run_in_executor(_THREADS, keys.is_user, name or "", password or "")
+        return (name, password) if right else None
+
+
+binary_server_asyncio.UaProcessor = _Processor  # asyncua has no other place for it
+
 
 _TOLD = 10.0  # s; for so long a refusal is told
 

@@ -18,8 +18,8 @@ from typing import Any, Self
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.whole_file import write_whole
 from drill_twin.core.version import __version__
+from drill_twin.io.bag.file_writer import FileWriter
 from drill_twin.io.bag.metadata import RecordedTopic, bag_information, contract_topic, to_yaml
-from drill_twin.io.bag.writing.file_writer import FileWriter
 from drill_twin.io.messages.topics import TOPICS
 
 FLUSH_INTERVAL = 0.1

@@ -62,7 +62,7 @@ class Analyzer(TwinNode):
     def on_start(self) -> None:
         """Create the topics."""
         # Imported here: a bad parameter should be refused before.
-        from drill_twin.io.downhole import readings_topic
+        from drill_twin.io.scene_geometry import readings_topic
         from drill_twin.io.whirl_pipeline import WhirlPipeline
         from drill_twin.scene import load_scene
 
@@ -145,7 +145,8 @@ class Analyzer(TwinNode):
             "scenes_put_off": str(self.topics.scenes_put_off),
             **self.samples.values(),
         }
-        if (sub := pipeline.sub_findings) is not None:
+        if pipeline.section is not None:
+            sub = pipeline.section.sub
             values |= {"impacts": str(sub.impacts), "impact_rate": _known(sub.impact_rate_hz)}
             values |= {"largest_impact": _known(sub.largest_impact), "share_at_rest": _known(sub.share_at_rest)}
         if pipeline.trouble:

@@ -79,8 +79,7 @@ class Replayer(TwinNode):
 
     def on_start(self) -> None:
         """Open the bag and create its topics."""
-        from drill_twin.io.bag.reader import Bag
-        from drill_twin.io.bag.topic_names import parse_remappings
+        from drill_twin.io.bag.reader import Bag, parse_remappings
 
         settings = self.settings
         if not settings.bag:

@@ -16,7 +16,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from drill_twin.core.errors import MessageError
 from drill_twin.core.version import __version__
-from drill_twin.io.bag.topic_names import ends_of
+from drill_twin.io.bag.reader import ends_of
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics
 from drill_twin.io.messages.topics import (

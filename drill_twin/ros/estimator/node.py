@@ -15,7 +15,6 @@ import numpy as np
 from drill_twin.api.estimator import Estimator as Following
 from drill_twin.core.errors import RunError, RunStopped
 from drill_twin.dynamics.solver.slices import checked
-from drill_twin.io.downhole import readings_topic
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
@@ -32,6 +31,7 @@ from drill_twin.io.messages.topics import (
     RIG_COMMAND,
     TWIN_SCENE,
 )
+from drill_twin.io.scene_geometry import readings_topic
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.scene_parameters import scene_of
 from drill_twin.ros.estimator.messages import NearestTwin, statuses, trust_in, values_of

@@ -29,7 +29,7 @@ from drill_twin.ros.gateway.commands import CommandOutput
 
 if TYPE_CHECKING:
     from drill_twin.gateway.opc_ua.keys import Keys
-    from drill_twin.gateway.soundness import Judged
+    from drill_twin.gateway.rig_reader import Judged
 
 
 class RigLink:
@@ -178,7 +178,7 @@ def check_security(settings: Any, *, follows: bool, has_keys: bool) -> None:
 
 
 def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | None) -> RigReader:
-    from drill_twin.gateway.opc_ua.passwords import check_private
+    from drill_twin.gateway.opc_ua.keys import check_private
     from drill_twin.gateway.opc_ua.rig_client import RigClient, ServerAccess
     from drill_twin.gateway.opc_ua.server import APPLICATION
 

@@ -24,7 +24,7 @@ from rosbags.typesys import Stores, get_typestore
 
 import drill_twin as dt
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.bag.reading.window import WITH_HEADER
+from drill_twin.io.bag.reading.bag_file import WITH_HEADER
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.stamps import NANOSECONDS, pack_stamp, raw_header_stamp
 from drill_twin.io.messages.topics import TOPICS, TWIN_SCENE

@@ -12,7 +12,7 @@ from drill_twin.dynamics.sensors.errors import ReadingNoise, errors_of, with_err
 from drill_twin.dynamics.sensors.sampling import Instrument
 from drill_twin.dynamics.sensors.summaries import SUMMARY, summary
 from drill_twin.dynamics.sensors.surface import drive_torque
-from drill_twin.io.bag.memory import MemoryBag
+from drill_twin.io.bag.virtual_bags import MemoryBag
 from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
 from drill_twin.io.messages.topics import SURFACE_STATE, TOPICS, imu_topic, sub_of, summary_topic

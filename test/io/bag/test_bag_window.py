@@ -10,11 +10,11 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from drill_twin.core.rig_channels import RIG_JOINTS
+from drill_twin.io.bag import file_writer
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.reading import mcap_records
-from drill_twin.io.bag.reading.mcap_index import read_index
+from drill_twin.io.bag.reading.mcap_records import read_index
 from drill_twin.io.bag.writer import BagWriter
-from drill_twin.io.bag.writing import file_writer
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.topics import RIG_STATE, TWIN_SCENE
 from drill_twin.report.rig_table import read_rig

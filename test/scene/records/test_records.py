@@ -11,7 +11,7 @@ import drill_twin as dt
 from drill_twin.cli.bags.analyze import analyze
 from drill_twin.cli.bags.export import export
 from drill_twin.core.errors import TableError
-from drill_twin.io.bag.record import RecordBag
+from drill_twin.io.bag.virtual_bags import RecordBag
 from drill_twin.report import build_report, read_recording, summarise
 from drill_twin.scene.records import read_columns
 from drill_twin.scene.set_points import read_table

@@ -13,7 +13,7 @@ from scipy.io import savemat
 
 from drill_twin.core.errors import DrillTwinError, TableError
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.gateway.drillbotics.rules import check_timeseries
+from drill_twin.gateway.drillbotics import check_timeseries
 from drill_twin.gateway.signals import read_signals
 from drill_twin.scene import load_scene
 from drill_twin.scene.blocks.rig import Column

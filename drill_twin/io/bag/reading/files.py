@@ -12,6 +12,7 @@ from typing import Any
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.yaml_reader import LARGEST_TEXT, YamlError, plain_yaml
+from drill_twin.io.bag.reading.bag_file import BagFile
 from drill_twin.io.bag.reading.decompression import DAMAGED, decompress_stream
 from drill_twin.io.bag.reading.mcap_file import McapFile
 from drill_twin.io.bag.reading.sqlite_file import SqliteFile
@@ -22,7 +23,6 @@ _EXPANSION, _EXPANSION_OF_ANY = 50, 64_000_000  # bytes of a decompressed file: 
 _MOST_LISTED = 1000
 _METADATA = ForeignFile("metadata.yaml", LARGEST_TEXT, BagError)
 
-BagFile = McapFile | SqliteFile
 Window = tuple[float, float] | None
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 
@@ -19,51 +18,56 @@ from mcap.records import Channel, Schema
 
 from drill_twin.core.errors import BagError
 from drill_twin.io.bag.metadata import RecordedTopic
-from drill_twin.io.bag.reading.decompression import decompressed_message
-from drill_twin.io.bag.reading.mcap_index import chunks_between, read_index
-from drill_twin.io.bag.reading.mcap_records import DAMAGED_RECORD, RECORD, RECORDS_IN_CHUNKS, Bounds, record_blocks
-from drill_twin.io.bag.reading.qos import qos_profiles
-from drill_twin.io.bag.reading.window import WITH_HEADER
+from drill_twin.io.bag.reading.bag_file import WITH_HEADER, BagFile, qos_profiles
+from drill_twin.io.bag.reading.mcap_records import (
+    DAMAGED_RECORD,
+    RECORD,
+    RECORDS_IN_CHUNKS,
+    Bounds,
+    chunks_between,
+    read_index,
+    record_blocks,
+)
 from drill_twin.io.messages.stamps import raw_header_stamp
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _MOST_NOTES = 10
 
 
-@dataclass
-class McapFile:
+class McapFile(BagFile):
     """Contents of one MCAP file, found in one pass."""
 
-    path: Path
-    topics: dict[str, RecordedTopic] = field(default_factory=dict)
-    """Topics by name, including those without messages."""
-    start: int | None = None
-    """Earliest time of recording [ns]; None without messages."""
-    end: int | None = None
-    """Latest time of recording [ns]."""
-    damage: list[str] = field(default_factory=list)
-    """Sentences on missing or damaged parts; empty for a complete file."""
-    name: Path | None = None
-    """Name in messages, if the file was decompressed from another."""
-    compressed_messages: bool = False
-    """True if rosbag2 compressed each message."""
-    temporary: object = None
-    """Temporary file that `path` names, removed with this reader."""
-    window: tuple[float, float] | None = None
-    """Header stamps [s] between which messages are wanted; others may come with them. None: all."""
+    def __init__(
+        self,
+        path: Path,
+        name: Path | None = None,
+        *,
+        compressed_messages: bool = False,
+        window: tuple[float, float] | None = None,
+    ) -> None:
+        """Open a file; arguments as of `BagFile`.
 
-    def __post_init__(self) -> None:
+        Args:
+            path: The file.
+            name: Its name in messages.
+            compressed_messages: True if rosbag2 compressed each message.
+            window: Header stamps [s] between which messages are wanted; others may come with them. None: all.
+
+        Raises:
+            BagError: It is no such file.
+        """
+        super().__init__(path, name, compressed_messages=compressed_messages)
         self._channels: dict[int, str | None] = {}
         self._schemas: dict[int, Schema] = {}
         self._notes = 0
         self._places: list[int] | None = None
         self._scanned = True  # what the search finds damaged is told where it is read
-        if self.window is not None:
-            self._places = self._places_of(*self.window)
+        if window is not None:
+            self._places = self._places_of(*window)
         self._scanned = False
-        for name, stamp, _ in self.messages():
+        for topic, stamp, _ in self.messages():
             if self._places is None:
-                self.topics[name].count += 1
+                self.topics[topic].count += 1
                 self.start = stamp if self.start is None else min(self.start, stamp)
                 self.end = stamp if self.end is None else max(self.end, stamp)
         self._scanned = True
@@ -99,25 +103,17 @@ class McapFile:
         return [raw_header_stamp(raw) for _, _, raw in self.messages(headed)]
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
-        """Topic, time of recording [ns] and CDR of each message, in the order of the file.
-
-        Raises:
-            BagError: The file cannot be read, or is not an MCAP file.
-        """
+        """As of `BagFile`, in the order of the file."""
         try:
             with self.path.open("rb") as stream:
                 bounds = Bounds(self.path.stat().st_size)
-                for data in record_blocks(stream, self._title, bounds, self._places, self._note):
+                for data in record_blocks(stream, self.title, bounds, self._places, self._note):
                     yield from self._messages_in(data, topics, bounds)
                     if bounds.too_many():
                         self._note(f"expands to more than any recording of {bounds.file} bytes; the rest is left out")
                         return
         except OSError as error:
-            raise BagError(f"{self._title}: expected a readable bag file, found {error.strerror or error}") from error
-
-    @property
-    def _title(self) -> Path:
-        return self.name or self.path
+            raise BagError(f"{self.title}: expected a readable bag file, found {error.strerror or error}") from error
 
     def _messages_in(
         self, data: bytes, topics: Collection[str] | None, bounds: Bounds
@@ -145,9 +141,6 @@ class McapFile:
             self._note("has damaged records inside a chunk, which are left out")
         if unregistered:
             self._note(f"has {unregistered} messages on topics whose names were lost with a damaged chunk")
-
-    def _message(self, raw: bytes) -> bytes:
-        return decompressed_message(raw) if self.compressed_messages else raw
 
     def _register(self, opcode: int, stream: ReadDataStream) -> None:
         """Register a message definition or a channel; a channel that is not of ROS 2 gets no topic name."""
@@ -179,6 +172,6 @@ class McapFile:
             return
         self._notes += 1
         if self._notes <= _MOST_NOTES:
-            self.damage.append(f"{self._title.name} {text}")
+            self.damage.append(f"{self.title.name} {text}")
         elif self._notes == _MOST_NOTES + 1:
-            self.damage.append(f"{self._title.name} has more such parts")
+            self.damage.append(f"{self.title.name} has more such parts")

@@ -12,9 +12,7 @@ from typing import Any
 from drill_twin.core.errors import BagError
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.io.bag.metadata import RecordedTopic
-from drill_twin.io.bag.reading.decompression import decompressed_message
-from drill_twin.io.bag.reading.qos import qos_profiles
-from drill_twin.io.bag.reading.window import LATCHED, MOST_LATCHED, WITH_HEADER, blocks_between
+from drill_twin.io.bag.reading.bag_file import LATCHED, MOST_LATCHED, WITH_HEADER, BagFile, blocks_between, qos_profiles
 from drill_twin.io.messages.stamps import raw_header_stamp
 from drill_twin.io.messages.topics import DIAGNOSTICS, TWIN_SCENE
 
@@ -29,32 +27,19 @@ _OF_A_KIND = (
 )
 
 
-class SqliteFile:
-    """Single `.db3` file; as `McapFile`."""
+class SqliteFile(BagFile):
+    """Single `.db3` file."""
 
     def __init__(
         self,
         path: Path,
-        *,
         name: Path | None = None,
+        *,
         compressed_messages: bool = False,
         window: tuple[float, float] | None = None,
     ) -> None:
-        """Open a file.
-
-        Args:
-            path: The file.
-            name: Its name in messages, if it was decompressed from another.
-            compressed_messages: True if rosbag2 compressed each message.
-            window: Header stamps [s] between which messages are wanted; others may come with them. None: all.
-
-        Raises:
-            BagError: It is no such file, or a damaged one.
-        """
-        self.path, self._name, self._compressed = path, name or path, compressed_messages
-        self.temporary: object = None
-        self.topics: dict[str, RecordedTopic] = {}
-        self.damage: list[str] = []
+        """As `McapFile`; BagError for a damaged file too."""
+        super().__init__(path, name, compressed_messages=compressed_messages)
         self._names: dict[int, str] = {}
         self._between: tuple[int, int] | None = None  # times of recording [ns], the second excluded
         with self._opened() as database:
@@ -68,7 +53,7 @@ class SqliteFile:
                 self._between = self._find(database, self.start, self.end, *window)
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
-        """Topic, time of recording [ns] and CDR of each message, in order of time."""
+        """As of `BagFile`, in order of time."""
         wanted = [number for number, name in self._names.items() if topics is None or name in topics]
         with self._opened() as database:
             if self._between is None:
@@ -90,7 +75,7 @@ class SqliteFile:
                 _refuse_computed_tables(database)
                 yield database
         except Exception as error:  # of SQLite and of values that are of another type than they should be
-            raise BagError(f"{self._name}: expected a rosbag2 bag, found {_one_line(error)}") from error
+            raise BagError(f"{self.title}: expected a rosbag2 bag, found {_one_line(error)}") from error
 
     def _read_topics(self, database: sqlite3.Connection) -> None:
         definitions: dict[str, str] = {}
@@ -123,7 +108,7 @@ class SqliteFile:
             f"AND {_OF_A_KIND} ORDER BY timestamp"
         )
         for number, stamp, raw in database.execute(query, (*values, *topics)):
-            yield self._names[number], stamp, decompressed_message(raw) if self._compressed else raw
+            yield self._names[number], stamp, self._message(raw)
 
     def _searchable(self, database: sqlite3.Connection) -> bool:
         """Check that times are indexed, and that the file holds one run: in several, stamps do not rise."""

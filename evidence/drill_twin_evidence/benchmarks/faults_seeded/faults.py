@@ -51,7 +51,7 @@ FAULTS = (
     Fault("lost message: the first one of each further file of a bag", "io/bag/writer.py",
           "                self._begin_next()\n", "                self._begin_next()\n                return\n",
           "io/bag/test_bag_writer.py", "split_bag"),
-    Fault("chunk of a bag not flushed", "io/bag/writing/file_writer.py",
+    Fault("chunk of a bag not flushed", "io/bag/file_writer.py",
           '        """Close the open chunk and pass it to the operating system."""\n        try:\n'
           "            self._writer.flush()  # type: ignore[no-untyped-call]\n",
           '        """Close the open chunk and pass it to the operating system."""\n        try:\n'
@@ -100,7 +100,7 @@ FAULTS = (
           "yield part.first(count)", "yield part", "runs/ensemble/test_ensemble.py", "reported_with_what_came_before"),
     Fault("ignored limit: a heartbeat that stands still keeps control", "gateway/control.py",
           "if value != self._beat[0]:", "if self.user is user:", "gateway/test_control.py"),
-    Fault("missing factor: a value of the rig is passed on in its own unit", "gateway/soundness.py",
+    Fault("missing factor: a value of the rig is passed on in its own unit", "gateway/rig_reader.py",
           "float(reading.value) * self._signal.factor", "float(reading.value)", "gateway/test_soundness.py"),
     Fault("sign: gravity by the tilt of a downhole tool", "whirl/downhole/motion.py",
           "kept.acceleration + self._axial * kept.tilt", "kept.acceleration - self._axial * kept.tilt",

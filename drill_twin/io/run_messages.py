@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measurements of a simulated rig as messages: subs and surface channels that a scene lists."""
+"""Messages of a run beside those of its frames: what its sensors measure, and the text of `/twin/scene`.
+
+By this text a bag tells what was run; the sensors are the subs and surface channels that the scene lists.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from datetime import UTC, datetime
+
+import yaml
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.version import __version__
 from drill_twin.dynamics.sensors.subs import SubSampler
 from drill_twin.dynamics.sensors.surface import SurfaceSampler, SurfaceValues
 from drill_twin.dynamics.twin.frame import RigState
@@ -55,3 +62,22 @@ class Measurements:
             found = SurfaceValues(rig.top_drive_speed, rig.top_drive_torque, rig.hookload, rig.block_position)
             for reading in self._surface.advance(time, found):
                 yield SURFACE_STATE, self._surface_encoder.encode(reading)
+
+
+def describe_run(twin: Twin, pace: str = "fast") -> str:
+    """Text of `/twin/scene`: the resolved scene (YAML) with a `run` block of version, seed, resolution and effects.
+
+    Args:
+        twin: The twin.
+        pace: Pace of the run: realtime, fast or lockstep.
+    """
+    run = {
+        "version": __version__,
+        "seed": int(twin.scene.numerics.seed),
+        "elements": int(twin.elements),
+        "step_s": float(twin.step_size),
+        "effects": [str(name) for name in twin.effects],
+        "pace": pace,
+        "started": datetime.now(UTC).isoformat(timespec="milliseconds"),
+    }
+    return f"{twin.scene.to_yaml().rstrip()}\n{yaml.safe_dump({'run': run}, sort_keys=False)}"

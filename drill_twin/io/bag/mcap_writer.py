@@ -1,14 +1,65 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages and indices of a chunk, each record in one piece: mcap's writer packs each of their fields by itself."""
+"""Parts of mcap's writer that are replaced: messages and indices of a chunk, and the list of chunk indices.
+
+mcap packs each field of a message and of an index by itself; here each record is packed in one piece. It keeps a Python
+object for each chunk until the end of the file, and ten chunks a second are 36 000 an hour, so that a recorder's memory
+grows with the recording; here they are kept as the compressed bytes of their records.
+"""
 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterable
+import zlib
+from collections.abc import Callable, Iterable, Iterator
+from io import BytesIO
 from typing import Any
 
+from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
+from mcap.records import ChunkIndex
 from mcap.writer import Writer
+
+_BLOCK = 256  # indices compressed together
+_LIST = "_Writer__chunk_indices"
+
+
+class PackedIndices:
+    """Compressed list of chunk indices with the two methods that the writer needs: append and iterate."""
+
+    def __init__(self) -> None:
+        self._packed: list[bytes] = []
+        self._open: list[ChunkIndex] = []
+
+    def append(self, index: ChunkIndex) -> None:
+        """Append an index."""
+        self._open.append(index)
+        if len(self._open) == _BLOCK:
+            builder = RecordBuilder()
+            for one in self._open:
+                one.write(builder)
+            self._packed.append(zlib.compress(builder.end()))  # type: ignore[no-untyped-call]
+            self._open.clear()
+
+    def __iter__(self) -> Iterator[ChunkIndex]:
+        for packed in self._packed:
+            content = zlib.decompress(packed)
+            stream = ReadDataStream(BytesIO(content))
+            while stream.count < len(content):
+                stream.read1()  # opcode
+                stream.read8()  # length
+                yield ChunkIndex.read(stream)
+        yield from self._open
+
+    @property
+    def size(self) -> int:
+        """Size of the compressed indices [bytes]."""
+        return sum(map(len, self._packed))
+
+
+def pack_indices(writer: Writer) -> None:
+    """Make a new writer keep its chunk indices compressed."""
+    setattr(writer, _LIST, PackedIndices())
+
 
 _HEAD = struct.Struct("<BQHIQQ")  # opcode, length of the rest, channel, sequence, time of recording and of publishing
 _BEHIND_LENGTH = _HEAD.size - 9

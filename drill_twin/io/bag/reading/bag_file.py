@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One file of a bag: what the readers of both formats have, QoS profiles as other tools wrote them, search by time."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from rosbags.rosbag2.errors import ReaderError
+from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
+
+from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
+from drill_twin.io.bag.metadata import Qos, RecordedTopic
+from drill_twin.io.bag.reading.decompression import decompressed_message
+from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.topics import TOPICS
+
+WITH_HEADER = frozenset({"sensor_msgs/msg/JointState", "geometry_msgs/msg/PoseArray"})
+"""Types of the contract that begin with a header, by whose stamps a window is searched."""
+LATCHED = tuple(name for name, topic in TOPICS.items() if topic.latched)
+"""Ends of the names of topics whose messages are read wherever they are."""
+MOST_LATCHED = 50
+"""Messages, or chunks with them, that are read of such a topic."""
+_MARGIN = 1.0  # s by which topics may come after one another
+_LARGEST = 20_000  # characters of QoS profiles; one has 400
+
+
+class BagFile(ABC):
+    """Reader of one file of a bag, complete or damaged."""
+
+    def __init__(self, path: Path, name: Path | None, *, compressed_messages: bool) -> None:
+        """Begin without topics.
+
+        Args:
+            path: The file.
+            name: Its name in messages, if it was decompressed from another.
+            compressed_messages: True if rosbag2 compressed each message.
+        """
+        self.path, self.title, self._compressed = path, name or path, compressed_messages
+        self.topics: dict[str, RecordedTopic] = {}
+        """Topics by name, including those without messages."""
+        self.start: int | None = None
+        """Earliest time of recording [ns]; None without messages."""
+        self.end: int | None = None
+        """Latest time of recording [ns]."""
+        self.damage: list[str] = []
+        """Sentences on missing or damaged parts; empty for a complete file."""
+        self.temporary: object = None
+        """Temporary file that `path` names, removed with this reader."""
+
+    @abstractmethod
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, bytes]]:
+        """Topic, time of recording [ns] and CDR of each message on these topics; None: on all.
+
+        Raises:
+            BagError: The file cannot be read, or is not one of its format.
+        """
+
+    def _message(self, raw: bytes) -> bytes:
+        """CDR of a message as it is stored."""
+        return decompressed_message(raw) if self._compressed else raw
+
+
+def blocks_between(total: int, begin: float, end: float, stamps_at: Callable[[int], Sequence[int]]) -> range:
+    """Numbers of the blocks with header stamps between two times, and of their neighbours.
+
+    Recorded and header time may differ by any amount, but both rise, so that a bisection finds the ends.
+
+    Args:
+        total: Number of blocks.
+        begin: Earliest stamp [s].
+        end: Latest stamp [s].
+        stamps_at: Header stamps [ns] in the block of a number.
+    """
+
+    def time_from(k: int) -> float:
+        """Median header stamp [s] of the first block from a number on that has any."""
+        stamps = next((found for number in range(k, total) if (found := stamps_at(number))), None)
+        return math.inf if stamps is None else seconds(sorted(stamps)[len(stamps) // 2])
+
+    first = bisect_left(range(total), begin - _MARGIN, key=time_from) if begin > -math.inf else 0
+    last = bisect_right(range(total), end + _MARGIN, lo=first, key=time_from) if end < math.inf else total
+    return range(max(first - 1, 0), min(last + 1, total))
+
+
+@lru_cache(maxsize=64)
+def qos_profiles(text: str) -> tuple[Qos, ...]:
+    """QoS profiles in the format of version 9; empty where another tool wrote another format."""
+    if len(text) > _LARGEST:
+        return ()
+    try:
+        content: Any = plain_yaml(text, "QoS profiles")
+        return tuple(dict(profile) for profile in dump_qos_v9(parse_qos(content)))
+    except (YamlError, ReaderError, KeyError, TypeError, AttributeError, ValueError):
+        return ()
