@@ -19,9 +19,7 @@ setup(
     name=PACKAGE,
     version="0.1.0",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={
-        PACKAGE: ["py.typed", "api/__init__.pyi", "report/assets/*", "live/page/*", "studies/maps/*.html"]
-    },
+    package_data={PACKAGE: ["py.typed", "api/__init__.pyi", "report/assets/*", "live/page/*", "studies/maps/*.html"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (SHARE, ["package.xml"]),

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Simulator, rig driver, analyzer and, with `record`, recorder in one process.
+"""Several nodes in one process: simulator, rig driver and analyzer, and those that a flag asks for.
 
-Each node runs its own loop in a thread; the simulator's physics runs with the GIL released. Topics are those of the
-separate nodes, so other nodes can observe, command and record the twin.
+Each node runs its own loop in a thread; the simulator's physics runs with the GIL released. Names and topics are those
+of the separate nodes, so other nodes can observe, command and record the twin.
 """
 
 from __future__ import annotations
@@ -13,30 +13,47 @@ import threading
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import ClassVar
 
-from drill_twin.ros.analyzer.node import Analyzer
-from drill_twin.ros.bag.recorder import Recorder
+from rclpy.context import Context
+from rclpy.node import Node
+
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.node_main import init_context, print_help, run_in_order
-from drill_twin.ros.core.parameters import Parameter, Value
+from drill_twin.ros.core.parameters import Parameter, Value, declare, given_parameters
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.deployment.security import readable_refusal
-from drill_twin.ros.rig_driver.node import RigDriver
-from drill_twin.ros.simulator.node import Simulator
+from drill_twin.ros.entry_points import load
 
 
-class ComposedTwin(TwinNode):
-    """Parameter `record`; the help text of the process names the parameters of all nodes."""
+class ComposedTwin:
+    """What the process has beside the parameters of its nodes: a flag for each node but the simulator."""
 
     NAME: ClassVar = "twin"
-    PURPOSE: ClassVar = (
-        "Simulator, rig driver, analyzer and recorder in one process; a parameter reaches all that have it."
+    PURPOSE: ClassVar = "Nodes in one process, with a flag for each; a parameter reaches all that have it."
+    PARAMETERS: ClassVar = (
+        Parameter("drive", True, "whether to run the rig driver"),
+        Parameter("analyze", True, "whether to run the analyzer"),
+        Parameter("record", False, "whether to record a bag"),
+        Parameter("advise", False, "whether to run the advisor; its parameters then stand here too"),
+        Parameter("estimate", False, "whether to run the estimator; its parameters then stand here too"),
+        Parameter("gateway", False, "whether to run the gateway; its parameters then stand here too"),
     )
-    PARAMETERS: ClassVar = (Parameter("record", False, "whether to record a bag"),)
 
 
-_NODES: tuple[type[TwinNode], ...] = (Simulator, RigDriver, Analyzer, Recorder)
+_ALWAYS_KNOWN = ("simulator", "rig_driver", "analyzer", "recorder")
+"""Nodes whose parameters the process takes whether they run or not."""
+_FLAGS = {
+    "analyze": "analyzer",
+    "record": "recorder",
+    "advise": "advisor",
+    "estimate": "estimator",
+    "gateway": "gateway",
+}
+"""Nodes by their flag, without the rig driver, which comes after them."""
+_WAITED_FOR = ("analyzer", "recorder")
+"""Nodes that must miss no message."""
 
 
 class NodeThread:
@@ -69,29 +86,48 @@ def _sharing(kind: type[TwinNode], names: Iterable[str], **defaults: Value) -> t
     return type(kind.__name__, (kind,), {"PARAMETERS": rows, "OTHER_PARAMETERS": frozenset(names)})
 
 
+def _flags(context: Context) -> SimpleNamespace:
+    """Flags among the parameters given; the other ones are judged by the nodes."""
+    node = Node(ComposedTwin.NAME, context=context)
+    try:
+        return declare(node, ComposedTwin.PARAMETERS, other_names=given_parameters(node))
+    finally:
+        node.destroy_node()
+
+
+def _table(kinds: Iterable[type[TwinNode]]) -> dict[str, Parameter]:
+    rows = (*ComposedTwin.PARAMETERS, *(parameter for kind in kinds for parameter in kind.PARAMETERS))
+    return {parameter.name: parameter for parameter in rows}
+
+
 def run(arguments: Sequence[str], stop: StopRequest) -> None:
-    """Run all nodes until the simulator is done or one fails."""
-    kinds: tuple[type[TwinNode], ...] = (ComposedTwin, *_NODES)
-    table = {parameter.name: parameter for kind in kinds for parameter in kind.PARAMETERS}
-    if print_help(ComposedTwin.NAME, ComposedTwin.PURPOSE, tuple(table.values()), arguments):
+    """Run the nodes until the simulator is done or one fails.
+
+    Raises:
+        DrillTwinError: A node refused to start or could not go on.
+    """
+    kinds = {name: load(name) for name in _ALWAYS_KNOWN}
+    if print_help(ComposedTwin.NAME, ComposedTwin.PURPOSE, tuple(_table(kinds.values()).values()), arguments):
         return
     context = init_context(arguments, stop)
     threads: list[NodeThread] = []
     failed_at = math.inf
     try:
         with stop.at_once(), readable_refusal():
-            record = _sharing(ComposedTwin, table)(context)
-            others = [Analyzer, *([Recorder] if record.settings.record else [])]
-            record.destroy_node()
-            nodes = [_sharing(kind, table)(context) for kind in others]
-            waited = " ".join(["simulator", *(node.NAME for node in nodes)])
-            driver = _sharing(RigDriver, table, wait_for=waited)(context)
-            simulator = _sharing(Simulator, table)(context)
+            flags = _flags(context)
+            wanted = [name for flag, name in _FLAGS.items() if getattr(flags, flag)]
+            kinds |= {name: load(name) for name in wanted}
+            table = _table(kinds.values())
+            nodes = [_sharing(kinds[name], table)(context) for name in wanted]
+            if flags.drive:
+                waited = " ".join(["simulator", *(name for name in wanted if name in _WAITED_FOR)])
+                nodes.insert(0, _sharing(kinds["rig_driver"], table, wait_for=waited)(context))
+            simulator = _sharing(kinds["simulator"], table)(context)
             # Imported while there is one thread: a signal during an import would leave the others a partial module.
             for module in ("drill_twin.dynamics.twin.twin", "drill_twin.io.whirl_pipeline"):
                 importlib.import_module(module)
         # Ended in this order: subscribers after publishers.
-        threads = [NodeThread(node, stop) for node in (driver, *nodes)]
+        threads = [NodeThread(node, stop) for node in nodes]
         run_in_order(simulator, stop)
     except BaseException:
         failed_at = time.monotonic()

@@ -149,7 +149,10 @@ def test_the_parameter_file_of_the_twin_holds_defaults_of_its_nodes():
     # A parameter given to the process reaches every node that has it, so one name must have one default.
     assert all(known[parameter.name] == parameter.default for make in nodes for parameter in make.PARAMETERS)
     assert values.items() <= known.items()
-    assert "record" in values
+    assert {parameter.name for parameter in ComposedTwin.PARAMETERS} <= values.keys()
+    all_known = [p for make in (*nodes, *(NODES[name] for name in ("advisor", "estimator", "gateway")))
+                 for p in make.PARAMETERS]  # fmt: skip
+    assert len({(p.name, p.default) for p in all_known}) == len({p.name for p in all_known})
 
 
 def _name(call):
