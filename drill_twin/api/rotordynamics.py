@@ -31,7 +31,7 @@ from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.dynamics.torque_drag.operations import Operation
 from drill_twin.dynamics.torque_drag.sliding_balance import SlidingBalance
 from drill_twin.scene import Scene
-from drill_twin.scene.keys import number_at
+from drill_twin.scene.schema import number_at
 from drill_twin.scene.set_points import Command
 
 MOST_COMPARED, MOST_AT_REST = 3500, 500

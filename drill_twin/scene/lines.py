@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""YAML text to plain data with the line of each key and value, for messages."""
+"""YAML text to plain data with the line of each key and value, for messages; plain data to YAML text."""
 
+from __future__ import annotations
+
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
+
+import yaml
 
 from drill_twin.core.errors import SceneError
 from drill_twin.core.files.yaml_reader import Place, YamlError, read_yaml
@@ -49,7 +54,7 @@ class Lines:
         around = next(place[:length] for length in range(len(place), -1, -1) if place[:length] in self.lines)
         return f"{self.name}:{self.lines[around or ('base',)]}"
 
-    def inherit(self, base: "Lines") -> None:
+    def inherit(self, base: Lines) -> None:
         """Fill in what is missing from another text: blocks key by key, anything else (lists too) as a whole.
 
         A key without a value (`value: ~`) removes that of the base, except for an effect, where it means `on`.
@@ -107,3 +112,24 @@ def copy_plain(data: Any) -> Any:
     if isinstance(data, Mapping):
         return {str(key): copy_plain(value) for key, value in data.items()}
     return [copy_plain(item) for item in data] if isinstance(data, list | tuple) else data
+
+
+_LINE_BREAKS_OF_UNICODE = re.compile("[\x85\u2028\u2029\ufeff]")
+
+
+def yaml_text(data: dict[str, Any]) -> str:
+    """YAML text that reads back to the same data: keys in order, UTF-8, Unicode line breaks escaped."""
+    text: str = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=110)
+    return text
+
+
+class _Dumper(yaml.SafeDumper):
+    """Safe dumper that escapes Unicode line breaks."""
+
+
+def _represent(dumper: _Dumper, text: str) -> yaml.ScalarNode:
+    style = '"' if _LINE_BREAKS_OF_UNICODE.search(text) else None
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
+
+
+_Dumper.add_representer(str, _represent)

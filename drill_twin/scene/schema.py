@@ -14,7 +14,7 @@ from drill_twin.scene.blocks.rig import Rig
 from drill_twin.scene.blocks.sensors import Sensors
 from drill_twin.scene.blocks.string import String
 from drill_twin.scene.check import contradictions
-from drill_twin.scene.write import yaml_text
+from drill_twin.scene.lines import yaml_text
 
 TOLERANCE, LOSSLESS_TOLERANCE = 1e-5, 1e-6
 """Newton tolerance for `auto`, with a dissipative effect and without [-]."""
@@ -124,3 +124,14 @@ class Scene(Part):
     def to_yaml(self) -> str:
         """Resolved scene as text, SI units and defaults written out; `parse_scene` reads it to an equal scene."""
         return yaml_text(self.model_dump(mode="json", exclude_none=True))
+
+
+def number_at(scene: Scene, key: str) -> float | None:
+    """Value of a number of a scene in SI, by a key as `string.sections.0.length`; None if there is none."""
+    found: object = scene
+    for part in key.split("."):
+        if isinstance(found, tuple):
+            found = found[int(part)] if part.isdigit() and int(part) < len(found) else None
+        else:
+            found = getattr(found, part, None)
+    return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else None

@@ -4,7 +4,7 @@
 import pytest
 
 from drill_twin.scene import load_scene
-from drill_twin.scene.keys import number_at
+from drill_twin.scene.schema import number_at
 
 
 @pytest.mark.parametrize(

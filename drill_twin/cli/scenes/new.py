@@ -58,8 +58,8 @@ def new(
     from drill_twin.cli.folder import check_new, write_file
     from drill_twin.cli.show import remark
     from drill_twin.core.errors import SceneError
+    from drill_twin.scene.lines import yaml_text
     from drill_twin.scene.well_plan.plan import WellPlan
-    from drill_twin.scene.write import yaml_text
 
     check_new(out, replace=replace)
     given = {"--survey": survey, "--tally": tally, "--hole": hole}

@@ -11,8 +11,7 @@ from pydantic_core import core_schema
 from drill_twin.core.frame_period import frame_period, frame_period_ns
 from drill_twin.core.units import Dimensionless, Frequency, Quantity, Within, refuse, show
 from drill_twin.core.units.dimension import DIMENSIONLESS, TIME
-from drill_twin.scene.blocks.auto import OrAuto
-from drill_twin.scene.blocks.part import Part, refuse_at
+from drill_twin.scene.blocks.part import OrAuto, Part, refuse_at
 
 FEWEST_ELEMENTS, MOST_ELEMENTS = 4, 4000
 

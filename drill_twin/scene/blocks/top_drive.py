@@ -8,8 +8,7 @@ from pydantic import model_validator
 
 from drill_twin.core.units import Dimensionless, Inertia, Quantity, RotationalDamping, Torque, Within
 from drill_twin.core.units.dimension import ROTATIONAL_DAMPING, ROTATIONAL_STIFFNESS
-from drill_twin.scene.blocks.auto import OrAuto
-from drill_twin.scene.blocks.part import Part, refuse_at
+from drill_twin.scene.blocks.part import OrAuto, Part, refuse_at
 
 SLOWER = 10.0
 """First torsional frequency of the string over the corner frequency of the integral part tuned by `auto`."""

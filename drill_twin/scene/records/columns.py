@@ -1,20 +1,62 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Columns of a record with their units, and the search for a quantity among them."""
+"""Channels of a rig's record, their names and cells, and the columns of a file with their units."""
 
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Mapping
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import TableError
+from drill_twin.core.rig_channels import RECORDED, RIG_CHANNELS
 from drill_twin.core.units import Dimension, UnitError
+from drill_twin.core.units.dimension import TIME
 from drill_twin.core.units.heading import name_and_unit
 from drill_twin.core.units.spelling import record_factor
-from drill_twin.scene.records.mnemonics import CHANNELS
+
+
+class Channel(NamedTuple):
+    """Channel of a record, and the names of its column, those to be preferred first."""
+
+    dimension: Dimension
+    mnemonics: tuple[str, ...]
+    pattern: str = ""
+    """Regular expression of a name that is no known mnemonic, for a set-point whose column the scene does not give."""
+
+
+_PATTERNS = {
+    "time": r"(^|[^a-z])(time|timestamp|stamp|t)([^a-z]|$)",
+    "weight_on_bit": r"(^|[^a-z])(wob|weight[ _-]?on[ _-]?bit)([^a-z]|$)",
+    "rotation": r"(^|[^a-z])(rpm|rps|top[ _-]?(drive)?[ _-]?(speed|rpm)|rotary[ _-]?speed|rotation)([^a-z]|$)",
+}
+CHANNELS: Mapping[str, Channel] = {
+    "time": Channel(TIME, ("time", "etim", "timestamp_utc_iso", "datetime", "dtim"), _PATTERNS["time"])
+} | {
+    name: Channel(found.dimension, (*found.mnemonics, found.heading), _PATTERNS.get(name, ""))
+    for name, found in ((name, RIG_CHANNELS[field]) for name, field in RECORDED.items())
+}
+"""Time and the channels of `drill_twin.core.rig_channels` that records have."""
+
+
+def null_values(given: str, place: str) -> frozenset[float]:
+    """Numbers that stand for no value: -999.25, and the one that a file gives.
+
+    Raises:
+        TableError: The one given is no number.
+    """
+    try:
+        if not given.isascii() or "_" in given:
+            raise ValueError(given)
+        return frozenset((-999.25, float(given or -999.25)))
+    except ValueError:
+        raise TableError(f'{place}: expected a number as null value, found "{given[:40]}"; correct it') from None
+
 
 _MOST_NAMES, _LONGEST_NAME = 20, 60  # in a message
 _LONGEST = 1000  # characters of a name
@@ -100,3 +142,36 @@ class Columns(dict[str, Array]):
     def listed(self) -> str:
         """The names, for a message."""
         return ", ".join([name[:_LONGEST_NAME] for name in self][:_MOST_NAMES]) or "no column of numbers"
+
+
+_MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "inf", "-inf", "+inf"}
+
+
+def number(cell: str) -> float | None:
+    """Value of a cell, NaN if it is missing, None if it is text."""
+    if cell.lower() in _MISSING:
+        return math.nan
+    if not cell.isascii() or "_" in cell:  # Python reads 1_0 and digits of other scripts as numbers
+        return None
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def date(cell: str) -> float | None:
+    """Time of an ISO 8601 date [s since 1970], UTC where it names no zone; NaN if it is missing, None if it is text."""
+    if cell.lower() in _MISSING:
+        return math.nan
+    try:
+        found = datetime.fromisoformat(cell)
+    except ValueError:
+        return None
+    return (found if found.tzinfo else found.replace(tzinfo=UTC)).timestamp()
+
+
+def from_first(times: Array) -> Array:
+    """Dates [s since 1970] as times from the first of them [s]."""
+    known = times[np.isfinite(times)]
+    first: float = known[0] if known.size else 0.0
+    return np.round(times - first, 6)  # a double has 0.2 us at today's dates

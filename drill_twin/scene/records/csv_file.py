@@ -9,8 +9,7 @@ from pathlib import Path
 
 from drill_twin.core.errors import TableError
 from drill_twin.core.files.foreign_file import ForeignFile
-from drill_twin.scene.records.cells import number
-from drill_twin.scene.records.columns import Columns
+from drill_twin.scene.records.columns import Columns, number
 from drill_twin.scene.records.rows import LARGEST_FILE, MOST_COLUMNS, RecordRows, RowError, split
 
 CSV = ForeignFile("a CSV file", LARGEST_FILE, TableError, may_be_empty=False)

@@ -13,9 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.errors import DrillTwinError
-from drill_twin.scene.records.cells import date, from_first, number
-from drill_twin.scene.records.columns import Columns
-from drill_twin.scene.records.mnemonics import null_values
+from drill_twin.scene.records.columns import Columns, date, from_first, null_values, number
 
 LARGEST_FILE = 200_000_000
 """Bytes of a record."""

@@ -101,7 +101,7 @@ class Posterior:
 
     def scene_text(self, base: str | None = None) -> str:
         """YAML of the fitted scene: the differences from a scene, by default that of the fit by its name."""
-        from drill_twin.scene.write import yaml_text
+        from drill_twin.scene.lines import yaml_text
 
         fitted = self.scene_of(self.best).model_dump(mode="json", exclude_none=True)
         source = self.record.source.rpartition("/")[2]

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from drill_twin.core.errors import ArgumentError
 from drill_twin.scene import Scene
-from drill_twin.scene.keys import number_at
+from drill_twin.scene.schema import number_at
 
 SEED = "numerics.seed"
 MOST = 1000

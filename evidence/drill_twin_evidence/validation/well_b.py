@@ -15,7 +15,7 @@ from scipy import optimize
 from drill_twin.api import Ensemble, Posterior, Record, fit, load_scene
 from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
-from drill_twin.scene.keys import number_at
+from drill_twin.scene.schema import number_at
 from drill_twin_evidence.validation.comparison import Comparison, Trace, Validation, cycle_length, rms
 
 RPM = np.pi / 30.0

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from drill_twin.api import load_scene
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
-from drill_twin.scene.keys import number_at
+from drill_twin.scene.schema import number_at
 from drill_twin_evidence.validation import Comparison, data_folder, ufrj, well_b
 from drill_twin_evidence.validation.comparison import VARIABLE, Trace, Validation, cycle_length
 from drill_twin_evidence.validation.page import table, to_page

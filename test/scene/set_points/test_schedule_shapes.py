@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.set_points import Command, Schedule
-from drill_twin.scene.set_points.shapes import ramp, step
+from drill_twin.scene.set_points.schedule import ramp, step
 
 
 def scene(overrides: Mapping[str, str]) -> Scene:

@@ -18,7 +18,7 @@ from drill_twin.gateway.signals import read_signals
 from drill_twin.scene import load_scene
 from drill_twin.scene.blocks.rig import Column
 from drill_twin.scene.set_points import Schedule, extremes, read_table
-from drill_twin.scene.set_points.clean import find_spikes
+from drill_twin.scene.set_points.tables import find_spikes
 from drill_twin.scene.well_plan.table import read_table as read_well_table
 
 RPM = math.pi / 30.0

@@ -11,9 +11,9 @@ from drill_twin.core.errors import SceneError
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import LENGTH
 from drill_twin.scene import Scene, config_dir, load_scene, well_scenes
+from drill_twin.scene.lines import yaml_text
 from drill_twin.scene.well_plan.catalogue import casing_size
 from drill_twin.scene.well_plan.plan import WellPlan
-from drill_twin.scene.write import yaml_text
 
 INCH, FOOT = 0.0254, 0.3048
 SURVEY = "md [m],inc [deg],azi [deg]\n0,0,0\n500,0,0\n900,40,30\n1500,40,30\n"
