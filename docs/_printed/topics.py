@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Topics of the contract: type, publisher, rate, content with units; quality of service, stamp and frame."""
 
-from drill_twin.cli.ros.nodes import rig_table, topic_table
+from drill_twin.cli.ros import rig_table, topic_table
 
 
 def topics() -> str:

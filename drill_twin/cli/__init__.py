@@ -51,10 +51,9 @@ def _run_command(arguments: Sequence[str]) -> int:
     from typer.main import get_command
 
     from drill_twin.cli.app import app
-    from drill_twin.cli.options import renamed
 
     try:
-        code = get_command(app).main(renamed(arguments) or ["--help"], prog_name="drill-twin", standalone_mode=False)
+        code = get_command(app).main(arguments or ["--help"], prog_name="drill-twin", standalone_mode=False)
     except StoppedError as error:
         return _fail(str(error), code=1)
     except DrillTwinError as error:

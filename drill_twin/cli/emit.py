@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""End of a command: its files in a folder, and JSON or what people read on stdout."""
+"""End of a command: its files in a folder, an existing result moved aside or replaced only with `--replace`, and JSON
+or what people read on stdout.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drill_twin.cli.folder import write_file
 from drill_twin.cli.show import out, print_json, remark
+from drill_twin.core.errors import BagError
+from drill_twin.core.files import result_folder
 from drill_twin.core.files.result_folder import make_folder
+from drill_twin.core.files.whole_file import write_whole
 from drill_twin.core.table import Table
 from drill_twin.studies.json_io import json_text
 
@@ -89,3 +94,41 @@ def write_files(folder: Path, files: Mapping[str, Any]) -> Sequence[str]:
         else:
             write_file(folder / name, content if isinstance(content, str) else json_text(content))
     return list(files)
+
+
+def new_folder(folder: Path, *, replace: bool) -> Path | None:
+    """Make an empty folder, as `result_folder.new_folder`; says on stderr where an older result is now."""
+    moved = result_folder.new_folder(folder, replace=replace)
+    if moved:
+        from drill_twin.cli.show import remark
+
+        remark(f"the older result is now {moved}")
+    return moved
+
+
+def check_new(file: Path, *, replace: bool) -> None:
+    """Check that a file may be written.
+
+    Raises:
+        BagError: It exists, and `replace` is off or it is no file.
+    """
+    if file.exists() and not (replace and file.is_file()):
+        raise BagError(f"{file}: expected a new file, found one that exists; choose another, or --replace")
+
+
+def write_file(file: Path, text: str) -> None:
+    """Write a text file as a whole or not at all, and its folders.
+
+    Raises:
+        BagError: The file cannot be written.
+    """
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(file, text)
+    except OSError as error:
+        raise BagError(f"{file}: cannot be written: {error.strerror or error}; choose another place") from error
+
+
+def folder_name(text: str) -> str:
+    """Valid name of a folder, from any text."""
+    return re.sub(r"[^\w.-]+", "_", text).strip("._") or "run"

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -67,20 +65,6 @@ WorkersOption = Annotated[
     int,
     typer.Option("--workers", metavar="N", min=0, help="Processes at a time; 0: one a core.", callback=_cores_for_zero),
 ]
-RENAMED = {"--processes": "--workers"}
-"""Former names of options, understood for a release."""
-
-
-def renamed(arguments: Sequence[str]) -> list[str]:
-    """Arguments with former names of options replaced; a line on stderr names the new one."""
-    result = []
-    for argument in arguments:
-        name, equals, value = argument.partition("=")
-        if name in RENAMED:
-            print(f"drill-twin: {name} is now {RENAMED[name]}; the old name will go", file=sys.stderr)
-            name = RENAMED[name]
-        result.append(name + equals + value)
-    return result
 
 
 def overrides(pairs: list[str], **shorthands: str) -> dict[str, str]:

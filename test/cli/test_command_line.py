@@ -187,13 +187,6 @@ def test_reader_that_leaves_early_is_no_error(start):
     assert child.stderr.read() == ""
 
 
-def test_the_old_name_of_an_option_is_understood_and_the_new_one_named(call):
-    said = call("effects", "nope", "--processes", "3")
-    assert "no such scene" in said.err
-    assert "--processes is now --workers" in said.err
-    assert "now --workers" not in call("effects", "nope", "--workers=0").err
-
-
 @pytest.mark.parametrize("name", COMMANDS.list_commands(None))
 def test_help_says_which_commands_need_ros(call, name):
     command = COMMANDS.get_command(None, name).callback

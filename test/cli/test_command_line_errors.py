@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.cli.folder import new_folder
+from drill_twin.cli.emit import new_folder
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.diagnostics import encode_diagnostics

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from drill_twin.cli import progress
+from drill_twin.cli import show
 from drill_twin.cli.emit import emit
 from drill_twin.cli.show import remark
 from drill_twin.core.errors import BagError
@@ -49,8 +49,8 @@ def test_the_result_is_printed_even_if_a_file_cannot_be_written(tmp_path, capsys
 
 def test_without_a_terminal_progress_is_a_line_now_and_then(capsys, monkeypatch):
     now = [100.0]
-    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
-    with progress.shown_progress("running", 4, unit="runs") as bar:
+    monkeypatch.setattr(show.time, "monotonic", lambda: now[0])
+    with show.shown_progress("running", 4, unit="runs") as bar:
         for text in ("first", "second", "third"):
             bar.step(text)
             now[0] += 6.0

@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from limited import harmless
 
 import drill_twin as dt
-from drill_twin.cli.bags.analyze import analyze
+from drill_twin.cli.analyze import analyze
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.gateway.drillbotics import check_timeseries
 from drill_twin.gateway.opc_ua.keys import read_users

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from std_msgs.msg import Float64
 
-from drill_twin.cli.ros.nodes import rig_table
+from drill_twin.cli.ros import rig_table
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TOPICS, WHIRL_STATE
 from drill_twin.ros.core.topics.node_topics import NodeTopics
 from drill_twin.ros.core.topics.raw_subscriptions import RawSubscriptions

@@ -18,7 +18,7 @@ from typing import Annotated, Any
 import typer
 
 from drill_twin.cli.emit import say
-from drill_twin.cli.progress import shown_progress
+from drill_twin.cli.show import shown_progress
 from drill_twin.core.table import Table
 from drill_twin_evidence.benchmarks.peers.parts import EXUDYN, MS, OURS, PYELASTICA
 from drill_twin_evidence.benchmarks.peers.rows import row

@@ -30,9 +30,8 @@ def analyzer_score(
 
     Prints the tables of docs/analyzer.md; all of it takes a quarter of an hour on two processors.
     """
-    from drill_twin.cli.folder import check_new, write_file
-    from drill_twin.cli.progress import shown_progress
-    from drill_twin.cli.show import print_json
+    from drill_twin.cli.emit import check_new, write_file
+    from drill_twin.cli.show import print_json, shown_progress
     from drill_twin.studies.json_io import json_text
     from drill_twin_evidence.detection.measure import QUICK, Plan, measure
     from drill_twin_evidence.detection.text import markdown

@@ -76,8 +76,7 @@ def hard(
 
 
 def _run(cases: Sequence[HardCase], workers: int, *, energy: bool) -> list[Result]:
-    from drill_twin.cli.progress import shown_progress
-    from drill_twin.cli.show import remark
+    from drill_twin.cli.show import remark, shown_progress
     from drill_twin_evidence.stress import run_hard
 
     with shown_progress("hard scenes", len(cases)) as bar:
@@ -91,8 +90,7 @@ def _run(cases: Sequence[HardCase], workers: int, *, energy: bool) -> list[Resul
 
 
 def _draw_map(path: Path) -> None:
-    from drill_twin.cli.progress import shown_progress
-    from drill_twin.cli.show import remark
+    from drill_twin.cli.show import remark, shown_progress
     from drill_twin_evidence.stability import draw, stability_map
 
     with shown_progress("half a minute of runs over step, stiffness of the wall and damping"):

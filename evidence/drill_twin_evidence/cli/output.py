@@ -38,7 +38,7 @@ def write_page(
     Raises:
         BagError: A file cannot be written.
     """
-    from drill_twin.cli.folder import write_file
+    from drill_twin.cli.emit import write_file
     from drill_twin.cli.show import remark
     from drill_twin.studies.json_io import json_text
 

@@ -27,9 +27,8 @@ def paper(
     json: JsonOption = False,
 ) -> None:
     """Run all cases of the paper and print each published number beside that of the twin: tables, figures, one page."""
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.folder import check_new
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.emit import check_new, emit
+    from drill_twin.cli.show import shown_progress
     from drill_twin_evidence.paper.pages.figures import draw
     from drill_twin_evidence.paper.pages.tables import lead, page, tables
     from drill_twin_evidence.paper.runs.reproduction import bench, reproduce
@@ -65,9 +64,8 @@ def calibrate(
     validates it (`drill-twin paper`). A figure shows which numbers contradict each other. The search is differential
     evolution; the same seed gives the same result.
     """
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.folder import check_new
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.emit import check_new, emit
+    from drill_twin.cli.show import shown_progress
     from drill_twin.report.figures.style import styled
     from drill_twin_evidence.paper.runs.reproduction import bench
     from drill_twin_evidence.paper.search import calibrate as search

@@ -77,8 +77,7 @@ def _print_names(cases: Sequence[Case]) -> None:
 
 
 def _run(cases: Sequence[Case], workers: int) -> list[CaseResult]:
-    from drill_twin.cli.progress import shown_progress
-    from drill_twin.cli.show import remark
+    from drill_twin.cli.show import remark, shown_progress
     from drill_twin_evidence.verify.run import run_cases
 
     with shown_progress("verifying", len(cases)) as bar:

@@ -39,7 +39,7 @@ def whirl_compare(
 
     from drill_twin.api.scenes import as_scene
     from drill_twin.cli.emit import emit
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import shown_progress
     from drill_twin.core.table import Table
     from drill_twin_evidence.whirl_compare.comparison import compare
     from drill_twin_evidence.whirl_compare.points import sentences

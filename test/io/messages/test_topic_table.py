@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from drill_twin.cli.ros.nodes import topic_table
+from drill_twin.cli.ros import topic_table
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.topics import OF_SUBS, TOPICS

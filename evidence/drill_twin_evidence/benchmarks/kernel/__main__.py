@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from drill_twin.cli.emit import say
-from drill_twin.cli.progress import shown_progress
+from drill_twin.cli.show import shown_progress
 from drill_twin.core.table import Table
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL, SPATIAL
 from drill_twin_evidence.benchmarks.kernel import machine as limits

@@ -10,8 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from drill_twin.cli.emit import say
-from drill_twin.cli.progress import shown_progress
-from drill_twin.cli.show import remark
+from drill_twin.cli.show import remark, shown_progress
 from drill_twin_evidence.benchmarks.peers.figure import draw
 from drill_twin_evidence.benchmarks.peers.parts import PARTS, Part
 from drill_twin_evidence.benchmarks.peers.rows import result

@@ -44,9 +44,8 @@ def compare(
     from drill_twin.api.compare.case import finish, prepare
     from drill_twin.api.compare.page import page
     from drill_twin.api.compare.quantities import quantities
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.folder import new_folder
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.emit import emit, new_folder
+    from drill_twin.cli.show import shown_progress
     from drill_twin.report.comparison import draw_runs
     from drill_twin.report.figures.style import save
 

@@ -73,8 +73,7 @@ def watch(
 def _play(
     bag: Path, host: str, port: int, allowed: list[str], namespace: str | None, limits: list[str], *, browser: bool
 ) -> None:
-    from drill_twin.cli.progress import shown_progress
-    from drill_twin.cli.show import remark
+    from drill_twin.cli.show import remark, shown_progress
     from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.live.limits import parse_limit
     from drill_twin.live.player import Player

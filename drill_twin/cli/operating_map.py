@@ -81,8 +81,7 @@ def operating_map(
     time asked check the windows. Writes map.json, map.csv, map.html and map.png.
     """
     from drill_twin.api.maps import operating_map as make
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.folder import folder_name
+    from drill_twin.cli.emit import emit, folder_name
     from drill_twin.core.errors import SceneError
     from drill_twin.core.files.result_folder import make_folder
     from drill_twin.scene import load_scene
@@ -123,8 +122,7 @@ def operating_map(
 def _shown_runs(runs: int, folder: Path) -> Iterator[Callable[[str, int, int], None]]:
     """Progress with the time that all runs allowed would take, and what to do after Ctrl-C."""
     from drill_twin.cli.interrupt import Interrupted
-    from drill_twin.cli.progress import shown_progress
-    from drill_twin.cli.show import remark
+    from drill_twin.cli.show import remark, shown_progress
 
     began, first = time.monotonic(), -1
 

@@ -54,7 +54,7 @@ def modes(
 
     from drill_twin.api import rotordynamics
     from drill_twin.cli.emit import emit
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import shown_progress
     from drill_twin.dynamics.discretisation.refinement import mesh
     from drill_twin.dynamics.discretisation.resolution import resolution_of
     from drill_twin.studies.rotordynamics import data, linear_figures

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drill_twin.cli.fit import range_option
 from drill_twin.cli.options import JsonOption, SetOption, overrides
-from drill_twin.cli.runs.fit import range_option
 
 if TYPE_CHECKING:
     from drill_twin.core.table import Table

@@ -58,10 +58,8 @@ def run(
 
     Physics, analysis and bag are those of the ROS nodes. Ctrl-C ends the run early and keeps the bag.
     """
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.folder import folder_name, new_folder
-    from drill_twin.cli.progress import shown_progress
-    from drill_twin.cli.show import findings_shown, remark
+    from drill_twin.cli.emit import emit, folder_name, new_folder
+    from drill_twin.cli.show import findings_shown, remark, shown_progress
     from drill_twin.scene import load_scene
     from drill_twin.scene.set_points import Schedule
 
@@ -93,7 +91,7 @@ def run(
     if plan is not None:
         summary["accuracy"] = _checked(plan, recording, outcome.motion_seconds, rerun=rerun)
     if with_report:
-        from drill_twin.cli.bags.analyze import draw
+        from drill_twin.cli.analyze import draw
 
         draw(recording, folder)
     emit(
@@ -115,8 +113,7 @@ def _planned(scene: Scene, show: Callable[[str], None]) -> AccuracyPlan:
 
 def _checked(plan: AccuracyPlan, recording: Recording, motion_seconds: float, *, rerun: bool) -> dict[str, Any]:
     """Compare a run with its plan, print the result, and return it for the summary."""
-    from drill_twin.cli.progress import shown_progress
-    from drill_twin.cli.show import remark
+    from drill_twin.cli.show import remark, shown_progress
     from drill_twin.studies.accuracy import check
 
     what = "checking: the part before the onset at a finer resolution"
@@ -142,7 +139,7 @@ def _compiled(scene: Scene, schedule: Schedule) -> Session:
 @contextmanager
 def _stoppable(first: str) -> Iterator[Callable[[str], None]]:
     """Progress in words; SIGINT and SIGTERM end the block between two of them, or between slices of compiled work."""
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import shown_progress
 
     with stop_request() as asked, shown_progress(first) as progress:
 
@@ -167,8 +164,7 @@ def _drill(session: Session, bag: Path) -> tuple[Outcome, int]:
     Returns:
         The outcome, and the number of the signal; 0 without one.
     """
-    from drill_twin.cli.progress import shown_progress
-    from drill_twin.cli.show import remark
+    from drill_twin.cli.show import remark, shown_progress
     from drill_twin.core.errors import RunStopped
     from drill_twin.runs import Progress as State
 

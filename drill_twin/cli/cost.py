@@ -60,9 +60,8 @@ def cost(
     An interrupted study continues. Writes cost.json, cost.csv and cost.png. `drill-twin run --accuracy` chooses a
     resolution by a smaller study of its own.
     """
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.folder import folder_name
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.emit import emit, folder_name
+    from drill_twin.cli.show import shown_progress
     from drill_twin.core.files.result_folder import make_folder
     from drill_twin.scene import load_scene
     from drill_twin.studies.convergence import choose_resolutions, measure, on_meshes, require_marks

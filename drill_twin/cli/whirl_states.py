@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from drill_twin.scene import Scene
     from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
 
-
 _STABLE = {"stable": "yes", "unstable": "no", "not determined": "?"}
 
 
@@ -66,7 +65,7 @@ def whirl_states(
     """
     from drill_twin.api import rotordynamics
     from drill_twin.cli.emit import emit
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import shown_progress
     from drill_twin.studies.rotordynamics.data import state_data
     from drill_twin.studies.rotordynamics.whirl_figures import states_figure
 
@@ -140,7 +139,7 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
     """Branches over a number: table or JSON, and the figure."""
     from drill_twin.api import rotordynamics
     from drill_twin.cli.emit import emit
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import shown_progress
     from drill_twin.studies.rotordynamics.data import branch_data, run_data
     from drill_twin.studies.rotordynamics.whirl_figures import LABELS, branches_figure
 

@@ -42,10 +42,9 @@ def rerun(
     difference that is printed.
     """
     from drill_twin.api.recorded_run import rerun as run_again
-    from drill_twin.cli.bags.analyze import default_folder
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.folder import new_folder
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.analyze import default_folder
+    from drill_twin.cli.emit import emit, new_folder
+    from drill_twin.cli.show import shown_progress
     from drill_twin.core.table import Table
 
     changes = overrides(change)

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from drill_twin.report import Recording, ReportFiles
     from drill_twin.report.selection import Selection
 
-
 StatesOption = Annotated[
     bool,
     typer.Option("--states", help="Name the steady whirl near each finding, and its growth; up to 30 s of search."),
@@ -82,10 +81,8 @@ def analyze(
     """
     from itertools import chain
 
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.folder import check_new, write_file
-    from drill_twin.cli.progress import shown_progress
-    from drill_twin.cli.show import findings_shown, marks_shown
+    from drill_twin.cli.emit import check_new, emit, write_file
+    from drill_twin.cli.show import findings_shown, marks_shown, shown_progress
     from drill_twin.report.summary import summarise, to_json
 
     if out is not None:
@@ -119,7 +116,7 @@ def report(
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
     from drill_twin.cli.emit import emit
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import shown_progress
 
     folder = out or default_folder(bag)
     existing = folder / "report.html"
@@ -135,7 +132,7 @@ def report(
 
 def draw(recording: Recording, folder: Path, *, states: bool = False) -> ReportFiles:
     """Build the report, with a status line that names the part in progress."""
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import shown_progress
     from drill_twin.report import build_report
 
     with shown_progress("drawing") as bar:

@@ -54,9 +54,8 @@ def effects(
 
     Each set of effects is compiled once and then cached. Writes effects.json and effects.png.
     """
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.folder import folder_name, new_folder
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.emit import emit, folder_name, new_folder
+    from drill_twin.cli.show import shown_progress
     from drill_twin.scene import load_scene
     from drill_twin.studies.ablation import ablate, groups
     from drill_twin.studies.ablation.figure import ablation_figure

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands `drill-twin node`, `demo`, `replay`, `load` and `topics`: the nodes and their topics."""
+"""Commands `drill-twin node`, `demo`, `replay`, `load`, `topics`, `doctor` and `gateway-keys`: nodes and topics."""
 
 from __future__ import annotations
 
+import socket
+from collections.abc import Iterator
 from dataclasses import asdict
+from itertools import groupby
 from json import dumps
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,7 +16,10 @@ import typer
 from drill_twin.cli.options import BagArgument, JsonOption, NamespaceOption
 
 if TYPE_CHECKING:
+    from rich.text import Text
+
     from drill_twin.core.table import Table
+    from drill_twin.ros.doctor.check import Check
 
 
 def node(
@@ -91,7 +98,7 @@ def load(
     with all threads of DDS. The simulator itself measures its time for the motion and for publishing.
     """
     from drill_twin.cli.emit import emit
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import shown_progress
     from drill_twin.core.table import Table
     from drill_twin.ros.demo.cpu_load import LoadOptions, run_load
 
@@ -166,3 +173,75 @@ def rig_table() -> Table:
         depth = f"reliable, keep last {topic.publisher_depth}{latched}"
         rows.append((f"`{topic.name}`", topic.type_name, topic.publisher, topic.rate, depth, stamp))
     return Table(("topic", "type", "from", "rate", "quality of service", "stamp and frame"), rows)
+
+
+def doctor(
+    seconds: Annotated[
+        float,
+        typer.Option(
+            "--seconds", metavar="SECONDS", help="How long to listen to the nodes; 0: not.", min=0.0, max=600.0
+        ),
+    ] = 4.0,
+    json: JsonOption = False,
+) -> None:
+    """Check the installation and the running nodes: versions, topics, quality of service, clocks; says what to do.
+
+    Works without ROS too, and says so; the nodes of ROS_DOMAIN_ID are checked where rclpy is there. Exit code 1 when
+    something is wrong.
+    """
+    from drill_twin.cli.emit import emit
+    from drill_twin.cli.show import shown_progress
+    from drill_twin.ros.doctor.check import Verdict
+    from drill_twin.ros.doctor.run import examine
+
+    with shown_progress("checking"):
+        checks = examine(seconds)
+    problems = sum(check.verdict is Verdict.PROBLEM for check in checks)
+    emit({"ok": not problems, "checks": [asdict(check) for check in checks]}, _shown(checks, problems), json=json)
+    raise typer.Exit(1 if problems else 0)
+
+
+def _shown(checks: list[Check], problems: int) -> Iterator[Table | Text | str]:
+    """A table a section, with what to do below each check that found something."""
+    from rich.text import Text
+
+    from drill_twin.core.table import Column, Table
+    from drill_twin.ros.doctor.check import Verdict
+
+    styles = {Verdict.OK: "green", Verdict.NOTE: "yellow", Verdict.PROBLEM: "bold red"}
+    for section, members in groupby(checks, key=lambda check: check.section):
+        rows: list[tuple[object, ...]] = []
+        for check in members:
+            rows.append((Text(check.verdict.value, styles[check.verdict]), check.name, check.found))
+            if check.remedy:
+                rows.append(("", "", Text(f"-> {check.remedy}", styles[check.verdict])))
+        yield Table([Column("", whole=True), Column(""), Column("")], rows, title=section)
+    yield f"{problems} problem{'' if problems == 1 else 's'}" if problems else "nothing is wrong"
+
+
+def gateway_keys(
+    folder: Annotated[Path, typer.Argument(help="Folder of the keys; made where it is missing.")],
+    user: Annotated[str, typer.Option(help="User to add, or who gets another password.")],
+    password: Annotated[
+        str,
+        typer.Option(
+            prompt=True,
+            hide_input=True,
+            help="Password, 8 characters or more; asked for if left out (others see the options of a command).",
+        ),
+    ],
+    host: Annotated[str, typer.Option(help="Name of the machine in the certificate; without it this one's.")] = "",
+) -> None:
+    """Make the keys of the gateway: a self-signed certificate, and users that may command. Needs the extra opcua.
+
+    Put the certificates of clients into FOLDER/trusted.
+    """
+    try:
+        from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, USERS, make_keys
+    except ModuleNotFoundError as error:
+        from drill_twin.core.extras import missing
+
+        raise missing(error, "opcua") from error
+    new = make_keys(folder, "urn:drill_twin:gateway", host or socket.gethostname(), {user: password})
+    print(f"{folder / USERS}: {user} is {'new' if user in new else 'given another password'}")
+    print(f"{folder / CERTIFICATE}: for clients to trust; put theirs into {folder / TRUSTED}")

@@ -57,7 +57,7 @@ def statics(
     """
     from drill_twin.api.torque_drag import statics as computed
     from drill_twin.cli.emit import emit
-    from drill_twin.cli.progress import shown_progress
+    from drill_twin.cli.show import shown_progress
     from drill_twin.core.files.result_folder import make_folder
     from drill_twin.studies.torque_drag.data import depth_table, statics_data
     from drill_twin.studies.torque_drag.figure import tracks
