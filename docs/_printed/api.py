@@ -10,8 +10,8 @@ import drill_twin
 SECTIONS = {
     "Scenes": ("drill_twin.api.scenes", "drill_twin.scene"),
     "Runs": ("drill_twin.api.simulation",),
-    "Results": ("drill_twin.api.results.result",),
-    "Analysis": ("drill_twin.api.results.whirl", "drill_twin.whirl"),
+    "Results": ("drill_twin.api.result",),
+    "Analysis": ("drill_twin.api.whirl", "drill_twin.whirl"),
 }
 """Titles of sections, and where their names are defined; others have that of their module."""
 _SERIES = [f"drill_twin.io.bag.series.{name}" for name in ("MarkSeries", "PoseSeries", "RigSeries", "CommandSeries")]

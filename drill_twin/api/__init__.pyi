@@ -7,11 +7,9 @@ from drill_twin.api.maps import operating_map as operating_map
 from drill_twin.api.parameter_fit import fit as fit
 from drill_twin.api.recorded_run import Rerun as Rerun
 from drill_twin.api.recorded_run import rerun as rerun
-from drill_twin.api.results.result import Cost as Cost
-from drill_twin.api.results.result import Result as Result
-from drill_twin.api.results.result import read_bag as read_bag
-from drill_twin.api.results.whirl import Whirl as Whirl
-from drill_twin.api.results.whirl import analyze as analyze
+from drill_twin.api.result import Cost as Cost
+from drill_twin.api.result import Result as Result
+from drill_twin.api.result import read_bag as read_bag
 from drill_twin.api.rotordynamics import branches as branches
 from drill_twin.api.rotordynamics import campbell as campbell
 from drill_twin.api.rotordynamics import growth_map as growth_map
@@ -26,6 +24,8 @@ from drill_twin.api.scenes import write_scene as write_scene
 from drill_twin.api.simulation import Simulation as Simulation
 from drill_twin.api.simulation import State as State
 from drill_twin.api.torque_drag import statics as statics
+from drill_twin.api.whirl import Whirl as Whirl
+from drill_twin.api.whirl import analyze as analyze
 from drill_twin.core.errors import ArgumentError as ArgumentError
 from drill_twin.core.errors import BagError as BagError
 from drill_twin.core.errors import CheckpointError as CheckpointError

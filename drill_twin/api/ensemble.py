@@ -4,18 +4,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from pathlib import Path
 
-from drill_twin.api.executor import executor_of
-from drill_twin.api.quantity import Quantity, in_si
-from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.units.dimension import FREQUENCY, TIME
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runs import compile_kernel
-from drill_twin.runs.ensemble import OUTPUTS, EnsembleResult, expand
+from drill_twin.runs.ensemble import OUTPUTS, EnsembleResult, Executor, Threads, expand
 from drill_twin.runs.ensemble.outputs import Request
 from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.scene import Scene
@@ -122,3 +121,30 @@ class Ensemble:
         period = numerics.frame_period_ns
         frames = max(1, math.ceil(length * NANOSECONDS / period - 0.5))
         return Request(names, seconds(period), frames, round(numerics.frame_rate / rate))
+
+
+MOST_THREADS = 4096
+
+
+@contextmanager
+def executor_of(workers: int | None, dask: str | None) -> Iterator[Executor]:
+    """Threads, or the workers of a scheduler until the end of the `with` block.
+
+    Args:
+        workers: Threads; None: one for each processor core.
+        dask: Address of a Dask scheduler; None or empty: threads.
+
+    Raises:
+        ArgumentError: The number is absurd, or distributed is not installed.
+        RunError: No scheduler answers at the address, or it has no workers.
+    """
+    if dask:
+        from drill_twin.runs.ensemble.dask_workers import DaskWorkers
+
+        with DaskWorkers(dask) as cluster:
+            yield cluster
+        return
+    threads = len(os.sched_getaffinity(0)) if workers is None else workers
+    if not isinstance(threads, int) or not 1 <= threads <= MOST_THREADS:
+        raise ArgumentError(f"workers: expected a whole number of 1 or more, found {workers!r}")
+    yield Threads(threads)

@@ -6,9 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from drill_twin.api.executor import executor_of
-from drill_twin.api.quantity import Quantity, in_si
-from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.api.ensemble import executor_of
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si
 from drill_twin.core.errors import ArgumentError
 from drill_twin.core.units import UnitError, parse
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, TIME, Dimension

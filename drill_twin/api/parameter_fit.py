@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.api.ensemble import Ensemble
-from drill_twin.api.quantity import Quantity, in_si
-from drill_twin.api.scenes import Overrides, as_scene, override
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, override
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.units.dimension import FREQUENCY, TIME

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drill_twin.api.results.result import Result, read_bag
+from drill_twin.api.result import Result, read_bag
 from drill_twin.api.scenes import Overrides, as_scene, override
 from drill_twin.api.simulation import Simulation
 from drill_twin.core.errors import ArgumentError, RunError

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes for Python: load, build, change, check and write."""
+"""Scenes for Python: load, build, change, check and write; quantities as arguments, in a unit of their own."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from drill_twin.core.errors import DrillTwinError, SceneError
+from drill_twin.core.errors import ArgumentError, DrillTwinError, SceneError
 from drill_twin.core.files.whole_file import write_whole
+from drill_twin.core.units import Dimension, UnitError, parse
 from drill_twin.scene import Scene, load, presets
 
 Block = Mapping[str, Any]
@@ -128,3 +130,33 @@ def as_scene(scene: Scene | str | Path, overrides: Overrides | None = None) -> S
     if not isinstance(scene, Scene):
         return load_scene(scene, overrides)
     return override(scene, overrides) if overrides else scene
+
+
+Quantity = float | str
+"""Number in the documented unit, or text with its unit, such as `"40 N"`."""
+
+
+def in_si(name: str, value: Quantity, dimension: Dimension, unit: float = 1.0) -> float:
+    """SI value of an argument.
+
+    Args:
+        name: Name of the argument, for the message.
+        value: The argument.
+        dimension: Its dimension.
+        unit: SI value of the unit that a number is in.
+
+    Raises:
+        ArgumentError: Not a finite number, or text that is no quantity of the dimension.
+    """
+    if isinstance(value, str):
+        try:
+            return parse(value, dimension)
+        except UnitError as error:
+            raise ArgumentError(f"{name}: {error}") from None
+    try:
+        number = float(value) * unit
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise ArgumentError(f"{name}: expected {dimension.expected} or a finite number, found {value!r}")
+    return number

@@ -4,15 +4,14 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from drill_twin.api.compile_progress import CompileProgress
-from drill_twin.api.quantity import Quantity, in_si
-from drill_twin.api.results.result import Result
-from drill_twin.api.scenes import Overrides, as_scene
+from drill_twin.api.result import Result
+from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, SPEED, TIME
@@ -25,6 +24,28 @@ from drill_twin.scene import Scene
 from drill_twin.scene.blocks.rig import FASTEST_BLOCK, FASTEST_ROTATION, LARGEST_LOAD
 from drill_twin.scene.set_points import Command, Schedule
 from drill_twin.whirl import Findings
+
+
+class CompileProgress:
+    """Writes the progress: on a terminal one line that is written over, else the first text only."""
+
+    def __init__(self) -> None:
+        self._width = 0
+
+    def __call__(self, text: str) -> None:
+        """Write a text of progress."""
+        stream = sys.stderr
+        if stream.isatty():
+            print(f"\r{text:<{self._width}}", end="", file=stream, flush=True)
+        elif self._width == 0:
+            print(text, file=stream, flush=True)
+        self._width = max(self._width, len(text))
+
+    def end(self) -> None:
+        """Erase the line of a terminal."""
+        if self._width and sys.stderr.isatty():
+            print(f"\r{'':<{self._width}}\r", end="", file=sys.stderr, flush=True)
+
 
 RPM = math.tau / 60.0
 """SI value of a revolution per minute [rad/s]."""

@@ -13,7 +13,7 @@ from drill_twin.cli.options import DurationOption, JsonOption, ReplaceOption, Se
 from drill_twin.core.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from drill_twin.api.compare.quantities import ComparedQuantity
+    from drill_twin.api.compare import ComparedQuantity
     from drill_twin.core.table import Table
 
 
@@ -41,9 +41,7 @@ def compare(
     Loads and margins come from the balance of forces (`statics`), the rest from the second half of each run. Writes
     compare.html, compare.json and compare.png.
     """
-    from drill_twin.api.compare.case import finish, prepare
-    from drill_twin.api.compare.page import page
-    from drill_twin.api.compare.quantities import quantities
+    from drill_twin.api.compare import finish, page, prepare, quantities
     from drill_twin.cli.emit import emit, new_folder
     from drill_twin.cli.show import shown_progress
     from drill_twin.report.comparison import draw_runs

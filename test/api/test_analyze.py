@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import drill_twin as dt
-from drill_twin.api.results.whirl import CLEARANCE_TAKEN
+from drill_twin.api.whirl import CLEARANCE_TAKEN
 
 TIME = np.arange(0.0, 20.0, 0.01)
 SPEED = 4.0 * math.pi  # rad/s

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from drill_twin.api.compile_progress import CompileProgress
+from drill_twin.api.simulation import CompileProgress
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = "import drill_twin as dt; dt.Simulation('pa6_bench')"

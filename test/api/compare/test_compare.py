@@ -9,8 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import drill_twin as dt
-from drill_twin.api.compare.case import Case, prepare
-from drill_twin.api.compare.quantities import ComparedQuantity, quantities
+from drill_twin.api.compare import Case, ComparedQuantity, prepare, quantities
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from drill_twin.api.results.result import Result
+from drill_twin.api.result import Result
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.sensors.errors import ReadingNoise, errors_of, with_errors
 from drill_twin.dynamics.sensors.sampling import Instrument

@@ -1,19 +1,89 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Quantities of a comparison, and whether they differ."""
+"""Assemblies or set-points beside each other: cases, the quantities in which they differ, and the page of both."""
 
 from __future__ import annotations
 
+import base64
 import math
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from importlib.resources import files
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.api.compare.case import Case
+from drill_twin.api.result import Result, read_bag
+from drill_twin.api.scenes import load_scene
+from drill_twin.api.simulation import Simulation
+from drill_twin.api.torque_drag import statics
 from drill_twin.core.arrays import Array
+from drill_twin.core.errors import ArgumentError, RunError, SceneError
 from drill_twin.core.missing import number_or_nan
+from drill_twin.core.table import Column, Table
+from drill_twin.dynamics.torque_drag.analysis import OperationLoads
 from drill_twin.report.load_text import KILO
 from drill_twin.report.string_forces import bending_stress_at
+from drill_twin.scene import Scene
+
+ALIASES = {"rpm": "rig.rotation.value"}
+"""Names of changes beside the short ones of every override."""
+_CHANGE = re.compile(r",\s*(?=[A-Za-z_][\w.]*=)")
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """Case: its run, and its loads without a run."""
+
+    name: str
+    result: Result
+    loads: OperationLoads | None
+    """Of the last operation of its rig, drilling or what there is of it; None if there is no balance."""
+
+
+def prepare(text: str, common: Mapping[str, str]) -> Scene | Result:
+    """Read a case: the scene of `SCENE[,KEY=VALUE...]`, not yet run, or the result of a bag.
+
+    Args:
+        text: A scene with changes (`wob`, `rpm` or any key of a scene), or the folder or file of a bag.
+        common: Changes of all cases that are run.
+
+    Raises:
+        ArgumentError: A change of a bag.
+        SceneError: No such scene, or a change that does not fit.
+        BagError: No bag of this package.
+    """
+    base, *changes = _CHANGE.split(text)
+    pairs = (change.split("=", 1) for change in changes)
+    own = {ALIASES.get(key, key): value for key, value in pairs}
+    path = Path(base)
+    if path.is_dir() or path.suffix in {".mcap", ".db3"}:
+        if own:
+            raise ArgumentError(
+                f"{text}: expected a bag without changes, found {', '.join(own)}; a run is over. Name its scene "
+                "instead, or use drill-twin rerun"
+            )
+        return read_bag(path)
+    return load_scene(base, {**common, **own})
+
+
+def finish(text: str, what: Scene | Result, progress: Callable[[float], None] | None = None) -> Case:
+    """Run a scene, if it is one, and find its loads in a balance.
+
+    Raises:
+        RunError: The run stops early.
+    """
+    result = what
+    if isinstance(result, Scene):
+        result = Simulation(result).run(progress=(lambda state: progress(state.time)) if progress else None)
+    try:
+        loads = statics(result.scene).operations[-1]
+    except (RunError, SceneError):  # no balance, or nothing to balance: the run is compared alone
+        loads = None
+    return Case(text, result, loads)
+
 
 NOTHING = 1e-9
 """Number that is zero but for rounding."""
@@ -137,3 +207,43 @@ def _run(case: Case) -> Iterator[tuple[tuple[str, str], float | str]]:
 def _least(values: Array) -> float:
     known = values[np.isfinite(values)]
     return float(known.min()) if known.size else math.nan
+
+
+def page(
+    names: Sequence[str], found: Sequence[ComparedQuantity], tolerance: float, notes: Sequence[str], figure: Path
+) -> str:
+    """HTML text; rows that differ are first.
+
+    Args:
+        names: Of the cases.
+        found: Quantities.
+        tolerance: Share from which they differ.
+        notes: Sentences above the table.
+        figure: PNG file.
+    """
+    ordered = sorted(found, key=lambda of: not of.differs(tolerance))
+    differing = sum(of.differs(tolerance) for of in ordered)
+    parts = (("What differs", ordered[:differing]), ("What does not", ordered[differing:]))
+    tables = "".join(f"<h2>{title}</h2><section>{_table(names, rows)}</section>" for title, rows in parts if rows)
+    picture = base64.b64encode(figure.read_bytes()).decode()
+    style = files("drill_twin.report").joinpath("assets", "page.css").read_text("utf-8")
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1"><title>drill_twin: comparison</title>'
+        f'<link rel="icon" href="data:,"><style>{style}</style></head>\n<body><main>'
+        f"<h1>{escape(' and '.join(names))}</h1>"
+        f'<p class="lead">Differences of more than {100.0 * tolerance:g} % first; numbers of runs are of their second '
+        "half.</p>"
+        f"{''.join(f'<p>{escape(note)}</p>' for note in notes)}{tables}"
+        '<h2>Over time</h2><section><div class="picture">'
+        f'<img alt="the runs over time" src="data:image/png;base64,{picture}"></div>'
+        "</section></main></body></html>\n"
+    )
+
+
+def _table(names: Sequence[str], rows: Sequence[ComparedQuantity]) -> str:
+    cells = (
+        (Column(of.name, of.shown_unit if of.unit else "").title, *(of.text(case) for case in range(len(names))))
+        for of in rows
+    )
+    return Table(("", *names), cells).html()

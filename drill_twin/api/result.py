@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drill_twin.api.results.plots import Plots
-from drill_twin.api.results.whirl import Whirl
+from drill_twin.api.result_views import Plots
+from drill_twin.api.whirl import Whirl
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
 from drill_twin.io.bag.reader import Bag
@@ -224,7 +224,7 @@ class Result(Plots):
         Raises:
             ArgumentError: xarray is not installed.
         """
-        from drill_twin.api.results.dataset import dataset
+        from drill_twin.api.result_views import dataset
 
         found = {"onset_s": self.onset_s, "whirl_frequency_hz": self.whirl.frequency_hz}
         source = {"source": str(self.path), **{key: value for key, value in found.items() if value is not None}}

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drill_twin.api.quantity import Quantity, in_si
+from drill_twin.api.scenes import Quantity, in_si
 from drill_twin.core.arrays import Array
 from drill_twin.core.units.dimension import ANGULAR_SPEED, LENGTH
 from drill_twin.io.messages.stamps import NANOSECONDS

@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""Results of runs: arrays, findings, figures, and the analysis of plain arrays."""
