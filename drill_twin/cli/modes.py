@@ -57,7 +57,14 @@ def modes(
     from drill_twin.cli.show import shown_progress
     from drill_twin.dynamics.discretisation.refinement import mesh
     from drill_twin.dynamics.discretisation.resolution import resolution_of
-    from drill_twin.studies.rotordynamics import data, linear_figures
+    from drill_twin.studies.modes import (
+        campbell_data,
+        campbell_figure,
+        growth_data,
+        growth_figure,
+        modes_data,
+        shapes_figure,
+    )
 
     changes = overrides(change, wob=wob, rps=rps)
     own = rotordynamics.steady_scene(scene, changes, without)
@@ -78,15 +85,15 @@ def modes(
         if growth:
             speeds, loads = np.linspace(0.0, fastest, growth + 1)[1:], np.linspace(0.0, heaviest, growth)
             grown = rotordynamics.growth_map(own, weights=loads, speeds=speeds)
-    result, named = data.modes_data(table), own.name
+    result, named = modes_data(table), own.name
     arc = mesh(own, resolution_of(own)[0]).arc
-    figures = {"modes.png": lambda: linear_figures.shapes_figure(table, arc, named)}
+    figures = {"modes.png": lambda: shapes_figure(table, arc, named)}
     if diagram is not None:
-        result["campbell"] = data.campbell_data(diagram)
-        figures["campbell.png"] = lambda: linear_figures.campbell_figure(diagram, named)
+        result["campbell"] = campbell_data(diagram)
+        figures["campbell.png"] = lambda: campbell_figure(diagram, named)
     if grown is not None:
-        result["growth"] = data.growth_data(grown)
-        figures["growth.png"] = lambda: linear_figures.growth_figure(grown, named)
+        result["growth"] = growth_data(grown)
+        figures["growth.png"] = lambda: growth_figure(grown, named)
     emit(result, _shown(table, diagram, named), json=json, folder=out, files={"modes.json": result, **figures})
 
 

@@ -23,7 +23,7 @@ from drill_twin.cli.options import (
 if TYPE_CHECKING:
     from drill_twin.core.table import Table
     from drill_twin.dynamics.torque_drag.analysis import Statics
-    from drill_twin.studies.torque_drag.unit_system import UnitSystem
+    from drill_twin.studies.statics import UnitSystem
 
 _NOTHING, _LARGEST_MARGIN = 1e-4, 1e3
 """Share of the largest number of a column below which it is the residual of a balance; largest margin that is shown."""
@@ -59,9 +59,7 @@ def statics(
     from drill_twin.cli.emit import emit
     from drill_twin.cli.show import shown_progress
     from drill_twin.core.files.result_folder import make_folder
-    from drill_twin.studies.torque_drag.data import depth_table, statics_data
-    from drill_twin.studies.torque_drag.figure import tracks
-    from drill_twin.studies.torque_drag.unit_system import unit_system
+    from drill_twin.studies.statics import depth_table, statics_data, tracks, unit_system
 
     speeds = {option: _speed(option, text) for option, text in (("--trip-speed", trip_speed), ("--rop", feed))}
     if out is not None:

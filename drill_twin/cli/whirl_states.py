@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from drill_twin.dynamics.rotordynamics.steady.branches import Branch
     from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
     from drill_twin.scene import Scene
-    from drill_twin.studies.rotordynamics.simulated import SimulatedWhirl
+    from drill_twin.studies.whirl_states import SimulatedWhirl
 
 _STABLE = {"stable": "yes", "unstable": "no", "not determined": "?"}
 
@@ -66,8 +66,7 @@ def whirl_states(
     from drill_twin.api import rotordynamics
     from drill_twin.cli.emit import emit
     from drill_twin.cli.show import shown_progress
-    from drill_twin.studies.rotordynamics.data import state_data
-    from drill_twin.studies.rotordynamics.whirl_figures import states_figure
+    from drill_twin.studies.whirl_states import state_data, states_figure
 
     own = rotordynamics.steady_scene(scene, overrides(change, wob=wob, rps=rps), without)
     if over:
@@ -140,8 +139,7 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
     from drill_twin.api import rotordynamics
     from drill_twin.cli.emit import emit
     from drill_twin.cli.show import shown_progress
-    from drill_twin.studies.rotordynamics.data import branch_data, run_data
-    from drill_twin.studies.rotordynamics.whirl_figures import LABELS, branches_figure
+    from drill_twin.studies.whirl_states import LABELS, branch_data, branches_figure, run_data
 
     key, low, high = _range(over)
     label, unit = LABELS.get(key, (key, 1.0))
@@ -186,7 +184,7 @@ def _shown_branches(
 def _simulated(scene: Scene, key: str, low: float, high: float, count: int) -> list[tuple[float, SimulatedWhirl]]:
     """Runs in time at values inside the range, ends left out."""
     from drill_twin.core.errors import SceneError
-    from drill_twin.studies.rotordynamics.simulated import simulated_whirl, with_command
+    from drill_twin.studies.whirl_states import simulated_whirl, with_command
 
     if count and key not in {"load", "speed"}:
         raise SceneError(f"--simulate: expected --over load or speed, found {key}")

@@ -33,7 +33,7 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene
 from drill_twin.scene.blocks.string import Mark
 from drill_twin.scene.set_points.command import Command
-from drill_twin.studies.rotordynamics.simulated import with_command
+from drill_twin.studies.whirl_states import with_command
 from drill_twin_evidence.whirl_compare import two_frequency_stability as two_frequency
 from drill_twin_evidence.whirl_compare.harmonic_balance import TwoFrequencyEquations, from_amplitudes
 from drill_twin_evidence.whirl_compare.motion import STEADY, TWO, Motion, motion_of

@@ -9,7 +9,7 @@ from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene.set_points.command import Command
-from drill_twin.studies.rotordynamics.simulated import with_command
+from drill_twin.studies.whirl_states import with_command
 from drill_twin_evidence.whirl_compare import comparison
 from drill_twin_evidence.whirl_compare.harmonic_balance import Series, TwoFrequencyEquations
 from drill_twin_evidence.whirl_compare.motion import motion_of

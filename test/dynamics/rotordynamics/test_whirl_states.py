@@ -26,7 +26,7 @@ from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.model.mesh import SPIN
 from drill_twin.scene.set_points import Schedule
 from drill_twin.scene.set_points.command import Command
-from drill_twin.studies.rotordynamics.simulated import simulated_whirl, with_command
+from drill_twin.studies.whirl_states import simulated_whirl, with_command
 
 FAST = Command(40.0, 6.5 * math.tau)
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of the linear analysis: mode shapes, Campbell diagram, map of growth rates."""
+"""Modes, critical speeds and growth rates as plain data and figures."""
 
 from __future__ import annotations
 
+import cmath
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,6 +17,58 @@ from drill_twin.dynamics.rotordynamics.campbell import Campbell
 from drill_twin.dynamics.rotordynamics.growth_map import GrowthMap
 from drill_twin.dynamics.rotordynamics.modes import LATERAL, ModeTable
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, PURPLE, VERMILION, blank, head, styled
+
+
+def modes_data(table: ModeTable) -> dict[str, Any]:
+    """Set-points and modes; frequencies in Hz, growth in 1/s."""
+    command = table.balance.command
+    return {
+        "weight_on_bit_n": command.weight_on_bit,
+        "rotation_rev_s": command.rotation / math.tau,
+        "on_axis": table.on_axis,
+        "growing": table.growing,
+        "slowest_decay_without_oscillation_per_s": table.creeping,
+        "modes": [
+            {
+                "kind": mode.kind,
+                "number": mode.number,
+                "frequency_hz": mode.frequency,
+                "growth_per_s": mode.growth,
+                "damping_ratio": mode.damping_ratio,
+                "frequency_change_hz": None if cmath.isnan(mode.change) else mode.change.imag / math.tau,
+                "growth_change_per_s": None if cmath.isnan(mode.change) else mode.change.real,
+                "shape_real": mode.shape.real.tolist(),
+                "shape_imaginary": mode.shape.imag.tolist(),
+            }
+            for mode in table.modes
+        ],
+    }
+
+
+def campbell_data(diagram: Campbell) -> dict[str, Any]:
+    """Frequencies [Hz] and growth [1/s] by speed, then mode; critical speeds [rev/s]."""
+    return {
+        "weight_on_bit_n": diagram.weight_on_bit,
+        "rotation_rev_s": (diagram.speeds / math.tau).tolist(),
+        "frequency_hz": (diagram.eigenvalues.imag / math.tau).tolist(),
+        "growth_per_s": diagram.eigenvalues.real.tolist(),
+        "critical": [{"mode": mode + 1, "rotation_rev_s": speed / math.tau} for mode, speed in diagram.critical],
+    }
+
+
+def growth_data(growth: GrowthMap) -> dict[str, Any]:
+    """Growth [1/s] by load, then speed, and the least loads with growth above zero [N]."""
+    data: dict[str, Any] = {
+        "weight_on_bit_n": growth.weights.tolist(),
+        "rotation_rev_s": (growth.speeds / math.tau).tolist(),
+        "lateral_growth_per_s": growth.lateral.tolist(),
+        "whirl_onset_n": growth.onset(growth.lateral).tolist(),
+    }
+    if growth.torsional is not None:
+        data["torsional_growth_per_s"] = growth.torsional.tolist()
+        data["stick_slip_onset_n"] = growth.onset(growth.torsional).tolist()
+    return data
+
 
 SHAPES = 6
 

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Figures of steady whirl: shapes of the states at one command, and branches over a parameter."""
+"""Steady whirl states as plain data and figures, and the whirl of a simulation in time beside them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,8 +14,68 @@ from matplotlib.lines import Line2D
 from drill_twin.dynamics.discretisation.refinement import mesh
 from drill_twin.dynamics.rotordynamics.steady.branches import Branch
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
+from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.report.figures.style import BLUE, GREY, INK, MARK_COLOURS, VERMILION, blank, head, styled
+from drill_twin.runs.ensemble.parts import parts_of, planned
 from drill_twin.scene import Scene
+from drill_twin.scene.load import build_scene
+from drill_twin.scene.set_points import Command
+
+LAST = 1.0 / 3.0
+"""Share of the run, at its end, that is measured."""
+WINDOWS = 5
+STEADY = 0.02
+"""Of a steady whirl: largest scatter of the whirl speed between windows, over the rotation, and largest change of the
+shape, over the clearance."""
+
+
+class SimulatedWhirl(NamedTuple):
+    """Mean whirl at the end of a run."""
+
+    command: Command
+    frequency: float
+    """Mean whirl frequency of the mark with the largest radius [Hz]."""
+    ratio: float
+    """Over the rotation [-]."""
+    scatter: float
+    """Standard deviation of the frequency between windows, over the rotation [-]."""
+
+    change: float
+    """Root mean square of the motion of the marks in the frame of that whirl, the largest, over the clearance [-]."""
+
+    @property
+    def is_steady(self) -> bool:
+        """True if the whirl speed is the same in all windows, and the shape turns with it unchanged."""
+        return max(self.scatter, self.change) < STEADY
+
+
+def with_command(scene: Scene, weight: float, rotation: float) -> Scene:
+    """The scene with other final set-points [N], [rad/s]."""
+    values: dict[str, float | str] = {"rig.weight_on_bit.value": weight, "rig.rotation.value": rotation}
+    return build_scene(scene.model_dump(mode="json", exclude_none=True), name=scene.name, overrides=values)
+
+
+def simulated_whirl(scene: Scene) -> SimulatedWhirl:
+    """Run a scene to its end, and measure the whirl over its last third.
+
+    Raises:
+        RunError: The motion could not be followed.
+    """
+    commands, frame = planned(scene)
+    places = (part.rows.centre for part in parts_of(Twin(scene), commands, frame))
+    path = np.concatenate([centre[..., 0] + 1j * centre[..., 1] for centre in places])
+    path = path[max(int(len(path) * (1.0 - LAST)) - 1, 0) :]
+    mark = int(np.argmax(np.mean(np.abs(path), axis=0)))
+    angle = np.unwrap(np.angle(path[:, mark]))
+    edges = np.linspace(0, angle.size - 1, WINDOWS + 1).astype(int)
+    rates = np.diff(angle[edges]) / (np.diff(edges) * frame)
+    mean = float((angle[-1] - angle[0]) / ((angle.size - 1) * frame))
+    command = Command(scene.rig.weight_on_bit.value, scene.rig.rotation.value)
+    turned = path * np.exp(-1j * angle)[:, None]
+    change = float(np.sqrt(np.mean(np.abs(turned - turned.mean(axis=0)) ** 2, axis=0)).max()) / scene.least_clearance
+    scatter = float(rates.std()) / abs(command.rotation)
+    return SimulatedWhirl(command, mean / math.tau, mean / command.rotation, scatter, change)
+
 
 MOST_STATES = 5
 LABELS = {"load": ("weight on bit [N]", 1.0), "speed": ("rotation [rev/s]", math.tau)}
@@ -113,3 +174,48 @@ def _signs(branches: Sequence[Branch], *, simulated: bool) -> list[Line2D]:
         for fill, label in ((GREY, "simulated, steady"), ("white", "simulated, not steady"))
     ]
     return signs + (dots if simulated else [])
+
+
+def state_data(state: WhirlState, modulated: float | None = None) -> dict[str, Any]:
+    """A steady whirl: set-points, frequency [Hz], growth [1/s], contact, shape in the turning frame [m].
+
+    Args:
+        state: The state.
+        modulated: Size of its modulation by bow and eccentricity [m]; None for a state locked to the rotation.
+    """
+    command = state.whirl.command
+    return {
+        "weight_on_bit_n": command.weight_on_bit,
+        "rotation_rev_s": command.rotation / math.tau,
+        "kind": state.kind,
+        "frequency_hz": state.frequency,
+        "ratio": state.ratio,
+        **state.stability(),
+        "slip": state.slip,
+        "touching": state.touching,
+        "modulation_m": modulated,
+        "x_m": state.whirl.u[:, 0].tolist(),
+        "y_m": state.whirl.u[:, 1].tolist(),
+    }
+
+
+def branch_data(branch: Branch) -> dict[str, Any]:
+    """Frequencies [Hz], ratios, growth [1/s] along a branch, its folds and Hopf points, and why it ends; SI values."""
+    return {
+        "parameter": branch.parameter,
+        "values": branch.values.tolist(),
+        "frequency_hz": [state.frequency for state in branch.states],
+        "ratio": [state.ratio for state in branch.states],
+        "growth_per_s": [state.growth for state in branch.states],
+        "stable": [state.is_stable for state in branch.states],
+        "kind": [state.kind for state in branch.states],
+        "folds": [float(branch.values[k]) for k in branch.folds],
+        "hopf": [float(branch.values[k]) for k in branch.hopf],
+        "ends": list(branch.ends),
+    }
+
+
+def run_data(value: float, run: SimulatedWhirl) -> dict[str, Any]:
+    """Whirl of a run in time at a value of the parameter (SI)."""
+    numbers = {"frequency_hz": run.frequency, "ratio": run.ratio, "scatter": run.scatter, "change": run.change}
+    return {"value": value, "steady": run.is_steady, **numbers}

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Torque, drag and buckling as plain data, as a table over measured depth and as tracks, in SI or field units."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from drill_twin.core.table import Column, Table
+from drill_twin.core.units.registry import si_factor
+from drill_twin.dynamics.torque_drag.analysis import OperationLoads, Statics
+from drill_twin.dynamics.torque_drag.buckling import CHEN, BucklingState
+from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, head, styled
+
+
+class UnitSystem(NamedTuple):
+    """Name of the unit of each quantity."""
+
+    length: str
+    force: str
+    torque: str
+    force_per_length: str
+    stress: str
+
+    def show(self, value: float, quantity: str) -> float:
+        """Value in SI, in the unit of a quantity (`length`, `force`, ...)."""
+        return value / si_factor(getattr(self, quantity))[0]
+
+
+SI = UnitSystem("m", "kN", "kN m", "N/m", "MPa")
+FIELD = UnitSystem("ft", "klbf", "klbf ft", "lbf/ft", "ksi")
+LABORATORY = UnitSystem("m", "N", "N m", "N/m", "MPa")
+WELL = 100.0
+"""Length above which a string is one of a well [m]; the live page draws the line there too."""
+
+
+def unit_system(name: str, length: float) -> UnitSystem:
+    """System by its name, `si` or `field`; in SI that of the laboratory for a short string [m]."""
+    return FIELD if name == "field" else SI if length > WELL else LABORATORY
+
+
+def statics_data(found: Statics) -> dict[str, Any]:
+    """Numbers of each operation, SI."""
+    return {"scene": found.scene.name, "operations": [_operation(loads) for loads in found.operations]}
+
+
+def _operation(loads: OperationLoads) -> dict[str, Any]:
+    sinusoidal, helical = loads.margins
+    operation = loads.operation
+    return {
+        "operation": operation.name,
+        "weight_on_bit_n": operation.weight_on_bit,
+        "rotation_rad_s": operation.rotation,
+        "axial_speed_m_s": operation.axial_speed,
+        "hookload_n": loads.hookload,
+        "hookload_soft_string_n": loads.soft.hookload,
+        "surface_torque_nm": loads.surface_torque,
+        "surface_torque_soft_string_nm": loads.soft.surface_torque,
+        "bit_torque_nm": loads.bit_torque,
+        "neutral_point_m": loads.neutral_point,
+        "stretch_m": loads.stretch,
+        "twist_rad": loads.twist,
+        "sinusoidal_margin": sinusoidal,
+        "helical_margin": helical,
+        "buckling": loads.worst_state.label,
+        "lock_up_weight_on_bit_n": loads.lock_up,
+        "largest_stress_pa": float(loads.along.stress.max()),
+        "yield_margin": loads.yield_margin,
+        "make_up_margin": loads.make_up_margin,
+        "contacts": [
+            {
+                "name": contact.name, "distance_from_bit_m": contact.distance_from_bit,
+                "side_force_n": contact.force, "tilt_deg": math.degrees(contact.tilt),
+            }
+            for contact in loads.contacts
+        ],
+    }  # fmt: skip
+
+
+def depth_table(found: Statics, units: UnitSystem) -> Table:
+    """Loads along the string, a row an element from the top down, units in the headings."""
+    quantities = (
+        ("measured depth", "length"), ("tension", "force"), ("soft string tension", "force"), ("torque", "torque"),
+        ("soft string torque", "torque"), ("side force", "force_per_length"), ("bending moment", "torque"),
+        ("equivalent stress", "stress"), ("sinusoidal buckling load", "force"), ("helical buckling load", "force"),
+    )  # fmt: skip
+    columns = [Column("operation"), *(Column(name, getattr(units, of)) for name, of in quantities), Column("buckling")]
+    rows = []
+    for loads in found.operations:
+        along, soft = loads.along, loads.soft
+        values = np.column_stack([
+            along.depth, along.tension, 0.5 * (soft.tension[1:] + soft.tension[:-1]), along.torque,
+            0.5 * (soft.torque[1:] + soft.torque[:-1]), along.side_force, along.bending_moment, along.stress,
+            loads.buckling.sinusoidal, loads.buckling.helical,
+        ])  # fmt: skip
+        for row, state in zip(values[::-1], loads.states[::-1], strict=True):
+            shown = (units.show(float(value), quantity) for value, (_, quantity) in zip(row, quantities, strict=True))
+            rows.append([loads.operation.name, *(f"{value:.6g}" for value in shown), BucklingState(int(state)).label])
+    return Table(columns, rows)
+
+
+COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
+
+
+def tracks(found: Statics, units: UnitSystem) -> Figure:
+    """Figure of all operations; the soft string is dashed."""
+    with styled():
+        figure = blank(7.2)
+        head(figure, f"{found.scene.name}: torque and drag")
+        panels = [figure.add_axes((0.08 + 0.235 * k, 0.08, 0.195, 0.75)) for k in range(4)]
+        tension, torque, side, buckling = panels
+        widths = np.linspace(3.4, 1.0, len(found.operations))  # equal loads lie over each other, the wider ones show
+        for colour, width, loads in zip(COLOURS * 9, widths.tolist(), found.operations, strict=False):
+            along, soft, name = loads.along, loads.soft, loads.operation.name
+            depth = units.show(1.0, "length") * along.depth
+            nodes = units.show(1.0, "length") * (loads.length - np.append(0.0, np.cumsum(along.length)))
+            force, couple = units.show(1.0, "force"), units.show(1.0, "torque")
+            tension.plot(force * along.tension, depth, color=colour, linewidth=width, label=name)
+            tension.plot(force * soft.tension, nodes, color=colour, linestyle="--", linewidth=0.8)
+            torque.plot(couple * along.torque, depth, color=colour, linewidth=width)
+            torque.plot(couple * soft.torque, nodes, color=colour, linestyle="--", linewidth=0.8)
+            side.plot(units.show(1.0, "force_per_length") * along.side_force, depth, color=colour, linewidth=0.8)
+            share = np.maximum(-along.tension, 0.0) / loads.buckling.sinusoidal
+            buckling.plot(share, depth, color=colour, linewidth=width)
+        for limit, label in ((1.0, "sinusoidal"), (float(CHEN), "helical")):
+            buckling.axvline(limit, color=GREY, linewidth=0.9, linestyle=":")
+            buckling.annotate(label, (limit, 0.02), xycoords=("data", "axes fraction"), rotation=90, color=GREY,
+                              fontsize=8.5, ha="right", va="bottom")  # fmt: skip
+        tension.axvline(0.0, color=GREY, linewidth=0.8)
+        titles = ("tension", "torque", "side force", "compression / sinusoidal load")
+        names = (units.force, units.torque, units.force_per_length, "-")
+        bottom = units.show(found.operations[0].length, "length")
+        for panel, title, unit in zip(panels, titles, names, strict=True):
+            panel.set_title(title, fontsize=10)
+            panel.set(xlabel=f"[{unit}]", ylim=(bottom, 0.0))
+            panel.xaxis.set_major_locator(MaxNLocator(4))
+            panel.tick_params(labelleft=panel is tension)
+        side.set_xlim(left=0.0)
+        buckling.set_xlim(left=0.0, right=max(1.6, buckling.get_xlim()[1]))
+        tension.set_ylabel(f"measured depth [{units.length}]")
+        figure.legend(*tension.get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(0.07, 0.935), ncols=5)
+        figure.text(0.975, 0.905, "dashed: soft string", ha="right", color=GREY, fontsize=9)
+    return figure
