@@ -27,7 +27,7 @@ from drill_twin.studies.fitting import (
     sample,
 )
 from drill_twin.studies.fitting.posterior import full_key
-from drill_twin.studies.fitting.ranges import in_ranges
+from drill_twin.studies.fitting.sampling import in_ranges
 
 
 def fit(

@@ -20,8 +20,8 @@ from drill_twin.cli.options import (
 
 if TYPE_CHECKING:
     from drill_twin.core.table import Table
+    from drill_twin.studies.accuracy.convergence import Curve
     from drill_twin.studies.accuracy.errors import MotionErrors
-    from drill_twin.studies.convergence import Curve
 
 
 def cost(
@@ -64,9 +64,15 @@ def cost(
     from drill_twin.cli.show import shown_progress
     from drill_twin.core.files.result_folder import make_folder
     from drill_twin.scene import load_scene
-    from drill_twin.studies.convergence import choose_resolutions, measure, on_meshes, require_marks
-    from drill_twin.studies.convergence.curve import ELEMENTS, STEPS
-    from drill_twin.studies.convergence.figure import cost_figure
+    from drill_twin.studies.accuracy.convergence import (
+        ELEMENTS,
+        STEPS,
+        choose_resolutions,
+        measure,
+        on_meshes,
+        require_marks,
+    )
+    from drill_twin.studies.accuracy.figures import cost_figure
 
     changes = overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)

@@ -20,8 +20,8 @@ from drill_twin.cli.options import (
 
 if TYPE_CHECKING:
     from drill_twin.core.table import Table
-    from drill_twin.studies.ablation import Ablation, Change
-    from drill_twin.studies.ablation.compare import AblationQuantity
+    from drill_twin.studies.accuracy.ablation import Ablation, Change
+    from drill_twin.studies.accuracy.trial import AblationQuantity
 
 
 def effects(
@@ -57,8 +57,8 @@ def effects(
     from drill_twin.cli.emit import emit, folder_name, new_folder
     from drill_twin.cli.show import shown_progress
     from drill_twin.scene import load_scene
-    from drill_twin.studies.ablation import ablate, groups
-    from drill_twin.studies.ablation.figure import ablation_figure
+    from drill_twin.studies.accuracy.ablation import ablate, groups
+    from drill_twin.studies.accuracy.figures import ablation_figure
 
     changes = overrides(change, duration=duration)
     described = load_scene(scene, overrides=changes)
@@ -76,7 +76,7 @@ def effects(
 
 def _table(ablation: Ablation) -> Table:
     from drill_twin.core.table import Column, Table
-    from drill_twin.studies.ablation.compare import NAMES
+    from drill_twin.studies.accuracy.trial import NAMES
 
     known = next(change.quantities for change in (*ablation.changes, ablation.reduced) if change.quantities)
     runs = ablation.replicas
@@ -90,7 +90,7 @@ def _table(ablation: Ablation) -> Table:
 
 
 def _row(change: Change, runs: int) -> tuple[str, ...]:
-    from drill_twin.studies.ablation.compare import NAMES
+    from drill_twin.studies.accuracy.trial import NAMES
 
     name = " + ".join(change.left_out)
     if change.failure:

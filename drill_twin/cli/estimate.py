@@ -62,8 +62,8 @@ def estimate(
     from drill_twin.cli.show import remark
     from drill_twin.core.errors import ArgumentError, RunError
     from drill_twin.studies.estimation import CHANNELS, SET_POINTS
-    from drill_twin.studies.estimation.bands import held_text
     from drill_twin.studies.estimation.figure import estimate_figure
+    from drill_twin.studies.estimation.prediction import held_text
     from drill_twin.studies.fitting.record import channel_column
 
     options = dt.EstimatorOptions(members=members, window=window, error=error, horizon=horizon, seed=seed)

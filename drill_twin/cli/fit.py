@@ -55,7 +55,7 @@ def fit(
     from drill_twin.cli.emit import emit
     from drill_twin.cli.show import remark
     from drill_twin.core.errors import SceneError
-    from drill_twin.studies.fitting.figure import fit_figure
+    from drill_twin.studies.fitting.posterior import fit_figure
 
     ranges = dict(range_option(text) for text in free)
 

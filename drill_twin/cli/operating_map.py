@@ -85,8 +85,7 @@ def operating_map(
     from drill_twin.core.errors import SceneError
     from drill_twin.core.files.result_folder import make_folder
     from drill_twin.scene import load_scene
-    from drill_twin.studies.maps.figure import map_figure
-    from drill_twin.studies.maps.page import build_page
+    from drill_twin.studies.maps.drawing import build_page, map_figure
 
     changes = overrides(change, duration=duration)
     ranges = {}

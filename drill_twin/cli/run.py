@@ -104,7 +104,7 @@ def _planned(scene: Scene, show: Callable[[str], None]) -> AccuracyPlan:
     """Choose the resolution and print the expected error; `show` takes the progress in words."""
     from drill_twin.cli.show import remark
     from drill_twin.studies.accuracy import resolve
-    from drill_twin.studies.accuracy.progress import in_words
+    from drill_twin.studies.accuracy.measure import in_words
 
     plan = resolve(scene, progress=in_words(show), compiling=show)
     remark(plan.sentence)

@@ -12,9 +12,9 @@ import pytest
 
 from drill_twin.core.errors import ArgumentError, BagError
 from drill_twin.core.files.json_lines import JsonLines
-from drill_twin.studies.maps.journal import Journal
 from drill_twin.studies.maps.regimes import Regime
 from drill_twin.studies.maps.runs import Key, RunRecord
+from drill_twin.studies.maps.search import Journal
 
 SETUP = {"scene": "bench", "duration": 30.0}
 

@@ -13,8 +13,8 @@ from drill_twin.live.page_state import PageState
 from drill_twin.live.sources import Sources
 from drill_twin.scene import load_scene
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
+from drill_twin.studies.maps.drawing import lattice_data
 from drill_twin.studies.maps.operating_map import digest_of
-from drill_twin.studies.maps.page import lattice_data
 from drill_twin.studies.maps.runs import Key, RunRecord
 
 SCENE = load_scene("pa6_bench")

@@ -150,7 +150,7 @@ class Advisor(TwinNode):
             self._drop_maker()
 
     def _use(self, found: OperatingMap) -> None:
-        from drill_twin.studies.maps.page import lattice_data
+        from drill_twin.studies.maps.drawing import lattice_data
 
         self._adviser = Adviser(found, self.settings.margin)
         self.topics.publish(ADVICE_MAP, encode_string(json.dumps(lattice_data(found))))

@@ -49,7 +49,7 @@ def resolved(scene: Scene, duration: float, log: Callable[[str], object]) -> Sce
     if scene.numerics.accuracy is None:
         return scene
     from drill_twin.studies.accuracy import resolve
-    from drill_twin.studies.accuracy.progress import in_words
+    from drill_twin.studies.accuracy.measure import in_words
 
     plan = resolve(scene, duration=duration or None, progress=in_words(log, every=_LINE_PERIOD))
     log(plan.sentence)

@@ -206,3 +206,23 @@ def at(scene: Scene, elements: int, step: float, tolerance: float) -> Scene:
     """The scene at a resolution: elements, time step [s], tolerance of Newton's method."""
     chosen = {"accuracy": None, "elements": elements, "step": step, "tolerance": tolerance}
     return scene.model_copy(update={"numerics": scene.numerics.model_copy(update=chosen)})
+
+
+def in_words(say: Callable[[str], object], every: float = 0.0) -> Report:
+    """Progress of a measurement that is told as a text with the share done and the time left.
+
+    Args:
+        say: Takes the text.
+        every: Least wall-clock time between two texts [s].
+    """
+    began, said = time.monotonic(), -every
+
+    def report(line: str, share: float) -> None:
+        nonlocal said
+        now = time.monotonic()
+        if now - said >= every:
+            said = now
+            left = (now - began) * (1.0 - share) / share if share > 0.0 else 0.0
+            say(f"{line}; {share:.0%} done, about {left:.0f} s left")
+
+    return report

@@ -19,14 +19,27 @@ from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.whole_file import whole_file
 from drill_twin.core.missing import number_or_nan
 from drill_twin.core.version import __version__
+from drill_twin.dynamics.equilibrium.static_equilibrium import random_shape
 from drill_twin.dynamics.solver.state import ITERATIONS
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.scene_geometry import mark_infos
 from drill_twin.runs import compile_kernel
 from drill_twin.runs.ensemble.parts import parts_of, planned
 from drill_twin.scene import Scene, load_scene
-from drill_twin.studies.accuracy.replicas import perturb
 from drill_twin.whirl import Analyzer
+
+PERTURBATION = 1e-4
+"""Size of the random velocity by which replicas of a run differ [m/s]; far below the speed of whirl."""
+
+
+def perturb(twin: Twin, seed: int) -> None:
+    """Add a small smooth random lateral velocity, so that chaotic runs diverge."""
+    random = np.random.default_rng(seed)
+    _, v = twin.unknowns
+    place, slope = random_shape(twin.rod.arc, random)
+    v[:, 0:2] += PERTURBATION * place
+    v[:, 3:5] += PERTURBATION * slope
+
 
 FORMAT = 6
 """Version of the cache files."""

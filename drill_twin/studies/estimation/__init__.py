@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimates of state and numbers of a running rig from what is measured, by an ensemble that is corrected."""
 
-from drill_twin.studies.estimation.bands import Band
 from drill_twin.studies.estimation.ensemble_filter import (
     CHANNELS,
     EnsembleFilter,
@@ -11,7 +10,7 @@ from drill_twin.studies.estimation.ensemble_filter import (
 )
 from drill_twin.studies.estimation.intake import SET_POINTS, Intake
 from drill_twin.studies.estimation.members import LOAD
-from drill_twin.studies.estimation.prediction import SENSORS, unit_of
+from drill_twin.studies.estimation.prediction import SENSORS, Band, unit_of
 from drill_twin.studies.estimation.square_root_filter import Correction, correction
 
 __all__ = [

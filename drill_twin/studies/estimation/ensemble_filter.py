@@ -14,16 +14,14 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.scene import Scene
-from drill_twin.studies.estimation.bands import Band
-from drill_twin.studies.estimation.branches import Branches
-from drill_twin.studies.estimation.channel_errors import ChannelErrors
-from drill_twin.studies.estimation.divergence import Divergence
+from drill_twin.studies.estimation.channel_errors import ChannelErrors, ModelMismatchAlarm
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
-from drill_twin.studies.estimation.prediction import Pace, Prediction
+from drill_twin.studies.estimation.prediction import Band, Prediction, WindowTiming
+from drill_twin.studies.estimation.regime_resampling import RegimeResampling
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin.studies.estimation.subs import VALUES, speed
-from drill_twin.studies.fitting.ranges import Ranges
+from drill_twin.studies.fitting.sampling import Ranges
 
 CHANNELS = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed")
 """Channels that can correct: those of the surface, and the speed of a downhole tool."""
@@ -104,7 +102,7 @@ class Estimate:
             places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
         whirls: Share of the members that whirl.
         chance: Share of those that whirl within the horizon; NaN if it is not computed.
-        unexplained: Time since which the misfit of a channel is far above its usual one [s], by name (`Divergence`).
+        unexplained: Time since which the misfit of a channel is far above its usual one [s], by name (`ModelMismatchAlarm`).
         misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
         absurd: Samples left out so far.
         replaced: Members that took the state of others so far, as they were on another branch of motion.
@@ -168,13 +166,13 @@ class EnsembleFilter:
         frame_rate = scene.numerics.frame_rate
         every = max(1, round(frame_rate / options.rate))
         samples = max(1, round(options.window * frame_rate / every))
-        self.pace = Pace(scene.numerics.frame_period, every * samples, samples)
+        self.pace = WindowTiming(scene.numerics.frame_period, every * samples, samples)
         self.members = EstimatorMembers(scene, ranges, options.members, self.pace, options.seed, subs)
         self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
         self.time = 0.0
         self._errors = ChannelErrors(self.channels, options.error)
-        self._branches = Branches(options.members, options.seed)
-        self._divergence = Divergence(self.channels)
+        self._resampling = RegimeResampling(options.members, options.seed)
+        self._alarm = ModelMismatchAlarm(self.channels)
         self._phase = PhaseCorrection(self.members, options.error)
         self._replaced, self._unmeasured = 0, 0.0
         self._distance: Array = np.zeros(options.members)
@@ -197,12 +195,12 @@ class EnsembleFilter:
         self.members.correct([*found, *lateral])
         self._forget()
         sensors = self._sensors(prediction, found, lateral)
-        self._divergence.take(start, misfit)
+        self._alarm.take(start, misfit)
         self._unmeasured = 0.0 if np.isfinite(misfit).any() else self._unmeasured + self.pace.window
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
         measured = np.concatenate((measured, self._phase.measured))
         deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
-        self._change_branch(predicted, measured, deviation)
+        self._resample(predicted, measured, deviation)
         self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
         return Estimate(
             time=self.time,
@@ -210,7 +208,7 @@ class EnsembleFilter:
             sensors={name: Band.of(values) for name, values in sensors.items()},
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),
-            unexplained=self._divergence.since,
+            unexplained=self._alarm.since,
             misfit=dict(zip(self.channels, misfit.tolist(), strict=True)),
             absurd=self._errors.absurd + self._phase.errors.absurd,
             replaced=self._replaced,
@@ -261,9 +259,9 @@ class EnsembleFilter:
         mean, deviation = members.normal.mean(axis=0), members.normal.std(axis=0)
         members.normal = mean + (members.normal - mean) * np.where(deviation * growth < 1.0, growth, 1.0)
 
-    def _change_branch(self, predicted: Array, measured: Array, deviation: Array) -> None:
-        self._branches.weigh(predicted, measured, deviation)
-        pairs = self._branches.replacements()
+    def _resample(self, predicted: Array, measured: Array, deviation: Array) -> None:
+        self._resampling.weigh(predicted, measured, deviation)
+        pairs = self._resampling.replacements()
         for source, target in pairs:
             self.members.copy(source, target)
         self._replaced += len(pairs)
@@ -286,4 +284,4 @@ class EnsembleFilter:
         coming = np.where(np.sign(coming) == np.sign(commands[-1]), coming, 0.0)
         count = min(self.options.scouts, len(self.members))
         chosen = np.linspace(0, len(self.members) - 1, count).round().astype(int).tolist()
-        return float(self.members.ahead(coming.reshape(windows, self.pace.frames, -1), chosen).mean())
+        return float(self.members.forecast(coming.reshape(windows, self.pace.frames, -1), chosen).mean())

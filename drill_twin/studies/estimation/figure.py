@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drill_twin.studies.estimation.bands import SHARE
 from drill_twin.studies.estimation.ensemble_filter import Estimate
-from drill_twin.studies.estimation.prediction import unit_of
+from drill_twin.studies.estimation.prediction import SHARE, unit_of
 from drill_twin.studies.fitting.record import Record
 
 if TYPE_CHECKING:

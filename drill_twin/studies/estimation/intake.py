@@ -15,8 +15,8 @@ from drill_twin.scene import Scene
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Command, Schedule
 from drill_twin.studies.estimation.ensemble_filter import FilterWindow
-from drill_twin.studies.estimation.prediction import Pace
-from drill_twin.studies.estimation.sub_intake import SubIntake
+from drill_twin.studies.estimation.prediction import WindowTiming
+from drill_twin.studies.estimation.subs import SubIntake
 
 SET_POINTS = tuple(field.name for field in fields(Command))
 """Names of the set-points among the values of a sample [N], [rad/s], [m/s]; those of `Command`."""
@@ -45,7 +45,7 @@ class Intake:
         frozen: Channels that are frozen.
     """
 
-    def __init__(self, pace: Pace, scene: Scene, channels: Sequence[str], subs: Sequence[Sub] = ()) -> None:
+    def __init__(self, pace: WindowTiming, scene: Scene, channels: Sequence[str], subs: Sequence[Sub] = ()) -> None:
         self.troubles: Counter[str] = Counter()
         self.frozen: set[str] = set()
         self._pace, self._channels = pace, list(channels)

@@ -15,22 +15,42 @@ from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
 from drill_twin.dynamics.twin.bending_stress import bending_stress
 from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.dynamics.twin.frame import Frame
-from drill_twin.dynamics.twin.frame_record import RigSeries
+from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.runs.ensemble.outputs import Request
 from drill_twin.runs.ensemble.outputs.series import Channels
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.set_points import Command
-from drill_twin.studies.estimation.asynchronous import asynchronous_radius
-from drill_twin.studies.estimation.bands import SHARE, Band
 from drill_twin.studies.estimation.lateral import LateralMotion
-from drill_twin.studies.estimation.prediction import SENSORS, Pace, Prediction
+from drill_twin.studies.estimation.prediction import SENSORS, SHARE, Band, Prediction, WindowTiming
 from drill_twin.studies.estimation.square_root_filter import Correction, applied
 from drill_twin.studies.estimation.subs import VALUES, SubReader, listed
 from drill_twin.studies.fitting.posterior import full_key
-from drill_twin.studies.fitting.ranges import Ranges, in_ranges
+from drill_twin.studies.fitting.sampling import Ranges, in_ranges
 from drill_twin.whirl.criteria import Criteria
+
+_LEAST_TURN = 1.0
+"""Revolutions that a window must have, to tell offset, synchronous part and the rest apart."""
+
+
+def asynchronous_radius(rows: FrameSeries) -> Array:
+    """Rms radius of z - c - S exp(i spin) at each mark over recorded frames [m], shape (m,); 0 within a revolution.
+
+    Offset c and synchronous part S are a least-squares fit over the window; the analyzer's has a fading memory
+    (`drill_twin.whirl.orbit.runout_separation`).
+    """
+    found = np.zeros(rows.spin.shape[1])
+    for mark in range(found.size):
+        spin = rows.spin[:, mark]
+        if abs(spin[-1] - spin[0]) < 2.0 * np.pi * _LEAST_TURN:
+            continue
+        motion = rows.centre[:, mark, 0] + 1j * rows.centre[:, mark, 1]
+        parts = np.column_stack((np.ones(spin.size), np.exp(1j * spin)))
+        fitted = parts @ np.linalg.lstsq(parts, motion, rcond=None)[0]
+        found[mark] = np.sqrt(np.mean(np.abs(motion - fitted) ** 2))
+    return found
+
 
 LOAD = "load_factor"
 """Number that is no key of a scene: weight on bit of a member over the one that is commanded or indicated."""
@@ -52,7 +72,7 @@ class EstimatorMembers:
     """
 
     def __init__(
-        self, scene: Scene, ranges: Ranges, count: int, pace: Pace, seed: int, subs: Sequence[str] = ()
+        self, scene: Scene, ranges: Ranges, count: int, pace: WindowTiming, seed: int, subs: Sequence[str] = ()
     ) -> None:
         """Draw the numbers and make the twins, each with a seed of its own.
 
@@ -163,7 +183,7 @@ class EstimatorMembers:
             f"{name}/{axis}": part for name, places in named for axis, part in (("x", places.real), ("y", places.imag))
         }
 
-    def ahead(self, commands: Array, chosen: Sequence[int]) -> Mask:
+    def forecast(self, commands: Array, chosen: Sequence[int]) -> Mask:
         """Check which of some members whirl at a time in the windows to come, shape (chosen,); all are back afterwards.
 
         Args:

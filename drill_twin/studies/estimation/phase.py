@@ -16,7 +16,7 @@ from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.studies.estimation.channel_errors import ChannelErrors
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, correction
-from drill_twin.studies.estimation.subs import lateral_velocity, sound, velocity_noise
+from drill_twin.studies.estimation.subs import lateral_velocity, replace_outliers, velocity_noise
 
 _COHERENCE = 0.5
 """Correlation with the measured motion from which a member's phase is a phase of the same motion."""
@@ -51,7 +51,7 @@ class PhaseCorrection:
             found: Corrections by the other channels, which come first.
         """
         period, samples = members.pace.period, members.pace.samples
-        rig = lateral_velocity(sound(measured, predicted), period, samples)
+        rig = lateral_velocity(replace_outliers(measured, predicted), period, samples)
         own = lateral_velocity(predicted.swapaxes(1, 2), period, samples)
         lateral = members.lateral
         motion = lateral.read(members.twins)

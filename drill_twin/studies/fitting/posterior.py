@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Result of a fit: draws, intervals, correlations, what the record does not determine, the fitted scene."""
+"""Result of a fit: draws, intervals, correlations, what the record does not determine, the fitted scene, its figure."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from drill_twin.scene.load import build_scene
 from drill_twin.scene.overrides import SHORTHANDS
 from drill_twin.studies.fitting.record import Record
 from drill_twin.studies.fitting.sampling import Sampling
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 UNDETERMINED = 0.6
 """Width of a 90 % interval over that of the range, above which the record does not determine a number."""
@@ -169,3 +172,23 @@ def full_key(key: str, scene: Scene) -> str:
     """Full key of a scene; an effect needs no `effects.` before it, and `wob` and `rps` are short names."""
     key = SHORTHANDS.get(key, (key, ""))[0]
     return f"effects.{key}" if key.partition(".")[0] in scene.effect_names else key
+
+
+def fit_figure(found: Posterior) -> Figure:
+    """Record, 90 % band and best run over time, a panel for each channel."""
+    from drill_twin.report.figures.style import BLUE, LIGHT, VERMILION, laid_out, styled
+    from drill_twin.studies.fitting.record import CHANNELS
+
+    channels = list(found.measured)
+    with styled():
+        figure = laid_out(1.0 + 2.4 * len(channels), f"{found.scene.name}: the record and the draws")
+        panels = figure.subplots(len(channels), sharex=True, squeeze=False)[:, 0]
+        for axes, channel in zip(panels, channels, strict=True):
+            low, high = found.band(channel)
+            axes.fill_between(found.time, low, high, color=LIGHT, label="90 % band")
+            axes.plot(found.time, found.measured[channel], color=BLUE, linewidth=1.0, label="record")
+            axes.plot(found.time, found.runs[channel][found.best_run], color=VERMILION, linewidth=1.0, label="best run")
+            axes.set_ylabel(f"{channel} [{CHANNELS[channel].unit}]")
+        panels[-1].set_xlabel("time [s]")
+        panels[0].legend(loc="upper right", ncols=3)
+    return figure

@@ -8,13 +8,28 @@ raised to a power below 1 that leaves enough of them alive (tempering).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import optimize, special, stats
 
 from drill_twin.core.arrays import Array
+
+Ranges = Mapping[str, tuple[float, float]]
+"""Lowest and highest value [SI] by key."""
+LOGARITHMIC = 20.0
+"""Ratio of a range's ends from which it is uniform in the logarithm."""
+
+
+def in_ranges(cube: Array, ranges: Ranges) -> Array:
+    """Values [SI] at positions in the unit cube, both of shape (N, d)."""
+    columns = []
+    for position, (low, high) in zip(cube.T, ranges.values(), strict=True):
+        logarithmic = low > 0.0 and high >= LOGARITHMIC * low
+        columns.append(low * (high / low) ** position if logarithmic else low + (high - low) * position)
+    return np.array(columns).T
+
 
 FREEDOM = 5
 """Degrees of freedom of the proposals: Student's t has heavier tails than the posterior."""

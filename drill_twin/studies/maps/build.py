@@ -1,24 +1,107 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An operating map from a plan: checks, journal, search."""
+"""An operating map from a plan: draws, search, checks of the safe windows."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+
+import numpy as np
 
 from drill_twin.core.errors import ArgumentError, SceneError
 from drill_twin.core.version import __version__
 from drill_twin.runs.ensemble import Executor, Threads
 from drill_twin.scene import Scene
-from drill_twin.studies.maps.check import check
-from drill_twin.studies.maps.draws import draws_of
-from drill_twin.studies.maps.journal import Journal
+from drill_twin.scene.schema import number_at
+from drill_twin.studies.maps.growth_hint import growth_of
 from drill_twin.studies.maps.operating_map import OperatingMap, digest_of
 from drill_twin.studies.maps.plane import Plane
-from drill_twin.studies.maps.prior import growth_of
-from drill_twin.studies.maps.runs import Runner
-from drill_twin.studies.maps.search import BoundarySearch, Progress
+from drill_twin.studies.maps.regimes import Regime
+from drill_twin.studies.maps.runs import FINER, Key, Runner
+from drill_twin.studies.maps.search import BoundarySearch, Journal, Progress
+from drill_twin.studies.maps.window import cells_of
+
+SEED = "numerics.seed"
+MOST_DRAWS = 1000
+"""Largest number of draws."""
+
+
+def draws_of(
+    scene: Scene, seeds: int, vary: Mapping[str, tuple[float, float, str]]
+) -> tuple[Mapping[str, float | str], ...]:
+    """Values by key of each draw; empty where one draw is asked for and nothing varies.
+
+    The points of a scrambled Sobol sequence (Owen 1998) fill the ranges.
+
+    Args:
+        scene: The base scene; its own numbers are the first draw.
+        seeds: Number of draws.
+        vary: Least and largest value by key, and their unit.
+
+    Raises:
+        ArgumentError: Too many draws, an empty range, or a key that has no number.
+    """
+    if not 1 <= seeds <= MOST_DRAWS:
+        raise ArgumentError(f"seeds: expected 1 to {MOST_DRAWS}, found {seeds}")
+    if vary and seeds == 1:
+        raise ArgumentError("vary: expected 2 or more seeds with uncertain numbers, one draw for each; found 1")
+    if seeds == 1:
+        return ()
+    from scipy.stats import qmc
+
+    first: dict[str, float | str] = {SEED: scene.numerics.seed}
+    keys = {}
+    for name, (low, high, _) in vary.items():
+        keys[name] = f"effects.{name}" if name.partition(".")[0] in scene.effect_names else name
+        first[keys[name]] = _number(scene, keys[name])
+        if not low < high:
+            raise ArgumentError(f"vary: expected {name}=LOW..HIGH with LOW below HIGH, found {low:g} to {high:g}")
+    draws = [first]
+    points = qmc.Sobol(max(1, len(vary)), seed=0).random(1 << (seeds - 1).bit_length())
+    for number, point in enumerate(points[: seeds - 1].tolist(), 1):
+        draw: dict[str, float | str] = {SEED: scene.numerics.seed + number}
+        for share, (name, (low, high, unit)) in zip(point, vary.items(), strict=False):
+            value = low + (high - low) * share
+            draw[keys[name]] = f"{value!r} {unit}" if unit else value
+        draws.append(draw)
+    return tuple(draws)
+
+
+def _number(scene: Scene, key: str) -> float:
+    """Value of a number of a scene in SI."""
+    found = number_at(scene, key)
+    if found is None:
+        raise ArgumentError(f"vary: expected the key of a number of {scene.name}, found {key}")
+    return found
+
+
+MOST_CHECKS, RUNS_FOR_ONE = 59, 20
+"""Checks of a round: 59 of 59 show that at most 5 % are not calm (95 %); at most one for so many runs of a map."""
+ROUNDS = 4
+
+
+def check(search: BoundarySearch, made: Callable[[], OperatingMap], runs: int, draws: int) -> None:
+    """Check the windows; each check that fails makes them smaller, and a new round begins.
+
+    Args:
+        search: Search whose runs the map has.
+        made: Makes the map of its runs so far.
+        runs: Largest number of runs of the search.
+        draws: Number of draws, one after the other for the checks; 0 without.
+    """
+    count = min(MOST_CHECKS, runs // RUNS_FOR_ONE)
+    for number in range(ROUNDS):
+        cells = np.argwhere(cells_of(made()))
+        if not (count and cells.size):
+            return
+        random = np.random.default_rng(number)
+        places = cells[random.integers(len(cells), size=count)] * FINER + random.integers(FINER + 1, size=(count, 2))
+        keys = [Key(i, j, k % max(1, draws), None, FINER) for k, (i, j) in enumerate(places.tolist())]
+        search.make("check of the windows", keys, beyond=True)
+        if all(search.records[key].regime is Regime.SMOOTH for key in keys):
+            return
+
 
 MOST_RUNS = 1_000_000
 

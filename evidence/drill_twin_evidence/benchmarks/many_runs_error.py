@@ -22,7 +22,7 @@ from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
 from drill_twin.scene import parse_scene
 from drill_twin.studies.maps import OperatingMap, read_map
-from drill_twin.studies.maps.draws import draws_of
+from drill_twin.studies.maps.build import draws_of
 from drill_twin.studies.maps.runs import SPEED, WEIGHT
 from drill_twin.studies.maps.search import BoundarySearch
 from drill_twin_evidence.benchmarks.growth_prior import Replayed

@@ -20,8 +20,8 @@ import drill_twin as dt
 from drill_twin.core.arrays import Array
 from drill_twin.runs.ensemble import Threads
 from drill_twin.studies.maps import OperatingMap, Plane, Span
-from drill_twin.studies.maps.journal import Journal
 from drill_twin.studies.maps.runs import Key, Runner
+from drill_twin.studies.maps.search import Journal
 
 
 def main() -> None:

@@ -25,8 +25,8 @@ from drill_twin.core.proportions import proportion_interval, proportion_text
 from drill_twin.core.table import Table, markdown_row
 from drill_twin.runs.ensemble import Threads
 from drill_twin.studies.maps import OperatingMap, Plane, Regime
-from drill_twin.studies.maps.journal import Journal
 from drill_twin.studies.maps.runs import FINER, Key, Runner, RunRecord
+from drill_twin.studies.maps.search import Journal
 from drill_twin.studies.maps.window import cells_of
 from drill_twin_evidence.benchmarks.advice_loop import COARSE
 

@@ -17,7 +17,7 @@ from drill_twin.scene.set_points import Schedule
 from drill_twin.studies.estimation import LOAD, EnsembleFilter, Estimate, EstimatorOptions, FilterWindow
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.prediction import Prediction
-from drill_twin.studies.fitting.ranges import Ranges
+from drill_twin.studies.fitting.sampling import Ranges
 
 _NOISE = 0.01
 """Standard deviation of a measured sample over the largest value of its channel."""

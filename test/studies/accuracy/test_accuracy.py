@@ -23,9 +23,8 @@ from drill_twin.studies.accuracy import AccuracyPlan, error_model, resolve
 from drill_twin.studies.accuracy.check import interval
 from drill_twin.studies.accuracy.error_model import OVERHEAD, ErrorModel, MeasuredPoint, content_key, load_model
 from drill_twin.studies.accuracy.errors import compare, errors_before
-from drill_twin.studies.accuracy.measure import AFTER_ONSET, TIGHT, Measurement, at
+from drill_twin.studies.accuracy.measure import AFTER_ONSET, TIGHT, Measurement, at, in_words
 from drill_twin.studies.accuracy.motion_run import run_motion
-from drill_twin.studies.accuracy.progress import in_words
 
 SWING = {
     "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",
@@ -206,7 +205,7 @@ def test_a_measurement_keeps_its_budget(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_the_progress_is_told_with_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = iter((0.0, 10.0, 12.0, 30.0))
-    monkeypatch.setattr("drill_twin.studies.accuracy.progress.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("drill_twin.studies.accuracy.measure.time.monotonic", lambda: next(clock))
     texts: list[str] = []
     report = in_words(texts.append, every=10.0)
     for share in (0.25, 0.3, 0.5):

@@ -14,9 +14,8 @@ from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.studies.estimation.lateral import LateralMotion
 from drill_twin.studies.estimation.phase import turns
-from drill_twin.studies.estimation.prediction import Pace
-from drill_twin.studies.estimation.sub_intake import SubIntake
-from drill_twin.studies.estimation.subs import VALUES, lateral_velocity, sound
+from drill_twin.studies.estimation.prediction import WindowTiming
+from drill_twin.studies.estimation.subs import VALUES, SubIntake, lateral_velocity, replace_outliers
 
 SUB = (
     "{name: near_bit, distance_from_bit: 1 m, radius: 6 mm, rate: 50 Hz, accelerometer: {noise: 5 mm/s^2, "
@@ -94,7 +93,7 @@ def test_readings_that_cannot_be_are_refused(reading):
 @pytest.fixture
 def intake():
     scene, troubles = dt.load_scene("pa6_bench", OVER), Counter()
-    return SubIntake(Pace(0.02, 50, 10), scene.sensors.subs[0], troubles), troubles
+    return SubIntake(WindowTiming(0.02, 50, 10), scene.sensors.subs[0], troubles), troubles
 
 
 def fill(intake, start=0.0, skip=(), change=1.0):
@@ -125,10 +124,12 @@ def test_a_force_that_no_member_has_is_left_out():
     members, measured = draw.standard_normal((4, 50, 1, VALUES)), draw.standard_normal((1, 50, VALUES))
     odd = measured.copy()
     odd[0, 20, 1] = 500.0
-    kept = sound(odd, members)
+    kept = replace_outliers(odd, members)
     np.testing.assert_array_equal(kept[0, 20], measured[0, 19])
     np.testing.assert_array_equal(np.delete(kept, 20, axis=1), np.delete(measured, 20, axis=1))
-    np.testing.assert_array_equal(sound(100.0 * measured, members), 100.0 * measured)  # all of it: a motion, no error
+    np.testing.assert_array_equal(
+        replace_outliers(100.0 * measured, members), 100.0 * measured
+    )  # all of it: a motion, no error
 
 
 def test_members_are_turned_to_the_measured_phase():

@@ -11,8 +11,8 @@ import drill_twin as dt
 from drill_twin.cli.app import app
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.studies.estimation.branches import Branches
-from drill_twin.studies.estimation.divergence import Divergence
+from drill_twin.studies.estimation.channel_errors import ModelMismatchAlarm
+from drill_twin.studies.estimation.regime_resampling import RegimeResampling
 
 OVER = {"wob": 55e3, "numerics.step": "20 ms", "numerics.frame_rate": 10.0}
 HIDDEN = {"bit_torque_stribeck.sticking": 0.71, "internal_damping.torsion_time": 0.15}
@@ -165,7 +165,7 @@ def test_samples_that_cannot_be_are_refused():
 
 def test_members_that_swing_while_the_rig_does_not_are_replaced():
     draw = np.random.default_rng(1)
-    branches = Branches(8, 1)
+    branches = RegimeResampling(8, 1)
     swing = np.sin(np.arange(20.0))
     predicted = np.stack([np.array([swing if m < 3 else 0.01 * draw.standard_normal(20)]) for m in range(8)])
     for _ in range(6):
@@ -176,7 +176,7 @@ def test_members_that_swing_while_the_rig_does_not_are_replaced():
 
 
 def test_divergence_begins_with_its_first_window_and_ends():
-    divergence = Divergence(["torque"])
+    divergence = ModelMismatchAlarm(["torque"])
     seen = []
     for window in range(40):
         divergence.take(float(window), np.array([0.3 if 20 <= window < 30 else 0.02]))

@@ -8,9 +8,9 @@ import pytest
 
 import drill_twin as dt
 from drill_twin.studies.estimation.intake import Intake
-from drill_twin.studies.estimation.prediction import Pace
+from drill_twin.studies.estimation.prediction import WindowTiming
 
-PACE = Pace(0.01, 100, 10)
+PACE = WindowTiming(0.01, 100, 10)
 
 
 @pytest.fixture

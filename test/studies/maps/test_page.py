@@ -9,7 +9,7 @@ from html import unescape
 
 import pytest
 
-from drill_twin.studies.maps.page import build_page, page_data
+from drill_twin.studies.maps.drawing import build_page, page_data
 
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 USE = """

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drill_twin.studies.maps.picture import boundaries, margins
+from drill_twin.studies.maps.drawing import boundaries, margins
 
 
 def test_the_margins_at_the_nodes_are_those_of_the_map(found):

@@ -14,9 +14,8 @@ import drill_twin as dt
 from drill_twin.runs.ensemble import Threads
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
 from drill_twin.studies.maps.regimes import TorsionalSpeeds
-from drill_twin.studies.maps.runs import FINER, Key, Runner, RunRecord
+from drill_twin.studies.maps.runs import FINER, Key, Runner, RunRecord, Trend
 from drill_twin.studies.maps.search import BoundarySearch
-from drill_twin.studies.maps.trend import Trend
 from drill_twin.studies.maps.window import MARGIN, cells_of, known_and_calm, rectangles
 
 STEPS = 32

@@ -10,8 +10,7 @@ from typing import Any
 from drill_twin.core.errors import RunError, SceneError
 from drill_twin.physics.effects import EFFECTS
 from drill_twin.scene import load_scene
-from drill_twin.studies.ablation.compare import AblationQuantity, differences, worst
-from drill_twin.studies.accuracy.trial import Trial, run_trial
+from drill_twin.studies.accuracy.trial import AblationQuantity, Trial, differences, run_trial, worst
 from drill_twin.studies.pool import run_jobs
 
 TOGETHER = ("stretch", "torsion")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Branches of motion: members that swing while the rig does not, or the other way, take the state of others.
+"""Resampling by regime of motion: members that swing while the rig does not, or the other way, take the state of others.
 
 Where two motions are possible with the same numbers (stick-slip beside steady rotation), a filter for near-linear
 motion does not lead from one to the other. So the size of the swing in windows is compared, which does not depend on a
@@ -20,7 +20,7 @@ _UNLIKELY = 1e-3
 """Weight over the largest one, below which a member is replaced."""
 
 
-class Branches:
+class RegimeResampling:
     """Weights of N members by the swings of their channels."""
 
     def __init__(self, members: int, seed: int) -> None:

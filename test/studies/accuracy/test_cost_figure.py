@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from drill_twin.studies.convergence import figure as cost
+from drill_twin.studies.accuracy.convergence import figure as cost
 
 
 def test_labels_do_not_overlap():

@@ -11,10 +11,9 @@ from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
 from drill_twin.scene import load_scene
+from drill_twin.studies.accuracy.convergence import LATERAL, SPATIAL, Resolution, choose_resolutions, converged, forms
 from drill_twin.studies.accuracy.errors import compare, path_error, spread
 from drill_twin.studies.accuracy.motion_run import Motion
-from drill_twin.studies.convergence import Resolution, choose_resolutions
-from drill_twin.studies.convergence.curve import LATERAL, SPATIAL, converged, forms
 
 SWING = {
     "effects.stretch": "off", "effects.torsion": "off", "effects.gravity": "off", "effects.eccentricity": "off",
