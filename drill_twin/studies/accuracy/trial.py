@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trials of a scene, scalar results of its runs, and what differs between two sets of them beyond tolerance and chance."""
+"""Trials, runs with scalar results, and what differs between two sets of them beyond tolerance and chance."""
 
 from __future__ import annotations
 

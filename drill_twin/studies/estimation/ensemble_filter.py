@@ -102,7 +102,7 @@ class Estimate:
             places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
         whirls: Share of the members that whirl.
         chance: Share of those that whirl within the horizon; NaN if it is not computed.
-        unexplained: Time since which the misfit of a channel is far above its usual one [s], by name (`ModelMismatchAlarm`).
+        unexplained: Time since which the misfit of a channel is far above its usual one [s], by name.
         misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
         absurd: Samples left out so far.
         replaced: Members that took the state of others so far, as they were on another branch of motion.

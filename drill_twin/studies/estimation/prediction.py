@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prediction of a window by the members of the ensemble: channels, virtual sensors, readings of subs, and their bands."""
+"""Prediction of a window by the members: channels, virtual sensors, readings of subs; bands over the members."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Resampling by regime of motion: members that swing while the rig does not, or the other way, take the state of others.
+"""Resampling by regime: members that swing while the rig does not, or the other way, take the state of others.
 
 Where two motions are possible with the same numbers (stick-slip beside steady rotation), a filter for near-linear
 motion does not lead from one to the other. So the size of the swing in windows is compared, which does not depend on a
