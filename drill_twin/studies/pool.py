@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, TypeVar
 
@@ -42,13 +42,15 @@ class _Context(SpawnContext):
 def process_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Worker processes; spawned, because a forked process inherits numba's locks.
 
-    Where a signal ends the study they are killed: a job may take minutes.
+    After an error jobs that have not begun are left out. Where a signal ends the study the processes are killed: a job
+    may take minutes.
     """
     os.environ.update(child_environment())  # of the workers, which start later
     with ProcessPoolExecutor(workers, mp_context=_Context()) as pool:
         try:
             yield pool
         except Exception:
+            pool.shutdown(wait=False, cancel_futures=True)
             raise
         except BaseException:
             for process in tuple((pool._processes or {}).values()):  # noqa: SLF001  kill_workers comes in Python 3.14
@@ -62,19 +64,14 @@ def run_jobs(
     workers: int,
     *,
     done: Callable[[Key, Result], None] = lambda _key, _result: None,
-    kernel: Callable[[Key], str] = lambda _: "",
 ) -> dict[Key, Result]:
-    """Call a function with the arguments of each job on worker processes.
-
-    Jobs start in their order, except that a worker stays with the jobs of one kernel while there are any: each kernel
-    is then compiled or loaded by few processes.
+    """Call a function with the arguments of each job on worker processes, in the order of the jobs.
 
     Args:
         function: A function of a module, so that a worker can import it.
         jobs: Arguments by key.
         workers: Processes.
         done: Called with key and result as each job ends.
-        kernel: Name of the kernel that a job needs.
 
     Returns:
         Results in the order of the jobs.
@@ -82,32 +79,11 @@ def run_jobs(
     Raises:
         Exception: What the function raised; jobs that have not begun are left out.
     """
-    waiting, found = list(jobs), dict[Key, Result]()
-    with ExitStack() as stack:
-        pools = [stack.enter_context(process_pool(1)) for _ in range(min(workers, len(waiting)))]
-        last = [""] * len(pools)
-        running = dict[Future[Result], tuple[int, Key]]()
-
-        def start(worker: int) -> None:
-            names = [kernel(key) for key in waiting]
-            key = waiting.pop(_next(names, last[worker], [*last[:worker], *last[worker + 1 :]]))
-            last[worker] = kernel(key)
-            running[pools[worker].submit(function, *jobs[key])] = worker, key
-
-        for worker in range(len(pools)):
-            start(worker)
-        while running:
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                worker, key = running.pop(future)
-                found[key] = future.result()
-                done(key, found[key])
-                if waiting:
-                    start(worker)
+    found = dict[Key, Result]()
+    with process_pool(workers) as pool:
+        running = {pool.submit(function, *arguments): key for key, arguments in jobs.items()}
+        for future in as_completed(running):
+            key = running[future]
+            found[key] = future.result()
+            done(key, found[key])
     return {key: found[key] for key in jobs}
-
-
-def _next(kernels: Sequence[str], own: str, others: Sequence[str]) -> int:
-    """Index of the job to start: of the worker's own kernel, else of one that no other worker runs, else the first."""
-    if own in kernels:
-        return kernels.index(own)
-    return next((index for index, name in enumerate(kernels) if name not in others), 0)

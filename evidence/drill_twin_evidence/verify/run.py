@@ -44,21 +44,28 @@ class CaseResult:
 def run_cases(
     cases: Sequence[Case], *, workers: int = 2, progress: Callable[[CaseResult], None] = lambda _: None
 ) -> list[CaseResult]:
-    """Run the cases on several processes.
+    """Run the cases on several processes; those of one kernel are one job, so that it is compiled or loaded once.
 
     Args:
         cases: Cases to run.
         workers: Processes.
-        progress: Called with each result as a case ends.
+        progress: Called with each result as the cases of a kernel end.
 
     Returns:
         Results in the order of the cases.
     """
-    found = run_jobs(
-        _run, {case: (case.name,) for case in cases}, workers,
-        done=lambda case, result: progress(CaseResult(case, *result)), kernel=_kernel,
-    )  # fmt: skip
-    return [CaseResult(case, *result) for case, result in found.items()]
+    groups = dict[str, list[Case]]()
+    for case in cases:
+        groups.setdefault(_kernel(case), []).append(case)
+    results = dict[Case, CaseResult]()
+
+    def ended(kernel: str, found: Sequence[tuple[tuple[Row, ...], float, str]]) -> None:
+        for case, result in zip(groups[kernel], found, strict=True):
+            results[case] = CaseResult(case, *result)
+            progress(results[case])
+
+    run_jobs(_run, {kernel: ([case.name for case in of],) for kernel, of in groups.items()}, workers, done=ended)
+    return [results[case] for case in cases]
 
 
 def _kernel(case: Case) -> str:
@@ -66,11 +73,16 @@ def _kernel(case: Case) -> str:
     return f"{TOPICS.get(case.topic, case.topic)}/{case.form}"
 
 
-def _run(name: str) -> tuple[tuple[Row, ...], float, str]:
-    """Rows of the case of this name, the seconds they took, and why there are none; called in a worker process."""
-    began = time.perf_counter()
-    try:
-        rows = tuple({case.name: case for case in all_cases()}[name].run())
-    except Exception as error:  # noqa: BLE001  a case that fails is reported in the table; the others go on
-        return (), 0.0, f"{type(error).__name__}: {error}"
-    return rows, time.perf_counter() - began, "" if rows else "it gave no numbers"
+def _run(names: Sequence[str]) -> list[tuple[tuple[Row, ...], float, str]]:
+    """Of each case its rows, the seconds they took, and why there are none; called in a worker process."""
+    known = {case.name: case for case in all_cases()}
+    found: list[tuple[tuple[Row, ...], float, str]] = []
+    for name in names:
+        began = time.perf_counter()
+        try:
+            rows = tuple(known[name].run())
+        except Exception as error:  # noqa: BLE001  a case that fails is reported in the table; the others go on
+            found.append(((), 0.0, f"{type(error).__name__}: {error}"))
+            continue
+        found.append((rows, time.perf_counter() - began, "" if rows else "it gave no numbers"))
+    return found
