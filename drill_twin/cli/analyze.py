@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli.emit import check_new, emit, write_file
 from drill_twin.cli.options import (
     FromOption,
     JsonOption,
@@ -17,7 +18,9 @@ from drill_twin.cli.options import (
     ReplaceOption,
     SceneOption,
     ToOption,
+    folder_option,
 )
+from drill_twin.cli.show import findings_shown, marks_shown, remark, shown_progress
 from drill_twin.core.errors import BagError
 
 if TYPE_CHECKING:
@@ -81,8 +84,6 @@ def analyze(
     """
     from itertools import chain
 
-    from drill_twin.cli.emit import check_new, emit, write_file
-    from drill_twin.cli.show import findings_shown, marks_shown, shown_progress
     from drill_twin.report.summary import summarise, to_json
 
     if out is not None:
@@ -102,10 +103,7 @@ def analyze(
 
 def report(
     bag: RecordedArgument,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Folder of the report.", show_default="beside bag_0, or BAG_report"),
-    ] = None,
+    out: Annotated[Path | None, folder_option("Folder of the report.", "beside bag_0, or BAG_report")] = None,
     scene: SceneOption = "",
     replace: ReplaceOption = False,
     json: JsonOption = False,
@@ -115,9 +113,6 @@ def report(
     states: StatesOption = False,
 ) -> None:
     """Draw the report of a bag: report.html, which needs no network, and its figures as PNG."""
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.show import shown_progress
-
     folder = out or default_folder(bag)
     existing = folder / "report.html"
     if existing.exists() and not replace:
@@ -132,7 +127,6 @@ def report(
 
 def draw(recording: Recording, folder: Path, *, states: bool = False) -> ReportFiles:
     """Build the report, with a status line that names the part in progress."""
-    from drill_twin.cli.show import shown_progress
     from drill_twin.report import build_report
 
     with shown_progress("drawing") as bar:
@@ -151,7 +145,6 @@ def default_folder(bag: Path) -> Path:
 
 
 def _recording(bag: Path, scene: str, selection: Selection | None = None) -> Recording:
-    from drill_twin.cli.show import remark
     from drill_twin.io.bag.virtual_bags import RecordBag
     from drill_twin.report.recording import read_recording
     from drill_twin.scene import load_scene

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli.emit import emit, new_folder
 from drill_twin.cli.options import DurationOption, JsonOption, ReplaceOption, SetOption, overrides
+from drill_twin.cli.show import shown_progress
 from drill_twin.core.errors import ArgumentError
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.api.compare import ComparedQuantity
-    from drill_twin.core.table import Table
 
 
 def compare(
@@ -42,8 +44,6 @@ def compare(
     compare.html, compare.json and compare.png.
     """
     from drill_twin.api.compare import finish, page, prepare, quantities
-    from drill_twin.cli.emit import emit, new_folder
-    from drill_twin.cli.show import shown_progress
     from drill_twin.report.comparison import draw_runs
     from drill_twin.report.figures.style import save
 
@@ -81,8 +81,6 @@ def compare(
 
 
 def _shown(cases: Sequence[str], rows: Sequence[ComparedQuantity], notes: Sequence[str]) -> Iterator[Table | str]:
-    from drill_twin.core.table import Table
-
     letters = [chr(ord("A") + number) for number in range(len(cases))]
     yield from (f"{letter}: {text}" for letter, text in zip(letters, cases, strict=True))
     if rows:

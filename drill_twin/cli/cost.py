@@ -8,18 +8,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli.emit import emit, folder_name
 from drill_twin.cli.options import (
     DurationOption,
     JsonOption,
     SceneArgument,
     SetOption,
     WorkersOption,
+    folder_option,
     meshes,
     overrides,
 )
+from drill_twin.cli.show import shown_progress
+from drill_twin.core.files.result_folder import make_folder
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
-    from drill_twin.core.table import Table
     from drill_twin.studies.accuracy.convergence import Curve
     from drill_twin.studies.accuracy.errors import MotionErrors
 
@@ -42,13 +46,7 @@ def cost(
     ] = "",
     workers: WorkersOption = 2,
     out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            help="Folder of the result; an interrupted study continues.",
-            show_default="out/cost_SCENE",
-        ),
+        Path | None, folder_option("Folder of the result; an interrupted study continues.", "out/cost_SCENE")
     ] = None,
     markdown: Annotated[
         bool, typer.Option("--markdown", help="Print the cheapest resolution for each power of ten as Markdown.")
@@ -60,9 +58,6 @@ def cost(
     An interrupted study continues. Writes cost.json, cost.csv and cost.png. `drill-twin run --accuracy` chooses a
     resolution by a smaller study of its own.
     """
-    from drill_twin.cli.emit import emit, folder_name
-    from drill_twin.cli.show import shown_progress
-    from drill_twin.core.files.result_folder import make_folder
     from drill_twin.scene import load_scene
     from drill_twin.studies.accuracy.convergence import (
         ELEMENTS,
@@ -99,8 +94,6 @@ def cost(
 
 def _markdown(curve: Curve) -> str:
     """The cheapest resolution for an error of the path and of the onset below each power of ten."""
-    from drill_twin.core.table import Table
-
     rows = []
     for power in range(-1, -10, -1):
         fit = [one for one in curve.front if one.errors.controlled <= 10.0**power]
@@ -119,8 +112,6 @@ def _share(value: float | None) -> str:
 
 
 def _tolerances(curve: Curve) -> Table:
-    from drill_twin.core.table import Table
-
     tried = [one for one in curve.runs if one.resolution.tolerance is not None]
     rows = [
         (_share(one.resolution.tolerance), _share(one.errors.path), _share(one.errors.onset), f"{one.cost * 1e3:.3g}")
@@ -132,8 +123,6 @@ def _tolerances(curve: Curve) -> Table:
 
 
 def _table(curve: Curve) -> Table:
-    from drill_twin.core.table import Table
-
     rows = [
         (
             one.resolution.form, str(one.resolution.elements), f"{one.resolution.step * 1e3:.2g}",
@@ -162,8 +151,6 @@ def _table(curve: Curve) -> Table:
 
 
 def _meshes(curve: Curve) -> Table:
-    from drill_twin.core.table import Table
-
     def row(elements: str, errors: MotionErrors, *price: str) -> tuple[str, ...]:
         found = (
             errors.path, errors.onset, errors.hookload, errors.torque, errors.stick_slip, errors.frequency,
@@ -188,8 +175,6 @@ def _meshes(curve: Curve) -> Table:
 
 def _all(curve: Curve) -> Table:
     """All runs with the numbers of each."""
-    from drill_twin.core.table import Table
-
     names = ("path", "onset", "frequency", "radius", "contact", "hookload", "torque", "stick_slip")
     columns = (
         "form", "elements", "step_s", "tolerance", *(f"error_{name}" for name in names), "cost_s_per_s",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli.emit import emit, folder_name, new_folder
 from drill_twin.cli.options import (
     DurationOption,
     JsonOption,
@@ -15,11 +16,13 @@ from drill_twin.cli.options import (
     SceneArgument,
     SetOption,
     WorkersOption,
+    folder_option,
     overrides,
 )
+from drill_twin.cli.show import shown_progress
+from drill_twin.core.table import Column, Table
 
 if TYPE_CHECKING:
-    from drill_twin.core.table import Table
     from drill_twin.studies.accuracy.ablation import Ablation, Change
     from drill_twin.studies.accuracy.trial import AblationQuantity
 
@@ -43,10 +46,7 @@ def effects(
     duration: DurationOption = "",
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
     workers: WorkersOption = 2,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="New folder of the result.", show_default="out/effects_SCENE"),
-    ] = None,
+    out: Annotated[Path | None, folder_option("New folder of the result.", "out/effects_SCENE")] = None,
     replace: ReplaceOption = False,
     json: JsonOption = False,
 ) -> None:
@@ -54,8 +54,6 @@ def effects(
 
     Each set of effects is compiled once and then cached. Writes effects.json and effects.png.
     """
-    from drill_twin.cli.emit import emit, folder_name, new_folder
-    from drill_twin.cli.show import shown_progress
     from drill_twin.scene import load_scene
     from drill_twin.studies.accuracy.ablation import ablate, groups
     from drill_twin.studies.accuracy.figures import ablation_figure
@@ -75,7 +73,6 @@ def effects(
 
 
 def _table(ablation: Ablation) -> Table:
-    from drill_twin.core.table import Column, Table
     from drill_twin.studies.accuracy.trial import NAMES
 
     known = next(change.quantities for change in (*ablation.changes, ablation.reduced) if change.quantities)

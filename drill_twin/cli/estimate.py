@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drill_twin.cli.emit import emit
 from drill_twin.cli.fit import range_option
-from drill_twin.cli.options import JsonOption, SetOption, overrides
+from drill_twin.cli.options import JsonOption, SetOption, folder_option, overrides
+from drill_twin.cli.show import remark
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
-    from drill_twin.core.table import Table
     from drill_twin.studies.estimation import Estimate
 
 FILES = ("estimate.json", "estimate.png")
@@ -51,15 +53,11 @@ def estimate(
     error: Annotated[float, typer.Option("--error", min=1e-6, help="Error of a sample over the largest value.")] = 0.02,
     horizon: Annotated[float, typer.Option("--horizon", min=0.0, help="Seconds ahead of the chance of whirl.")] = 4.0,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write estimate.json and estimate.png to this folder.")
-    ] = None,
+    out: Annotated[Path | None, folder_option("Write estimate.json and estimate.png to this folder.")] = None,
     json: JsonOption = False,
 ) -> None:
     """Follow a record as the node `estimator` follows a rig: numbers, virtual sensors, chance of whirl, alarms."""
     import drill_twin as dt
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.show import remark
     from drill_twin.core.errors import ArgumentError, RunError
     from drill_twin.studies.estimation import CHANNELS, SET_POINTS
     from drill_twin.studies.estimation.figure import estimate_figure
@@ -102,8 +100,6 @@ def estimate(
 
 
 def _shown(found: Estimate, name: str, held: str, troubles: dict[str, int]) -> Iterator[Table | str]:
-    from drill_twin.core.table import Table
-
     rows = [
         (name, f"{band.mean:.4g}", f"{band.deviation:.2g}", f"{band.low:.4g}", f"{band.high:.4g}")
         for name, band in {**found.numbers, **found.sensors}.items()

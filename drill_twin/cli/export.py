@@ -12,8 +12,19 @@ from typing import Annotated
 
 import typer
 
-from drill_twin.cli.options import BagArgument, FromOption, NamespaceOption, RecordedArgument, ReplaceOption, ToOption
+from drill_twin.cli.emit import check_new, say, write_file, write_files
+from drill_twin.cli.options import (
+    BagArgument,
+    FromOption,
+    NamespaceOption,
+    RecordedArgument,
+    ReplaceOption,
+    ToOption,
+    folder_option,
+)
+from drill_twin.cli.show import remark, shown_progress
 from drill_twin.core.errors import ArgumentError, BagError
+from drill_twin.core.table import Table
 
 
 def export(
@@ -31,8 +42,6 @@ def export(
 ) -> None:
     """Write weight on bit, hookload, torques and speeds of a bag over time, as CSV or LAS 2.0, in kN, kN.m and rpm."""
     from drill_twin.cli.analyze import default_folder
-    from drill_twin.cli.emit import check_new, write_file
-    from drill_twin.cli.show import remark, shown_progress
     from drill_twin.report.rig_table import csv_text, las_text, read_rig, rig_channels
     from drill_twin.report.selection import Selection
 
@@ -55,9 +64,7 @@ def export(
 
 def drillbotics(
     bag: BagArgument,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder of the files.", show_default="beside the report")
-    ] = None,
+    out: Annotated[Path | None, folder_option("Folder of the files.", "beside the report")] = None,
     well: Annotated[
         str, typer.Option("--well", metavar="NAME", help="Name of the well.", show_default="the scene's")
     ] = "",
@@ -76,10 +83,7 @@ def drillbotics(
     Needs the extra `las`. Exit code 1 where a rule is broken.
     """
     from drill_twin.cli.analyze import default_folder
-    from drill_twin.cli.emit import check_new, say, write_files
-    from drill_twin.cli.show import shown_progress
     from drill_twin.core.files.yaml_reader import plain_yaml
-    from drill_twin.core.table import Table
     from drill_twin.core.units import UnitError, parse
     from drill_twin.core.units.dimension import FREQUENCY
     from drill_twin.gateway.drillbotics import LOWEST_RATE, TIMESERIES, check_log, check_timeseries, read_log

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, SetOption, overrides
+from drill_twin.cli.emit import emit
+from drill_twin.cli.options import JsonOption, SetOption, folder_option, overrides
+from drill_twin.cli.show import remark
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from drill_twin.core.table import Table
     from drill_twin.studies.fitting import Posterior, Sampling
 
 
@@ -44,16 +46,11 @@ def fit(
     members: Annotated[int, typer.Option("--members", min=8, help="Runs of a round.")] = 64,
     rounds: Annotated[int, typer.Option("--rounds", min=1, help="Rounds at most.")] = 12,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the draws.")] = 1,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Write fit.json, fitted.yaml and fit.png to this folder."),
-    ] = None,
+    out: Annotated[Path | None, folder_option("Write fit.json, fitted.yaml and fit.png to this folder.")] = None,
     json: JsonOption = False,
 ) -> None:
     """Numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
     import drill_twin as dt
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.show import remark
     from drill_twin.core.errors import SceneError
     from drill_twin.studies.fitting.posterior import fit_figure
 
@@ -95,8 +92,6 @@ def range_option(text: str) -> tuple[str, str]:
 
 def _shown(found: Posterior) -> Iterator[Table | Text | str]:
     from rich.text import Text
-
-    from drill_twin.core.table import Table
 
     rows = []
     for key in found.ranges:

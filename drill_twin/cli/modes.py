@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli.emit import emit
 from drill_twin.cli.options import (
     JsonOption,
     SceneArgument,
@@ -18,11 +19,14 @@ from drill_twin.cli.options import (
     TurnOption,
     WeightOption,
     WithoutOption,
+    folder_option,
     overrides,
 )
+from drill_twin.cli.show import shown_progress
+from drill_twin.core.files.result_folder import make_folder
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
-    from drill_twin.core.table import Table
     from drill_twin.dynamics.rotordynamics.campbell import Campbell
     from drill_twin.dynamics.rotordynamics.modes import ModeTable
 
@@ -40,9 +44,7 @@ def modes(
     growth: Annotated[
         int, typer.Option("--map", metavar="N", min=0, max=500, help="Map of growth rates, N loads by N speeds.")
     ] = 0,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write modes.json and the figures to this folder.")
-    ] = None,
+    out: Annotated[Path | None, folder_option("Write modes.json and the figures to this folder.")] = None,
     json: JsonOption = False,
 ) -> None:
     """Damped modes of the turning string under its final set-points: frequency, growth, shape.
@@ -53,8 +55,6 @@ def modes(
     import numpy as np
 
     from drill_twin.api import rotordynamics
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.show import shown_progress
     from drill_twin.dynamics.discretisation.refinement import mesh
     from drill_twin.dynamics.discretisation.resolution import resolution_of
     from drill_twin.studies.modes import (
@@ -69,8 +69,6 @@ def modes(
     changes = overrides(change, wob=wob, rps=rps)
     own = rotordynamics.steady_scene(scene, changes, without)
     if out is not None:  # before the figures are computed
-        from drill_twin.core.files.result_folder import make_folder
-
         make_folder(out)
     command = rotordynamics.final_command(own)
     with shown_progress("computing"):
@@ -106,8 +104,6 @@ def _shown(table: ModeTable, diagram: Campbell | None, name: str) -> Iterator[Ta
 
 
 def _table(table: ModeTable, name: str) -> Table:
-    from drill_twin.core.table import Table
-
     command = table.balance.command
     rows = []
     for mode in table.modes:

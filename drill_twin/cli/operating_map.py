@@ -12,7 +12,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, WorkersOption, overrides
+from drill_twin.cli.emit import emit, folder_name
+from drill_twin.cli.options import (
+    JsonOption,
+    ReplaceOption,
+    SceneArgument,
+    SetOption,
+    WorkersOption,
+    folder_option,
+    overrides,
+)
+from drill_twin.cli.show import remark, shown_progress
+from drill_twin.core.files.result_folder import make_folder
 
 if TYPE_CHECKING:
     from drill_twin.scene import Scene
@@ -65,11 +76,7 @@ def operating_map(
         str, typer.Option("--dask", metavar="ADDRESS", help="Dask scheduler whose workers make the runs.")
     ] = "",
     out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", metavar="DIR", help="Folder of the result; a map that was broken off goes on.",
-            show_default="out/map_SCENE",
-        ),
+        Path | None, folder_option("Folder of the result; a map that was broken off goes on.", "out/map_SCENE")
     ] = None,
     replace: ReplaceOption = False,
     json: JsonOption = False,
@@ -81,9 +88,7 @@ def operating_map(
     time asked check the windows. Writes map.json, map.csv, map.html and map.png.
     """
     from drill_twin.api.maps import operating_map as make
-    from drill_twin.cli.emit import emit, folder_name
     from drill_twin.core.errors import SceneError
-    from drill_twin.core.files.result_folder import make_folder
     from drill_twin.scene import load_scene
     from drill_twin.studies.maps.drawing import build_page, map_figure
 
@@ -121,7 +126,6 @@ def operating_map(
 def _shown_runs(runs: int, folder: Path) -> Iterator[Callable[[str, int, int], None]]:
     """Progress with the time that all runs allowed would take, and what to do after Ctrl-C."""
     from drill_twin.cli.interrupt import Interrupted
-    from drill_twin.cli.show import remark, shown_progress
 
     began, first = time.monotonic(), -1
 

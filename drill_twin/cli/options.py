@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -65,6 +65,16 @@ WorkersOption = Annotated[
     int,
     typer.Option("--workers", metavar="N", min=0, help="Processes at a time; 0: one a core.", callback=_cores_for_zero),
 ]
+
+
+def folder_option(text: str, default: str | None = None) -> Any:
+    """Option `--out DIR`.
+
+    Args:
+        text: Its help.
+        default: Folder that is taken without it, in words; None: no files are written.
+    """
+    return typer.Option("--out", metavar="DIR", help=text, show_default=default or True)
 
 
 def overrides(pairs: list[str], **shorthands: str) -> dict[str, str]:

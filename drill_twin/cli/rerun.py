@@ -6,8 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
+from drill_twin.cli.emit import emit, new_folder
 from drill_twin.cli.options import (
     BagArgument,
     JsonOption,
@@ -15,8 +14,11 @@ from drill_twin.cli.options import (
     ReplaceOption,
     SceneOption,
     SetOption,
+    folder_option,
     overrides,
 )
+from drill_twin.cli.show import shown_progress
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.api.recorded_run import Rerun
@@ -25,12 +27,7 @@ if TYPE_CHECKING:
 def rerun(
     bag: BagArgument,
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", metavar="DIR", help="New folder of the result.", show_default="beside the bag: BAG_rerun"
-        ),
-    ] = None,
+    out: Annotated[Path | None, folder_option("New folder of the result.", "beside the bag: BAG_rerun")] = None,
     scene: SceneOption = "",
     namespace: NamespaceOption = "",
     replace: ReplaceOption = False,
@@ -43,9 +40,6 @@ def rerun(
     """
     from drill_twin.api.recorded_run import rerun as run_again
     from drill_twin.cli.analyze import default_folder
-    from drill_twin.cli.emit import emit, new_folder
-    from drill_twin.cli.show import shown_progress
-    from drill_twin.core.table import Table
 
     changes = overrides(change)
     folder = out or default_folder(bag).with_name(f"{default_folder(bag).name.removesuffix('_report')}_rerun")

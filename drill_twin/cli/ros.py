@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from drill_twin.cli.emit import emit
 from drill_twin.cli.options import BagArgument, JsonOption, NamespaceOption
+from drill_twin.cli.show import shown_progress
+from drill_twin.core.table import Column, Table
 
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from drill_twin.core.table import Table
     from drill_twin.ros.doctor.check import Check
 
 
@@ -97,9 +99,6 @@ def load(
     Simulator, rig driver, analyzer and recorder run as processes over DDS; their processor time is that of the kernel,
     with all threads of DDS. The simulator itself measures its time for the motion and for publishing.
     """
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.show import shown_progress
-    from drill_twin.core.table import Table
     from drill_twin.ros.demo.cpu_load import LoadOptions, run_load
 
     with shown_progress("running the nodes"):
@@ -124,8 +123,6 @@ def topics(
     json: JsonOption = False,
 ) -> None:
     """List the topics of the nodes and of the bags: names, types, units."""
-    from drill_twin.cli.emit import emit
-    from drill_twin.core.table import Table
     from drill_twin.io.messages.topics import OF_SUBS, TOPICS
 
     topics = (*TOPICS.values(), *OF_SUBS)
@@ -140,7 +137,6 @@ def topics(
 
 def topic_table(*, optional: bool = True) -> Table:
     """Table of the contract, or of the topics that every run has."""
-    from drill_twin.core.table import Table
     from drill_twin.io.messages.topics import OF_SUBS, TOPICS
 
     rows = [
@@ -156,7 +152,6 @@ def topic_table(*, optional: bool = True) -> Table:
 
 def rig_table() -> Table:
     """Table of the topics for rig software: publisher, quality of service, stamp and frame."""
-    from drill_twin.core.table import Table
     from drill_twin.io.messages.topics import CLOCK_TOPIC, FLOAT64, FRAME_ID, IMU, OF_SUBS, STRING, TOPICS
 
     unstamped = (FLOAT64, STRING)
@@ -189,8 +184,6 @@ def doctor(
     Works without ROS too, and says so; the nodes of ROS_DOMAIN_ID are checked where rclpy is there. Exit code 1 when
     something is wrong.
     """
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.show import shown_progress
     from drill_twin.ros.doctor.check import Verdict
     from drill_twin.ros.doctor.run import examine
 
@@ -205,7 +198,6 @@ def _shown(checks: list[Check], problems: int) -> Iterator[Table | Text | str]:
     """A table a section, with what to do below each check that found something."""
     from rich.text import Text
 
-    from drill_twin.core.table import Column, Table
     from drill_twin.ros.doctor.check import Verdict
 
     styles = {Verdict.OK: "green", Verdict.NOTE: "yellow", Verdict.PROBLEM: "bold red"}

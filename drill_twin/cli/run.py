@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drill_twin.cli.emit import emit, folder_name, new_folder
 from drill_twin.cli.interrupt import Interrupted, stop_request
 from drill_twin.cli.options import (
     DurationOption,
@@ -19,8 +20,10 @@ from drill_twin.cli.options import (
     SetOption,
     TurnOption,
     WeightOption,
+    folder_option,
     overrides,
 )
+from drill_twin.cli.show import findings_shown, remark, shown_progress
 
 if TYPE_CHECKING:
     from drill_twin.report.recording import Recording
@@ -47,9 +50,7 @@ def run(
         bool, typer.Option("--check/--no-check", help="After a run with an accuracy, measure its error.")
     ] = True,
     change: SetOption = [],  # noqa: B006  typer makes a new list of it
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="New folder of the result.", show_default="out/SCENE")
-    ] = None,
+    out: Annotated[Path | None, folder_option("New folder of the result.", "out/SCENE")] = None,
     replace: ReplaceOption = False,
     with_report: Annotated[bool, typer.Option("--report", help="Draw the report too.")] = False,
     json: JsonOption = False,
@@ -58,8 +59,6 @@ def run(
 
     Physics, analysis and bag are those of the ROS nodes. Ctrl-C ends the run early and keeps the bag.
     """
-    from drill_twin.cli.emit import emit, folder_name, new_folder
-    from drill_twin.cli.show import findings_shown, remark, shown_progress
     from drill_twin.scene import load_scene
     from drill_twin.scene.set_points import Schedule
 
@@ -102,7 +101,6 @@ def run(
 
 def _planned(scene: Scene, show: Callable[[str], None]) -> AccuracyPlan:
     """Choose the resolution and print the expected error; `show` takes the progress in words."""
-    from drill_twin.cli.show import remark
     from drill_twin.studies.accuracy import resolve
     from drill_twin.studies.accuracy.measure import in_words
 
@@ -113,7 +111,6 @@ def _planned(scene: Scene, show: Callable[[str], None]) -> AccuracyPlan:
 
 def _checked(plan: AccuracyPlan, recording: Recording, motion_seconds: float, *, rerun: bool) -> dict[str, Any]:
     """Compare a run with its plan, print the result, and return it for the summary."""
-    from drill_twin.cli.show import remark, shown_progress
     from drill_twin.studies.accuracy import check
 
     what = "checking: the part before the onset at a finer resolution"
@@ -139,8 +136,6 @@ def _compiled(scene: Scene, schedule: Schedule) -> Session:
 @contextmanager
 def _stoppable(first: str) -> Iterator[Callable[[str], None]]:
     """Progress in words; SIGINT and SIGTERM end the block between two of them, or between slices of compiled work."""
-    from drill_twin.cli.show import shown_progress
-
     with stop_request() as asked, shown_progress(first) as progress:
 
         def check() -> None:
@@ -164,7 +159,6 @@ def _drill(session: Session, bag: Path) -> tuple[Outcome, int]:
     Returns:
         The outcome, and the number of the signal; 0 without one.
     """
-    from drill_twin.cli.show import remark, shown_progress
     from drill_twin.core.errors import RunStopped
     from drill_twin.runs import Progress as State
 

@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from drill_twin.cli.emit import check_new, emit, say, write_file
 from drill_twin.cli.options import JsonOption, ReplaceOption, SceneArgument, SetOption, overrides
+from drill_twin.cli.show import print_json, remark
 from drill_twin.core.errors import SceneError
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
     from drill_twin.scene import Scene
@@ -21,8 +24,6 @@ if TYPE_CHECKING:
 
 def scenes(json: JsonOption = False) -> None:
     """List the installed scenes."""
-    from drill_twin.cli.emit import emit
-    from drill_twin.core.table import Table
     from drill_twin.scene import load_scene, presets, well_scenes
 
     loaded = {name: (path, load_scene(path)) for name, path in (presets() | well_scenes()).items()}
@@ -48,9 +49,6 @@ def check(
     json: JsonOption = False,
 ) -> None:
     """Check a scene file: prints every problem, one a line, with its place, what was expected and what was found."""
-    from drill_twin.cli.emit import say
-    from drill_twin.cli.show import print_json
-    from drill_twin.core.table import Table
     from drill_twin.dynamics.discretisation.warnings import notes_on
     from drill_twin.scene import load_scene, scene_path
     from drill_twin.scene.set_points import Schedule
@@ -80,7 +78,6 @@ def schema(
     replace: ReplaceOption = False,
 ) -> None:
     """Print the JSON Schema of scene files, for completion and checks in an editor."""
-    from drill_twin.cli.emit import check_new, write_file
     from drill_twin.scene.json_schema import schema_text
 
     if out is None:
@@ -185,8 +182,6 @@ def new(
     replace: ReplaceOption = False,
 ) -> None:
     """Make a scene from a well plan; in a terminal, what is not given is asked for."""
-    from drill_twin.cli.emit import check_new, write_file
-    from drill_twin.cli.show import remark
     from drill_twin.core.errors import SceneError
     from drill_twin.scene.lines import yaml_text
     from drill_twin.scene.well_plan.plan import WellPlan

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from drill_twin.cli.emit import emit
 from drill_twin.cli.options import (
     JsonOption,
     SceneArgument,
@@ -17,11 +18,14 @@ from drill_twin.cli.options import (
     TurnOption,
     WeightOption,
     WithoutOption,
+    folder_option,
     overrides,
 )
+from drill_twin.cli.show import shown_progress
+from drill_twin.core.files.result_folder import make_folder
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
-    from drill_twin.core.table import Table
     from drill_twin.dynamics.torque_drag.analysis import Statics
     from drill_twin.studies.statics import UnitSystem
 
@@ -45,9 +49,7 @@ def statics(
         str, typer.Option("--rop", metavar="SPEED", help='Rate of penetration when sliding and drilling, as "18 m/h".')
     ] = "18 m/h",
     units: UnitsOption = "si",
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write statics.json, statics.csv and statics.png there.")
-    ] = None,
+    out: Annotated[Path | None, folder_option("Write statics.json, statics.csv and statics.png there.")] = None,
     json: JsonOption = False,
 ) -> None:
     """Torque, drag and buckling without a run: tripping, rotating off bottom, sliding, drilling.
@@ -56,9 +58,6 @@ def statics(
     soft string. JSON is in SI.
     """
     from drill_twin.api.torque_drag import statics as computed
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.show import shown_progress
-    from drill_twin.core.files.result_folder import make_folder
     from drill_twin.studies.statics import depth_table, statics_data, tracks, unit_system
 
     speeds = {option: _speed(option, text) for option, text in (("--trip-speed", trip_speed), ("--rop", feed))}
@@ -101,8 +100,6 @@ def _weight(found: Statics, units: UnitSystem) -> str:
 
 
 def _shown(found: Statics, units: UnitSystem) -> Iterator[Table]:
-    from drill_twin.core.table import Table
-
     operations, u = found.operations, units
 
     def column(values: Iterable[float], quantity: str = "") -> list[str]:

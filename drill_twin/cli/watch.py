@@ -12,6 +12,7 @@ import typer
 
 from drill_twin.cli.interrupt import stop_request
 from drill_twin.cli.options import NamespaceOption
+from drill_twin.cli.show import remark, shown_progress
 from drill_twin.core.errors import DrillTwinError
 
 
@@ -73,7 +74,6 @@ def watch(
 def _play(
     bag: Path, host: str, port: int, allowed: list[str], namespace: str | None, limits: list[str], *, browser: bool
 ) -> None:
-    from drill_twin.cli.show import remark, shown_progress
     from drill_twin.io.bag.reading.files import bag_path
     from drill_twin.live.limits import parse_limit
     from drill_twin.live.player import Player

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from drill_twin.cli.emit import emit
 from drill_twin.cli.options import (
     JsonOption,
     SceneArgument,
@@ -17,11 +18,13 @@ from drill_twin.cli.options import (
     TurnOption,
     WeightOption,
     WithoutOption,
+    folder_option,
     overrides,
 )
+from drill_twin.cli.show import shown_progress
+from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
-    from drill_twin.core.table import Table
     from drill_twin.dynamics.rotordynamics.steady.branches import Branch
     from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
     from drill_twin.scene import Scene
@@ -51,9 +54,7 @@ def whirl_states(
     simulate: Annotated[
         int, typer.Option("--simulate", metavar="N", min=0, help="With --over: N runs in time beside the branches.")
     ] = 0,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write the results and their figures to this folder.")
-    ] = None,
+    out: Annotated[Path | None, folder_option("Write the results and their figures to this folder.")] = None,
     json: JsonOption = False,
 ) -> None:
     """Steady whirls that can exist at the final set-points: frequency, ratio to the rotation, stability.
@@ -64,8 +65,6 @@ def whirl_states(
     eccentricity, which modulate them.
     """
     from drill_twin.api import rotordynamics
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.show import shown_progress
     from drill_twin.studies.whirl_states import state_data, states_figure
 
     own = rotordynamics.steady_scene(scene, overrides(change, wob=wob, rps=rps), without)
@@ -109,8 +108,6 @@ def _none_found(scene: Scene) -> str:
 
 
 def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], name: str) -> Table:
-    from drill_twin.core.table import Table
-
     command = states[0].whirl.command
     rows = [
         (
@@ -137,8 +134,6 @@ def _table(states: Sequence[WhirlState], modulated: Sequence[float | None], name
 def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | None, *, json: bool) -> None:
     """Branches over a number: table or JSON, and the figure."""
     from drill_twin.api import rotordynamics
-    from drill_twin.cli.emit import emit
-    from drill_twin.cli.show import shown_progress
     from drill_twin.studies.whirl_states import LABELS, branch_data, branches_figure, run_data
 
     key, low, high = _range(over)
@@ -157,7 +152,6 @@ def _follow(scene: Scene, over: str, starts: int, simulate: int, out: Path | Non
 def _shown_branches(
     scene: Scene, found: Sequence[Branch], runs: Sequence[tuple[float, SimulatedWhirl]], label: str, unit: float
 ) -> Iterator[Table | str]:
-    from drill_twin.core.table import Table
     from drill_twin.dynamics.discretisation.resolution import resolution_of
 
     rows = [
