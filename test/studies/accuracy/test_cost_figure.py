@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from drill_twin.studies.accuracy.convergence import figure as cost
+from drill_twin.studies.accuracy import figures
 
 
 def test_labels_do_not_overlap():
@@ -24,7 +24,7 @@ def test_labels_do_not_overlap():
     figure = Figure(figsize=(11.0, 5.0), layout="constrained")
     canvas = FigureCanvasAgg(figure)
     panel = figure.subplots(1, 2)[0]
-    cost._panel(panel, curve, "path", "path")
+    figures._panel(panel, curve, "path", "path")
     canvas.draw()
     boxes = [text.get_window_extent() for text in panel.texts]
     assert len(boxes) >= 4
