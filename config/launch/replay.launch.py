@@ -56,7 +56,8 @@ ARGUMENTS = (
 def generate_launch_description() -> LaunchDescription:
     """Replayer, and an analyzer beside it when wanted."""
     analyze = LaunchConfiguration("analyze")
-    left_out = PythonExpression(["'/whirl/state /whirl/motion /whirl/onset' if '", analyze, "' == 'true' else ''"])
+    findings = "/whirl/state /whirl/motion /whirl/onset /twin/summary"
+    left_out = PythonExpression([f"'{findings}' if '", analyze, "' == 'true' else ''"])
     replayer = _node(
         "replayer",
         {

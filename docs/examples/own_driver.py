@@ -16,7 +16,8 @@ def on_clock(message: Clock) -> None:
     """Ramp to 40 N and 2 rev/s within two seconds."""
     ahead = message.clock.sec * 10**9 + message.clock.nanosec + FRAME
     share = min(ahead * 1e-9 / 2.0, 1.0)
-    command = JointState(name=["bit", "top_drive"])
+    command = JointState(name=["bit_axial", "top_drive"])
+    command.header.frame_id = node.get_fully_qualified_name()  # who commands
     command.header.stamp.sec, command.header.stamp.nanosec = divmod(ahead, 10**9)
     command.effort = [40.0 * share, math.nan]  # weight on bit [N]
     command.velocity = [math.nan, 4.0 * math.pi * share]  # top drive [rad/s]

@@ -46,6 +46,8 @@ from drill_twin.studies.maps import OperatingMap as OperatingMap
 from drill_twin.studies.maps import Regime as Regime
 from drill_twin.studies.maps import read_map as read_map
 from drill_twin.whirl import AnalysisError as AnalysisError
+from drill_twin.whirl import MotionCode as MotionCode
 from drill_twin.whirl import MotionState as MotionState
 from drill_twin.whirl import Onset as Onset
+from drill_twin.whirl import StickSlipCode as StickSlipCode
 from drill_twin.whirl import Summary as Summary

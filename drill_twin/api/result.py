@@ -188,7 +188,11 @@ class Result(Plots):
     def whirl(self) -> Whirl:
         """Findings of the whirl analysis over time and in all."""
         found, summary = self.recording.whirl, self.recording.summary
-        radii, precession, ratio, confidence = np.moveaxis(found.values, 1, 0) if len(found) else np.zeros((4, 0, 0))
+        empty = np.zeros((0, 0))
+        radii, precession, ratio, confidence = (
+            values if len(found) else empty
+            for values in (found.orbit_radius, found.precession, found.ratio, found.confidence)
+        )
         return Whirl(found.time, found.names, radii, precession, ratio, confidence, summary, summary.notes)
 
     @property

@@ -54,7 +54,7 @@ class Plots:
 
 _RIG = (
     "hookload", "torque", "bit_torque", "weight_on_bit", "top_drive_angle", "top_drive_speed", "bit_angle", "bit_speed",
-    "block_position", "block_velocity",
+    "block_position", "block_velocity", "drilled", "rate_of_penetration",
 )  # fmt: skip
 _MARKS = {
     "position": (("mark", "axis"), "m"),

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from drill_twin.core.units.dimension import ANGLE, ANGULAR_SPEED, FORCE, LENGTH, SPEED, TORQUE, Dimension
 
-RIG_JOINTS = ("top_drive", "bit", "block", "bit_torque")
-"""Joints of `/rig/state`; position and velocity of the last are those of the bit."""
+RIG_JOINTS = ("top_drive", "bit", "block", "bit_axial")
+"""Joints of `/rig/state`; in each, effort times velocity is a power: `bit` turns, `bit_axial` goes down."""
 ARRAYS = ("position", "velocity", "effort")
 """Arrays of a JointState."""
 
@@ -31,7 +31,7 @@ class RigChannel(NamedTuple):
 
 RIG_CHANNELS: Mapping[str, RigChannel] = {
     "bit_force": RigChannel(
-        FORCE, "effort", "bit", "weight on bit", ("weight_on_bit",),
+        FORCE, "effort", "bit_axial", "weight on bit", ("weight_on_bit",),
         ("wob", "swob", "woba", "wob_avg", "wob_kn"),
     ),
     "top_drive_speed": RigChannel(
@@ -51,7 +51,7 @@ RIG_CHANNELS: Mapping[str, RigChannel] = {
         ("brpm", "drpm", "dhrpm", "bit_rpm", "bit_rpm_avg", "downholerpm"),
     ),
     "bit_torque": RigChannel(
-        TORQUE, "effort", "bit_torque", "torque of the rock on the bit", (),
+        TORQUE, "effort", "bit", "torque of the rock on the bit", (),
         ("btq", "dtor", "dhtq", "downholetorque"),
     ),
     "block_position": RigChannel(
@@ -61,6 +61,8 @@ RIG_CHANNELS: Mapping[str, RigChannel] = {
     "block_velocity": RigChannel(SPEED, "velocity", "block", "velocity of the travelling block, positive up"),
     "top_drive_angle": RigChannel(ANGLE, "position", "top_drive", "angle of the top drive"),
     "bit_angle": RigChannel(ANGLE, "position", "bit", "angle of the bit"),
+    "drilled": RigChannel(LENGTH, "position", "bit_axial", "depth drilled"),
+    "rate_of_penetration": RigChannel(SPEED, "velocity", "bit_axial", "rate of penetration"),
 }  # fmt: skip
 """Channels by their field of `RigState`.
 

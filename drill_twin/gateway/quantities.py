@@ -19,18 +19,15 @@ from drill_twin.core.units.dimension import (
     DIMENSIONLESS,
     FORCE,
     LENGTH,
-    SPEED,
     TIME,
 )
 from drill_twin.dynamics.sensors.summaries import SUMMARY
 from drill_twin.io.messages.decode import JointState, PoseArray
-from drill_twin.io.messages.diagnostics import Status
 from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.readers import reader_of
 from drill_twin.io.messages.rig_messages import read_rig_state
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import (
-    DIAGNOSTICS,
     MARKS_STATE,
     REALTIME_FACTOR,
     RIG_STATE,
@@ -44,7 +41,6 @@ from drill_twin.io.messages.whirl_encode import OnsetMessage, read_whirl_state
 from drill_twin.whirl import StickSlip
 
 ANGULAR_ACCELERATION = Dimension("angular acceleration", "rad/s^2", ("3 rad/s^2",))
-_HOUR = 3600.0  # s
 
 
 @dataclass(frozen=True)
@@ -63,7 +59,7 @@ class RigQuantity:
 
 _RIG = (
     "weight_on_bit", "surface_rotation", "surface_torque", "bit_rotation", "bit_torque", "hookload", "block_position",
-    "block_velocity",
+    "block_velocity", "rate_of_penetration",
 )  # fmt: skip
 _MEANINGS = {
     "weight_on_bit": "weight on bit as applied, positive in compression",
@@ -90,7 +86,6 @@ QUANTITIES = {
     "whirl_ratio": RigQuantity(WHIRL_STATE, DIMENSIONLESS, "precession over rotation of that mark"),
     "whirl_confidence": RigQuantity(WHIRL_STATE, DIMENSIONLESS, "confidence of these, 0 to 1"),
     "whirl_detected": RigQuantity(WHIRL_ONSET, DIMENSIONLESS, "1 once a whirl has begun, else 0", on_change=True),
-    "rate_of_penetration": RigQuantity(DIAGNOSTICS, SPEED, "rate of penetration, where the bit drills"),
     "real_time_factor": RigQuantity(REALTIME_FACTOR, DIMENSIONLESS, "simulated over wall time"),
 }  # fmt: skip
 """Quantities by name."""
@@ -131,13 +126,12 @@ class TwinQuantities:
         """Good and bad samples by topic."""
         self.stamp = 0
         """Stamp of the last `/rig/state` [ns]."""
-        self._take: dict[str, Callable[[Any], bool | None]] = {
+        self._take: dict[str, Callable[[Any], bool]] = {
             RIG_STATE: self._on_rig,
             MARKS_STATE: self._on_marks,
             STRING_POSES: self._on_poses,
             WHIRL_STATE: self._on_whirl,
             WHIRL_ONSET: self._on_onset,
-            DIAGNOSTICS: self._on_diagnostics,
             REALTIME_FACTOR: self._on_factor,
         }
         self._read = {topic: reader_of(topic) for topic in self._take}
@@ -153,18 +147,19 @@ class TwinQuantities:
         except MessageError:
             self.samples.unreadable(topic)
             raise
-        if finite is not None:
-            self.samples.take(topic, finite=finite)
+        self.samples.take(topic, finite=finite)
 
     def age(self, name: str) -> float:
         """Time since the last good sample of the topic of a quantity [s]; infinite before."""
         return self.samples.age(QUANTITIES[name].topic)
 
-    # Each returns whether the message has a finite number; None for one that is not for the gateway.
+    # Each returns whether the message has a finite number.
 
     def _on_rig(self, message: JointState) -> bool:
         state, time = read_rig_state(message), seconds(message.stamp)
         self.values.update({name: getattr(state, field_of(name)) for name in _RIG})
+        if state.drilled == 0.0:  # this bit does not drill, or not yet
+            del self.values["rate_of_penetration"]
         if self._bit is not None and 0.0 < time - self._bit[0] < 1.0:
             self.values["bit_angular_acceleration"] = (state.bit_speed - self._bit[1]) / (time - self._bit[0])
         self._bit, self.stamp = (time, state.bit_speed), message.stamp
@@ -203,7 +198,7 @@ class TwinQuantities:
             return True
         mark = known[state.orbit_radius[known].argmax()]
         self.values["whirl_orbit_radius"] = float(state.orbit_radius[mark])
-        self.values["whirl_precession"] = float(state.precession[mark]) * math.tau
+        self.values["whirl_precession"] = float(state.precession[mark])
         self.values["whirl_ratio"] = float(state.ratio[mark])
         self.values["whirl_confidence"] = float(state.confidence[mark])
         return True
@@ -215,14 +210,3 @@ class TwinQuantities:
     def _on_onset(self, found: tuple[int, OnsetMessage | None]) -> bool:
         self.values["whirl_detected"] = float(found[1] is not None)
         return True
-
-    def _on_diagnostics(self, message: tuple[int, list[Status]]) -> bool | None:
-        """Rate of penetration in the diagnostics of a simulator; None for those of other nodes."""
-        for status in message[1]:
-            if found := status.values.get("rate_of_penetration_m_h"):
-                try:
-                    self.values["rate_of_penetration"] = float(found) / _HOUR
-                except ValueError:
-                    raise MessageError(f"expected a number as rate of penetration, found {found!r}") from None
-                return True
-        return None

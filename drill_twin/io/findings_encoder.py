@@ -5,8 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from drill_twin.io.messages.stamps import NANOSECONDS
-from drill_twin.io.messages.topics import FRAME_ID, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
+from drill_twin.io.messages.topics import FRAME_ID, TWIN_SUMMARY, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import (
     STRING_LEVEL,
     OnsetMessage,
@@ -15,7 +17,8 @@ from drill_twin.io.messages.whirl_encode import (
     encode_motion,
     encode_onset,
 )
-from drill_twin.whirl import BitMotion, MarkInfo, StickSlip
+from drill_twin.io.twin_summary import UNKNOWN_RIG, Motion, RigSample, TwinSummary
+from drill_twin.whirl import BitMotion, MarkInfo, MotionState, Onset, StickSlip
 from drill_twin.whirl.bit_only_analyzer import NOT_OBSERVABLE
 from drill_twin.whirl.findings import Findings, FoundRows
 
@@ -30,6 +33,8 @@ class FindingsEncoder:
 
     def __init__(self, marks: Sequence[MarkInfo]) -> None:
         self._names = [mark.name for mark in marks]
+        self.summary = TwinSummary(marks)
+        """Messages on `/twin/summary`."""
         self._state, self._frame_id = WhirlStateEncoder(self._names), FRAME_ID
         self._motion: tuple[object, ...] = ()
         self._motion_due = -1
@@ -47,26 +52,34 @@ class FindingsEncoder:
         whirl = SubjectMotion(STRING_LEVEL, BitMotion.UNKNOWN.value, NOT_OBSERVABLE)
         return WHIRL_MOTION, encode_motion(stamp, [whirl, SubjectMotion(BIT, bit.motion.value, bit.criterion)])
 
-    def messages(self, findings: Findings, frame_id: str = FRAME_ID) -> Iterator[tuple[str, bytes]]:
-        """Topics and bytes of the messages for these findings, in the frame of the samples."""
-        self._set_frame(frame_id)
-        yield (
-            WHIRL_STATE,
-            self._state.encode(
-                findings.stamp_ns, findings.orbit_radius, findings.precession, findings.ratio, findings.confidence
-            ),
-        )
-        yield from self._on_change(findings.stamp_ns, findings)
+    def messages(
+        self, findings: Findings, frame_id: str = FRAME_ID, rig: RigSample | None = None
+    ) -> list[tuple[str, bytes]]:
+        """Topics and bytes of the messages for these findings, in the frame of the samples, and the rig's state."""
+        return self.rows(FoundRows.of(findings), frame_id, [rig or UNKNOWN_RIG])[0]
 
-    def rows(self, found: FoundRows, frame_id: str = FRAME_ID) -> list[list[tuple[str, bytes]]]:
-        """As `messages`, for each of several samples."""
+    def bit_summary(self, stamp: int, bit: StickSlip, rig: RigSample) -> list[tuple[str, bytes]]:
+        """Topic and bytes of `/twin/summary` for a stream without marks, if it is due."""
+        if not self.summary.add(stamp, rig):
+            return []
+        motion = Motion(MotionState.NOT_OBSERVABLE, np.zeros(len(self._names)), bit.motion, bit.index)
+        return [(TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id))]
+
+    def rows(
+        self, found: FoundRows, frame_id: str = FRAME_ID, rigs: Sequence[RigSample] | None = None
+    ) -> list[list[tuple[str, bytes]]]:
+        """As `messages`, for each of several samples; without states of the rig no `/twin/summary`."""
         self._set_frame(frame_id)
-        messages = [[(WHIRL_STATE, raw)] for raw in self._state.rows(found.stamps, found.values)]
+        messages = [[(WHIRL_STATE, raw)] for raw in self._state.rows(found.stamps, found.states())]
         present = found.before
         for row, stamp in enumerate(found.stamps):
             if row in found.changes or stamp >= self._motion_due:
                 present = found.changes.get(row, present)
                 messages[row] += self._on_change(stamp, present)
+            if rigs is not None and self.summary.add(stamp, rigs[row]):
+                radius, index = found.values[row, :, 0], float(found.bit_index[row])
+                motion = Motion(present.motion, radius, present.bit, index, present.onset)
+                messages[row].append((TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id)))
         return messages
 
     def _set_frame(self, frame_id: str) -> None:
@@ -78,12 +91,19 @@ class FindingsEncoder:
         motion = (findings.motion, findings.bit, *findings.state)
         if motion != self._motion or stamp >= self._motion_due:
             self._motion, self._motion_due = motion, stamp - stamp % NANOSECONDS + NANOSECONDS
-            yield WHIRL_MOTION, encode_motion(stamp, _motions(findings), self._frame_id)
+            yield WHIRL_MOTION, encode_motion(stamp, _motions(findings), self._frame_id, _sentence(findings.onset))
         if findings.onset is not None and not self.onset_announced:
             self.onset_announced = True
-            onset = findings.onset
-            message = OnsetMessage(onset.time_s, onset.mark, onset.confidence, onset.uncertainty_s, onset.dated)
-            yield WHIRL_ONSET, encode_onset(stamp, message, self._frame_id)
+            onset = OnsetMessage(findings.onset.time_s, findings.onset.mark)
+            yield WHIRL_ONSET, encode_onset(stamp, onset, self._frame_id)
+
+
+def _sentence(onset: Onset | None) -> str:
+    if onset is None:
+        return ""
+    error = "" if onset.uncertainty_s is None else f", within {onset.uncertainty_s:.2g} s"
+    undated = "" if onset.dated else "; its time is not known within a revolution"
+    return f"whirl began at {onset.time_s:.2f} s{error} at {onset.mark}, confidence {onset.confidence:.2f}{undated}"
 
 
 def _motions(findings: Findings) -> list[SubjectMotion]:

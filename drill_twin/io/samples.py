@@ -15,7 +15,9 @@ from drill_twin.core.errors import MessageError
 from drill_twin.dynamics.twin.frame import Frames, RigState
 from drill_twin.io.messages.decode import JointState, JointStates
 from drill_twin.io.messages.encode import MARK_AXES, wall_push
+from drill_twin.io.messages.rig_messages import BIT_AXIAL
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE
+from drill_twin.io.twin_summary import UNKNOWN_RIG, RigSample
 
 WAITING = 256
 """Largest number of samples of one topic that wait for their partner of the other, or for the scene."""
@@ -23,17 +25,13 @@ WAITING = 256
 FASTEST = 1e6
 """Largest speed of top drive and bit that is taken for one [rad/s]."""
 
-Speeds = tuple[float, float]
-"""Speeds of the top drive and of the bit [rad/s]; nan where not known."""
-UNKNOWN: Speeds = (math.nan, math.nan)
-
 
 class Sample(NamedTuple):
-    """State of the marks with the speeds of top drive and bit at the same stamp [ns]."""
+    """State of the marks with that of the rig at the same stamp [ns]."""
 
     stamp: int
     marks: JointState
-    speeds: Speeds = UNKNOWN
+    rig: RigSample = UNKNOWN_RIG
 
 
 class SampleRows(NamedTuple):
@@ -49,13 +47,26 @@ class SampleRows(NamedTuple):
     """Speed of the top drive [rad/s], shape (n,)."""
     bit_speed: Array
     """Speed of the bit [rad/s], shape (n,)."""
+    weight: Array | None = None
+    """Weight on bit [N], shape (n,); None where no `/twin/summary` is wanted, as for `drilled`."""
+    drilled: Array | None = None
+    """Depth drilled [m], shape (n,)."""
+
+    @property
+    def rigs(self) -> list[RigSample] | None:
+        """State of the rig at each stamp, for `/twin/summary`."""
+        if self.weight is None or self.drilled is None:
+            return None
+        columns = np.column_stack((self.top_speed, self.bit_speed, self.weight, self.drilled))
+        return [RigSample(*row) for row in columns.tolist()]
 
     @classmethod
     def of(cls, frames: Frames) -> SampleRows:
         """Samples of frames from `/marks/state` and `/rig/state`; the force is that of its two components."""
         push = wall_push(frames.marks.centre, frames.marks.wall_force)
-        speeds = (frames.rig[:, RigState._fields.index(name)] for name in ("top_drive_speed", "bit_speed"))
-        return cls(frames.marks.position, frames.marks.spin, np.hypot(push[..., 0], push[..., 1]), *speeds)
+        names = ("top_drive_speed", "bit_speed", "bit_force", "drilled")
+        rig = (frames.rig[:, RigState._fields.index(name)] for name in names)
+        return cls(frames.marks.position, frames.marks.spin, np.hypot(push[..., 0], push[..., 1]), *rig)
 
 
 class SamplePairing:
@@ -72,26 +83,26 @@ class SamplePairing:
     @property
     def waits(self) -> bool:
         """True while a state waits for its partner."""
-        return bool(self._marks or self._speeds)
+        return bool(self._marks or self._rigs)
 
     def clear(self) -> None:
         """Discard the states that wait for a partner."""
         self._marks: dict[int, JointState] = {}
-        self._speeds: dict[int, Speeds] = {}
+        self._rigs: dict[int, RigSample] = {}
 
     def add_marks(self, state: JointState) -> Sample | None:
         """Add a state of the marks; return the sample if its partner is there."""
         self._marks[state.stamp] = state
         return self._pair(state.stamp, self._marks)
 
-    def add_speeds(self, stamp: int, speeds: Speeds) -> Sample | None:
-        """Add the speeds of the rig at a stamp [ns]; return the sample if its partner is there."""
-        self._speeds[stamp] = speeds
-        return self._pair(stamp, self._speeds)
+    def add_rig(self, stamp: int, rig: RigSample) -> Sample | None:
+        """Add the state of the rig at a stamp [ns]; return the sample if its partner is there."""
+        self._rigs[stamp] = rig
+        return self._pair(stamp, self._rigs)
 
-    def _pair(self, stamp: int, waiting: dict[int, JointState] | dict[int, Speeds]) -> Sample | None:
-        if stamp in self._marks and stamp in self._speeds:
-            return Sample(stamp, self._marks.pop(stamp), self._speeds.pop(stamp))
+    def _pair(self, stamp: int, waiting: dict[int, JointState] | dict[int, RigSample]) -> Sample | None:
+        if stamp in self._marks and stamp in self._rigs:
+            return Sample(stamp, self._marks.pop(stamp), self._rigs.pop(stamp))
         while len(waiting) > WAITING:
             waiting.pop(next(iter(waiting)))
             self.unpaired += 1
@@ -147,8 +158,8 @@ class MarkReader:
             raise MessageError(f"expected positions on {MARKS_STATE}, found none")
 
 
-def speeds(state: JointState) -> Speeds:
-    """Speeds of the top drive and, if it is there, of the bit [rad/s] in a `/rig/state`.
+def rig_of(state: JointState) -> RigSample:
+    """Values of a `/rig/state`: the speed of the top drive, and the others if they are there.
 
     Raises:
         MessageError: There is no top drive, it has no speed, or a speed is infinite or beyond all reason.
@@ -160,7 +171,11 @@ def speeds(state: JointState) -> Speeds:
     found = float(state.velocity[drive]), float(state.velocity[bit]) if bit < state.velocity.size else math.nan
     if any(abs(speed) > FASTEST for speed in found):
         raise MessageError(f"expected speeds within {FASTEST:g} rad/s on {RIG_STATE}, found {found[0]:g}, {found[1]:g}")
-    return found
+    axial = state.names.index(BIT_AXIAL) if BIT_AXIAL in state.names else len(state.names)
+    weight, drilled = (
+        float(values[axial]) if axial < values.size else math.nan for values in (state.effort, state.position)
+    )
+    return RigSample(*found, weight, drilled)
 
 
 def columns(names: Sequence[str], marks: Sequence[str]) -> NDArray[np.intp]:

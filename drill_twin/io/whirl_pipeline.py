@@ -16,19 +16,10 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import DrillTwinError, MessageError
 from drill_twin.io.findings_encoder import FindingsEncoder
-from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_string
+from drill_twin.io.messages.decode import JointState, JointStateReader, JointStates, read_float64, read_string
 from drill_twin.io.messages.sensor_messages import ImuReading, read_imu
-from drill_twin.io.messages.topics import FRAME_ID, MARKS_STATE, RIG_STATE, TWIN_SCENE
-from drill_twin.io.samples import (
-    FASTEST,
-    WAITING,
-    MarkReader,
-    Sample,
-    SampleOrder,
-    SamplePairing,
-    SampleRows,
-    speeds,
-)
+from drill_twin.io.messages.topics import FRAME_ID, MARKS_STATE, REALTIME_FACTOR, RIG_STATE, TWIN_SCENE
+from drill_twin.io.samples import FASTEST, WAITING, MarkReader, Sample, SampleOrder, SamplePairing, SampleRows, rig_of
 from drill_twin.io.scene_geometry import SceneTexts, mark_infos, readings_topic, select_marks, sub_analyzer
 from drill_twin.scene import Scene
 from drill_twin.whirl import Analyzer, BitMotion, BitOnlyAnalyzer, Findings, MarkInfo, Summary
@@ -150,6 +141,8 @@ class WhirlPipeline:
                 return self._on_marks(self._read_marks(raw))
             if topic == RIG_STATE:
                 return self._on_rig(self._read_rig(raw))
+            if topic == REALTIME_FACTOR and self._encoder is not None:
+                self._encoder.summary.take_factor(read_float64(raw))
             if topic == TWIN_SCENE and self._given is None and not self._infos:
                 return self._on_scene(read_string(raw))
         except DrillTwinError as error:
@@ -181,10 +174,10 @@ class WhirlPipeline:
         self._order.pass_by(stamps[-1])
         return found
 
-    def encode_rows(self, found: FoundRows, frame_id: str) -> list[list[Message]]:
-        """The messages of findings, in the frame of the samples."""
+    def encode_rows(self, found: FoundRows, frame_id: str, samples: SampleRows | None = None) -> list[list[Message]]:
+        """The messages of findings, in the frame of the samples; with these, `/twin/summary` too."""
         try:
-            return [] if self._encoder is None else self._encoder.rows(found, frame_id)
+            return [] if self._encoder is None else self._encoder.rows(found, frame_id, samples and samples.rigs)
         except MessageError as error:
             self.malformed += 1
             self.trouble = str(error)
@@ -263,11 +256,12 @@ class WhirlPipeline:
         return [] if sample is None else list(self._analyse(sample))
 
     def _on_rig(self, state: JointState) -> list[Message]:
-        found = speeds(state)
+        found = rig_of(state)
         if self.bit_only is not None:
-            changed = self.bit_only.push(state.stamp, *found)
-            return [FindingsEncoder.bit_only(state.stamp, self.bit_only.bit)] if changed else []
-        sample = self._pairing.add_speeds(state.stamp, found)
+            changed, bit = self.bit_only.push(state.stamp, found.top_speed, found.bit_speed), self.bit_only.bit
+            motion = [FindingsEncoder.bit_only(state.stamp, bit)] if changed else []
+            return motion + ([] if self._encoder is None else self._encoder.bit_summary(state.stamp, bit, found))
+        sample = self._pairing.add_rig(state.stamp, found)
         return [] if sample is None else list(self._analyse(sample))
 
     def _analyse(self, sample: Sample | ImuReading) -> Iterator[Message]:
@@ -276,18 +270,17 @@ class WhirlPipeline:
         if analyzer is None or self._encoder is None:
             self._before_scene.append(sample)
             return
-        frame = FRAME_ID
+        frame, rig = FRAME_ID, None
         if isinstance(sample, Sample) and isinstance(analyzer, Analyzer):
             position, spin, force = self._mark_reader.read(sample.marks)
-            top_speed, bit_speed = sample.speeds
-            known_spin = self._known_spin(spin)
-            self.findings = analyzer.push(sample.stamp, position, known_spin, top_speed, force, bit_speed)
+            rig, known_spin = sample.rig, self._known_spin(spin)
+            self.findings = analyzer.push(sample.stamp, position, known_spin, rig.top_speed, force, rig.bit_speed)
             frame = sample.marks.frame_id
         elif isinstance(sample, ImuReading) and isinstance(analyzer, SubAnalyzer):
             self.findings = analyzer.push(sample.stamp, sample.values)
         if self.findings is None:
             return
-        yield from self._encoder.messages(self.findings, frame)
+        yield from self._encoder.messages(self.findings, frame, rig)
         if behind := self._order.take(sample):
             yield from self._start_run(self.scene)
             for again in behind:

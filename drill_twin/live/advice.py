@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 from drill_twin.core.errors import MessageError
 from drill_twin.core.files.json_reader import read_json
+from drill_twin.io.messages.decode import JointState
+from drill_twin.io.messages.diagnostics import Level
 from drill_twin.live.plain import short
+from drill_twin.studies.maps.advice import AdviceCode
 from drill_twin.studies.maps.regimes import COLOURS
 
 SHOWN_STEPS = 64
@@ -17,15 +19,21 @@ SHOWN_STEPS = 64
 _MOST_STEPS = 1024
 
 
-def targets(values: Mapping[str, str]) -> dict[str, float]:
-    """Set-point of a status of `/advice/state`, `wob` [N] and `rps` [rev/s]; empty without one."""
-    try:
-        found = {
-            "wob": float(values["target_weight_on_bit_N"]), "rps": float(values["target_speed_rev_s"])
-        }  # fmt: skip
-    except (KeyError, ValueError):
-        return {}
-    return found if all(map(math.isfinite, found.values())) else {}
+def shown_advice(state: JointState) -> dict[str, Any]:
+    """Level of a `/advice/state`, and the set-point that is advised, `wob` [N] and `rps` [rev/s], if there is one.
+
+    Raises:
+        MessageError: It has no advice.
+    """
+    values = dict(zip(state.names, state.position.tolist(), strict=False))
+    if "advice" not in values:
+        raise MessageError(f"expected the code of an advice, found {', '.join(state.names) or 'none'}")
+    level = {AdviceCode.NEAR: Level.WARN, AdviceCode.LEAVE: Level.ERROR}.get(values["advice"], Level.OK)
+    shown: dict[str, Any] = {"level": int(level)}
+    target = [values.get(f"target/{name}", math.nan) for name in ("weight_on_bit", "rotation")]
+    if values.get("target") and all(map(math.isfinite, target)):
+        shown |= {"wob": target[0], "rps": target[1] / math.tau}
+    return shown
 
 
 def shown_map(text: str) -> dict[str, Any]:

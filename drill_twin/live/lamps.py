@@ -7,12 +7,10 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from drill_twin.whirl import BitMotion, MotionState, StickSlip
-from drill_twin.whirl.motion.states import NO_WHIRL
+from drill_twin.whirl import BitMotion, MotionCode, StickSlip
 
 SEVERE_RADIUS = 0.9
 """Radius of an orbit over its clearance from which a whirl is severe: the string is on the wall."""
-_CALM = {state.value for state in NO_WHIRL}
 _BIT = {BitMotion.AT_REST: 0, BitMotion.STEADY: 0, BitMotion.VIBRATION: 1, BitMotion.STICK_SLIP: 2, BitMotion.STANDS: 2}
 
 
@@ -32,20 +30,19 @@ class Lamp:
         return asdict(self)
 
 
-def whirl_lamp(state: str, radius_share: float) -> Lamp:
+def whirl_lamp(code: MotionCode, severity: float) -> Lamp:
     """Lamp of whirl.
 
     Args:
-        state: Motion state of the string; empty if it is not known.
-        radius_share: Largest radius of an orbit over its clearance; NaN if it is not known, or the string lies on the
-            low side of the hole and is on the wall without whirl too.
+        code: Motion of the string.
+        severity: Largest radius of an orbit over its clearance while the string whirls, in a vertical hole; else 0.
     """
-    share = radius_share if math.isfinite(radius_share) else None
-    if not state or state == MotionState.NOT_OBSERVABLE.value:
-        return Lamp(None, state or "unknown", share)
-    if state in _CALM:
-        return Lamp(0, state, share)
-    return Lamp(2 if state == MotionState.ROLLING.value or (share or 0.0) >= SEVERE_RADIUS else 1, state, share)
+    text, share = code.state.value, severity if severity > 0.0 else None
+    if code is MotionCode.NOT_OBSERVABLE:
+        return Lamp(None, text, None)
+    if not code.whirls:
+        return Lamp(0, text, None)
+    return Lamp(2 if code is MotionCode.ROLLING or severity >= SEVERE_RADIUS else 1, text, share)
 
 
 def stick_slip_lamp(bit: StickSlip) -> Lamp:

@@ -16,7 +16,7 @@ from drill_twin.core.errors import DrillTwinError, MessageError
 from drill_twin.io.bag.skipped import SkippedMessages
 from drill_twin.io.findings_encoder import BIT
 from drill_twin.io.messages.decode import JointState, PoseArray
-from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics
+from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.encode import MARK_AXES
 from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.readers import reader_of
@@ -31,12 +31,13 @@ from drill_twin.io.messages.topics import (
     RIG_STATE,
     STRING_POSES,
     TWIN_SCENE,
+    TWIN_SUMMARY,
     WHIRL_MOTION,
     WHIRL_ONSET,
     WHIRL_STATE,
 )
 from drill_twin.io.messages.whirl_encode import STRING_LEVEL, OnsetMessage, SubjectMotion, read_whirl_state
-from drill_twin.live.advice import shown_map, targets
+from drill_twin.live.advice import shown_advice, shown_map
 from drill_twin.live.estimates import shown_estimates
 from drill_twin.live.plain import number, rig_values, short
 from drill_twin.live.shown_scene import shown_scene
@@ -46,11 +47,13 @@ from drill_twin.report.quantities import string_weight
 from drill_twin.report.string_curve import along_hole
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.studies.maps.operating_map import digest_of
+from drill_twin.whirl import MotionCode
 
 _TRAIL = 400  # most positions of a mark between two snapshots
 _LARGEST = 1e6  # m
+_SPEAKERS = ("advisor", "estimator")
+"""Nodes whose sentence in `/diagnostics` the page shows beside their numbers."""
 _MOST_MARKS, _MOST_NODES = 200, 20_000
-_RATE = "rate_of_penetration_m_h"
 
 
 class PageState:
@@ -86,13 +89,13 @@ class PageState:
         self._marks: dict[str, dict[str, Any]] = {}
         self._trail: dict[str, list[list[float]]] = {}
         self._rig: dict[str, float] = {}
-        self._motion = {"state": "", "criterion": ""}
+        self._motion: dict[str, Any] = {"state": "", "criterion": "", "whirls": False}
         self._onset: dict[str, Any] | None = None
-        self._advice = {"text": "", "level": 0}
+        self._advice: dict[str, Any] = {"level": 0}
         self._map: dict[str, Any] | None = None
         self._estimates: dict[str, Any] | None = None
         self._simulator = {"factor": "", "text": ""}
-        self._rate = math.nan
+        self._said = dict.fromkeys(_SPEAKERS, "")  # sentences of these nodes
         self._starting = ""  # name of the simulator while it compiles or is not configured
 
     def update(self, topic: str, raw: bytes) -> None:
@@ -120,40 +123,42 @@ class PageState:
     def _on_rig(self, state: JointState) -> None:
         rig = read_rig_state(state)
         drag = rig.hookload + rig.bit_force - self._weight
-        self._rig = {**rig_values(rig), "drag": drag, "rop": self._rate}
+        self._rig = {**rig_values(rig), "drag": drag}
         self._supervision.rig(seconds(state.stamp), self._rig)
 
     def _on_whirl(self, state: JointState) -> None:
         whirl = read_whirl_state(state)
         for name, radius, precession in zip(whirl.marks, whirl.orbit_radius, whirl.precession, strict=True):
-            self._mark(name).update(orbit=number(radius), precession=number(precession))
+            self._mark(name).update(orbit=number(radius), precession=number(precession / math.tau))
 
     def _on_onset(self, found: tuple[int, OnsetMessage | None]) -> None:
         onset = found[1]
         self._onset = None if onset is None else {"time": number(onset.time), "mark": short(onset.mark)}
 
-    def _on_advice(self, found: tuple[int, list[Status]]) -> None:
-        for status in found[1][:1]:
-            self._advice = {"text": short(status.text), "level": int(status.level), **targets(status.values)}
+    def _on_advice(self, state: JointState) -> None:
+        self._advice = shown_advice(state)
 
     def _on_map(self, text: str) -> None:
         self._map = shown_map(text)
 
-    def _on_estimates(self, found: tuple[int, list[Status]]) -> None:
-        self._estimates = shown_estimates(found[1])
-        self._supervision.estimate(self._estimates["level"], self._estimates["text"])
+    def _on_estimates(self, state: JointState) -> None:
+        self._estimates = shown_estimates(state)
+
+    def _on_summary(self, state: JointState) -> None:
+        values = dict(zip(state.names, state.position.tolist(), strict=False))
+        try:
+            code, severity = MotionCode(int(values["whirl"])), float(values["whirl_severity"])
+        except (KeyError, ValueError, OverflowError) as error:
+            raise MessageError(f"expected the code and the severity of whirl on {TWIN_SUMMARY}, found none") from error
+        self._motion["whirls"] = code.whirls
+        self._supervision.motion(code, severity)
 
     def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:
         for motion in found[1]:
             if motion.subject == STRING_LEVEL:
-                self._motion = {"state": short(motion.state), "criterion": short(motion.criterion)}
+                self._motion |= {"state": short(motion.state), "criterion": short(motion.criterion)}
             elif motion.subject != BIT:
                 self._mark(motion.subject)["motion"] = short(motion.state)
-        upright = self._scene is not None and not self._scene["well"]["deviated"]
-        clearances = self._scene["clearance"] if self._scene and upright else {}
-        radii = ((mark.get("orbit"), clearances.get(name)) for name, mark in self._marks.items())
-        shares = [radius / clearance for radius, clearance in radii if radius is not None and clearance]
-        self._supervision.motion(self._motion["state"], max(shares, default=math.nan))
 
     def _mark(self, name: str) -> dict[str, Any]:
         if name not in self._marks and len(self._marks) >= _MOST_MARKS:
@@ -186,8 +191,10 @@ class PageState:
         for status in found[1]:
             if self._sources is not None:
                 self._sources.report(status)
-            if (rate := status.values.get(_RATE)) is not None:
-                self._rate = _rate(rate)
+            if (node := status.name.rpartition("/")[2]) in _SPEAKERS:
+                self._said[node] = short(status.text)
+                if node == "estimator" and self._estimates is not None:
+                    self._supervision.estimate(self._estimates["level"], self._said[node])
             if "compiling" in status.values:
                 self._starting = status.name
                 self._simulator = {"factor": "", "text": status.text}
@@ -212,9 +219,9 @@ class PageState:
                 "rig": {name: number(value) for name, value in self._rig.items()},
                 "motion": self._motion,
                 "onset": self._onset,
-                "advice": self._advice,
+                "advice": {**self._advice, "text": self._said["advisor"]},
                 "map": self._map,
-                "estimates": self._estimates,
+                "estimates": self._estimates and {**self._estimates, "text": self._said["estimator"]},
                 "simulator": self._simulator,
                 "state": self._state,
                 "ages": {},
@@ -252,16 +259,11 @@ class PageState:
 
     def fill_trends(self, messages: Iterable[tuple[str, bytes]]) -> None:
         """Compute the trends of a recording from its messages."""
-        rate = math.nan
         for topic, raw in messages:
             with suppress(MessageError):  # it is counted when it is played
-                if topic == DIAGNOSTICS and _RATE.encode() in raw:
-                    rate = next((_rate(s.values[_RATE]) for s in decode_diagnostics(raw)[1] if _RATE in s.values), rate)
-                elif topic == RIG_STATE:
+                if topic == RIG_STATE:
                     state = self._read[RIG_STATE](raw)
-                    self._supervision.trends.push(
-                        seconds(state.stamp), {**rig_values(read_rig_state(state)), "rop": rate}
-                    )
+                    self._supervision.trends.push(seconds(state.stamp), rig_values(read_rig_state(state)))
 
     HANDLERS: ClassVar[dict[str, Callable[[PageState, Any], None]]] = {
         TWIN_SCENE: _on_scene,
@@ -274,6 +276,7 @@ class PageState:
         ADVICE_STATE: _on_advice,
         ADVICE_MAP: _on_map,
         ESTIMATE_STATE: _on_estimates,
+        TWIN_SUMMARY: _on_summary,
         DIAGNOSTICS: _on_diagnostics,
     }
     """Function that takes the decoded message of each topic."""
@@ -281,14 +284,6 @@ class PageState:
 
 INPUTS = tuple(PageState.HANDLERS)
 """Topics that the page shows."""
-
-
-def _rate(text: str) -> float:
-    """Rate of penetration [m/s] from the diagnostics [m/h]."""
-    try:
-        return float(text) / 3600.0
-    except ValueError:
-        raise MessageError(f"expected a number as rate of penetration, found {text[:40]!r}") from None
 
 
 def _check_positions(positions: Array) -> None:

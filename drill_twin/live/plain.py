@@ -20,7 +20,7 @@ def number(value: float) -> float | None:
 
 
 def rig_values(state: RigState) -> dict[str, float]:
-    """Values of the rig by name [N, rev/s, N m]."""
+    """Values of the rig by name [N, rev/s, N m, m/s]; no rate of penetration where the bit has not drilled."""
     return {
         "wob": state.bit_force,
         "rps": state.top_drive_speed / math.tau,
@@ -28,4 +28,5 @@ def rig_values(state: RigState) -> dict[str, float]:
         "bit_rps": state.bit_speed / math.tau,
         "bit_torque": state.bit_torque,
         "hookload": state.hookload,
+        "rop": state.rate_of_penetration if state.drilled > 0.0 else math.nan,
     }

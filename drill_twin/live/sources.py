@@ -105,7 +105,7 @@ _INSTEAD: dict[str, tuple[str, Callable[[str], dict[str, Any]], tuple[str, ...]]
     ),
     "analyzer": (
         "findings of the analyzer",
-        lambda text: {"motion": {"state": "", "criterion": text}, "onset": None},
+        lambda text: {"motion": {"state": "", "criterion": text, "whirls": False}, "onset": None},
         ("orbit", "precession", "motion"),
     ),
     "advisor": ("advice", lambda text: {"advice": {"text": text, "level": int(Level.STALE)}}, ()),

@@ -13,7 +13,7 @@ from drill_twin.live.alarms import Alarms
 from drill_twin.live.lamps import Lamp, stick_slip_lamp, whirl_lamp
 from drill_twin.live.limits import SIDES, AlarmLimits
 from drill_twin.live.trends import CHANNELS, Trends
-from drill_twin.whirl import StickSlip
+from drill_twin.whirl import MotionCode, StickSlip
 
 _LIMITS = {f"{channel}_{side}" for channel in CHANNELS for side in SIDES}
 _LEVELS = (Level.OK, Level.WARN, Level.ERROR)
@@ -61,9 +61,9 @@ class Supervision:
         for cause, text, beyond in self.limits.check(time, values):
             self.alarms.update(cause, Level.ERROR if beyond else Level.OK, text, time)
 
-    def motion(self, whirl: str, radius_share: float) -> None:
-        """Use the motion state of the string, and the largest radius of an orbit over its clearance."""
-        self._light("whirl", whirl_lamp(whirl, radius_share))
+    def motion(self, whirl: MotionCode, severity: float) -> None:
+        """Use the motion of the string, and its severity (`whirl_lamp`)."""
+        self._light("whirl", whirl_lamp(whirl, severity))
 
     def _light(self, name: str, lamp: Lamp) -> None:
         """Light a lamp, raise or end its alarm, and note a change of its motion."""

@@ -149,7 +149,7 @@ class Recording:
         for messages in self._pipeline.encode_rows(found, marks[1].frame_id):
             for _, raw in messages[:1]:  # `/whirl/state`
                 self.live.on_analysed(raw)
-        self.whirl.extend(Rows(found.stamps, found.values.swapaxes(1, 2), tuple(mark.name for mark in self.places)))
+        self.whirl.extend(Rows(found.stamps, found.states().swapaxes(1, 2), tuple(mark.name for mark in self.places)))
         self.marks.extend(marks[0])
         self.rig.extend(rig)
         taken = {MARKS_STATE, RIG_STATE}

@@ -10,6 +10,7 @@ from drill_twin.io.messages.topics import (
     ADVICE_MAP,
     ADVICE_STATE,
     CLOCK_TOPIC,
+    COMMANDER,
     DIAGNOSTICS,
     ESTIMATE,
     ESTIMATE_STATE,
@@ -28,6 +29,7 @@ from drill_twin.io.messages.topics import (
     SURFACE_STATE,
     TOPICS,
     TWIN_SCENE,
+    TWIN_SUMMARY,
     WHIRL_MOTION,
     WHIRL_ONSET,
     WHIRL_STATE,
@@ -85,6 +87,7 @@ RIGHTS: dict[str, Rights] = {
     "simulator": Rights(
         (
             *(RIG_STATE, STRING_POSES, MARKS_STATE, STRING_MARKERS, TWIN_SCENE, REALTIME_FACTOR, CLOCK_TOPIC),
+            COMMANDER,
             *(STRING_STRESS, SURFACE_STATE, *SUBS),
             "~/transition_event",
             *WHERE_INSTALLED["tf2_msgs"],
@@ -92,9 +95,12 @@ RIGHTS: dict[str, Rights] = {
         (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND),
         (*_LIFECYCLE, *_CONTROLS, *_STANDARD),
     ),
-    "rig_driver": Rights((RIG_COMMAND, WOB_COMMAND, RPS_COMMAND), (CLOCK_TOPIC,), (), _READY),
-    "analyzer": Rights((WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET), (TWIN_SCENE, MARKS_STATE, RIG_STATE, *READINGS)),
-    "advisor": Rights((ADVICE_STATE, ADVICE_MAP), (TWIN_SCENE, RIG_STATE, WHIRL_MOTION)),
+    "rig_driver": Rights((RIG_COMMAND,), (CLOCK_TOPIC,), (), _READY),
+    "analyzer": Rights(
+        (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET, TWIN_SUMMARY),
+        (TWIN_SCENE, MARKS_STATE, RIG_STATE, REALTIME_FACTOR, *READINGS),
+    ),
+    "advisor": Rights((ADVICE_STATE, ADVICE_MAP), (TWIN_SCENE, RIG_STATE, TWIN_SUMMARY)),
     "estimator": Rights(
         (ESTIMATE_STATE, *(ESTIMATE + topic for topic in OF_NEAREST_TWIN)),
         (MEASURED_RIG_STATE, RIG_STATE, RIG_COMMAND, *READINGS),  # the launch file lets it follow the simulator
@@ -103,7 +109,7 @@ RIGHTS: dict[str, Rights] = {
     "replayer": Rights((*(topic for topic in TOPICS if topic != DIAGNOSTICS), *SUBS, *MEASURED_SUBS), (), (), _READY),
     "gateway": Rights(
         (RIG_COMMAND, MEASURED_RIG_STATE, *MEASURED_SUBS),
-        (TWIN_SCENE, RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR, DIAGNOSTICS),
+        (TWIN_SCENE, RIG_STATE, STRING_POSES, MARKS_STATE, WHIRL_STATE, WHIRL_ONSET, REALTIME_FACTOR),
         ("~/grant_control", "~/withdraw_control"),
     ),
 }

@@ -35,7 +35,6 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.io.run_messages import Measurements, describe_run, sensor_topics
 from drill_twin.io.scene_geometry import string_geometry
-from drill_twin.runs.monitor.drilling_progress import DrillingProgress
 from drill_twin.runs.monitor.model_limits import NOTES, SEPARATOR, MissingEffects
 from drill_twin.runs.monitor.rejected_steps import RejectedSteps
 from drill_twin.runs.monitor.run_timing import EffectTiming, RunTiming
@@ -117,7 +116,6 @@ class RunLoop:
         self.frames = 0
         self.missing_effects = MissingEffects(self.scene)
         self.rejected_steps = RejectedSteps()
-        self._drilling = DrillingProgress(twin)
         self._effect_timing = EffectTiming(twin) if self._time_effects else None
         self._measurements = Measurements(twin) if self.scene.sensors is not None else None
 
@@ -144,7 +142,6 @@ class RunLoop:
         """
         checkpoint.restore(self.twin)
         self.rejected_steps = RejectedSteps()
-        self._drilling = DrillingProgress(self.twin)
         if self._measurements is not None:
             self._measurements = Measurements(self.twin)
         self.frames = round(self.twin.time / self.period)
@@ -255,7 +252,6 @@ class RunLoop:
             "frames": str(self.frames),
             **self.timing.values(),
             **effect_cost,
-            **self._drilling.values(),
             "elements": str(self.twin.elements),
             "step_s": repr(float(self.twin.step_size)),
             **self.missing_effects.values(),

@@ -12,9 +12,10 @@ from typing import Protocol
 from drill_twin.core.errors import MessageError
 from drill_twin.dynamics.twin.frame import Frames
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.io.messages.rig_messages import CommandEncoder
+from drill_twin.io.messages.encode import encode_string
+from drill_twin.io.messages.rig_messages import DRIVER, CommandEncoder
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
-from drill_twin.io.messages.topics import DIAGNOSTICS, MARKS_STATE, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.io.messages.topics import COMMANDER, DIAGNOSTICS, MARKS_STATE, RIG_COMMAND
 from drill_twin.io.samples import SampleRows
 from drill_twin.io.whirl_pipeline import WhirlPipeline
 from drill_twin.runs.loop import RunLoop
@@ -70,9 +71,11 @@ class SessionRun:
         self.last: Frames | None = None
         """The last frame; views that hold until the next call of `advance`."""
         self._quick = 1  # frames in BLOCK_SECONDS
-        self._echo_due = self._markers_due = 0
+        self._markers_due = 0
         self._diagnostics_due = NANOSECONDS
         self.loop.announce()
+        for commander in ("", DRIVER):  # as the simulator: nobody, until the first command
+            self._record(COMMANDER, encode_string(commander))
 
     @property
     def stamp(self) -> int:
@@ -110,10 +113,8 @@ class SessionRun:
         if error is not None and not isinstance(error, Exception):  # a request to stop, no fault of the next command
             raise error
         if count < len(commands):  # what the driver sent before it failed
-            batch: list[Recorded] = []
-            after, command = self.stamp + self._period, commands[count]
-            self._command(batch, after, command, self._commands.command(after, command))
-            self._recorder.write_all(batch)
+            after, self.command = self.stamp + self._period, commands[count]
+            self._recorder.write(RIG_COMMAND, self.stamp, self._commands.command(after, self.command))
         if error is not None:
             raise error
         self._quick = max(1, int(BLOCK_SECONDS * count / (time.perf_counter() - began)))
@@ -149,13 +150,12 @@ class SessionRun:
             self._write(start, commands[:half], frames.part(slice(half)))
             self._write(stamps[half - 1], commands[half:], frames.part(slice(half, None)))
             return
-        found = self.pipeline.find_rows(stamps, SampleRows.of(frames))
-        findings = [] if found is None else self.pipeline.encode_rows(found, self._frame_id)
+        samples = SampleRows.of(frames)
+        found = self.pipeline.find_rows(stamps, samples)
+        findings = [] if found is None else self.pipeline.encode_rows(found, self._frame_id, samples)
         batch: list[Recorded] = []
-        for row, (stamp, command, raw) in enumerate(
-            zip(stamps, commands, self._commands.commands(stamps, commands), strict=True)
-        ):
-            self._command(batch, stamp, command, raw)
+        for row, (stamp, raw) in enumerate(zip(stamps, self._commands.commands(stamps, commands), strict=True)):
+            batch.append((RIG_COMMAND, stamp - self._period, raw))  # the driver sends it before the frame
             for topic, sent in messages[row]:
                 batch.append((topic, stamp, sent))
                 if found is None:
@@ -163,16 +163,7 @@ class SessionRun:
                 elif topic == MARKS_STATE:
                     batch += [(name, stamp, message) for name, message in findings[row]]
         self._recorder.write_all(batch)
-
-    def _command(self, batch: list[Recorded], stamp: int, command: Command, raw: bytes) -> None:
-        """Add what the rig driver sends before a frame: the command, and its echo on change and once a second."""
-        before = stamp - self._period
-        batch.append((RIG_COMMAND, before, raw))
-        if command != self.command or stamp >= self._echo_due:
-            self._echo_due = stamp + NANOSECONDS
-            batch.append((WOB_COMMAND, before, self._commands.wob_command(command)))
-            batch.append((RPS_COMMAND, before, self._commands.rps_command(command)))
-        self.command = command
+        self.command = commands[-1]
 
     def _record(self, topic: str, raw: bytes) -> None:
         """Record a message, and what the analysis finds in it."""

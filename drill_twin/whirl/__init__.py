@@ -6,6 +6,7 @@
 
 from drill_twin.whirl.analyzer import Analyzer
 from drill_twin.whirl.bit_only_analyzer import BitOnlyAnalyzer
+from drill_twin.whirl.codes import MotionCode, StickSlipCode
 from drill_twin.whirl.criteria import BitMotion, Criteria, MotionState
 from drill_twin.whirl.findings import Findings, MotionPeriod, Onset, Quality, StickSlipPeriod, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkInfo
@@ -20,6 +21,7 @@ __all__ = [
     "Criteria",
     "Findings",
     "MarkInfo",
+    "MotionCode",
     "MotionPeriod",
     "MotionState",
     "Onset",
@@ -27,6 +29,7 @@ __all__ = [
     "Quality",
     "Spectrum",
     "StickSlip",
+    "StickSlipCode",
     "StickSlipPeriod",
     "Summary",
     "centre_line",

@@ -117,7 +117,7 @@ def analyse(words: Integers, kind: Any) -> int:
             add_sample(block, samples, clock, bins, separation, carrier)
             flow[STEP] = NOTE
         else:
-            note_findings(found, block, samples, orbit, clock)
+            note_findings(found, block, samples, orbit, clock, bit)
             counts[NEXT] += 1
             flow[STEP] = SAMPLE
 

@@ -150,7 +150,7 @@ class Analyzer:
         self._bit.push(stamp_ns * 1e-9, bit_speed)
         bit = self._bit
         self._findings = self._findings.with_sample(
-            stamp_ns, self._radius.copy(), self.quality, bit.motion, bit.criterion
+            stamp_ns, self._radius.copy(), self.quality, bit.motion, bit.criterion, bit.index
         )
         return self._findings
 
@@ -175,7 +175,8 @@ class Analyzer:
         """
         stamps, positions, spins, forces, speeds, counts = self._state.block
         counts[HAS_SPIN], counts[HAS_FORCE] = spin is not None, wall_force is not None
-        found = FoundRows(self._findings, [], np.empty((len(stamps_ns), len(self.marks), 4)), {})
+        count = len(stamps_ns)
+        found = FoundRows(self._findings, [], np.empty((count, len(self.marks), 4)), np.empty(count), {})
         for first in range(0, len(stamps_ns), BLOCK):
             rows = slice(first, first + BLOCK)
             n = counts[COUNT] = len(stamps_ns[rows])
@@ -193,6 +194,7 @@ class Analyzer:
             self._present()
             found.stamps.extend(self._state.found.stamp[:n].tolist())
             found.values[rows] = self._state.found.values[:n]
+            found.bit_index[rows] = self._state.found.bit_index[:n]
         return found
 
     def _analysed(self) -> Iterator[int]:
@@ -213,7 +215,9 @@ class Analyzer:
             self._findings = self._new_findings()
         stamp, quality = self._stamp_and_quality()
         bit = self._bit
-        self._findings = self._findings.with_sample(stamp, self._radius.copy(), quality, bit.motion, bit.criterion)
+        self._findings = self._findings.with_sample(
+            stamp, self._radius.copy(), quality, bit.motion, bit.criterion, bit.index
+        )
         return self._findings
 
     def _checked_stamp(

@@ -23,6 +23,7 @@ from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.history import APPENDED, LENGTH, History, append
 from drill_twin.whirl.motion.classifier import MotionClassifier, classify
 from drill_twin.whirl.motion.stick_slip import BitSpeed, add_bit_speed
+from drill_twin.whirl.motion.stick_slip_index import INDEX
 from drill_twin.whirl.onset.asynchronous_onset import (
     AveragedRadius,
     Onsets,
@@ -217,10 +218,13 @@ def estimate_state(
 
 
 @strict_kernel
-def note_findings(found: Found, block: SampleBlock, samples: Samples, orbit: Orbit, clock: Clock) -> None:
+def note_findings(
+    found: Found, block: SampleBlock, samples: Samples, orbit: Orbit, clock: Clock, bit: BitSpeed
+) -> None:
     """Write down the estimates after the sample."""
     at = block.counts[NEXT]
     found.stamp[at] = clock.stamps[LAST]
+    found.bit_index[at] = bit.window.numbers[INDEX]
     for k in range(samples.radius.size):
         row = found.values[at, k]
         row[0], row[1], row[2], row[3] = samples.radius[k], orbit.precession[k], orbit.ratio[k], orbit.confidence[k]

@@ -56,11 +56,12 @@ class Found(NamedTuple):
 
     stamp: Integers  # (BLOCK,) of the last sample that was analysed [ns]
     values: Array  # (BLOCK, m, 4) radius of the orbit [m], precession [rev/s], ratio, confidence
+    bit_index: Array  # (BLOCK,) stick-slip index of the bit
 
     @classmethod
     def of(cls, m: int) -> Found:
         """Empty, for m marks."""
-        return cls(np.zeros(BLOCK, np.int64), np.zeros((BLOCK, m, 4)))
+        return cls(np.zeros(BLOCK, np.int64), np.zeros((BLOCK, m, 4)), np.zeros(BLOCK))
 
 
 class Samples(NamedTuple):

@@ -6,9 +6,12 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 from enum import Enum
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Self
+
+import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.whirl.codes import MotionCode
 from drill_twin.whirl.criteria import BitMotion, MotionState
 
 
@@ -149,9 +152,22 @@ class Findings:
     """The onset, once it is detected; it never changes afterwards."""
     quality: Quality
     """Counts of good and bad samples."""
+    bit_index: float = math.nan
+    """Stick-slip index of the bit; nan while it is not known."""
+
+    @property
+    def codes(self) -> list[int]:
+        """Codes of the motion states of the marks (`MotionCode`)."""
+        return [MotionCode.of(state) for state in self.state]
 
     def with_sample(
-        self, stamp_ns: int, orbit_radius: Array, quality: Quality, bit: BitMotion, bit_criterion: str
+        self,
+        stamp_ns: int,
+        orbit_radius: Array,
+        quality: Quality,
+        bit: BitMotion,
+        bit_criterion: str,
+        bit_index: float,
     ) -> Findings:
         """Copy after one more sample that changed no estimate; ten times as fast as `dataclasses.replace`."""
         later = object.__new__(Findings)
@@ -163,6 +179,7 @@ class Findings:
             quality=quality,
             bit=bit,
             bit_criterion=bit_criterion,
+            bit_index=bit_index,
         )
         return later
 
@@ -176,8 +193,26 @@ class FoundRows(NamedTuple):
     """Stamp of the findings [ns]."""
     values: Array
     """Orbit radius [m], precession [rev/s], ratio and confidence of each mark, shape (n, m, 4)."""
+    bit_index: Array
+    """Stick-slip index of the bit, shape (n,); nan while it is not known."""
     changes: dict[int, Findings]
     """Findings by the number of a sample after which a state, a text or the onset may be another."""
+
+    @classmethod
+    def of(cls, found: Findings) -> Self:
+        """Findings after one sample."""
+        values = np.column_stack((found.orbit_radius, found.precession, found.ratio, found.confidence))
+        return cls(found, [found.stamp_ns], values[None], np.array([found.bit_index]), {0: found})
+
+    def states(self) -> Array:
+        """Values of `/whirl/state`: as `values`, precession in [rad/s], and the `MotionCode`, shape (n, m, 5)."""
+        codes, begin, present = np.empty((*self.values.shape[:2], 1)), 0, self.before
+        for row in sorted(self.changes):
+            codes[begin:row, :, 0], begin, present = present.codes, row, self.changes[row]
+        codes[begin:, :, 0] = present.codes
+        states = np.concatenate((self.values, codes), axis=-1)
+        states[..., 1] *= math.tau
+        return states
 
 
 @dataclass(frozen=True)

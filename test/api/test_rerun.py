@@ -12,22 +12,25 @@ from drill_twin.cli import run_command
 from drill_twin.io.bag.metadata import contract_topic
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.writer import BagWriter
+from drill_twin.io.messages.rig_messages import CommandEncoder
 from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE, RPS_COMMAND, TWIN_SCENE, WOB_COMMAND
-
-BY_HAND = (WOB_COMMAND, RPS_COMMAND)
+from drill_twin.scene.set_points import Command
 
 
 @pytest.fixture
 def part_of(tmp_path, bench_run):
     """A bag of the run with some of its topics, in a namespace, from a time on."""
 
-    def write(*left_out, namespace="", begin=0.0):
+    def write(*left_out, namespace="", begin=0.0, more=()):
         bag = Bag(bench_run.bag)
         topics = [topic for topic in bag.topics if topic not in left_out]
+        named = dict.fromkeys([*topics, *(topic for topic, *_ in more)])
         folder = tmp_path / "bag_0"
         with BagWriter(
-            folder, topics=[replace(contract_topic(topic), name=namespace + topic) for topic in topics]
+            folder, topics=[replace(contract_topic(topic), name=namespace + topic) for topic in named]
         ) as writer:
+            for row in more:
+                writer.write(*row)
             for topic, stamp, raw in bag.messages(topics):
                 if stamp >= begin * 1e9 or topic == TWIN_SCENE:
                     writer.write(namespace + topic, stamp, raw)
@@ -69,12 +72,16 @@ def test_a_twin_in_a_namespace_is_run_again(part_of):
 
 
 def test_single_set_points_and_measured_states_are_used_where_there_are_no_commands(part_of, tmp_path):
-    both = dt.rerun(part_of(RIG_COMMAND, *BY_HAND))
+    both = dt.rerun(part_of(RIG_COMMAND))
     assert both.commands.source == "/rig/state, as measured"
     final = both.recorded.rig.bit_force[-1]
     assert both.computed.rig.bit_force[-1] == pytest.approx(final, rel=0.05)
     (tmp_path / "bag_0").rename(tmp_path / "other_0")
-    assert dt.rerun(part_of(RIG_COMMAND)).commands.source == "/rig/wob_command and /rig/rps_command"
+    encoder, hand = CommandEncoder(), Command(30.0, 6.0)
+    said = [(WOB_COMMAND, 0, encoder.wob_command(hand)), (RPS_COMMAND, 0, encoder.rps_command(hand))]
+    both = dt.rerun(part_of(RIG_COMMAND, more=said))
+    assert both.commands.source == "/rig/wob_command and /rig/rps_command"
+    assert both.commands.commands[-1] == hand
 
 
 @pytest.mark.parametrize("key", ["wob", "rig.rotation.value", "duration", "rig.block.value", "rig.block.shape"])

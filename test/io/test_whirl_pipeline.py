@@ -8,19 +8,28 @@ import pytest
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.bag.reader import Bag
-from drill_twin.io.messages.decode import read_string
+from drill_twin.io.messages.decode import read_joint_state, read_string
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import pack_stamp
-from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
+from drill_twin.io.messages.topics import (
+    MARKS_STATE,
+    RIG_STATE,
+    TWIN_SCENE,
+    TWIN_SUMMARY,
+    WHIRL_MOTION,
+    WHIRL_ONSET,
+    WHIRL_STATE,
+)
 from drill_twin.io.messages.whirl_encode import decode_motion, decode_onset
 from drill_twin.io.samples import STUCK, WAITING
+from drill_twin.io.twin_summary import Motion, RigSample, TwinSummary
 from drill_twin.io.whirl_pipeline import WhirlPipeline
-from drill_twin.whirl import AnalysisError, BitMotion
+from drill_twin.whirl import AnalysisError, BitMotion, MarkInfo, MotionCode, MotionState, StickSlipCode
 
 INPUTS = (TWIN_SCENE, MARKS_STATE, RIG_STATE)
 """Topics that the analysis needs."""
 
-FOUND = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET)
+FOUND = (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET, TWIN_SUMMARY)
 
 
 @pytest.fixture(scope="module")
@@ -30,12 +39,55 @@ def inputs(bench_run):
 
 @pytest.fixture(scope="module")
 def live(bench_run):
-    return [(topic, raw) for topic, _, raw in Bag(bench_run.bag).messages(FOUND)]
+    return without_factor((topic, raw) for topic, _, raw in Bag(bench_run.bag).messages(FOUND))
 
 
 def fed(messages, pipeline=None):
     pipeline = pipeline or WhirlPipeline()
-    return pipeline, [found for topic, raw in messages for found in pipeline.take(topic, raw)]
+    return pipeline, without_factor(found for topic, raw in messages for found in pipeline.take(topic, raw))
+
+
+def without_factor(found):
+    """Findings without the real-time factor, which tells wall time: the last number of a `/twin/summary`."""
+    return [(topic, raw[:-16] + raw[-8:] if topic == TWIN_SUMMARY else raw) for topic, raw in found]
+
+
+def test_the_summary_has_what_a_dashboard_wants_without_nan(bench_run):
+    states = [read_joint_state(raw) for _, _, raw in Bag(bench_run.bag).messages((TWIN_SUMMARY,))]
+    assert [state.stamp // 10_000_000 for state in states] == [1, *range(20, 301, 20)]
+    assert {state.names for state in states} == {
+        ("rate_of_penetration", "weight_on_bit", "rotation", "whirl", "whirl_severity", "stick_slip",
+         "stick_slip_severity", "onset", "realtime_factor")
+    }  # fmt: skip
+    assert np.isfinite([state.position for state in states]).all()
+    last = dict(zip(states[-1].names, states[-1].position, strict=True))
+    assert (last["rate_of_penetration"], last["weight_on_bit"]) == (0.0, pytest.approx(100.0))
+    assert last["rotation"] == pytest.approx(4.0 * np.pi)
+    assert MotionCode(int(last["whirl"])).whirls
+    assert 0.5 < last["whirl_severity"] < 1.1
+    assert last["onset"] == bench_run.summary.onset.time_s
+    assert last["realtime_factor"] > 0.0
+    assert [state.position[7] > 0.0 for state in states] == sorted(state.position[7] > 0.0 for state in states)
+
+
+def test_the_rate_of_penetration_is_that_of_the_depth_and_what_a_rig_lacks_is_left_out():
+    marks = [MarkInfo("mark", 1.0, "centre", 0.0, 0.01)]
+    calm = Motion(MotionState.FIXED_AXIS, np.full(1, np.nan), BitMotion.STEADY, np.nan)
+    summary, poor = TwinSummary(marks), TwinSummary(marks)
+    for stamp in range(10_000_000, 400_000_001, 10_000_000):
+        if summary.add(stamp, RigSample(6.0, 6.0, 1e3, 0.01 * stamp * 1e-9)):
+            last = read_joint_state(summary.encode(stamp, calm, "hole"))
+        if poor.add(stamp, RigSample(6.0, np.nan)):
+            least = read_joint_state(poor.encode(stamp, calm, "hole"))
+    assert last.position[:6].tolist() == [
+        pytest.approx(0.01),
+        1e3,
+        6.0,
+        MotionCode.FIXED_AXIS,
+        0.0,
+        StickSlipCode.STEADY,
+    ]
+    assert least.names[:2] == ("rotation", "whirl")
 
 
 def test_a_bag_gives_what_was_found_live_byte_for_byte(inputs, live):

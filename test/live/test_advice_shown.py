@@ -6,18 +6,26 @@ import math
 
 import pytest
 
+from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, TWIN_SCENE
+from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, DIAGNOSTICS, TWIN_SCENE
 from drill_twin.live.page_state import PageState
 from drill_twin.live.sources import Sources
 from drill_twin.scene import load_scene
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
+from drill_twin.studies.maps.advice import Advice, AdviceEncoder, AdvisedSetPoint
 from drill_twin.studies.maps.drawing import lattice_data
-from drill_twin.studies.maps.operating_map import digest_of
+from drill_twin.studies.maps.operating_map import Margin, digest_of
 from drill_twin.studies.maps.runs import Key, RunRecord
 
 SCENE = load_scene("pa6_bench")
+
+
+LEAVE = Advice(
+    Level.ERROR, "", Regime.FORWARD, keeps=True, boundary="", margin=Margin(-20.0, math.inf, -0.25),
+    target=AdvisedSetPoint(20.0, 1.5 * math.tau, 0.1),
+)  # fmt: skip
 
 
 def lattice(steps=8):
@@ -34,8 +42,8 @@ def test_map_and_advice_are_shown_in_whatever_order_they_come(first):
     messages = {ADVICE_MAP: encode_string(json.dumps(lattice())), TWIN_SCENE: encode_string(SCENE.to_yaml())}
     for topic in sorted(messages, key=lambda topic: topic != first):
         page.update(topic, messages[topic])
-    values = {"target_weight_on_bit_N": "20.0", "target_speed_rev_s": "1.5"}
-    page.update(ADVICE_STATE, encode_diagnostics(0, [Status("advice", Level.ERROR, "go to 20 N", values)]))
+    page.update(ADVICE_STATE, AdviceEncoder().encode(0, LEAVE, 60.0, math.tau, whirls=False))
+    page.update(DIAGNOSTICS, encode_diagnostics(0, [Status("rig2/advisor", Level.WARN, "go to 20 N")]))
     picture = page.snapshot()
     assert picture["advice"] == {"text": "go to 20 N", "level": 2, "wob": 20.0, "rps": 1.5}
     assert (picture["map"]["wob"], picture["map"]["rps"]) == ([0.0, 80.0], [0.0, 2.0])
@@ -75,9 +83,12 @@ def test_what_is_no_map_is_skipped_and_counted(change):
 def test_odd_names_and_targets_are_plain():
     page = PageState(Sources())
     page.update(ADVICE_MAP, encode_string(json.dumps(lattice() | {"regimes": ["\x1b[2J" * 100] * 100})))
-    values = {"target_weight_on_bit_N": "nan", "target_speed_rev_s": "x" * 100}
-    page.update(ADVICE_STATE, encode_diagnostics(0, [Status("advice", Level.OK, "\n" * 10_000, values)]))
+    odd = JointStateTemplate(
+        ("advice", "target", "target/weight_on_bit", "target/rotation"), velocity=False, effort=False
+    )
+    page.update(ADVICE_STATE, odd.fill(0, [math.nan, math.inf, math.nan, 1e300]))
+    page.update(DIAGNOSTICS, encode_diagnostics(0, [Status("advisor", Level.OK, "\n" * 10_000)]))
     picture = page.snapshot()
-    assert len(json.dumps(picture, allow_nan=False)) < 5_000
+    assert len(json.dumps(picture, allow_nan=False)) < 8_000
     assert all(name.isprintable() for name in picture["map"]["regimes"])
     assert set(picture["advice"]) == {"text", "level"}

@@ -4,14 +4,17 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.dynamics.twin.frame import Frames
+from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
-from drill_twin.io.messages.encode import TwinEncoder, encode_string
-from drill_twin.io.messages.topics import DIAGNOSTICS, ESTIMATE_STATE, RIG_STATE, TWIN_SCENE, WHIRL_MOTION, WHIRL_STATE
-from drill_twin.io.messages.whirl_encode import SubjectMotion, WhirlStateEncoder, encode_motion
+from drill_twin.io.messages.encode import TwinEncoder
+from drill_twin.io.messages.topics import DIAGNOSTICS, ESTIMATE_STATE, RIG_STATE, TWIN_SUMMARY
+from drill_twin.io.scene_geometry import mark_infos
+from drill_twin.io.twin_summary import Motion, RigSample, TwinSummary
 from drill_twin.live.alarms import Alarms
 from drill_twin.live.lamps import stick_slip_lamp, whirl_lamp
 from drill_twin.live.limits import parse_limit
@@ -20,7 +23,7 @@ from drill_twin.live.sources import Sources
 from drill_twin.live.supervision import Supervision
 from drill_twin.live.trends import CHANNELS, SECONDS, Trends
 from drill_twin.scene import load_scene
-from drill_twin.whirl import StickSlip
+from drill_twin.whirl import BitMotion, MotionCode, MotionState, StickSlip
 
 VALUES = dict.fromkeys(CHANNELS, 1.0) | {"rop": math.nan}
 
@@ -88,12 +91,11 @@ def test_a_limit_of_the_command_line_has_a_unit():
 
 
 def test_severity_of_the_lamps():
-    assert whirl_lamp("", math.nan).level is None
-    assert whirl_lamp("not observable", math.nan).level is None
-    assert whirl_lamp("rotation about a fixed axis", 0.3).level == 0
-    assert whirl_lamp("forward whirl", 0.4).level == 1
-    assert whirl_lamp("forward whirl", 0.95).level == 2
-    assert whirl_lamp("rolling along the wall", math.nan).level == 2
+    assert whirl_lamp(MotionCode.NOT_OBSERVABLE, 0.0).level is None
+    assert whirl_lamp(MotionCode.FIXED_AXIS, 0.3).level == 0
+    assert whirl_lamp(MotionCode.FORWARD_WHIRL, 0.4).level == 1
+    assert whirl_lamp(MotionCode.FORWARD_WHIRL, 0.95).level == 2
+    assert whirl_lamp(MotionCode.ROLLING, 0.0).level == 2
     assert stick_slip_lamp(StickSlip()).level is None
 
 
@@ -121,69 +123,74 @@ def test_the_lamp_of_stick_slip_goes_by_the_index_and_not_by_the_start_up():
 def test_a_string_on_the_low_side_of_a_deviated_hole_is_not_severe_for_its_radius():
     levels = {}
     for name in ("pa6_bench", "well_b"):
-        page, scene = PageState(), load_scene(name)
-        marks = [mark.name for mark in scene.string.marks]
-        page.update(TWIN_SCENE, encode_string(scene.to_yaml()))
-        radii = [scene.clearance_at(mark.distance_from_bit) for mark in scene.string.marks]
-        ones = [1.0] * len(marks)
-        page.update(WHIRL_STATE, WhirlStateEncoder(marks).encode(0, radii, ones, ones, ones))
-        motions = [SubjectMotion("string", "forward whirl", "")]
-        page.update(WHIRL_MOTION, encode_motion(0, motions))
-        lamps = page.snapshot()["lamps"]
-        levels[name] = lamps["whirl"]["level"]
+        page, marks = PageState(), mark_infos(load_scene(name))
+        summary = TwinSummary(marks)
+        summary.add(0, RigSample(1.0, 1.0, 1.0, 0.0))
+        radii = np.array([mark.clearance for mark in marks])
+        motion = Motion(MotionState.FORWARD_WHIRL, radii, BitMotion.STEADY, math.nan)
+        page.update(TWIN_SUMMARY, summary.encode(0, motion, "hole"))
+        picture = page.snapshot()
+        assert picture["motion"]["whirls"]
+        levels[name] = picture["lamps"]["whirl"]["level"]
     assert levels == {"pa6_bench": 2, "well_b": 1}
 
 
-def test_rate_of_penetration_comes_from_the_diagnostics(make_frame, make_geometry):
+def test_a_code_that_nobody_knows_is_skipped_and_counted():
     page = PageState()
+    odd = JointStateTemplate(("whirl", "whirl_severity"), velocity=False, effort=False)
+    for number, code in enumerate((99.0, math.nan, math.inf)):
+        page.update(TWIN_SUMMARY, odd.fill(number, [code, 1.0]))
+    assert len(page.skipped) == 3
+    assert page.snapshot()["lamps"]["whirl"]["level"] is None
 
-    def tell(rate):
-        status = Status("simulator", Level.OK, "", {"rate_of_penetration_m_h": rate})
-        page.update(DIAGNOSTICS, encode_diagnostics(0, [status]))
 
-    tell("36")
-    page.update(RIG_STATE, TwinEncoder(make_geometry()).rig_state(Frames.of(make_frame()))[0])
-    assert page.snapshot()["rig"]["rop"] == pytest.approx(0.01)
-    tell("fast")
-    assert DIAGNOSTICS in page.skipped
+def test_rate_of_penetration_is_that_of_the_rig_and_none_for_a_bit_that_has_not_drilled(make_frame, make_geometry):
+    page, encoder, frame = PageState(), TwinEncoder(make_geometry()), make_frame()
+    for drilled, shown in ((0.0, None), (0.5, 0.01)):
+        rig = frame.rig._replace(drilled=drilled, rate_of_penetration=0.01)
+        page.update(RIG_STATE, encoder.rig_state(Frames.of(frame._replace(rig=rig)))[0])
+        assert page.snapshot()["rig"]["rop"] == shown
 
 
 def test_estimates_are_shown_with_their_bands_until_the_estimator_is_gone():
     times = [0.0]
     page = PageState(Sources(lambda: times[0]))
+    names = ("trust", "alarm", "whirls", "chance_of_whirl", "bit_speed", "bit_speed/low", "bit_speed/high",
+             "load_factor", "load_factor/low", "load_factor/high", "load_factor/deviation")  # fmt: skip
+    template = JointStateTemplate(names, velocity=False, effort=False)
 
-    def tell(level, text):
-        chance = {"chance_of_whirl": "0.25"}
-        ends = {"mean": "6.2832", "low": "3.1416", "high": "nan" if text == "odd" else "12.5664"}
-        speed = Status("estimate: bit_speed", Level.OK, "6.283 (3.142 to 12.57) rad/s", ends)
-        factor = Status("estimate: load_factor", Level.OK, "1.2 (1 to 1.4)", ends)
-        page.update(ESTIMATE_STATE, encode_diagnostics(0, [Status("estimate", level, text, chance), speed, factor]))
+    def tell(text, *, trust=0.0, alarm=0.0, high=4.0 * math.pi):
+        values = [trust, alarm, 0.0, 0.25, math.tau, math.pi, high, 1.2, 1.0, 1.4, 0.1]
+        page.update(ESTIMATE_STATE, template.fill(0, values))
+        page.update(DIAGNOSTICS, encode_diagnostics(0, [Status("estimator", Level.WARN, text)]))
 
-    tell(Level.OK, "the model explains what is measured")
+    tell("the model explains what is measured")
     chance, speed, factor = page.snapshot()["estimates"]["rows"]
-    assert chance == {"name": "chance of whirl", "text": "25%"}
-    assert (speed["name"], speed["quantity"]) == ("bit speed", "rotation")
-    assert [speed[key] for key in ("mean", "low", "high")] == pytest.approx([1.0, 0.5, 2.0], rel=1e-4)  # rev/s
-    assert factor == {"name": "load_factor", "text": "1.2 (1 to 1.4)"}  # without a unit there is nothing to convert
+    assert chance == {"name": "chance of whirl", "mean": 0.25, "low": None, "high": None}
+    assert speed == {"name": "bit speed", "quantity": "rotation", "mean": 1.0, "low": 0.5, "high": 2.0}  # rev/s
+    assert factor == {"name": "load_factor", "mean": 1.2, "low": 1.0, "high": 1.4}  # without a unit to convert
     assert page.snapshot()["alarms"] == []
-    tell(Level.ERROR, "hookload leaves the band")
+    tell("hookload leaves the band", trust=1.0, alarm=1.0)
     assert [row["text"] for row in page.snapshot()["alarms"]] == ["estimator: hookload leaves the band"]
-    tell(Level.OK, "odd")
-    assert page.snapshot()["estimates"]["rows"][1] == {"name": "bit_speed", "text": "6.283 (3.142 to 12.57) rad/s"}
+    assert page.snapshot()["estimates"]["level"] == Level.ERROR
+    tell("fine", high=math.nan)
+    assert page.snapshot()["estimates"]["rows"][1]["high"] is None
     assert [row["active"] for row in page.snapshot()["alarms"]] == [False]
+    tell("the filter has failed", trust=2.0)
+    assert page.snapshot()["estimates"]["rows"] == []
     times[0] = 5.0
     assert page.snapshot()["estimates"] == {"level": 3, "text": "no estimates for 5 s", "rows": []}
-    page.update(ESTIMATE_STATE, encode_diagnostics(0, [Status("x" * 10_000, Level.OK, "")] * 100))
+    page.update(ESTIMATE_STATE, JointStateTemplate(["x" * 10_000]).fill(0, [0.0], [0.0], [0.0]))
     assert ESTIMATE_STATE in page.skipped
 
 
 def test_motions_raise_alarms_and_are_logged_once():
     seen = Supervision(recorded=False)
-    calm = "rotation about a fixed axis"
-    for state in (calm, calm, "forward whirl", "forward whirl", "spiral"):
-        seen.motion(state, 0.5)
+    calm, forward = MotionCode.FIXED_AXIS, MotionCode.FORWARD_WHIRL
+    for code in (calm, calm, forward, forward, MotionCode.SPIRAL):
+        seen.motion(code, 0.5)
     assert [row["text"] for row in seen.snapshot()["alarms"]] == ["whirl: spiral"]
-    said = [f"whirl: {calm}", "whirl: forward whirl", "whirl: spiral"]
+    said = [f"whirl: {calm.state.value}", "whirl: forward whirl", "whirl: spiral"]
     assert _texts(seen.alarms) == said
 
 

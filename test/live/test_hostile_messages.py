@@ -29,7 +29,7 @@ def test_the_picture_stays_small_and_plain():
         page.update(DIAGNOSTICS, encode_diagnostics(0, [Status(f"{turn}_{k}", Level.OK, "fine") for k in range(20)]))
     page.update(STRING_POSES, PoseArrayTemplate(30_000).fill(0, np.zeros((30_000, 3)), np.zeros((30_000, 4))))
     page.update(WHIRL_MOTION, encode_motion(0, [SubjectMotion("string", ODD, ODD), SubjectMotion(ODD, ODD, ODD)]))
-    page.update(WHIRL_ONSET, encode_onset(0, OnsetMessage(1.0, ODD, 1.0)))
+    page.update(WHIRL_ONSET, encode_onset(0, OnsetMessage(1.0, ODD)))
     values = {"realtime_factor": ODD, "pace": ODD, "state": "running"}
     page.update(
         DIAGNOSTICS, encode_diagnostics(0, [Status("simulator", Level.OK, ODD, values), Status(ODD, Level.OK, ODD)])

@@ -7,16 +7,18 @@ from pathlib import Path
 
 import pytest
 from browser import get, until
-from test_advice_shown import lattice
+from test_advice_shown import LEAVE, lattice
 
 from drill_twin.core.units import parse
 from drill_twin.core.units.dimension import FORCE, TORQUE
+from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.encode import encode_string
-from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, ESTIMATE_STATE
+from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE, DIAGNOSTICS, ESTIMATE_STATE
 from drill_twin.live.page_files import page_files
 from drill_twin.live.player import Player
 from drill_twin.live.server import PageServer
+from drill_twin.studies.maps.advice import AdviceEncoder
 
 ACCESSIBILITY = (Path(__file__).parent / "accessibility.js").read_text("utf-8")
 
@@ -80,14 +82,13 @@ def test_the_screen_of_a_driller(page):
 def test_map_and_advice_on_the_screen_at_three_metres_and_on_a_telephone(page):
     browser, player = page
     player.state.update(ADVICE_MAP, encode_string(json.dumps(lattice())))
-    values = {"target_weight_on_bit_N": "20.0", "target_speed_rev_s": "1.5"}
-    player.state.update(ADVICE_STATE, encode_diagnostics(0, [Status("advice", Level.ERROR, "go to 20 N", values)]))
-    estimate = (
-        Status("estimate", Level.ERROR, "hookload leaves the band"),
-        Status("estimate: bit_torque", Level.OK, "1.356 (1 to 2) N m", {"mean": "1.35582", "low": "1", "high": "2"}),
-        Status("estimate: wall_friction.coefficient", Level.OK, "0.2 (0.19 to 0.21)"),
-    )
-    player.state.update(ESTIMATE_STATE, encode_diagnostics(0, estimate))
+    player.state.update(ADVICE_STATE, AdviceEncoder().encode(0, LEAVE, 60.0, 6.0, whirls=False))
+    names = ("trust", "alarm", "bit_torque", "bit_torque/low", "bit_torque/high", "wall_friction.coefficient",
+             "wall_friction.coefficient/low", "wall_friction.coefficient/high")  # fmt: skip
+    estimate = JointStateTemplate(names, velocity=False, effort=False)
+    player.state.update(ESTIMATE_STATE, estimate.fill(0, [0.0, 1.0, 1.35582, 1.0, 2.0, 0.2, 0.19, 0.21]))
+    told = [Status("advisor", Level.WARN, "go to 20 N"), Status("estimator", Level.WARN, "hookload leaves the band")]
+    player.state.update(DIAGNOSTICS, encode_diagnostics(0, told))
     browser.width(1920, 1080)
     until(lambda: browser.value("document.querySelectorAll('#map .heatmaplayer image').length") == 1, "the map")
     assert "weight on bit [N]" in browser.text("map")

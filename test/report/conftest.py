@@ -54,8 +54,8 @@ def known_messages(scene: Scene) -> Iterator[Message]:
             row[:] = point.real, point.imag, place.distance_from_bit - scene.length, spin
         zero = np.zeros(state.size)
         yield MARKS_STATE, stamp, marks.fill(stamp, state.ravel(), zero, zero)
-        speed, force = (2.0 * math.pi * ROTATION, 2.0 * math.pi * ROTATION, 0.0, 0.0), (0.1, WEIGHT, -12.0, 0.0)
-        yield RIG_STATE, stamp, rig.fill(stamp, (spin, spin, 0.0, spin), speed, force)
+        speed, force = (2.0 * math.pi * ROTATION, 2.0 * math.pi * ROTATION, 0.0, 0.0), (0.1, 0.0, -12.0, WEIGHT)
+        yield RIG_STATE, stamp, rig.fill(stamp, (spin, spin, 0.0, 0.0), speed, force)
         shape = np.sin(np.pi * height / scene.length)
         nodes = np.stack((z.real * shape, z.imag * shape, height), axis=1)
         tangents = np.gradient(nodes, height, axis=0)

@@ -55,8 +55,8 @@ BY_TYPE = {
     JOINT_STATE: {
         "other names": joints(),
         "no names": joints(names=()),
-        "infinite": joints(names=("top_drive", "bit", "block", "bit_torque"), value=math.inf),
-        "huge": joints(names=("top_drive", "bit", "block", "bit_torque"), value=1e300),
+        "infinite": joints(names=("top_drive", "bit", "block", "bit_axial"), value=math.inf),
+        "huge": joints(names=("top_drive", "bit", "block", "bit_axial"), value=1e300),
         "no effort": joints(effort=False),
         "from the future": joints(FUTURE),
         "without a stamp": joints(0),

@@ -34,7 +34,7 @@ from drill_twin.dynamics.twin.twin import Twin  # noqa: E402
 from drill_twin.io.bag.reader import Bag  # noqa: E402
 from drill_twin.io.messages.decode import JointStateReader  # noqa: E402
 from drill_twin.io.messages.diagnostics import Status, decode_diagnostics  # noqa: E402
-from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS  # noqa: E402
+from drill_twin.io.messages.topics import DIAGNOSTICS, TOPICS, TWIN_SUMMARY  # noqa: E402
 from drill_twin.ros.core.startup_barrier import missing_readers  # noqa: E402
 from drill_twin.ros.core.topics.rclpy_topics import message_class  # noqa: E402
 from drill_twin.ros.deployment import discovery  # noqa: E402
@@ -370,7 +370,9 @@ def payloads() -> Callable[[Path, str], list[bytes]]:
     """The messages of a topic in a bag, filled up to four bytes as they are on the wire between two processes."""
 
     def read(bag: Path, topic: str) -> list[bytes]:
-        return [raw + bytes(-len(raw) % 4) for _, _, raw in Bag(bag).messages((topic,))]
+        raws = [raw + bytes(-len(raw) % 4) for _, _, raw in Bag(bag).messages((topic,))]
+        # The last number of a summary is the real-time factor, which tells wall time.
+        return [raw[:-16] + raw[-8:] for raw in raws] if topic == TWIN_SUMMARY else raws
 
     return read
 

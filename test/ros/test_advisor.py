@@ -6,11 +6,12 @@ import math
 
 import pytest
 
-from drill_twin.io.messages.decode import read_string
-from drill_twin.io.messages.diagnostics import Level, decode_diagnostics
+from drill_twin.io.messages.decode import read_joint_state, read_string
+from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.topics import ADVICE_MAP, ADVICE_STATE
 from drill_twin.scene import load_scene
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
+from drill_twin.studies.maps.advice import AdviceCode
 from drill_twin.studies.maps.operating_map import digest_of
 from drill_twin.studies.maps.runs import Key, RunRecord
 
@@ -33,7 +34,9 @@ def made_up_map(file, scene):
 
 
 def advice_of(raw):
-    return decode_diagnostics(raw)[1][0]
+    """Values of a message by name."""
+    state = read_joint_state(raw)
+    return dict(zip(state.names, state.position.tolist(), strict=True))
 
 
 def test_it_advises_from_a_map_and_commands_nothing(bench):
@@ -48,14 +51,15 @@ def test_it_advises_from_a_map_and_commands_nothing(bench):
     for process in (advisor, driver):
         assert process.end() == 0, process.text
         assert "Traceback" not in process.text
-    last = advice_of(states[-1])
-    assert last.level == Level.ERROR
-    assert float(last.values["target_weight_on_bit_N"]) <= 10.0
-    assert "the nearest calm set-point" in last.text
     said = [advice_of(raw) for raw in states]
-    settled = next(number for number, status in enumerate(said) if status.level == Level.ERROR)
-    assert all("target_speed_rev_s" not in status.values for status in said[:settled])
-    targets = {tuple(value for name, value in status.values.items() if "target" in name) for status in said[settled:]}
+    assert said[-1]["advice"] == AdviceCode.LEAVE
+    assert said[-1]["target/weight_on_bit"] <= 10.0
+    sentences = [status for status in bench.history if status.name == "advisor" and "go to" in status.text]
+    assert "the nearest calm set-point" in sentences[-1].text
+    assert sentences[-1].level == Level.WARN
+    settled = next(number for number, one in enumerate(said) if one["advice"] == AdviceCode.LEAVE)
+    assert not any(one["target"] for one in said[:settled])
+    targets = {(one["target/weight_on_bit"], one["target/rotation"]) for one in said[settled:]}
     assert len(targets) <= 2  # before and after the onset of whirl
     assert json.loads(read_string(maps[-1]))["scene_name"] == "pa6_bench"
     assert not [name for name, _ in bench.node.get_publisher_names_and_types_by_node("test", "/") if "rig" in name]
@@ -67,11 +71,11 @@ def test_a_map_of_another_scene_is_told_in_a_sentence(bench):
     states = bench.collect(ADVICE_STATE)
     advisor = bench.start("advisor", map=file)
     simulator = bench.start("simulator")
-    bench.until(lambda: states, what="advice")
-    said = advice_of(states[-1])
-    assert said.level == Level.ERROR
+    said = bench.until_status("advisor", lambda status: status.level == Level.ERROR)
     assert "expected a map of pa6_bench, found one of pa6_bench with other numbers" in said.text
     assert "\n" not in said.text
+    bench.until(lambda: states, what="advice")
+    assert advice_of(states[-1])["advice"] == AdviceCode.NONE
     for process in (advisor, simulator):
         assert process.end() == 0, process.text
 
@@ -89,10 +93,10 @@ def test_without_a_map_it_says_at_once_how_far_it_is(bench):
     states = bench.collect(ADVICE_STATE)
     advisor = bench.start("advisor")
     simulator = bench.start("simulator")
+    told = "making a coarse map, 0 of at most 100 runs (0%) made"
+    assert bench.until_status("advisor", lambda status: told in status.text).level == Level.OK
     bench.until(lambda: len(states) >= 2, what="advice")
-    for status in map(advice_of, states[:2]):
-        assert status.level == Level.OK
-        assert "making a coarse map, 0 of at most 100 runs (0%) made" in status.text
+    assert [advice_of(raw)["advice"] for raw in states[:2]] == [AdviceCode.NONE] * 2
     for process in (advisor, simulator):
         assert process.end() == 0, process.text
 
@@ -108,21 +112,21 @@ def test_a_driver_that_follows_the_advice_leaves_whirl_or_is_told_that_it_cannot
     analyzer = bench.start("analyzer")
     simulator = bench.start("simulator", overrides=COARSE)
     bench.start("rig_driver", wait_for="simulator analyzer test", overrides=COARSE, change_time=2.5)
-    whirling = lambda status: status.values.get("whirls") == "true"  # noqa: E731
-    bench.until(lambda: states and whirling(advice_of(states[-1])), 300.0, "a map and a whirl")
+    advised = lambda: advice_of(states[-1]) if states else {"advice": 0.0, "whirls": 0.0}  # noqa: E731
+    bench.until(lambda: advised()["advice"] and advised()["whirls"], 300.0, "a map and a whirl")
     if not calm:
-        assert "no calm set-point in its ranges" in advice_of(states[-1]).text
+        bench.until_status("advisor", lambda status: "no calm set-point in its ranges" in status.text)
     else:
 
         def out_of_whirl():
-            said = advice_of(states[-1])
-            if "target_weight_on_bit_N" in said.values:
-                wanted = tuple(float(said.values[name]) for name in ("target_weight_on_bit_N", "target_speed_rev_s"))
+            said = advised()
+            if said["target"]:
+                wanted = said["target/weight_on_bit"], said["target/rotation"] / math.tau
                 if [wanted] != followed[-1:]:
                     followed.append(wanted)
                     assert bench.set_parameter("rig_driver", "weight_on_bit", f"{wanted[0]!r} N").successful
                     assert bench.set_parameter("rig_driver", "rotation", f"{wanted[1]!r} rev/s").successful
-            return said.level == Level.OK and not whirling(said)
+            return said["advice"] == AdviceCode.HOLD and not said["whirls"]
 
         bench.until(out_of_whirl, 120.0, "the end of the whirl")
         assert followed

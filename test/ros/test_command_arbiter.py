@@ -99,56 +99,81 @@ def test_limits_include_their_ends(arbiter):
 
 
 def test_single_values_change_one_set_point_each(arbiter):
-    arbiter.weight_on_bit(30.0, driver_present=False)
-    arbiter.speed(2.0, driver_present=False)
+    arbiter.weight_on_bit(30.0)
+    arbiter.speed(2.0)
     assert arbiter.good == Command(30.0, 2.0 * TURN)
-    arbiter.speed(math.nan, driver_present=False)
+    arbiter.speed(math.nan)
     assert arbiter.good == Command(30.0, 2.0 * TURN)
 
 
-def test_the_echo_of_a_driver_is_no_second_source(arbiter, clock):
-    for k in range(50):
-        command = Command(0.8 * k, 0.1 * k)
-        arbiter.weight_on_bit(command.weight_on_bit, driver_present=True)  # the echo may come first
-        arbiter.both(k, command)
-        arbiter.speed(command.rotation / TURN, driver_present=True)
+DRIVER, OTHER = "/rig_driver", "/other"
+
+
+@pytest.mark.parametrize(("first", "second"), [(DRIVER, OTHER), (DRIVER, ""), ("", OTHER)])
+def test_the_first_commander_keeps_the_rig_until_it_is_silent(arbiter, clock, first, second):
+    for stamp in range(50):
+        arbiter.both(stamp, Command(40.0, 12.0), first)
+        arbiter.both(1000 + stamp, Command(77.0, 6.0), second)
         clock.now += 0.01
-    clock.now += 0.4
-    arbiter.both(50, Command(40.0, 4.9))
-    clock.now += 0.4
-    arbiter.settle_doubts()
-    assert arbiter.from_others == 0
-
-
-def test_an_echo_is_known_however_many_commands_follow_it(arbiter, clock):
-    """In lockstep a fast machine sends thousands of commands a second."""
-    for k in range(5000):
-        command = Command(0.05 * k, 12.0)
-        arbiter.both(k, command)
-        arbiter.weight_on_bit(command.weight_on_bit, driver_present=True)
-        clock.now += 1e-4
-    clock.now += 0.6
-    arbiter.settle_doubts()
-    assert arbiter.from_others == 0
-
-
-def test_another_voice_beside_a_driver_is_counted_and_not_followed(arbiter, clock):
-    arbiter.both(1, Command(40.0, 12.0))
-    arbiter.weight_on_bit(55.0, driver_present=True)
-    assert arbiter.good.weight_on_bit == 40.0
-    clock.now += 0.6
-    arbiter.settle_doubts()
-    assert arbiter.from_others == 1
-    assert arbiter.others_speak
-    clock.now += 10.0
-    assert not arbiter.others_speak  # once is no state of affairs
-
-
-def test_a_driver_that_fell_silent_loses_its_say(arbiter, clock):
-    arbiter.both(1, Command(40.0, 12.0))
+    assert arbiter.good == Command(40.0, 12.0)
+    assert arbiter.refused == {"other_source": 50}
+    assert arbiter.last_refusal == (
+        f"expected commands of {first or 'anonymous'} alone, which has the rig until it is silent for 1 s, "
+        f"found a command of {second or 'anonymous'}; stop one of the two"
+    )
+    assert arbiter.last_stamp == 49  # that of another sets no frame of the lockstep free
+    assert arbiter.commander == (first or "anonymous")
     clock.now += 1.1
-    arbiter.weight_on_bit(55.0, driver_present=True)
+    assert arbiter.commander == ""
+    arbiter.both(60, Command(77.0, 6.0), second)
+    assert arbiter.good == Command(77.0, 6.0)
+    assert arbiter.commander == (second or "anonymous")
+    arbiter.both(61, Command(40.0, 12.0), first)  # who comes back is the second now
+    assert arbiter.good == Command(77.0, 6.0)
+
+
+def test_who_sends_nothing_good_does_not_get_the_rig(arbiter):
+    arbiter.both(1, Command(1e9, 12.0), OTHER)
+    arbiter.both(2, Command(40.0, 12.0), DRIVER)
+    assert arbiter.good == Command(40.0, 12.0)
+    assert arbiter.commander == DRIVER
+
+
+def test_a_bad_command_is_no_silence(arbiter, clock):
+    arbiter.both(1, Command(40.0, 12.0), DRIVER)
+    for stamp in range(2, 30):
+        clock.now += 0.1
+        arbiter.both(stamp, Command(math.nan, 12.0), DRIVER)
+    arbiter.both(1, Command(77.0, 12.0), OTHER)
+    assert arbiter.good == Command(40.0, 12.0)
+
+
+def test_a_single_value_beside_a_commander_is_refused_and_told(arbiter, clock):
+    arbiter.both(1, Command(40.0, 12.0), DRIVER)
+    arbiter.weight_on_bit(55.0)
+    arbiter.speed(1.0)
+    assert arbiter.good == Command(40.0, 12.0)
+    assert arbiter.refused == {"other_source": 2}
+    assert "found a single top-drive speed of 1 rev/s" in arbiter.last_refusal
+    assert arbiter.refused_recently
+    clock.now += 10.0
+    assert not arbiter.refused_recently  # once is no state of affairs
+
+
+def test_a_commander_that_fell_silent_loses_its_say(arbiter, clock):
+    arbiter.both(1, Command(40.0, 12.0), DRIVER)
+    clock.now += 1.1
+    arbiter.weight_on_bit(55.0)
     assert arbiter.good == Command(55.0, 12.0)
+    assert arbiter.commander == "by hand"
+    arbiter.both(2, Command(40.0, 12.0), OTHER)  # a commander goes before single values
+    assert arbiter.good == Command(40.0, 12.0)
+
+
+def test_a_name_cannot_write_into_the_log(arbiter):
+    arbiter.both(1, Command(40.0, 12.0), "\x1b[2J" + 1000 * "x")
+    assert arbiter.commander.isprintable()
+    assert len(arbiter.commander) < 210
 
 
 def test_silence_holds_the_last_set_point_unless_a_ramp_is_wanted(arbiter, clock):
@@ -195,7 +220,7 @@ def test_a_source_that_sent_at_a_rate_and_is_lost_is_followed_by_the_ramp(watche
         advance(watched, clock, 1, 0.1)
     assert advance(watched, clock, 10, 0.1) == Command(40.0, 12.0)
     assert advance(watched, clock, 25, 0.1) == Command(10.0, 0.0)
-    watched.weight_on_bit(20.0, driver_present=True)
+    watched.weight_on_bit(20.0)
     assert watched.set_point(0.1) == Command(20.0, 0.0)  # not with the speed of who is gone
 
 
@@ -205,7 +230,7 @@ def test_what_was_sent_once_or_by_hand_is_held(watched, clock):
         watched.both(stamp, Command(40.0, 12.0))
         assert advance(watched, clock, 100, 0.1) == Command(40.0, 12.0)
     for value in (30.0, 31.0, 32.0, 33.0):
-        watched.weight_on_bit(value, driver_present=False)
+        watched.weight_on_bit(value)
     assert advance(watched, clock, 100, 0.1) == Command(33.0, 12.0)
 
 
@@ -241,20 +266,21 @@ def test_limits_follow_the_scene():
 
 
 def test_a_refusal_is_news_for_a_while_and_counted_for_good(arbiter, clock):
-    arbiter.weight_on_bit(30.0, driver_present=False)
+    arbiter.weight_on_bit(30.0)
     assert not arbiter.refused_recently
     clock.now += 100.0
-    arbiter.weight_on_bit(1e9, driver_present=False)
+    arbiter.weight_on_bit(1e9)
     assert arbiter.refused_recently
     clock.now += 11.0
     assert not arbiter.refused_recently
     assert arbiter.refused == {"out_of_range": 1}
 
 
-def test_a_hand_command_is_known_from_that_of_a_driver(arbiter):
+def test_a_hand_command_is_known_from_that_of_a_driver(arbiter, clock):
     arbiter.both(1, Command(40.0, 12.0))
     assert not arbiter.by_hand
-    arbiter.speed(1.0, driver_present=False)
+    clock.now += 1.1
+    arbiter.speed(1.0)
     assert arbiter.by_hand
     arbiter.both(2, Command(40.0, 12.0))
     assert not arbiter.by_hand

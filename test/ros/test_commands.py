@@ -7,12 +7,14 @@ import re
 import pytest
 from drilling_scenes import rig
 from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64
 
 from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, CommandEncoder
-from drill_twin.io.messages.topics import RIG_COMMAND, RIG_STATE, RPS_COMMAND, WOB_COMMAND
+from drill_twin.io.messages.topics import COMMANDER, RIG_COMMAND, RIG_STATE, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.simulator.publisher_check import PublisherCheck
 from drill_twin.scene.set_points import Command
 
@@ -31,7 +33,8 @@ def simulator(bench):
 def unchecked(weight_on_bit, rotation):
     """A `/rig/command` as our encoder would refuse to write it."""
     unset = math.nan
-    return JointStateTemplate(COMMAND_JOINTS).fill(0, (unset, unset), (unset, rotation), (weight_on_bit, unset))
+    velocity, effort = (rotation, unset, 0.0), (unset, weight_on_bit, unset)
+    return JointStateTemplate(COMMAND_JOINTS).fill(0, (unset,) * 3, velocity, effort)
 
 
 def _set_points(status):
@@ -67,7 +70,7 @@ def test_bad_commands_are_refused_counted_and_change_nothing(bench, simulator, j
     assert status.text.startswith("commands were refused")
     bench.until(lambda: len(state) > 50)
     for sample in joints(state):
-        assert sample.effort[sample.index("bit")] == 40.0
+        assert sample.effort[sample.index("bit_axial")] == 40.0
         assert math.isfinite(sample.position.sum() + sample.velocity.sum() + sample.effort.sum())
     # The single values are judged in the same way, once ours on /rig/command has been silent for long enough.
     bench.node.destroy_publisher(command)
@@ -121,13 +124,21 @@ def test_an_incompatible_publisher_is_reported(bench, simulator, kind, quality, 
     assert "not received; publish " in status.text
 
 
-def test_a_message_that_holds_no_command_is_counted(bench, simulator):
-    command = bench.publisher(RIG_COMMAND)
-    from sensor_msgs.msg import JointState
-
-    command.publish(JointState(name=["elbow"], position=[1.0]))
-    status = bench.until_status("simulator", lambda status: status.values.get("commands_refused_malformed") == "1")
+@pytest.mark.fault("messages that hold no command", "refused, counted and told; time stands still")
+def test_messages_that_hold_no_command_are_counted_and_told(bench, simulator):
+    """An unknown joint, none, arrays that are too short, and the joint that carried the weight before the release."""
+    command, both = bench.publisher(RIG_COMMAND), ["top_drive", "bit_axial"]
+    odd = [
+        JointState(name=["elbow"], position=[1.0]), JointState(), JointState(name=both), b"\0\1\0\0 none",
+        JointState(name=both, velocity=[12.0], effort=[40.0]), JointState(name=both, velocity=[12.0, math.nan]),
+        JointState(name=["bit", "top_drive"], velocity=[math.nan, 12.0], effort=[40.0, math.nan]),
+    ]  # fmt: skip
+    for message in odd:
+        command.publish(message)
+    wanted = str(len(odd))
+    status = bench.until_status("simulator", lambda status: status.values.get("commands_refused_malformed") == wanted)
     assert status.values["simulated_time"] == "0.000000"
+    assert "expected the weight on bit as effort of the joint 'bit_axial'" in status.text
 
 
 def test_silence_is_reported_and_the_last_set_point_held(bench, simulator):
@@ -150,7 +161,7 @@ def test_silence_ramps_to_the_safe_set_point_when_asked(bench, joints):
     command.publish(CommandEncoder().command(0, Command(40.0, 12.0)))
     bench.until(lambda: len(state) > 150)
     samples = joints(state)
-    drive, bit = samples[0].index("top_drive"), samples[0].index("bit")
+    drive, bit = samples[0].index("top_drive"), samples[0].index("bit_axial")
     assert max(sample.effort[bit] for sample in samples) == 40.0
     assert samples[-1].effort[bit] == pytest.approx(5.0)
     assert samples[-1].velocity[drive] == pytest.approx(0.0, abs=1e-9)
@@ -163,13 +174,13 @@ def test_the_set_point_of_a_driver_that_was_killed_does_not_stay(bench, joints):
     process = bench.start("simulator", command_timeout=0.3, safe_ramp_time=0.5, safe_weight_on_bit=5.0)
     state = bench.collect(RIG_STATE)
     driver = bench.start("rig_driver", wait_for="simulator test", overrides="rig.weight_on_bit.duration=0.1 s")
-    bench.until(lambda: state and joints(state[-1:])[0].effort[1] == 40.0, what="the weight of the driver")
+    bench.until(lambda: state and joints(state[-1:])[0].effort[3] == 40.0, what="the weight of the driver")
     assert bench.call("/simulator/pause").success  # a pause is no silence
     bench.spin(0.6)
     assert bench.call("/simulator/resume").success
     count = len(state)
     bench.until(lambda: len(state) > count + 100)
-    assert {sample.effort[sample.index("bit")] for sample in joints(state[count:])} == {40.0}
+    assert {sample.effort[sample.index("bit_axial")] for sample in joints(state[count:])} == {40.0}
     driver.kill()
     status = bench.until_status("simulator", lambda status: _set_points(status) == (5.0, 0.0))
     assert status.level == Level.WARN
@@ -180,51 +191,68 @@ def test_the_set_point_of_a_driver_that_was_killed_does_not_stay(bench, joints):
         assert one.end() == 0, one.text
 
 
-def test_the_echo_of_the_rig_driver_is_no_second_source(bench, simulator):
+def test_the_simulator_says_who_drives(bench, simulator):
+    told = bench.collect(COMMANDER, latched=True)
     driver = bench.start("rig_driver")
     status = bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 2.5)
-    assert status.values["command_sources"] == "/rig_driver"
-    assert status.values["commands_from_others"] == "0"
+    assert status.values["commander"] == "/rig_driver"
     assert status.values["dropped"] == "0"
     assert int(status.values["unread_most"]) >= 1
     assert 0.0 < float(status.values["step_cost_wall"]) < float(status.values["step_cost_rod_and_solution"]) < 1.0
     assert status.level == 0
     assert driver.end() == 0
+    bench.until(lambda: len(told) == 3, what="nobody to drive")
+    bench.publisher(WOB_COMMAND).publish(Float64(data=30.0))
+    bench.until(lambda: len(told) == 4, what="a person to drive")
+    assert [read_string(raw) for raw in told] == ["", "/rig_driver", "", "by hand"]
 
 
+@pytest.mark.fault("a person beside the driver", "single values are refused, counted, told; the driver keeps the rig")
 def test_a_person_beside_the_driver_is_reported_and_not_followed(bench, simulator):
     driver = bench.start("rig_driver")
     bench.until_status("simulator", lambda status: float(status.values["simulated_time"]) > 0.3)
     weight = bench.publisher(WOB_COMMAND)
     weight.publish(Float64(data=123.0))
-    status = bench.until_status("simulator", lambda status: status.values["commands_from_others"] == "1")
-    assert "more than one source" in status.text
-    assert "/test" in status.values["command_sources"]
+    status = bench.until_status("simulator", lambda status: status.values.get("commands_refused_other_source") == "1")
+    assert "expected commands of /rig_driver alone" in status.text
+    assert "found a single weight on bit of 123 N; stop one of the two" in status.text
     assert float(status.values["weight_on_bit"]) < 40.0
     assert driver.end() == 0
 
 
-@pytest.mark.fault("two drivers at once", "an error that names both, in diagnostics and log of the simulator")
-def test_two_drivers_are_an_error_while_both_send(bench, simulator):
-    drivers = [bench.start("rig_driver"), bench.start("rig_driver", "-r", "__node:=other_driver")]
+@pytest.mark.fault("two drivers at once", "the first keeps the rig until it is silent, the other is refused and told")
+def test_the_second_of_two_drivers_is_refused_while_both_send(bench, simulator):
+    first = bench.start("rig_driver")
+    bench.until_status("simulator", lambda status: status.values["commander"] == "/rig_driver")
+    second = bench.start("rig_driver", "-r", "__node:=other_driver")
+    status = bench.until_status("simulator", lambda status: "commands_refused_other_source" in status.values)
+    assert status.level == Level.WARN
+    named = (
+        "commands were refused; the last: expected commands of /rig_driver alone, which has the rig until it is silent "
+        "for 0.8 s, found a command of /other_driver; stop one of the two"
+    )
+    assert status.text == named
+    assert status.values["commander"] == "/rig_driver"
+    assert f"[WARN] [simulator]: {named}" in re.sub(r" \[[\d.]+\]", "", simulator.text)
+    assert first.end() == 0
+    bench.until_status("simulator", lambda status: status.values["commander"] == "/other_driver")
+    assert second.end() == 0
+
+
+def test_two_publishers_with_one_name_are_an_error(bench, simulator):
+    drivers = [bench.start("rig_driver"), bench.start("rig_driver")]
     status = bench.until_status("simulator", lambda status: status.level == Level.ERROR)
-    named = "expected one publisher of /rig/command, found /other_driver and /rig_driver sending"
-    assert named in status.text
-    assert status.values["command_sources"] == "/other_driver, /rig_driver"
-    assert f"[ERROR] [simulator]: {named}" in re.sub(r" \[[\d.]+\]", "", simulator.text)
+    assert "expected one publisher of /rig/command as /rig_driver, found several" in status.text
     assert drivers[1].end() == 0
-    status = bench.until_status("simulator", lambda status: status.level == Level.OK)
-    assert status.values["command_sources"] == "/rig_driver"
+    bench.until_status("simulator", lambda status: status.level == Level.OK)
     assert drivers[0].end() == 0
 
 
 def test_a_second_publisher_that_says_nothing_is_no_rival(bench, simulator):
     """And one publisher that was started anew, whose numbers go back once, is none either."""
     driver = bench.start("rig_driver")
-    silent = bench.publisher(RIG_COMMAND)
-    status = bench.until_status("simulator", lambda status: "more than one source" in status.text)
-    assert status.level == Level.WARN
-    bench.node.destroy_publisher(silent)
+    bench.publisher(RIG_COMMAND)
+    status = bench.until_status("simulator", lambda status: status.values["commander"] == "/rig_driver")
     driver.kill()
     driver = bench.start("rig_driver")
     time = float(status.values["simulated_time"])

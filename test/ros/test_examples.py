@@ -5,6 +5,7 @@ import math
 import re
 import shutil
 import sys
+from ast import literal_eval
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from drill_twin.cli.ros import rig_table
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, TOPICS, WHIRL_STATE
 from drill_twin.ros.core.topics.node_topics import NodeTopics
 from drill_twin.ros.core.topics.raw_subscriptions import RawSubscriptions
+from drill_twin.whirl import MotionCode
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -35,7 +37,7 @@ def test_an_own_driver_and_an_own_analyzer_take_part(bench, joints):
     bench.drain()
     for sample in joints(states):
         share = min(sample.stamp * 1e-9 / 2.0, 1.0)
-        assert sample.effort[sample.index("bit")] == pytest.approx(40.0 * share)
+        assert sample.effort[sample.index("bit_axial")] == pytest.approx(40.0 * share)
         assert sample.velocity[sample.index("top_drive")] == pytest.approx(4.0 * math.pi * share)
     assert len(states) == 300
     wanted = [
@@ -47,6 +49,28 @@ def test_an_own_driver_and_an_own_analyzer_take_part(bench, joints):
     assert driver.end() == 0, driver.text
     assert "mark_1 " in analyzer.text
     assert "Traceback" not in analyzer.text + driver.text
+
+
+def test_a_listener_of_a_stranger_learns_onset_whirl_rates_loads_and_driver_in_a_line_each(bench):
+    text = (EXAMPLES / "listener.py").read_text("utf-8")
+    assert "drill_twin" not in text
+    listener = bench.command("listener", [sys.executable, str(EXAMPLES / "listener.py")])
+    hard = "rig.weight_on_bit.value=100 N; rig.weight_on_bit.duration=1 s; rig.rotation.duration=0.5 s"
+    analyzer, simulator = bench.start("analyzer"), bench.start("simulator", overrides=hard)
+    driver = bench.start("rig_driver", wait_for="simulator analyzer", overrides=hard)
+
+    def said():
+        lines = [line for line in listener.text.splitlines() if line.startswith("{")]
+        return literal_eval(lines[-1]) if lines else {}
+
+    bench.until(lambda: said().get("onset", 0.0) > 0.0, what="the onset")
+    found = said()
+    assert set(found) == {"onset", "whirl", "rate", "torque", "weight", "driver"}
+    assert found["driver"] == "/rig_driver"
+    assert found["weight"] == 100.0
+    assert found["rate"] == 0.0  # this bit does not drill
+    assert found["whirl"] in set(MotionCode)
+    assert driver.end() == analyzer.end() == simulator.end() == listener.end() == 0
 
 
 def test_the_table_shows_the_depth_that_publishers_offer(bench):

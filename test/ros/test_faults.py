@@ -91,7 +91,7 @@ def test_a_driver_that_is_killed_and_comes_back_goes_on_with_the_plan(bench):
 
     def weight(raw):
         state = reader.read(bytes(raw))
-        return state.effort[state.index("bit")]
+        return state.effort[state.index("bit_axial")]
 
     def as_planned():
         """Whether the last weight is that of the plan."""

@@ -13,7 +13,7 @@ from rclpy.serialization import deserialize_message
 from view_layouts import check_foxglove, check_plotjuggler, check_rviz, layout_topics
 from websockets.sync.client import connect
 
-from drill_twin.io.messages.topics import OF_EVERY_RUN, RIG_COMMAND, RPS_COMMAND, TOPICS, WOB_COMMAND
+from drill_twin.io.messages.topics import OF_EVERY_RUN, RIG_COMMAND, TOPICS
 from drill_twin.ros.core.topics.rclpy_topics import message_class
 
 pytest.importorskip("foxglove", reason="needs foxglove-sdk: pip install 'drill_twin[foxglove]'")
@@ -52,13 +52,13 @@ def test_a_viewer_gets_every_topic_and_the_layouts_show_the_running_twin(bench):
     bench.until(lambda: "for Foxglove: " in page.text, what="the address")
     url = re.search(r"for Foxglove: (\S+)", page.text)[1]
     bench.until(lambda: bench.simulated_time() > 1.0, what="a second of the run")
-    # Set-points are echoed on change only; the scene and the onset are latched, and come again to a late viewer.
-    channels, found = _messages(url, sorted(set(OF_EVERY_RUN) - {WOB_COMMAND, RPS_COMMAND}))
+    # The scene and the onset are latched, and come again to a late viewer.
+    channels, found = _messages(url, sorted(OF_EVERY_RUN))
     for topic, row in TOPICS.items():
         assert channels[topic]["schemaName"] == row.type_name
         assert (channels[topic]["encoding"], channels[topic]["schemaEncoding"]) == ("cdr", "ros2msg")
     messages = {topic: deserialize_message(raw, message_class(TOPICS[topic])) for topic, raw in found.items()}
-    assert set(messages[RIG_COMMAND].name) == {"bit", "top_drive"}
+    assert set(messages[RIG_COMMAND].name) == {"top_drive", "bit_axial", "block"}
     for check in (check_rviz, check_foxglove, check_plotjuggler):
         check(messages)
     # A viewer on DDS finds each topic of the layouts with the type and durability that it asks for.

@@ -153,7 +153,7 @@ def test_nobody_gets_control_beside_a_driver(rig):
 
 
 def _applied(state):
-    return state.effort[state.index("bit")], state.velocity[state.index("top_drive")]
+    return state.effort[state.index("bit_axial")], state.velocity[state.index("top_drive")]
 
 
 def test_keys_are_made_by_the_command_and_none_is_needed_on_this_host_only(bench):

@@ -104,7 +104,7 @@ def test_a_rig_is_measured_its_faults_are_told_and_it_is_found_again(bench, serv
     assert sent_up["speed_mean"] == pytest.approx(math.tau / 6.0)
     assert np.isnan(sent_up["axial_rms"])
     state = joints(messages[-1:])[0]
-    assert state.effort[state.index("bit")] == 10e3
+    assert state.effort[state.index("bit_axial")] == 10e3
     assert state.velocity[state.index("top_drive")] == pytest.approx(math.tau / 6.0)
     status = _fault(bench, "wrong unit")
     assert status.text == "surface_torque of the rig: wrong unit: expected N m, found lbf on the server"
@@ -115,11 +115,11 @@ def test_a_rig_is_measured_its_faults_are_told_and_it_is_found_again(bench, serv
         rig.ask("set", "WOB", value)
         bench.until_status("gateway", lambda one, fault=fault: fault in one.values["measured_weight_on_bit"])
         last = joints(messages[-1:])[0]
-        assert np.isnan(last.effort[last.index("bit")])
+        assert np.isnan(last.effort[last.index("bit_axial")])
     rig.ask("set", "WOB", 20.0)
     rig.ask("stamp", -60.0)
     bench.until_status("gateway", lambda one: one.values["measured_weight_on_bit"] == "stale stamp")
-    assert all(one.effort[one.index("bit")] in {10e3, 20e3} for one in joints(messages) if _known(one))
+    assert all(one.effort[one.index("bit_axial")] in {10e3, 20e3} for one in joints(messages) if _known(one))
 
     rig.kill()
     _fault(bench, "no connection to the rig")
@@ -129,11 +129,11 @@ def test_a_rig_is_measured_its_faults_are_told_and_it_is_found_again(bench, serv
     rig = serve(sys.executable, HERE / "asyncua_rig.py", port)
     rig.ask("set", "WOB", 30.0)
     bench.until(lambda: len(messages) > count and _known(joints(messages[-1:])[0]), what="the rig, found again")
-    assert joints(messages[-1:])[0].effort[1] == 30e3
+    assert joints(messages[-1:])[0].effort[3] == 30e3
 
 
 def _known(state):
-    return math.isfinite(state.effort[state.index("bit")])
+    return math.isfinite(state.effort[state.index("bit_axial")])
 
 
 @pytest.mark.long
@@ -150,14 +150,14 @@ def test_set_points_of_a_rig_are_followed_until_they_are_stale(bench, serve, joi
 
     def last():
         state = joints(commands[-1:])[0]
-        return float(state.effort[state.index("bit")]), float(state.velocity[state.index("top_drive")])
+        return float(state.effort[state.index("bit_axial")]), float(state.velocity[state.index("top_drive")])
 
     bench.until(lambda: commands and last() == (35.0, pytest.approx(1.5 * math.tau)), what="the set-points")
     rig.ask("set", "WOBSet", 401.0)
     told = "control lost: weight_on_bit of the rig: expected 0 to 400 N, found 401; the safe set-point is in force"
     bench.until_status("gateway", lambda one: (one.level, one.text) == (Level.ERROR, told))
     bench.until(lambda: last() == (4.0, 0.0), what="the safe set-point")
-    assert all(one.effort[one.index("bit")] <= 35.0 for one in joints(commands))
+    assert all(one.effort[one.index("bit_axial")] <= 35.0 for one in joints(commands))
     rig.ask("set", "WOBSet", 35.0)
     bench.until(lambda: last()[0] == 35.0, what="the set-points again")
     rig.kill()
@@ -220,4 +220,4 @@ def test_servers_of_other_stacks_are_read(bench, serve, joints, stack):
     _gateway(bench, port, line)
     bench.until(lambda: messages, 60.0, what=f"a measured state of {stack}")
     state = joints(messages[-1:])[0]
-    assert state.effort[state.index("bit")] == 7500.0
+    assert state.effort[state.index("bit_axial")] == 7500.0

@@ -15,7 +15,9 @@ from drill_twin.scene.set_points import Command, Schedule
 
 
 def _applied(joints, raws):
-    return [(state.effort[state.index("bit")], state.velocity[state.index("top_drive")]) for state in joints(raws)]
+    return [
+        (state.effort[state.index("bit_axial")], state.velocity[state.index("top_drive")]) for state in joints(raws)
+    ]
 
 
 def test_a_changeover_begins_flat_ends_flat_and_does_not_jump():

@@ -25,11 +25,11 @@ def _play(bench, joints, simulator, driver):
     assert other.end() == 0, bench.logs()
     bench.drain()
     commands = {
-        state.stamp: (state.effort[state.index("bit")], state.velocity[state.index("top_drive")])
+        state.stamp: (state.effort[state.index("bit_axial")], state.velocity[state.index("top_drive")])
         for state in joints(sent)
     }
     states = {
-        state.stamp: (state.effort[state.index("bit")], state.velocity[state.index("top_drive")])
+        state.stamp: (state.effort[state.index("bit_axial")], state.velocity[state.index("top_drive")])
         for state in joints(applied)
     }
     return commands, states, other.text

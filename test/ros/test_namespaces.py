@@ -25,7 +25,7 @@ def _received(bench, topic):
 
 def _applied(raws):
     state = JointStateReader().read(bytes(raws[-1]))
-    return state.effort[state.index("bit")], state.velocity[state.index("top_drive")]
+    return state.effort[state.index("bit_axial")], state.velocity[state.index("top_drive")]
 
 
 @pytest.mark.long
@@ -45,7 +45,7 @@ def test_two_twins_run_side_by_side(bench):
         bench.until(lambda name=name, there=there: bool(states[name]) and _applied(states[name]) == there)
         bench.until(lambda name=name: bool(whirls[name]), what=f"the analyzer of {name}")
         status = bench.until_status(f"{name}/simulator", lambda status: status.values["frames"] != "0")
-        assert status.values["command_sources"] == f"/{name}/rig_driver"
+        assert status.values["commander"] == f"/{name}/rig_driver"
         assert status.hardware_id == f"drill_twin/{name}"
     assert bench.node.count_publishers("/rig/state") == bench.node.count_publishers("/clock") == 0
     for process in reversed(processes):
@@ -116,7 +116,7 @@ def test_a_topic_goes_by_the_name_it_is_given(bench):
     measured = _received(bench, "/measured")
     bench.until(lambda: len(measured) > 20, what="the state under its new name")
     status = bench.until_status("simulator", lambda status: status.values["frames"] != "0")
-    assert status.values["command_sources"] == "/rig_driver"
+    assert status.values["commander"] == "/rig_driver"
     assert bench.node.count_publishers("/rig/command") == bench.node.count_publishers("/rig/state") == 0
     for process in (driver, simulator):
         assert process.end() == 0, process.text

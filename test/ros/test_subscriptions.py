@@ -47,7 +47,7 @@ def test_a_message_that_cannot_be_used_is_counted_and_the_next_one_is_taken(benc
     until(observer, lambda: len(observer.samples.values()) == 4)
     assert observer.samples.values()[f"unreadable {CLOCK_TOPIC}"] == "1"
     clock.publish(ClockTemplate().fill(2_500_000_000))
-    onset.publish(encode_onset(2_500_000_000, OnsetMessage(1.25, "mark", 0.5)))
+    onset.publish(encode_onset(2_500_000_000, OnsetMessage(1.25, "mark")))
     until(observer, lambda: observer.time > 0.0 and observer.onset is not None)
     assert (observer.time, observer.onset.time) == (2.5, 1.25)
     assert observer.samples.values()[f"unreadable {WHIRL_ONSET}"] == "1"

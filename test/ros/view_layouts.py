@@ -82,12 +82,12 @@ def check_foxglove(messages):
         assert isinstance(getattr(message, found["field"])[int(found["index"])], float), value
         joint = message.name[int(found["index"])]
         what = label.partition(" [")[0]
-        # "mark_2 radius" is the joint mark_2/orbit_radius, "weight on bit" the joint bit
+        # "mark_2 radius" is the joint mark_2/orbit_radius, "weight on bit" the joint bit_axial
         assert all(word in joint for word in what.split() if word.startswith("mark_")), value
         assert what.split()[-1].split("-")[0] in joint or found["topic"] == "/rig/state", value
     rig = {label.partition(" [")[0]: messages["/rig/state"].name[int(re.search(r"\[(\d)\]", value)[1])]
            for value, label in paths if "/rig/state" in value}  # fmt: skip
-    assert rig == {"weight on bit": "bit", "top-drive torque": "top_drive", "top-drive speed": "top_drive"}
+    assert rig == {"weight on bit": "bit_axial", "top-drive torque": "top_drive", "top-drive speed": "top_drive"}
     for panel in layout["configById"].values():
         for key in ("topicPath", "topicToRender"):
             if key in panel:

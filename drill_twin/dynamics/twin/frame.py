@@ -58,6 +58,10 @@ class RigState(NamedTuple):
     """Velocity of the travelling block [m/s], positive up."""
     hookload: float
     """Upward force on the string at the top [N]."""
+    drilled: float
+    """Depth drilled since the start [m]; 0 without a bit that cuts."""
+    rate_of_penetration: float
+    """Its mean rate over the frame [m/s]."""
 
 
 class StepStats(NamedTuple):
@@ -173,7 +177,7 @@ class Frames(NamedTuple):
     wall_depth_at: Array
     marks: MarkStates
     rig: Array
-    """Fields of `RigState`, shape (F, 10)."""
+    """Fields of `RigState`, shape (F, 12)."""
     stats: StepStats
     """Numerical effort of all frames."""
     interventions: Sequence[Intervention]

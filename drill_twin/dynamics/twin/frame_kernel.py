@@ -30,7 +30,7 @@ from drill_twin.dynamics.solver.state import (
 )
 from drill_twin.dynamics.twin.observation import DEPTH, PLACE, MarkPlaces, Observation
 from drill_twin.dynamics.twin.state_judge import Bounds, find_extremes, judge
-from drill_twin.physics.model.bit import BIT_TORQUE
+from drill_twin.physics.model.bit import BIT_TORQUE, DRILLED
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.physics.model.wellbore import Wellbore
 
@@ -171,7 +171,9 @@ def record_rig(
     row[at + 6] = mean_reaction(effort, reactions.weight, load, seconds)
     row[at + 7], row[at + 8] = u[top, 2], v[top, 2]
     row[at + 9] = mean_reaction(effort, reactions.hook, load, seconds)
-    return at + 10
+    row[at + 10] = effort.impulse[DRILLED]
+    row[at + 11] = mean_reaction(effort, COUNTERS + DRILLED, load, seconds)
+    return at + 12
 
 
 @kernel

@@ -18,7 +18,7 @@ class FrameSeries(NamedTuple):
 
     time: Array  # (F,) [s]
     command: Array  # (F, 3) set-points reached, as `Command.values`
-    rig: Array  # (F, 10) fields of `RigState`
+    rig: Array  # (F, 12) fields of `RigState`
     counted: Array  # (F, counters) of the frame
     position: Array  # (F, m, 3) of the marks [m]
     centre: Array  # (F, m, 3) [m]

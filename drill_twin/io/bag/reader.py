@@ -15,6 +15,7 @@ from drill_twin.io.bag.reading.bag_file import BagFile
 from drill_twin.io.bag.reading.files import open_files
 from drill_twin.io.messages.decode import read_string
 from drill_twin.io.messages.topics import (
+    DIAGNOSTIC_ARRAY,
     DIAGNOSTICS,
     GENERIC,
     MARKS_STATE,
@@ -22,10 +23,12 @@ from drill_twin.io.messages.topics import (
     RIG_STATE,
     TOPICS,
     TWIN_SCENE,
+    WHIRL_ONSET,
     sub_of,
 )
 
 _HARDWARE = "drill_twin"
+_OLD_JOINT = b"bit_torque\0"
 _NAMED = 8  # namespaces in an error
 
 
@@ -142,6 +145,7 @@ class Bag:
     """
 
     namespace = ""
+    _unchecked = ""  # name of the rig states whose first message has not been seen
 
     def __init__(
         self,
@@ -162,7 +166,7 @@ class Bag:
 
         Raises:
             BagError: Nothing is there, it is not a bag, it has no messages, or none on a topic of the contract; it
-                holds several twins and none was chosen; or `names` does not fit it.
+                holds several twins and none was chosen; `names` does not fit it; or it is of before release 0.1.0.
         """
         self.path = Path(path)
         self._files, empty_files = open_files(self.path, window)
@@ -191,11 +195,18 @@ class Bag:
 
         Args:
             topics: Names of topics to read; by default all.
+
+        Raises:
+            BagError: Its rig states are of before release 0.1.0.
         """
         wanted = {self._recorded[name] for name in (self.topics if topics is None else topics) if name in self.topics}
         ours = {recorded: name for name, recorded in self._recorded.items()}
         for file in self._files:
             for recorded, stamp, raw in file.messages(wanted):
+                if recorded == self._unchecked:
+                    self._unchecked = ""
+                    if _OLD_JOINT in raw:
+                        raise self._too_old(f"no joint bit_torque on {RIG_STATE}, found one")
                 if recorded != DIAGNOSTICS or not is_of_another_twin(raw, self.namespace):
                     yield ours[recorded], stamp, raw
 
@@ -227,6 +238,16 @@ class Bag:
         self._recorded = recorded_names(found, names, self.namespace, where)
         ours = {recorded: name for name, recorded in self._recorded.items()}
         self.topics: dict[str, RecordedTopic] = {ours[name]: topic for name, topic in found.items() if name in ours}
+        self._unchecked = self._recorded.get(RIG_STATE, "")
+        onset = self.topics.get(WHIRL_ONSET)
+        if onset is not None and onset.type_name == DIAGNOSTIC_ARRAY:
+            raise self._too_old(f"{WHIRL_ONSET} as {TOPICS[WHIRL_ONSET].type_name}, found {DIAGNOSTIC_ARRAY}")
+
+    def _too_old(self, mismatch: str) -> BagError:
+        return BagError(
+            f"{self.path}: expected {mismatch}: it was recorded before the topics of release 0.1.0; record the run "
+            "again, or read the bag with the version of drill_twin that its scene names"
+        )
 
     def _check_topics(self) -> None:
         others = {

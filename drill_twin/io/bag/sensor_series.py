@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.errors import MessageError
-from drill_twin.core.rig_channels import RIG_JOINTS
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.bag.series import JointSeries, RigSeries
 from drill_twin.io.bag.time_series import Column, Series
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.rig_messages import read_rig_state
+from drill_twin.io.messages.rig_messages import read_measured_state
 from drill_twin.io.messages.sensor_messages import read_imu, read_summary
 from drill_twin.io.messages.topics import MEASURED, MEASURED_RIG_STATE, SURFACE_STATE, TWIN_SCENE, sub_of
 
@@ -70,9 +69,7 @@ class SurfaceSeries(RigSeries):
     """`/surface/state` or `/measured/rig/state`, NaN where nothing was measured."""
 
     def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
-        if state.names != RIG_JOINTS:
-            raise MessageError(f"expected the joints {', '.join(RIG_JOINTS)}, found {', '.join(state.names) or 'none'}")
-        return read_rig_state(state), ()
+        return read_measured_state(state), ()
 
 
 class SubSeries:

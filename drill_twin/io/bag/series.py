@@ -19,7 +19,7 @@ from drill_twin.io.messages.drawing.pose import spin_of, tangent_of
 from drill_twin.io.messages.encode import MARK_AXES, RIG_COLUMNS
 from drill_twin.io.messages.rig_messages import COMMAND_JOINTS, read_command, read_rig_state
 from drill_twin.io.messages.whirl_encode import read_whirl_state
-from drill_twin.io.samples import columns, speeds
+from drill_twin.io.samples import columns, rig_of
 from drill_twin.physics.model.section_stress import (
     AXIAL_FORCE,
     CYCLES,
@@ -135,12 +135,16 @@ class RigSeries(JointSeries):
     """[m/s]"""
     hookload = Column(9)
     """[N]"""
+    drilled = Column(10)
+    """[m]"""
+    rate_of_penetration = Column(11)
+    """[m/s]"""
 
     def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
         if state.names == RIG_JOINTS:
             return read_rig_state(state), ()
-        top_drive, bit = speeds(state)
-        return _UNKNOWN_RIG._replace(top_drive_speed=top_drive, bit_speed=bit), ()
+        found = rig_of(state)
+        return _UNKNOWN_RIG._replace(top_drive_speed=found.top_speed, bit_speed=found.bit_speed), ()
 
     def rows(self, raws: Sequence[bytes]) -> Rows | None:
         """As of `MarkSeries`, for messages of drill_twin: the fields of `RigState`."""
@@ -169,9 +173,9 @@ class CommandSeries(JointSeries):
     def rows(self, raws: Sequence[bytes]) -> Rows | None:
         """As of `MarkSeries`."""
         states = self._reader.read_rows(raws)
-        if states is None or states.names[:2] != COMMAND_JOINTS or not (states.velocity.size and states.effort.size):
+        if states is None or states.names != COMMAND_JOINTS or not (states.velocity.size and states.effort.size):
             return None
-        return usable(Rows(states.stamps, np.stack((states.effort[:, 0], states.velocity[:, 1]), axis=1)))
+        return usable(Rows(states.stamps, np.stack((states.effort[:, 1], states.velocity[:, 0]), axis=1)))
 
 
 class StressSeries(JointSeries):
@@ -257,13 +261,20 @@ class WhirlSeries(JointSeries):
 
     orbit_radius = Column(0)
     """Radius of the centre line's orbit [m], shape (T, m)."""
-    precession = Column(1)
-    """Precession [rev/s], positive = forward, shape (T, m)."""
+    precession_rad_s = Column(1)
+    """Precession [rad/s], positive = forward, shape (T, m)."""
     ratio = Column(2)
     """Precession over rotation, shape (T, m)."""
     confidence = Column(3)
     """Confidence, 0 to 1, shape (T, m)."""
+    motion = Column(4)
+    """Codes of the motion states (`drill_twin.whirl.MotionCode`), shape (T, m)."""
 
     def _row(self, state: JointState) -> tuple[Any, tuple[str, ...]]:
         found = read_whirl_state(state)
-        return (found.orbit_radius, found.precession, found.ratio, found.confidence), found.marks
+        return (found.orbit_radius, found.precession, found.ratio, found.confidence, found.motion), found.marks
+
+    @property
+    def precession(self) -> Array:
+        """Precession [rev/s], positive = forward, shape (T, m)."""
+        return self.precession_rad_s / math.tau

@@ -28,10 +28,7 @@ from drill_twin.physics.model.section_stress import SCALARS
 
 MARK_AXES = ("x", "y", "z", "spin")
 _FIELDS = {(channel.array, channel.joint): field for field, channel in RIG_CHANNELS.items()}
-_BIT = {"position": "bit_angle", "velocity": "bit_speed"}  # of the joint that has the torque of the bit
-RIG_COLUMNS = np.array([
-    [RigState._fields.index(_FIELDS.get((array, joint)) or _BIT[array]) for joint in RIG_JOINTS] for array in ARRAYS
-])  # fmt: skip
+RIG_COLUMNS = np.array([[RigState._fields.index(_FIELDS[array, joint]) for joint in RIG_JOINTS] for array in ARRAYS])
 """Field of `RigState` in position, velocity and effort of each joint of `/rig/state`, shape (3, 4)."""
 
 

@@ -13,13 +13,18 @@ from drill_twin.core.rig_channels import RIG_CHANNELS, RIG_JOINTS
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.io.messages.cdr import Float64Template, JointStateTemplate
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.finite import check_rows, finite_number
+from drill_twin.io.messages.finite import finite_number
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.scene.set_points.command import Command
 
-COMMAND_JOINTS = ("bit", "top_drive")
-BLOCK = "block"
-"""Joint of a `/rig/command` with the velocity of the travelling block; without it the block rests."""
+TOP_DRIVE, BIT_AXIAL, BLOCK = COMMAND_JOINTS = ("top_drive", "bit_axial", "block")
+"""Joints of a `/rig/command`: velocity of the top drive, effort of the bit along the hole, velocity of the block.
+
+One without `block` leaves the block at rest. NaN stands for no set-point, as in ros2_control.
+"""
+DRIVER = "/rig_driver"
+"""Source of the commands in a bag of a session: full name of the node that sends them where there are nodes."""
+_NAMES = ("weight on bit", "rotation", "speed of the block")
 
 
 class CommandEncoder:
@@ -29,29 +34,28 @@ class CommandEncoder:
         MessageError: Raised by all methods for a set-point that is not finite.
     """
 
-    def __init__(self) -> None:
-        self._both = JointStateTemplate(COMMAND_JOINTS)
-        self._all = JointStateTemplate((*COMMAND_JOINTS, BLOCK))
+    def __init__(self, source: str = DRIVER) -> None:
+        """Make the templates.
+
+        Args:
+            source: Who commands, in `header.frame_id` of each `/rig/command`: the full name of a node.
+        """
+        self._all = JointStateTemplate(COMMAND_JOINTS, frame_id=source)
         self._one = Float64Template()
 
     def command(self, stamp: int, command: Command) -> bytes:
-        """The set-points at a stamp [ns], as a JointState; all other fields are NaN. A block at rest is left out."""
-        weight = finite_number(RIG_COMMAND, "weight on bit", command.weight_on_bit)
-        rotation = finite_number(RIG_COMMAND, "rotation", command.rotation)
-        if command.block != 0.0:
-            speed = finite_number(RIG_COMMAND, "speed of the block", command.block)
-            return self._all.fill(stamp, (np.nan,) * 3, (np.nan, rotation, speed), (weight, np.nan, np.nan))
-        return self._both.fill(stamp, (np.nan, np.nan), (np.nan, rotation), (weight, np.nan))
+        """The set-points at a stamp [ns], as a JointState; all other fields are NaN."""
+        return self.commands([stamp], [command])[0]
 
     def commands(self, stamps: Sequence[int], commands: Sequence[Command]) -> list[bytes]:
         """As `command`, at each stamp [ns]."""
-        if any(command.block != 0.0 for command in commands):
-            return [self.command(*one) for one in zip(stamps, commands, strict=True)]
-        values = np.full((3, len(commands), 2), np.nan)
-        values[1, :, 1] = [command.rotation for command in commands]
-        values[2, :, 0] = [command.weight_on_bit for command in commands]
-        check_rows(RIG_COMMAND, values[(1, 2), :, (1, 0)])
-        return self._both.rows(stamps, *values)
+        given = np.array([command.values for command in commands]).reshape(-1, len(COMMAND_JOINTS))
+        if not np.isfinite(given).all():
+            for name, value in zip(_NAMES, given[~np.isfinite(given).all(axis=1)][0].tolist(), strict=True):
+                finite_number(RIG_COMMAND, name, value)
+        values = np.full((3, *given.shape), np.nan)
+        values[2, :, 1], values[1, :, 0], values[1, :, 2] = given.T
+        return self._all.rows(stamps, *values)
 
     def wob_command(self, command: Command) -> bytes:
         """Weight on bit [N] as a Float64."""
@@ -67,20 +71,42 @@ def read_command(state: JointState, absent_weight: float | None = None) -> Comma
 
     Args:
         state: The message.
-        absent_weight: Weight on bit [N] where the message has no joint `bit`, as none is prescribed: of a scene whose
-            block is moved by its speed. None: the joint must be there.
+        absent_weight: Weight on bit [N] where the message has no set-point of it, as none is prescribed: of a scene
+            whose block is moved by its speed. None: the joint `bit_axial` must be there.
 
     Raises:
         MessageError: A set-point is missing.
     """
-    weight = None if "bit" in state.names else absent_weight
-    if not state.velocity.size or (weight is None and not state.effort.size):
+    if "bit" in state.names and BIT_AXIAL not in state.names:
+        raise MessageError(
+            f"expected the weight on bit as effort of the joint {BIT_AXIAL!r} of a /rig/command, found a joint 'bit'"
+        )
+    given = BIT_AXIAL in state.names or absent_weight is None
+    if not state.velocity.size or (given and not state.effort.size):
         raise MessageError("expected a /rig/command with velocity and effort, found one of them empty")
+    weight = float(state.effort[state.index(BIT_AXIAL)]) if given else math.nan
+    block = float(state.velocity[state.index(BLOCK)]) if BLOCK in state.names else math.nan
     return Command(
-        weight_on_bit=float(state.effort[state.index("bit")]) if weight is None else weight,
-        rotation=float(state.velocity[state.index("top_drive")]),
-        block=float(state.velocity[state.index(BLOCK)]) if BLOCK in state.names else 0.0,
+        weight_on_bit=absent_weight if math.isnan(weight) and absent_weight is not None else weight,
+        rotation=float(state.velocity[state.index(TOP_DRIVE)]),
+        block=0.0 if math.isnan(block) else block,
     )
+
+
+def read_measured_state(state: JointState) -> RigState:
+    """State of a rig of which not all joints are measured: NaN where the message has nothing.
+
+    Raises:
+        MessageError: It has none of the joints.
+    """
+    if not set(state.names) & set(RIG_JOINTS):
+        raise MessageError(f"expected joints of {', '.join(RIG_JOINTS)}, found {', '.join(state.names) or 'none'}")
+    found = dict.fromkeys(RigState._fields, math.nan)
+    for field, channel in RIG_CHANNELS.items():
+        values = getattr(state, channel.array)
+        if channel.joint in state.names and values.size:
+            found[field] = float(values[state.names.index(channel.joint)])
+    return RigState(**found)
 
 
 def read_rig_state(state: JointState) -> RigState:

@@ -9,7 +9,6 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
-from drill_twin.core.rig_channels import ARRAYS, RIG_CHANNELS, RIG_JOINTS
 from drill_twin.dynamics.sensors.sampling import Reading
 from drill_twin.dynamics.sensors.summaries import SUMMARY
 from drill_twin.io.messages.cdr import JointStateTemplate, Template, sentinel_header, sentinels
@@ -19,8 +18,7 @@ from drill_twin.io.messages.stamps import header_stamp, stamp_ns
 from drill_twin.io.messages.topics import IMU, SURFACE_STATE, imu_topic, summary_topic
 from drill_twin.io.messages.type_store import deserialize, message
 
-_SURFACE = ("top_drive_speed", "top_drive_torque", "hookload", "block_position")
-"""Channel of each value of `drill_twin.dynamics.sensors.surface.SurfaceValues`."""
+_SURFACE_JOINTS = ("top_drive", "block")
 
 
 class ImuReading(NamedTuple):
@@ -92,23 +90,30 @@ class SummaryEncoder:
 
 
 class SurfaceEncoder:
-    """Encoder of `/surface/state`.
+    """Encoder of `/surface/state`: what is measured of top drive and block, and what a rig's display derives from it.
+
+    The angle of the top drive is the integral of its measured speed, the velocity of the block the difference of its
+    measured positions; both are 0 in the first message.
 
     Raises:
         MessageError: Raised by `encode` for a value that is not finite.
     """
 
     def __init__(self) -> None:
-        self._template = JointStateTemplate(RIG_JOINTS)
-        self._values = np.full((len(ARRAYS), len(RIG_JOINTS)), np.nan)
-        self._rows = [ARRAYS.index(RIG_CHANNELS[field].array) for field in _SURFACE]
-        self._columns = [RIG_JOINTS.index(RIG_CHANNELS[field].joint) for field in _SURFACE]
+        self._template = JointStateTemplate(_SURFACE_JOINTS)
+        self._before: tuple[float, float] | None = None  # time and position of the block
+        self._angle = 0.0
 
     def encode(self, reading: Reading) -> bytes:
         """CDR of a reading, in the order of `drill_twin.dynamics.sensors.surface.SurfaceValues`."""
         check_finite(SURFACE_STATE, reading.values)
-        self._values[self._rows, self._columns] = reading.values
-        return self._template.fill(stamp_ns(reading.time), *self._values)
+        speed, torque, hookload, position = reading.values.tolist()
+        time, at = self._before or (reading.time, position)
+        seconds = reading.time - time
+        self._angle += seconds * speed
+        self._before = reading.time, position
+        lift = (position - at) / seconds if seconds > 0.0 else 0.0
+        return self._template.fill(stamp_ns(reading.time), (self._angle, position), (speed, lift), (torque, hookload))
 
 
 def read_imu(raw: bytes) -> ImuReading:

@@ -14,6 +14,7 @@ DIAGNOSTIC_ARRAY = "diagnostic_msgs/msg/DiagnosticArray"
 FLOAT64 = "std_msgs/msg/Float64"
 STRING = "std_msgs/msg/String"
 CLOCK = "rosgraph_msgs/msg/Clock"
+TIME_REFERENCE = "sensor_msgs/msg/TimeReference"
 
 FRAME_ID = "hole"
 """Frame of every stamped message: origin at the top clamp on the hole axis, z up along the axis."""
@@ -21,6 +22,7 @@ FRAME_ID = "hole"
 RIG_COMMAND = "/rig/command"
 WOB_COMMAND = "/rig/wob_command"
 RPS_COMMAND = "/rig/rps_command"
+COMMANDER = "/rig/commander"
 RIG_STATE = "/rig/state"
 MEASURED_RIG_STATE = "/measured/rig/state"
 SURFACE_STATE = "/surface/state"
@@ -41,6 +43,7 @@ ESTIMATE = "/estimate"
 TWIN_SCENE = "/twin/scene"
 OF_NEAREST_TWIN = (TWIN_SCENE, RIG_STATE, MARKS_STATE, STRING_POSES)
 """Topics of that twin."""
+TWIN_SUMMARY = "/twin/summary"
 REALTIME_FACTOR = "/twin/realtime_factor"
 DIAGNOSTICS = "/diagnostics"
 CLOCK_TOPIC = "/clock"
@@ -61,7 +64,7 @@ class Topic:
     meaning: str
     """Content, with units."""
     latched: bool = False
-    """TRANSIENT_LOCAL, depth 1: a late subscriber still receives the last message."""
+    """TRANSIENT_LOCAL: a late subscriber still receives the last message."""
     depth: int = 10
     """Depth of the history (KEEP_LAST) of subscriptions and of bags; all topics are RELIABLE."""
     optional: bool = False
@@ -79,35 +82,41 @@ _ROWS = (
     Topic(
         RIG_COMMAND,
         JOINT_STATE,
-        "rig_driver",
+        "rig_driver, gateway, or rig software",
         _FULL_RATE,
-        "both set-points in one stamped message: `bit` effort = weight on bit [N], `top_drive` velocity "
-        "[rad/s]; fields without a set-point are NaN",
+        "set-points: `top_drive` velocity [rad/s], `bit_axial` effort = weight on bit [N], `block` velocity [m/s]; "
+        "NaN = no set-point; `header.frame_id` names the source: the first keeps the rig until it is silent, others "
+        "are refused",
     ),
-    Topic(WOB_COMMAND, FLOAT64, "rig software, or a person; rig_driver echoes", "on change", "weight on bit [N]"),
+    Topic(WOB_COMMAND, FLOAT64, "a person", "on change", "weight on bit [N], while nobody commands", optional=True),
     Topic(
-        RPS_COMMAND,
-        FLOAT64,
-        "rig software, or a person; rig_driver echoes",
+        RPS_COMMAND, FLOAT64, "a person", "on change", "top-drive speed [rev/s], while nobody commands", optional=True
+    ),
+    Topic(
+        COMMANDER,
+        STRING,
+        "simulator",
         "on change",
-        "top-drive speed [rev/s]",
+        "who drives: source of `/rig/command`, `by hand` for single values, `anonymous`; empty = nobody",
+        latched=True,
+        depth=1,
     ),
     Topic(
         RIG_STATE,
         JOINT_STATE,
         "simulator",
         _FULL_RATE,
-        "as applied: `top_drive` angle [rad], speed [rad/s], torque [N m]; `bit` angle [rad], "
-        "speed [rad/s], effort = weight on bit [N]; `block` position [m], velocity [m/s], "
-        "effort = hookload [N]; `bit_torque` angle and speed of the bit, effort = torque on the bit [N m]",
+        "as applied, position, velocity, effort: `top_drive` angle [rad], speed [rad/s], torque [N m]; `bit` angle "
+        "[rad], speed [rad/s], torque of the rock on it [N m]; `block` position [m], velocity [m/s], hookload [N]; "
+        "`bit_axial` depth drilled [m], rate of penetration [m/s], weight on bit [N]; never NaN",
     ),
     Topic(
         MEASURED_RIG_STATE,
         JOINT_STATE,
         "gateway",
         "as the rig is read (10 Hz)",
-        "measured on a rig: joints and units of `/rig/state`, NaN where there is no sound value; stamp = source "
-        "timestamp of the newest value",
+        "measured on a rig: joints of `/rig/state` of which something is measured, NaN in a field that is not, or "
+        "has no sound value; stamp = source timestamp of the newest value",
         optional=True,
     ),
     Topic(
@@ -115,8 +124,9 @@ _ROWS = (
         JOINT_STATE,
         "simulator, where the scene lists it",
         "rate of the scene's `sensors.surface`",
-        "measured at the surface: joints and units of `/rig/state`, NaN where nothing is measured; torque of the "
-        "drive, its own inertia included; stamp = time of the measurement",
+        "measured at the surface: joints `top_drive` and `block` of `/rig/state`, never NaN; torque of the drive, its "
+        "own inertia included; angle and block velocity derived from speed and position; stamp = time of the "
+        "measurement",
         optional=True,
     ),
     Topic(
@@ -155,32 +165,37 @@ _ROWS = (
         JOINT_STATE,
         "analyzer",
         _FULL_RATE,
-        "per mark, in position: `<mark>/orbit_radius` [m], `/precession` [rev/s, positive = forward], "
-        "`/ratio` of precession to rotation, `/confidence` (0 to 1)",
+        "per mark, in position: `<mark>/orbit_radius` [m], `/precession` [rad/s, positive = forward], "
+        "`/ratio` of precession to rotation, `/confidence` (0 to 1), `/motion` (code); NaN where not known",
     ),
     Topic(
         WHIRL_MOTION,
         DIAGNOSTIC_ARRAY,
         "analyzer",
         "on change and 1 Hz",
-        "motion state of each mark, of the string and of the bit (stick-slip), with the criterion that decided",
+        "motion state of each mark, of the string and of the bit (stick-slip), with the criterion that decided, and "
+        "the onset, in words",
+        latched=True,
+        depth=100,
     ),
     Topic(
         WHIRL_ONSET,
-        DIAGNOSTIC_ARRAY,
+        TIME_REFERENCE,
         "analyzer",
         "at the start and at the onset",
-        "onset of whirl: time [s], mark, confidence; before it, that there is none so far",
+        "onset of whirl: `time_ref` its time, 0 = none so far; `source` the mark; `header.stamp` when it was announced",
         latched=True,
         depth=1,
     ),
     Topic(
         ADVICE_STATE,
-        DIAGNOSTIC_ARRAY,
+        JOINT_STATE,
         "advisor",
         "on change and 1 Hz",
-        "place of the set-point in the operating map, nearest boundary and margins, the nearest calmer set-point and "
-        "why; a sentence, and values by name [N, rev/s]",
+        "in position, never NaN: `advice` (0 none, 1 hold, 2 near a boundary, 3 leave), `weight_on_bit` [N], "
+        "`rotation` [rad/s], `regime` (code, -1 outside the map), `whirls`, `existing_whirl` (1 goes on), "
+        "`margin/weight_on_bit`, `margin/rotation`, `margin/share` (1e9 without a boundary), `target` (0 or 1), "
+        "`target/weight_on_bit`, `target/rotation`, `target/share`; the sentence is in `/diagnostics`",
         optional=True,
     ),
     Topic(
@@ -195,11 +210,12 @@ _ROWS = (
     ),
     Topic(
         ESTIMATE_STATE,
-        DIAGNOSTIC_ARRAY,
+        JOINT_STATE,
         "estimator",
         "each window (1 s)",
-        "estimates of the ensemble that follows a rig: alarm, chance of whirl; for each number and virtual sensor "
-        "mean, deviation, and 90 % band [SI]",
+        "of the ensemble that follows a rig, in position [SI]: `trust` (0 good, 1 doubtful, 2 unusable), `alarm`, "
+        "`whirls` and `chance_of_whirl` (shares of members); for each number and virtual sensor `<name>` (mean), "
+        "`<name>/deviation`, `<name>/low`, `<name>/high` (90 % band); the sentence is in `/diagnostics`",
         optional=True,
     ),
     Topic(
@@ -210,6 +226,15 @@ _ROWS = (
         "resolved scene (YAML) with a `run` block: version, seed, elements, step",
         latched=True,
         depth=1,
+    ),
+    Topic(
+        TWIN_SUMMARY,
+        JOINT_STATE,
+        "analyzer",
+        "5 Hz of simulated time",
+        "for a dashboard, in position, never NaN: `rate_of_penetration` [m/s], `weight_on_bit` [N], `rotation` [rad/s] "
+        "as means of 0.2 s; `whirl`, `stick_slip` (codes), `whirl_severity` (orbit over clearance while it whirls in a "
+        "vertical hole), `stick_slip_severity` (index); `onset` [s, 0 = none so far]; `realtime_factor`",
     ),
     Topic(
         REALTIME_FACTOR,

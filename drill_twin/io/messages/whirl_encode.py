@@ -8,25 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import NamedTuple
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
 from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics, exact
+from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics, encode_diagnostics
 from drill_twin.io.messages.finite import check_not_infinite
-from drill_twin.io.messages.topics import FRAME_ID, WHIRL_STATE
+from drill_twin.io.messages.stamps import NANOSECONDS, header, header_stamp, seconds, stamp_ns, time_message
+from drill_twin.io.messages.topics import FRAME_ID, TIME_REFERENCE, WHIRL_STATE
+from drill_twin.io.messages.type_store import deserialize, message, serialize
 
-WHIRL_SCALARS = ("orbit_radius", "precession", "ratio", "confidence")
+WHIRL_SCALARS = ("orbit_radius", "precession", "ratio", "confidence", "motion")
 STRING_LEVEL = "string"
 """Subject of the whole string on `/whirl/motion`."""
 
-_ONSET = "whirl onset"
 _MOTION = "motion: "
-_NONE_YET = "no onset so far"
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +38,13 @@ class WhirlOfMarks:
     orbit_radius: Array
     """Radius of the centre line's orbit [m]."""
     precession: Array
-    """Precession [rev/s], positive = forward."""
+    """Precession [rad/s], positive = forward."""
     ratio: Array
     """Precession over rotation."""
     confidence: Array
     """Confidence, 0 to 1."""
+    motion: Array
+    """Codes of the motion states (`drill_twin.whirl.MotionCode`)."""
 
 
 @dataclass(frozen=True)
@@ -59,20 +59,13 @@ class SubjectMotion:
     """Criterion that decided the state, as a sentence."""
 
 
-@dataclass(frozen=True)
-class OnsetMessage:
+class OnsetMessage(NamedTuple):
     """Onset of whirl."""
 
     time: float
     """Simulated time [s]."""
     mark: str
     """First mark that whirled."""
-    confidence: float
-    """Confidence, 0 to 1."""
-    uncertainty: float | None = None
-    """From a downhole sub: how far from it the onset may be [s]."""
-    dated: bool = True
-    """False where the time is not known within a revolution."""
 
 
 class WhirlStateEncoder:
@@ -81,35 +74,17 @@ class WhirlStateEncoder:
     def __init__(self, marks: Sequence[str], frame_id: str = FRAME_ID) -> None:
         names = [f"{mark}/{scalar}" for mark in marks for scalar in WHIRL_SCALARS]
         self._template = JointStateTemplate(names, velocity=False, effort=False, frame_id=frame_id)
-        self._values = np.empty((len(marks), len(WHIRL_SCALARS)))
 
-    def encode(
-        self,
-        stamp: int,
-        orbit_radius: ArrayLike,
-        precession: ArrayLike,
-        ratio: ArrayLike,
-        confidence: ArrayLike,
-    ) -> bytes:
-        """CDR of `/whirl/state`.
+    def rows(self, stamps: Sequence[int], values: Array) -> list[bytes]:
+        """CDR of a `/whirl/state` at each stamp [ns].
 
         Args:
-            stamp: Header stamp [ns].
-            orbit_radius: Radius of the centre line's orbit [m], shape (m,); NaN where unknown, as all others.
-            precession: Precession [rev/s], positive = forward, shape (m,).
-            ratio: Precession over rotation, shape (m,).
-            confidence: Confidence, 0 to 1, shape (m,).
+            stamps: Header stamps [ns], n of them.
+            values: The arrays of `WhirlOfMarks` as columns, NaN for what is not known, shape (n, m, 5).
 
         Raises:
             MessageError: A value is infinite.
         """
-        for column, values in enumerate((orbit_radius, precession, ratio, confidence)):
-            self._values[:, column] = values
-        check_not_infinite(WHIRL_STATE, self._values)
-        return self._template.fill(stamp, self._values.ravel())
-
-    def rows(self, stamps: Sequence[int], values: Array) -> list[bytes]:
-        """As `encode`, at each stamp [ns]: the four arrays as columns, shape (n, m, 4)."""
         check_not_infinite(WHIRL_STATE, values)
         return self._template.rows(stamps, values)
 
@@ -130,22 +105,26 @@ def read_whirl_state(state: JointState) -> WhirlOfMarks:
     return WhirlOfMarks(state.stamp, marks, *values.T)
 
 
-def encode_motion(stamp: int, motions: Sequence[SubjectMotion], frame_id: str = FRAME_ID) -> bytes:
-    """CDR of `/whirl/motion` at a stamp [ns]."""
-    return encode_diagnostics(
-        stamp,
-        [
-            Status(
-                name=_MOTION + motion.subject,
-                level=Level.OK,
-                text=motion.state,
-                values={"criterion": motion.criterion},
-                hardware_id=motion.subject,
-            )
-            for motion in motions
-        ],
-        frame_id,
-    )
+def encode_motion(stamp: int, motions: Sequence[SubjectMotion], frame_id: str = FRAME_ID, onset: str = "") -> bytes:
+    """CDR of `/whirl/motion` at a stamp [ns].
+
+    Args:
+        stamp: Header stamp [ns].
+        motions: Motion states; that of the string is the first.
+        frame_id: Frame of the samples.
+        onset: Sentence on the onset, for the string; empty before it.
+    """
+    statuses = [
+        Status(
+            name=_MOTION + motion.subject,
+            level=Level.OK,
+            text=motion.state,
+            values={"criterion": motion.criterion} | ({"onset": onset} if onset and not place else {}),
+            hardware_id=motion.subject,
+        )
+        for place, motion in enumerate(motions)
+    ]
+    return encode_diagnostics(stamp, statuses, frame_id)
 
 
 def decode_motion(raw: bytes) -> tuple[int, list[SubjectMotion]]:
@@ -166,16 +145,13 @@ def decode_motion(raw: bytes) -> tuple[int, list[SubjectMotion]]:
 
 
 def encode_onset(stamp: int, onset: OnsetMessage | None, frame_id: str = FRAME_ID) -> bytes:
-    """CDR of `/whirl/onset` at a stamp [ns]; None before the onset."""
-    if onset is None:
-        return encode_diagnostics(stamp, [Status(_ONSET, Level.OK, _NONE_YET)], frame_id)
-    text = f"whirl began at {onset.time:.2f} s at {onset.mark}, confidence {onset.confidence:.2f}"
-    values = {"time": exact(onset.time), "mark": onset.mark, "confidence": exact(onset.confidence)}
-    if onset.uncertainty is not None:
-        values["uncertainty"] = exact(onset.uncertainty)
-    if not onset.dated:
-        text, values["dated"] = f"{text}; its time is not known within a revolution", "false"
-    return encode_diagnostics(stamp, [Status(_ONSET, Level.WARN, text, values, onset.mark)], frame_id)
+    """CDR of `/whirl/onset`, announced at a stamp [ns]; None before the onset.
+
+    An onset at time zero is one nanosecond later, since zero says that there is none.
+    """
+    time, mark = (0, "") if onset is None else (max(stamp_ns(onset.time), 1), onset.mark)
+    content = message(TIME_REFERENCE, header=header(stamp, frame_id), time_ref=time_message(time), source=mark)
+    return serialize(content, TIME_REFERENCE)
 
 
 def decode_onset(raw: bytes) -> tuple[int, OnsetMessage | None]:
@@ -184,18 +160,6 @@ def decode_onset(raw: bytes) -> tuple[int, OnsetMessage | None]:
     Raises:
         MessageError: Not a `/whirl/onset`.
     """
-    stamp, statuses = decode_diagnostics(raw)
-    found = [status for status in statuses if status.name == _ONSET]
-    if not found:
-        raise MessageError(f"expected a status {_ONSET!r}, found {[status.name for status in statuses]}")
-    values = found[0].values
-    if not values:
-        return stamp, None
-    try:
-        uncertainty = float(values["uncertainty"]) if "uncertainty" in values else None
-        dated = values.get("dated") != "false"
-        return stamp, OnsetMessage(
-            float(values["time"]), values["mark"], float(values["confidence"]), uncertainty, dated
-        )
-    except (KeyError, ValueError) as error:
-        raise MessageError(f"expected time, mark and confidence of the onset, found {dict(values)}") from error
+    content = deserialize(raw, TIME_REFERENCE)
+    time = int(content.time_ref.sec) * NANOSECONDS + int(content.time_ref.nanosec)
+    return header_stamp(content), OnsetMessage(seconds(time), content.source) if time else None

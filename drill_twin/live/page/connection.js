@@ -13,7 +13,7 @@ function kept() { try { return sessionStorage.getItem("token"); } catch { return
 const token = given ?? kept();
 
 let socket = null, asking = false, heard = Date.now();
-const NOTHING = { time: null, advice: { text: "", level: 0 }, map: null, nodes: [], marks: [], trail: {}, rig: {}, motion: { state: "", criterion: "" }, onset: null,
+const NOTHING = { time: null, advice: { text: "", level: 0 }, map: null, nodes: [], marks: [], trail: {}, rig: {}, motion: { state: "", criterion: "", whirls: false }, onset: null,
   lamps: { whirl: { level: null, text: "unknown", share: null }, stick_slip: { level: null, text: "unknown", share: null } },
   simulator: { factor: "", text: "no answer of the page's server, trying again" }, graph: [] };
 

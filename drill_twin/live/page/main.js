@@ -10,7 +10,6 @@ import { offerTrends, showValues, trendsTable } from "./trends.js";
 import { number, offerUnits, text, unitsFor } from "./units.js";
 import { drawString } from "./well_view.js";
 
-const NO_WHIRL = ["rotation about a fixed axis", "at rest"];
 const ROWS = [["bit_rps", "bit speed", "rotation"], ["bit_torque", "bit torque", "torque"], ["drag", "drag", "force"]];
 let sceneText = null;
 
@@ -41,11 +40,12 @@ function show(picture) {
 
 const row = (name, value, className = "") => element("tr", { className }, element("td", { textContent: name }), element("td", { textContent: value }));
 
+const plain = (value) => value === null ? "unknown" : String(+value.toPrecision(4));
+
 // Cells of an estimate: name, mean, and the band in the unit of the mean.
-function band({ name, text: said, quantity, mean, low, high }) {
+function band({ name, quantity, mean, low, high }) {
   if (quantity) return [name, text(mean, quantity), `${number(low, quantity)} to ${number(high, quantity)}`];
-  const [, value, range] = /^(\S+) \((.*)\)$/.exec(said) ?? [null, said, ""];
-  return [name, value, range];
+  return [name, plain(mean), low === null ? "" : `${plain(low)} to ${plain(high)}`];
 }
 
 function begin(scene) {
@@ -65,7 +65,7 @@ function showHead(picture) {
 }
 
 function showMotion({ motion, onset, ages }) {
-  const calm = NO_WHIRL.includes(motion.state), began = () => `whirl began at ${onset.time?.toFixed(2) ?? "-"} s at ${onset.mark}${calm ? "; the string does not whirl now" : ""}`;
+  const calm = !motion.whirls, began = () => `whirl began at ${onset.time?.toFixed(2) ?? "-"} s at ${onset.mark}${calm ? "; the string does not whirl now" : ""}`;
   $("motion").textContent = motion.state || "unknown";
   $("criterion").textContent = motion.criterion;
   $("onset").textContent = onset ? began() : ages.analyzer > 3 ? "" : "no onset of whirl so far";

@@ -11,7 +11,7 @@ from rclpy.context import Context
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.io.messages.decode import JointState, read_string
-from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.rig_messages import read_rig_state
@@ -19,17 +19,16 @@ from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.topics import (
     ADVICE_MAP,
     ADVICE_STATE,
-    FRAME_ID,
     RIG_STATE,
     TWIN_SCENE,
-    WHIRL_MOTION,
+    TWIN_SUMMARY,
 )
-from drill_twin.io.messages.whirl_encode import STRING_LEVEL, SubjectMotion
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Tick
 from drill_twin.ros.core.parameters import Parameter
-from drill_twin.studies.maps.advice import Adviser, status_of, whirls_in
+from drill_twin.studies.maps.advice import Advice, AdviceEncoder, Adviser
 from drill_twin.studies.maps.advice_tracker import Tracker
+from drill_twin.whirl import MotionCode
 
 if TYPE_CHECKING:
     from drill_twin.ros.advisor.map_maker import MapMaker
@@ -61,12 +60,14 @@ class Advisor(TwinNode):
         self._made: OperatingMap | None = None
         self._adviser: Adviser | None = None
         self._trouble = ""
+        self._encoder = AdviceEncoder()
         self._clear()
 
     def _clear(self) -> None:
         self._tracker = Tracker()
         self._whirls = False
-        self._last: tuple[object, ...] = ()
+        self._last: object = ()
+        self._level = Level.OK
         self._repeat = Tick(_REPEAT)
         self._said = ""
 
@@ -84,7 +85,7 @@ class Advisor(TwinNode):
             self.topics.advertise(topic)
         self.topics.subscribe_scenes(self._on_scene)
         self.topics.subscribe(RIG_STATE, self._on_rig, depth=1)
-        self.topics.subscribe(WHIRL_MOTION, self._on_motion)
+        self.topics.subscribe(TWIN_SUMMARY, self._on_summary)
 
     # --- inputs ---------------------------------------------------------------------------------------------------
 
@@ -105,7 +106,7 @@ class Advisor(TwinNode):
                 self._use(found)
             else:
                 self._maker = MapMaker(scene, self.settings)
-                self._publish(Status("advice", Level.OK, self._maker.progress))
+                self._publish(None)
         except DrillTwinError as error:
             self._fail(error)
 
@@ -119,9 +120,10 @@ class Advisor(TwinNode):
             self._clear()
         self._tracker.take(seconds(state.stamp), rig.bit_force, rig.top_drive_speed)
 
-    def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:
-        self.samples.take(WHIRL_MOTION)
-        self._whirls = any(motion.subject == STRING_LEVEL and whirls_in(motion.state) for motion in found[1])
+    def _on_summary(self, state: JointState) -> None:
+        code = state.position[state.index("whirl")]
+        self.samples.take(TWIN_SUMMARY, finite=math.isfinite(code))
+        self._whirls = code >= MotionCode.SYNCHRONOUS_WHIRL
 
     # --- advice ---------------------------------------------------------------------------------------------------
 
@@ -133,7 +135,7 @@ class Advisor(TwinNode):
         if self._maker is not None:
             self._take_map(self._maker)
         if self._maker is not None and self._repeat.due():
-            self._publish(Status("advice", Level.OK, self._maker.progress))
+            self._publish(None)
         if self._adviser is not None and self._tracker.time >= 0.0:
             self._advise(self._adviser)
 
@@ -159,27 +161,28 @@ class Advisor(TwinNode):
     def _fail(self, error: DrillTwinError) -> None:
         self._trouble = str(error)
         self.get_logger().error(self._trouble)
-        self._publish(Status("advice", Level.ERROR, f"no advice: {self._trouble}"))
+        self._publish(None)
 
     def _advise(self, adviser: Adviser) -> None:
-        now: tuple[object, ...]
         advice = self._tracker.advise(adviser, whirls=self._whirls)
         if self.samples.age(RIG_STATE) > GONE:
-            level, text = self.samples.verdict()
-            status, now = Status("advice", max(level, Level.WARN), f"no advice: {text}"), (level,)
-        elif advice is None:
-            status, now = Status("advice", Level.OK, self._tracker.waits_for), (self._tracker.waits_for,)
+            advice, text = None, f"no advice: {self.samples.verdict()[1]}"
         else:
-            status = status_of(advice, self._tracker.weight, self._tracker.speed, whirls=self._whirls)
-            now = (status.level, advice.target, advice.regime, self._whirls)
-        if now != self._last or self._repeat.due():
-            self._last, self._said = now, status.text
-            self._publish(status)
+            text = self._tracker.waits_for if advice is None else advice.text
+        now = text if advice is None else (advice.level, advice.target, advice.regime, self._whirls)
+        if (changed := now != self._last) or self._repeat.due():
+            self._last, self._said = now, text
+            self._level = Level.WARN if advice is not None and advice.level is Level.ERROR else Level.OK
+            self._publish(advice, told=changed)
 
-    def _publish(self, status: Status) -> None:
-        self.topics.publish(
-            ADVICE_STATE, encode_diagnostics(stamp_ns(max(self._tracker.time, 0.0)), [status], FRAME_ID)
-        )
+    def _publish(self, advice: Advice | None, *, told: bool = True) -> None:
+        """Publish advice, and where it is another one the sentence in the diagnostics too."""
+        tracker = self._tracker
+        stamp = stamp_ns(max(tracker.time, 0.0))
+        raw = self._encoder.encode(stamp, advice, tracker.weight, tracker.speed, whirls=self._whirls)
+        self.topics.publish(ADVICE_STATE, raw)
+        if told:
+            self.publish_diagnostics()
 
     # --- end and health -------------------------------------------------------------------------------------------
 
@@ -204,4 +207,4 @@ class Advisor(TwinNode):
             return Status(self.NAME, Level.OK, self._maker.progress, values)
         if self._adviser is None:
             return Status(self.NAME, Level.OK, f"waiting for a scene on {TWIN_SCENE}", values)
-        return Status(self.NAME, Level.OK, self._said or f"waiting for {RIG_STATE}", values)
+        return Status(self.NAME, self._level, self._said or f"waiting for {RIG_STATE}", values)

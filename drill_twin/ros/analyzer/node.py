@@ -16,8 +16,10 @@ from rclpy.context import Context
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.topics import (
     MARKS_STATE,
+    REALTIME_FACTOR,
     RIG_STATE,
     TWIN_SCENE,
+    TWIN_SUMMARY,
     WHIRL_MOTION,
     WHIRL_ONSET,
     WHIRL_STATE,
@@ -71,10 +73,11 @@ class Analyzer(TwinNode):
         samples = (readings_topic(self.settings.sub),) if self.settings.sub else (MARKS_STATE, RIG_STATE)
         self._sampled = samples[0]
         self._pipeline = pipeline
-        for topic in (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET):
+        for topic in (WHIRL_STATE, WHIRL_MOTION, WHIRL_ONSET, TWIN_SUMMARY):
             self.topics.advertise(topic)
         self._publish(pipeline.start())
         self.topics.subscribe_scenes(partial(self._on_message, pipeline, TWIN_SCENE))
+        self.topics.subscribe_raw(REALTIME_FACTOR, partial(self._on_message, pipeline, REALTIME_FACTOR))
         self._inputs = [
             self.topics.subscribe_raw(topic, partial(self._on_message, pipeline, topic), depth=_DEPTH)
             for topic in samples

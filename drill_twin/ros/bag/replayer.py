@@ -60,7 +60,9 @@ class Replayer(TwinNode):
             "whether to publish in the namespace that was recorded, if this node has none of its own; else in its own",
         ),
         Parameter(
-            "leave_out", "", "topics not to replay, as /whirl/state /whirl/motion /whirl/onset for a new analysis"
+            "leave_out",
+            "",
+            "topics not to replay, as /whirl/state /whirl/motion /whirl/onset /twin/summary for a new analysis",
         ),
         Parameter(
             "clock_rate", 40.0, "/clock of a bag that holds none, per second of wall time; 0: none", "Hz", 0.0, 1000.0

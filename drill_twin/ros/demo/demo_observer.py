@@ -48,10 +48,7 @@ class DemoObserver(TwinNode):
     def _on_onset(self, found: tuple[int, OnsetMessage | None]) -> None:
         _, onset = found
         if onset is not None and onset != self.onset:
-            self._on_change(
-                f"whirl began at {onset.time:.2f} s at {onset.mark}, confidence {onset.confidence:.2f} "
-                f"(announced at {self.time:.2f} s)"
-            )
+            self._on_change(f"whirl began at {onset.time:.2f} s at {onset.mark} (announced at {self.time:.2f} s)")
         self.onset = onset
 
     def _on_motion(self, found: tuple[int, list[SubjectMotion]]) -> None:

@@ -4,23 +4,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from drill_twin.api.estimator import Estimator
 from drill_twin.core.rig_channels import channel_of
 from drill_twin.dynamics.twin.frame import Frames
+from drill_twin.io.messages.cdr import JointStateTemplate
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.diagnostics import Level, Status, exact
+from drill_twin.io.messages.diagnostics import Level, exact
 from drill_twin.io.messages.encode import TwinEncoder
 from drill_twin.io.messages.good_samples import GONE
 from drill_twin.io.messages.topics import MARKS_STATE, RIG_STATE, STRING_POSES
 from drill_twin.io.scene_geometry import string_geometry
-from drill_twin.studies.estimation import Band, Estimate, unit_of
+from drill_twin.studies.estimation import Estimate
 
-_NAME = "estimate"
 _LIKELY = 0.5
 """Share of the members from which a sentence speaks of whirl."""
-_TRUST = {Level.OK: "good", Level.WARN: "doubtful", Level.ERROR: "unusable"}
 _VALUES = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed", "weight_on_bit", "rotation")
 """Channels and set-points of a message like `/rig/state`."""
 
@@ -36,26 +35,40 @@ def values_of(state: JointState, *, set_points: bool) -> dict[str, float]:
     return found
 
 
-def statuses(found: Estimate, troubles: Mapping[str, int]) -> list[Status]:
-    """The estimate: its sentence with alarm and chance of whirl, then a status for each number and virtual sensor.
+class EstimateEncoder:
+    """Encoder of `/estimate/state`; its names are those of the first estimate."""
 
-    These have the level of the trust in them: OK, WARN or ERROR; in words `estimates` of the first.
-    """
-    trust, doubt = trust_in(found)
-    level, text = trust, doubt or "the model explains what is measured"
-    if found.alarm:
-        level = Level.ERROR
-    elif trust is Level.OK and found.chance >= _LIKELY:
-        level, text = Level.WARN, "whirl is likely soon" if found.whirls <= _LIKELY else "the string whirls"
-    values = {"estimates": _TRUST[trust], "whirls": exact(found.whirls), "chance_of_whirl": exact(found.chance)}
-    values |= {f"misfit_{name}": exact(value) for name, value in found.misfit.items()}
-    values |= {f"samples_{kind.replace(' ', '_')}": str(count) for kind, count in troubles.items()}
-    values |= {"absurd_beside_the_model": str(found.absurd), "members_replaced": str(found.replaced)}
-    return [
-        Status(_NAME, level, text, values),
-        *(_status(f"{_NAME}: {key}", band, "", trust) for key, band in found.numbers.items()),
-        *(_status(f"{_NAME}: {name}", band, unit_of(name), trust) for name, band in found.sensors.items()),
-    ]
+    def __init__(self) -> None:
+        self._template: JointStateTemplate | None = None
+
+    def encode(self, stamp: int, found: Estimate) -> bytes:
+        """CDR of an estimate at a stamp [ns]."""
+        level, _ = trust_in(found)
+        values = {"trust": float(level), "alarm": float(bool(found.alarm)), "whirls": found.whirls}
+        if math.isfinite(found.chance):
+            values["chance_of_whirl"] = found.chance
+        for name, band in {**found.numbers, **found.sensors}.items():
+            values |= {name: band.mean, f"{name}/deviation": band.deviation}
+            values |= {f"{name}/low": band.low, f"{name}/high": band.high}
+        if self._template is None:
+            self._template = JointStateTemplate(tuple(values), velocity=False, effort=False)
+        return self._template.fill(stamp, [values[name] for name in self._template.names])
+
+
+def verdict_of(found: Estimate) -> tuple[Level, str]:
+    """Level and sentence for the diagnostics: what is wrong with the estimate, else what it says of whirl."""
+    level, doubt = trust_in(found)
+    if level is not Level.OK:
+        return level, doubt
+    if found.chance >= _LIKELY:
+        return Level.WARN, "whirl is likely soon" if found.whirls <= _LIKELY else "the string whirls"
+    return Level.OK, "the model explains what is measured"
+
+
+def values_for_diagnostics(found: Estimate) -> dict[str, str]:
+    """Misfit of each channel, and counts of what was left out or replaced."""
+    values = {f"misfit_{name}": exact(value) for name, value in found.misfit.items()}
+    return values | {"absurd_beside_the_model": str(found.absurd), "members_replaced": str(found.replaced)}
 
 
 def trust_in(found: Estimate) -> tuple[Level, str]:
@@ -66,12 +79,6 @@ def trust_in(found: Estimate) -> tuple[Level, str]:
         level = Level.WARN if found.unmeasured <= GONE else Level.ERROR
         return level, f"nothing sound was measured for {found.unmeasured:g} s: the ensemble runs alone"
     return (Level.WARN, found.alarm) if found.alarm else (Level.OK, "")
-
-
-def _status(name: str, band: Band, unit: str, trust: Level) -> Status:
-    values = {"mean": band.mean, "deviation": band.deviation, "low": band.low, "high": band.high}
-    text = f"{band.mean:.4g} ({band.low:.4g} to {band.high:.4g}) {unit}".rstrip()
-    return Status(name, trust, text, {key: exact(value) for key, value in values.items()})
 
 
 class NearestTwin:

@@ -16,7 +16,7 @@ from drill_twin.api.estimator import Estimator as Following
 from drill_twin.core.errors import RunError, RunStopped
 from drill_twin.dynamics.solver.slices import checked
 from drill_twin.io.messages.decode import JointState
-from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
+from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.rig_messages import read_command
@@ -25,7 +25,6 @@ from drill_twin.io.messages.stamps import seconds, stamp_ns
 from drill_twin.io.messages.topics import (
     ESTIMATE,
     ESTIMATE_STATE,
-    FRAME_ID,
     MEASURED_RIG_STATE,
     OF_NEAREST_TWIN,
     RIG_COMMAND,
@@ -34,7 +33,14 @@ from drill_twin.io.messages.topics import (
 from drill_twin.io.scene_geometry import readings_topic
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.scene_parameters import scene_of
-from drill_twin.ros.estimator.messages import NearestTwin, statuses, trust_in, values_of
+from drill_twin.ros.estimator.messages import (
+    EstimateEncoder,
+    NearestTwin,
+    trust_in,
+    values_for_diagnostics,
+    values_of,
+    verdict_of,
+)
 from drill_twin.ros.estimator.parameters import PARAMETERS, make_estimator
 from drill_twin.runs import compile_kernel
 from drill_twin.studies.estimation import Estimate
@@ -63,7 +69,7 @@ class Estimator(TwinNode):
         self._following: Following | None = None
         self._nearest: NearestTwin | None = None
         self._found: Estimate | None = None
-        self._channels = GoodSamples()
+        self._encoder, self._channels = EstimateEncoder(), GoodSamples()
         self._making, self._closing = "making the ensemble", False
         self._thread = ThreadPoolExecutor(1, "ensemble")
         self._made: Future[Following] | None = self._thread.submit(self._stoppable, self._make)
@@ -161,9 +167,9 @@ class Estimator(TwinNode):
             self.get_logger().warning(found.alarm)
         self._found = found
         origin = following.intake.origin
-        content = statuses(found, following.intake.troubles)
         stamp = stamp_ns(max(origin + found.time, 0.0))
-        self.topics.publish(ESTIMATE_STATE, encode_diagnostics(stamp, content, FRAME_ID))
+        self.topics.publish(ESTIMATE_STATE, self._encoder.encode(stamp, found))
+        self.publish_diagnostics()  # the sentence on it
         if self._nearest is not None:
             for topic, raw in self._nearest.messages(found, origin):
                 self.topics.publish(topic, raw)
@@ -173,7 +179,8 @@ class Estimator(TwinNode):
         if self._following is None:
             return Status(self.NAME, Level.OK, self._making)
         intake = self._following.intake
-        values = {kind.replace(" ", "_"): str(count) for kind, count in intake.troubles.items()}
+        values = {f"samples_{kind.replace(' ', '_')}": str(count) for kind, count in intake.troubles.items()}
+        values |= {} if self._found is None else values_for_diagnostics(self._found)
         values |= {**self.samples.values(), **self._channels.values(), "windows_waiting": str(intake.waiting)}
         (level, text), (_, lacks) = self.samples.verdict(), self._channels.verdict()
         if level is not Level.OK:
@@ -190,4 +197,4 @@ class Estimator(TwinNode):
             return Status(self.NAME, Level.WARN, text, values)
         if self._found is None:
             return Status(self.NAME, Level.OK, f"waiting for {MEASURED_RIG_STATE}", values)
-        return Status(self.NAME, Level.OK, "follows the rig", values)
+        return Status(self.NAME, *verdict_of(self._found), values)

@@ -22,7 +22,7 @@ class CommandOutput:
 
     def __init__(self, node: TwinNode, quantities: TwinQuantities) -> None:
         self._node, self._quantities = node, quantities
-        self._encoder = CommandEncoder()
+        self._encoder = CommandEncoder(node.get_fully_qualified_name())
         self._lock = threading.Lock()
         self._to_safe: SetPointTransition | None = None
         self.command: Command | None = None

@@ -58,7 +58,9 @@ class RigLink:
         self.limits: Limits = {}
         """Limits of the scene for the set-points that are followed."""
         self._published, self._withdrawn = dict[str, int](), False
-        self._template = JointStateTemplate(RIG_JOINTS)
+        measured = {MEASURED[one.quantity][0] for one in signals.measure if one.quantity in MEASURED}
+        self._joints = tuple(joint for joint in RIG_JOINTS if joint in measured)
+        self._template = JointStateTemplate(self._joints)
         node.topics.advertise(MEASURED_RIG_STATE)
         subs = dict.fromkeys(downhole(one.quantity)[0] for one in signals.measure if all(downhole(one.quantity)))
         self._summaries = {sub: JointStateTemplate(SUMMARY, velocity=False, effort=False, frame_id=sub) for sub in subs}
@@ -81,9 +83,9 @@ class RigLink:
         sound = {one.quantity: self._judged[one] for one in self._signals.measure if not self._judged[one].fault}
         surface = {MEASURED[quantity]: judged for quantity, judged in sound.items() if quantity in MEASURED}
         if stamp := self._newer(MEASURED_RIG_STATE, surface.values()):
-            values = np.full((len(ARRAYS), len(RIG_JOINTS)), np.nan)
+            values = np.full((len(ARRAYS), len(self._joints)), np.nan)
             for (joint, array), judged in surface.items():
-                values[ARRAYS.index(array), RIG_JOINTS.index(joint)] = judged.value
+                values[ARRAYS.index(array), self._joints.index(joint)] = judged.value
             self._node.topics.publish(MEASURED_RIG_STATE, self._template.fill(stamp, *values))
         for sub, template in self._summaries.items():
             found = {name: sound[f"{sub}.{name}"] for name in SUMMARY if f"{sub}.{name}" in sound}

@@ -17,8 +17,8 @@ from rclpy.context import Context
 from drill_twin.core.frame_period import frame_period_ns
 from drill_twin.io.messages.diagnostics import Level, Status
 from drill_twin.io.messages.rig_messages import CommandEncoder
-from drill_twin.io.messages.stamps import NANOSECONDS, seconds
-from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
+from drill_twin.io.messages.stamps import seconds
+from drill_twin.io.messages.topics import CLOCK_TOPIC, RIG_COMMAND
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer
 from drill_twin.ros.core.scene_parameters import scene_of
@@ -40,13 +40,12 @@ class RigDriver(TwinNode):
 
     def __init__(self, context: Context) -> None:
         super().__init__(context)
-        self._encoder = CommandEncoder()
+        self._encoder = CommandEncoder(self.get_fully_qualified_name())
         self._clock_stamp: int | None = None
         self._sent_stamp = -1
         self._repeat_due = 0.0
         self._sent = 0
         self._last: Command | None = None
-        self._echo_due = 0
 
     def on_start(self) -> None:
         """Load the schedule and create the topics."""
@@ -62,8 +61,7 @@ class RigDriver(TwinNode):
         if self._schedule.record is not None and scene.rig.table is not None:
             self._plays = str(scene.rig.table.file)
             self.get_logger().info(self._schedule.record.report)
-        for topic in (RIG_COMMAND, WOB_COMMAND, RPS_COMMAND):
-            self.topics.advertise(topic)
+        self.topics.advertise(RIG_COMMAND)
         if self.settings.follow == "clock":
             self.topics.subscribe(CLOCK_TOPIC, self._on_clock, depth=1, latched=True)
 
@@ -105,17 +103,13 @@ class RigDriver(TwinNode):
     def _on_clock(self, stamp: int) -> None:
         self.samples.take(CLOCK_TOPIC)
         if stamp < (self._clock_stamp or 0):  # the simulator was reset
-            self._sent_stamp, self._echo_due = -1, 0
+            self._sent_stamp = -1
             self._plan = self._schedule.at  # as a launch with these set-points: a transition belongs to the run before
         self._clock_stamp = stamp  # `step` sends once all messages are taken: of several, only the last counts
 
     def _send(self, stamp: int) -> None:
         command = self._plan(seconds(stamp))
         self.topics.publish(RIG_COMMAND, self._encoder.command(stamp, command))
-        if command != self._last or stamp >= self._echo_due:
-            self._echo_due = stamp + NANOSECONDS
-            self.topics.publish(WOB_COMMAND, self._encoder.wob_command(command))
-            self.topics.publish(RPS_COMMAND, self._encoder.rps_command(command))
         self._sent_stamp, self._last = stamp, command
         self._repeat_due = time.monotonic() + _REPEAT
         self._sent += 1

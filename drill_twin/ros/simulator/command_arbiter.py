@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Command arbiter: refuses commands outside the limits, keeps the last good set-point, decides between sources.
 
-A publisher of `/rig/command` (both set-points, stamped) has priority; the single values on `/rig/wob_command` and
-`/rig/rps_command` are followed only while there is none. The rig driver echoes its set-points on the single-value
-topics (`echo_filter`). A single value that is no echo, beside a driver, comes from another source: it is counted and
-reported, not followed.
+A `/rig/command` names its source in `header.frame_id`; an empty name is one source too. The first source keeps the rig
+until it has been silent for the command timeout; the commands of another are refused, and so are the single values on
+`/rig/wob_command` and `/rig/rps_command`, which people type. Both are counted and told.
 """
 
 from __future__ import annotations
@@ -15,14 +14,16 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from drill_twin.ros.simulator.echo_filter import EchoFilter
+from drill_twin.core.errors import shortened
 from drill_twin.scene.blocks.rig import FASTEST_BLOCK
 from drill_twin.scene.set_points.command import Command
 
-_RECENT = 5.0  # s; for so long a value of another source is reported
 _REFUSAL_TOLD = 10.0  # s; for so long a refusal is a warning
+_LONGEST_NAME = 200  # letters
 _AT_A_RATE = 3  # commands in a row, from which their source is one that goes on to send
 _FRAMES = 20  # without a command, before its source is lost: after a pause, or where frames are slow, it needs a moment
+BY_HAND, ANONYMOUS = "by hand", "anonymous"
+"""Commander where single values are in force, and where the source of `/rig/command` does not say its name."""
 
 
 @dataclass(frozen=True)
@@ -84,14 +85,14 @@ class CommandArbiter:
         self._applied = first
         self._last_time: float | None = None
         self._in_a_row = self._frames = 0  # commands on /rig/command, and frames since the last of them
-        self._both_time: float | None = None
-        self._echoes = EchoFilter()
+        self._source: str | None = None  # of /rig/command, and when it was heard
+        self._source_time = -math.inf
         self.last_stamp = -1
-        """Stamp [ns] of the last `/rig/command`, followed or refused; what lockstep waits for."""
+        """Stamp [ns] of the last `/rig/command` of the commander, followed or refused; what lockstep waits for."""
         self.accepted = 0
         """Commands followed."""
         self.refused: Counter[str] = Counter()
-        """Commands refused, by kind: not_finite, out_of_range, malformed; block: its speed alone."""
+        """Commands refused, by kind: not_finite, out_of_range, malformed, other_source; block: its speed alone."""
         self.last_refusal = ""
         """The last refusal, in words."""
         self.by_hand = False
@@ -109,26 +110,36 @@ class CommandArbiter:
 
     # --- arrivals -------------------------------------------------------------------------------------------------
 
-    def both(self, stamp: int, command: Command) -> None:
-        """Receive a `/rig/command` with its stamp [ns]."""
+    def both(self, stamp: int, command: Command, source: str = "") -> None:
+        """Receive a `/rig/command` with its stamp [ns], from a source."""
+        source = shortened(source, _LONGEST_NAME)
+        if self._belongs_to_another(source, f"a command of {source or ANONYMOUS}"):
+            return
         self.last_stamp = stamp
-        self._both_time = self._clock()
-        self._echoes.command(command)
-        self._judge(self._with_followed_block(command), by_hand=False)
+        if self._judge(self._with_followed_block(command), by_hand=False) or source == self._source:
+            self._source, self._source_time = source, self._clock()
 
-    def weight_on_bit(self, value: float, *, driver_present: bool) -> None:
+    def weight_on_bit(self, value: float) -> None:
         """Receive a `/rig/wob_command` [N]."""
-        if driver_present and not self._driver_is_silent():
-            self._echoes.weight_on_bit(self._clock(), value)
-        else:
+        if not self._belongs_to_another(None, f"a single weight on bit of {value:g} N"):
             self._judge(replace(self._in_force, weight_on_bit=value), by_hand=True)
 
-    def speed(self, value: float, *, driver_present: bool) -> None:
+    def speed(self, value: float) -> None:
         """Receive a `/rig/rps_command` [rev/s]."""
-        if driver_present and not self._driver_is_silent():
-            self._echoes.speed(self._clock(), value)
-        else:
+        if not self._belongs_to_another(None, f"a single top-drive speed of {value:g} rev/s"):
             self._judge(replace(self._in_force, rotation=value * math.tau), by_hand=True)
+
+    def _belongs_to_another(self, source: str | None, what: str) -> bool:
+        """Refuse what another than the commander sends."""
+        holder = self._source
+        if holder is None or source == holder or self._clock() - self._source_time > self._silence.timeout:
+            return False
+        self._refuse(
+            "other_source",
+            f"expected commands of {holder or ANONYMOUS} alone, which has the rig until it is silent for "
+            f"{self._silence.timeout:g} s, found {what}; stop one of the two",
+        )
+        return True
 
     def malformed(self, reason: str) -> None:
         """Count a message that holds no command."""
@@ -150,18 +161,17 @@ class CommandArbiter:
         )
         return replace(command, block=0.0)
 
-    def _driver_is_silent(self) -> bool:
-        return self._both_time is not None and self._clock() - self._both_time > self._silence.timeout
-
-    def _judge(self, command: Command, *, by_hand: bool) -> None:
+    def _judge(self, command: Command, *, by_hand: bool) -> bool:
+        """Follow a command within the limits; returns whether it is."""
         if why := self._limits.why_refused(command):
             self._refuse(*why)
-            return
+            return False
         follows = self.heard and (self.age <= self._silence.timeout or self._frames < _FRAMES)
         self._in_a_row, self._frames = 0 if by_hand else self._in_a_row * follows + 1, 0
         self._good, self.by_hand = command, by_hand
         self._last_time = self._clock()
         self.accepted += 1
+        return True
 
     # --- state of the commands ----------------------------------------------------------------------------------
 
@@ -220,16 +230,10 @@ class CommandArbiter:
             self._applied = self._good
         return self._applied
 
-    def settle_doubts(self) -> None:
-        """Decide which single values were echoes; call about once a second."""
-        self._echoes.settle(self._clock())
-
     @property
-    def from_others(self) -> int:
-        """Number of single values from other sources beside a driver."""
-        return self._echoes.strangers
-
-    @property
-    def others_speak(self) -> bool:
-        """True for some seconds after a single value of another source came beside a driver."""
-        return self._clock() - self._echoes.last_stranger < _RECENT
+    def commander(self) -> str:
+        """Commander: a source of `/rig/command` that is not silent, `BY_HAND` for single values; empty: nobody."""
+        if self.by_hand:
+            return BY_HAND
+        heard = self._source is not None and self._clock() - self._source_time <= self._silence.timeout
+        return (self._source or ANONYMOUS) if heard else ""

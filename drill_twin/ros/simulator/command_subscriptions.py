@@ -15,8 +15,6 @@ from drill_twin.io.messages.rig_messages import read_command
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import RIG_COMMAND, RPS_COMMAND, WOB_COMMAND
 from drill_twin.ros.core.node import TwinNode
-from drill_twin.ros.core.topics.node_topics import NOT_NAMED_YET
-from drill_twin.ros.core.topics.rclpy_topics import relative
 from drill_twin.ros.simulator.command_arbiter import CommandArbiter, Silence
 from drill_twin.ros.simulator.command_limits import limits_for
 from drill_twin.ros.simulator.publisher_check import PublisherCheck
@@ -44,7 +42,6 @@ class CommandSubscriptions:
         """
         self._node, self._scene, self._first, self._now = node, scene, first, now
         self._read_command = JointStateReader().read
-        self._drivers_topic = node.resolve_topic_name(relative(RIG_COMMAND))
         self._went_back = False
         self._publishers = PublisherCheck()
         self.arbiter = CommandArbiter(*self._rules(), first)
@@ -66,21 +63,9 @@ class CommandSubscriptions:
         if command is not None:
             self.arbiter.resume(command)
 
-    def sources(self) -> list[str]:
-        """Names of the nodes that command: publishers of `/rig/command`, then the others with single values.
-
-        A driver announces `/rig/command` first, so that topic is looked up last: else a driver that comes in between
-        would be taken for a source of single values.
-        """
-        of = self._node.topics.publisher_nodes
-        singles = {*of(WOB_COMMAND), *of(RPS_COMMAND)}
-        drivers = of(RIG_COMMAND)
-        return [name for name in (*drivers, *sorted(singles - set(drivers))) if name != NOT_NAMED_YET]
-
     def rivals(self) -> list[str]:
-        """Names of the publishers of `/rig/command` where more than one sends, so that the set-points flip."""
-        names = self._node.topics.publisher_nodes(RIG_COMMAND)
-        return names if len(names) > 1 and self._publishers.several_send else []
+        """Names of the publishers of `/rig/command` where more than one sends as the commander: the set-points flip."""
+        return self._node.topics.publisher_nodes(RIG_COMMAND) if self._publishers.several_send else []
 
     def _rules(self) -> tuple[Any, Silence]:
         settings: SimpleNamespace = self._node.settings
@@ -101,8 +86,6 @@ class CommandSubscriptions:
         )
 
     def _on_command(self, raw: bytes, info: Mapping[str, Any]) -> None:
-        if self._publishers.take(info["publication_sequence_number"]):
-            self._node.publish_diagnostics()
         try:
             state = self._read_command(raw)
             command = read_command(state, absent_weight=0.0 if self._scene.rig.moves_block else None)
@@ -119,10 +102,14 @@ class CommandSubscriptions:
                 )
                 return
         self._went_back = False
-        self.arbiter.both(state.stamp, command)
+        refused = self.arbiter.refused["other_source"]
+        self.arbiter.both(state.stamp, command, state.frame_id)
+        ours = self.arbiter.refused["other_source"] == refused
+        if ours and self._publishers.take(info["publication_sequence_number"]):
+            self._node.publish_diagnostics()
 
     def _malformed(self, reason: str) -> None:
         self.arbiter.malformed(reason)  # of now: a reset makes another
 
-    def _on_single(self, deliver: Callable[..., None], value: float) -> None:
-        deliver(self.arbiter, value, driver_present=self._node.count_publishers(self._drivers_topic) > 0)
+    def _on_single(self, deliver: Callable[[CommandArbiter, float], None], value: float) -> None:
+        deliver(self.arbiter, value)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from types import SimpleNamespace
 
 from drill_twin.io.messages.diagnostics import Level
@@ -15,13 +14,12 @@ _RECENT = 10.0  # s; for so long a single stall is told
 _SHARE = 0.01  # of the simulated time; more given up is told until the end
 
 
-def diagnostic_values(settings: SimpleNamespace, simulation: SimulatorRun, sources: Sequence[str]) -> dict[str, str]:
+def diagnostic_values(settings: SimpleNamespace, simulation: SimulatorRun) -> dict[str, str]:
     """Named values for the diagnostics; begins a new window of the timing.
 
     Args:
         settings: Settings of the node.
         simulation: The run.
-        sources: Names of the nodes that command.
     """
     arbiter, pacer, written = simulation.commands.arbiter, simulation.pacer, simulation.checkpoints.written
     return {
@@ -37,19 +35,17 @@ def diagnostic_values(settings: SimpleNamespace, simulation: SimulatorRun, sourc
         "commands_refused": str(sum(arbiter.refused.values())),
         **{f"commands_refused_{kind}": str(count) for kind, count in sorted(arbiter.refused.items())},
         "last_refusal": arbiter.last_refusal,
-        "command_sources": ", ".join(sources),
-        "commands_from_others": str(arbiter.from_others),
+        "commander": arbiter.commander,
         "checkpoint_time": "" if written is None else f"{written:.6f}",
     }
 
 
-def verdict(settings: SimpleNamespace, simulation: SimulatorRun, sources: Sequence[str]) -> tuple[Level, str]:
+def verdict(settings: SimpleNamespace, simulation: SimulatorRun) -> tuple[Level, str]:
     """Level and sentence, the most severe first.
 
     Args:
         settings: Settings of the node.
         simulation: The run.
-        sources: Names of the nodes that command.
     """
     loop, arbiter, trouble = simulation.loop, simulation.commands.arbiter, simulation.checkpoints.trouble
     waiting = simulation.waits_for_command
@@ -57,16 +53,13 @@ def verdict(settings: SimpleNamespace, simulation: SimulatorRun, sources: Sequen
         return loop.verdict()
     if rivals := simulation.commands.rivals():
         return Level.ERROR, (
-            f"expected one publisher of {RIG_COMMAND}, found {' and '.join(rivals)} sending: the set-points flip "
-            "between them; stop all but one"
+            f"expected one publisher of {RIG_COMMAND} as {arbiter.commander}, found several ({', '.join(rivals)}): the "
+            "set-points flip between them; stop all but one"
         )
     if waiting and not arbiter.heard and arbiter.refused:
         return Level.WARN, f"waiting for the first good command; the last one was refused: {arbiter.last_refusal}"
     if waiting and not arbiter.heard:
         return Level.OK, "waiting for the first command"
-    if len(sources) > 1 or arbiter.others_speak:
-        others = "" if len(sources) > 1 else f"; {arbiter.from_others} single values from others were not followed"
-        return Level.WARN, f"more than one source of commands: {', '.join(sources)}{others}"
     if arbiter.refused_recently:
         return Level.WARN, f"commands were refused; the last: {arbiter.last_refusal}"
     # Single values are sent on change: who sends one has not fallen silent, unless time or a ramp depends on it.

@@ -230,7 +230,9 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         parts = self._parts
         if parts is None:
             self.spin_once(0.05)
-        elif parts.control.runs:
+            return
+        parts.simulation.tell_commander()
+        if parts.control.runs:
             parts.simulation.advance()
             parts.simulation.keep_pace()
         else:
@@ -274,13 +276,11 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         from drill_twin.ros.simulator.health import diagnostic_values, verdict
 
         simulation, control = self._parts
-        simulation.commands.arbiter.settle_doubts()
-        sources = simulation.commands.sources()
-        values = {"state": control.state_text, **diagnostic_values(self.settings, simulation, sources)}
+        values = {"state": control.state_text, **diagnostic_values(self.settings, simulation)}
         if len(publishers := self.topics.publisher_nodes(STRING_POSES)) > 1:
             topic = self.resolve_topic_name(relative(STRING_POSES))
             text = f"more than one simulator publishes {topic}: {', '.join(publishers)}"
             return Status(self.NAME, Level.ERROR, text, values)
         if not control.active or control.paused:
             return Status(self.NAME, Level.OK, f"{control.state_text} at {simulation.time_text}", values)
-        return Status(self.NAME, *verdict(self.settings, simulation, sources), values)
+        return Status(self.NAME, *verdict(self.settings, simulation), values)

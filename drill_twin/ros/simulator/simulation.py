@@ -12,8 +12,9 @@ from rclpy.logging import get_logging_directory
 from drill_twin.core.errors import CheckpointError, RunError, StoppedError
 from drill_twin.core.frame_period import frame_period
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
+from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import stamp_ns
-from drill_twin.io.messages.topics import CLOCK_TOPIC
+from drill_twin.io.messages.topics import CLOCK_TOPIC, COMMANDER
 from drill_twin.ros.core.node import TwinNode
 from drill_twin.ros.core.pacing import Pacer, Tick
 from drill_twin.ros.simulator.checkpoint_writer import CheckpointWriter
@@ -47,7 +48,7 @@ class SimulatorRun:
             frame_rate: Frames per simulated second [Hz].
         """
         self._node = node
-        for topic in topics_of(scene):
+        for topic in (*topics_of(scene), COMMANDER):
             # The clock is latched, so that a driver which returns during a run learns the time at once.
             node.topics.advertise(topic, latched=True if topic == CLOCK_TOPIC else None)
         period = frame_period(frame_rate)
@@ -63,6 +64,7 @@ class SimulatorRun:
         self.pacer = Pacer(period)
         self.checkpoints = CheckpointWriter()
         self.started = False
+        self._commander: str | None = None  # as last told
         kind = tf_message()
         geometry, inclination = self.loop.geometry, scene.hole.top_inclination
         self._tf = None if kind is None else TfPublisher(node, kind, geometry, inclination)
@@ -95,6 +97,12 @@ class SimulatorRun:
         if not self.started and settings.wait_for_command and not arbiter.heard:
             return True
         return settings.pace == "lockstep" and arbiter.last_stamp <= stamp_ns(self.loop.twin.time)
+
+    def tell_commander(self) -> None:
+        """Publish who commands, if another does."""
+        if (commander := self.commands.arbiter.commander) != self._commander:
+            self._commander = commander
+            self._node.topics.publish(COMMANDER, encode_string(commander))
 
     def advance(self) -> None:
         """Compute and publish a frame.

@@ -4,26 +4,42 @@
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
-from drill_twin.io.messages.diagnostics import Level, Status, exact
+from drill_twin.io.messages.cdr import JointStateTemplate
+from drill_twin.io.messages.diagnostics import Level
 from drill_twin.studies.maps.operating_map import Margin, OperatingMap
 from drill_twin.studies.maps.plane import Node
 from drill_twin.studies.maps.regimes import REGIMES, Regime
 from drill_twin.studies.maps.runs import RAMP, STAY
-from drill_twin.whirl import MotionState
 from drill_twin.whirl.criteria import Criteria
-from drill_twin.whirl.motion.states import NO_WHIRL
 
 MARGIN = 0.05
 """Distance to the boundary that a set-point should have, as a share of the ranges."""
-_WHIRLS = frozenset(state.value for state in MotionState if state not in NO_WHIRL)
 FROM_REST, DIES = "whirl begins from rest", "an existing whirl dies"
 """Names of the two boundaries."""
+
+
+NO_BOUNDARY = 1e9
+"""Margin in a message where no boundary is met."""
+
+
+class AdviceCode(IntEnum):
+    """Codes of `advice` on `/advice/state`."""
+
+    NONE = 0
+    """There is none; the sentence in `/diagnostics` says why."""
+    HOLD = 1
+    """Calm, with margin."""
+    NEAR = 2
+    """Near a boundary, or a whirl that dies."""
+    LEAVE = 3
+    """Leave the set-point."""
 
 
 class AdvisedSetPoint(NamedTuple):
@@ -178,31 +194,39 @@ class Adviser:
         return f"{where}: no calm set-point in its ranges, {low} to {high}"
 
 
-def whirls_in(motion: str) -> bool:
-    """A motion state, as on `/whirl/motion`, is a whirl."""
-    return motion in _WHIRLS
+class AdviceEncoder:
+    """Encoder of `/advice/state`."""
 
+    _NAMES = (
+        "advice", "weight_on_bit", "rotation", "regime", "whirls", "existing_whirl", "margin/weight_on_bit",
+        "margin/rotation", "margin/share", "target", "target/weight_on_bit", "target/rotation", "target/share",
+    )  # fmt: skip
 
-def status_of(advice: Advice, weight: float, speed: float, *, whirls: bool) -> Status:
-    """Status of `/advice/state` for a set-point [N], [rad/s]."""
-    values = {
-        "weight_on_bit_N": exact(weight),
-        "speed_rev_s": exact(speed / math.tau),
-        "whirls": str(whirls).lower(),
-        "regime": "" if advice.regime is None else advice.regime.value,
-        "existing_whirl": "goes on" if advice.keeps else "dies",
-        "boundary": advice.boundary,
-        "margin_N": exact(advice.margin.weight),
-        "margin_rev_s": exact(advice.margin.speed / math.tau),
-        "margin_share": exact(advice.margin.share),
-    }
-    if advice.target is not None:
-        values |= {
-            "target_weight_on_bit_N": exact(advice.target.weight),
-            "target_speed_rev_s": exact(advice.target.speed / math.tau),
-            "target_margin_share": exact(advice.target.margin),
-        }
-    return Status("advice", advice.level, advice.text, values)
+    def __init__(self) -> None:
+        self._template = JointStateTemplate(self._NAMES, velocity=False, effort=False)
+
+    def encode(self, stamp: int, advice: Advice | None, weight: float, speed: float, *, whirls: bool) -> bytes:
+        """CDR of advice at a set-point, all numbers finite.
+
+        Args:
+            stamp: Header stamp [ns].
+            advice: The advice; None where there is none.
+            weight: Weight on bit [N].
+            speed: Speed [rad/s].
+            whirls: The string whirls now.
+        """
+        values = np.zeros(len(self._NAMES))
+        values[1:5] = weight, speed, -1.0, whirls
+        if advice is not None:
+            code = {Level.OK: AdviceCode.HOLD, Level.WARN: AdviceCode.NEAR}.get(advice.level, AdviceCode.LEAVE)
+            regime = -1 if advice.regime is None else advice.regime.code
+            margin, target = advice.margin, advice.target
+            values[0], values[3], values[5] = code, regime, advice.keeps
+            values[6:9] = margin.weight, margin.speed, margin.share
+            if target is not None:
+                values[9:] = 1.0, target.weight, target.speed, target.margin
+        finite = np.nan_to_num(values, nan=0.0, posinf=NO_BOUNDARY, neginf=-NO_BOUNDARY)
+        return self._template.fill(stamp, finite)
 
 
 def _depth(flags: Mask) -> Array:

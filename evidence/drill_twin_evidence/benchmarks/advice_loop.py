@@ -24,13 +24,15 @@ import drill_twin as dt
 from drill_twin.core.files.json_lines import JsonLines
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.scene.set_points import Command
-from drill_twin.studies.maps.advice import Adviser, whirls_in
+from drill_twin.studies.maps.advice import Adviser
 from drill_twin.studies.maps.advice_tracker import Tracker
+from drill_twin.whirl import MotionCode
 
 COARSE: dict[str, float | str] = {
     "numerics.elements": 8, "numerics.step": "10 ms", "numerics.frame_rate": "50 Hz",
     "rig.rotation.duration": 1.0, "rig.weight_on_bit.duration": 1.0,
 }  # fmt: skip
+_WHIRLS = frozenset(code.state.value for code in MotionCode if code.whirls)
 DURATION = 10.0
 """Simulated time of a run of the map [s]."""
 LONGEST, CHANGE, CALM = 120.0, 2.5, 2.0
@@ -86,7 +88,7 @@ def result_of(number: int, lowest: float, out: Path, workers: int) -> dict[str, 
     weight, speed = scene.rig.weight_on_bit.value, scene.rig.rotation.value
     simulation = dt.Simulation(scene)
     simulation.run(duration=DURATION)
-    if simulation.state is None or not whirls_in(simulation.state.motion):
+    if simulation.state is None or simulation.state.motion not in _WHIRLS:
         return {"scene": number, "numbers": numbers, "end": NO_WHIRL}
     found = dt.operating_map(
         scene, wob=f"{lowest * weight!r}..{1.1 * weight!r} N", rps=f"{lowest * speed!r}..{1.1 * speed!r} rad/s",
@@ -125,7 +127,7 @@ def follow(simulation: dt.Simulation, adviser: Adviser) -> tuple[str, list[str]]
         weight = begin.weight_on_bit + share * (end.weight_on_bit - begin.weight_on_bit)
         state = simulation.follow(Command(weight, begin.rotation + share * (end.rotation - begin.rotation)))
         tracker.take(state.time, state.weight_on_bit, state.rpm * math.tau / 60.0)
-        whirls = whirls_in(state.motion)
+        whirls = state.motion in _WHIRLS
         advice = tracker.advise(adviser, whirls=whirls)
         if advice is None:
             continue

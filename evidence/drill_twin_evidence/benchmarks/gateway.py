@@ -81,7 +81,7 @@ def _measure(gateway: int, url: str, folder: Path, seconds: float) -> None:
 
     def on_command(raw: bytes, info: Mapping[str, Any]) -> None:
         del info
-        arrived.setdefault(float(reader.read(bytes(raw)).effort[0]), time.monotonic())
+        arrived.setdefault(float(reader.read(bytes(raw)).effort[1]), time.monotonic())
 
     subscription = node.create_subscription(
         JointState, "rig/command", lambda _: None, 100, raw=True, callback_group=group

@@ -24,7 +24,7 @@ from drill_twin.io.messages.whirl_encode import (
 from drill_twin.scene.set_points.command import Command
 
 SCENE = "name: made up\nrun:\n  seed: 1\n"
-ONSET = OnsetMessage(time=0.1 + 0.2, mark="mark_3", confidence=1.0 / 3.0)
+ONSET = OnsetMessage(time=0.3, mark="mark_3")
 MOTION = SubjectMotion("mark_3", "forward whirl", "ratio 0.5 for 3 revolutions")
 
 Message = tuple[str, int, bytes]
@@ -57,6 +57,7 @@ def messages(frames, make_geometry) -> list[Message]:
     whirl = WhirlStateEncoder(make_geometry().mark_names)
     command = Command(weight_on_bit=40.0, rotation=4.0 * np.pi)
     rows = [(topics.TWIN_SCENE, 0, encode_string(SCENE)), (topics.WHIRL_ONSET, 0, encode_onset(0, None))]
+    rows.append((topics.COMMANDER, 0, encode_string("/rig_driver")))
     for frame in frames:
         stamp, one = stamp_ns(frame.time), Frames.of(frame)
         rows += [
@@ -65,7 +66,7 @@ def messages(frames, make_geometry) -> list[Message]:
             (topics.MARKS_STATE, stamp, twin.marks(one)[0]),
             (topics.RIG_STATE, stamp, twin.rig_state(one)[0]),
             (topics.CLOCK_TOPIC, stamp, twin.clock(one.time)[0]),
-            (topics.WHIRL_STATE, stamp, whirl.encode(stamp, *np.full((4, 4), frame.time))),
+            (topics.WHIRL_STATE, stamp, whirl.rows([stamp], np.full((1, 4, 5), frame.time))[0]),
         ]
     stamp = stamp_ns(frames[-1].time)
     rows += [

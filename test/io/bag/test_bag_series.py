@@ -85,8 +85,8 @@ def test_commands(read):
 def test_whirl(read, frames):
     whirl = read(WHIRL_STATE)
     assert whirl.names == MARKS
-    for values in (whirl.orbit_radius, whirl.precession, whirl.ratio, whirl.confidence):
-        np.testing.assert_array_equal(values, np.tile([[frame.time] for frame in frames], 4))
+    for values in (whirl.orbit_radius, whirl.precession_rad_s, whirl.ratio, whirl.confidence, whirl.motion):
+        np.testing.assert_allclose(values, np.tile([[frame.time] for frame in frames], 4), rtol=1e-15)
 
 
 @pytest.mark.parametrize("series", SERIES.values())

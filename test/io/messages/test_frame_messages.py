@@ -58,13 +58,13 @@ def test_rig_state(encoder, make_frame):
     rig = frame.rig
     # Written out: writer and reader share the table that says where a channel is.
     for array, expected in (
-        (state.position, (rig.top_drive_angle, rig.bit_angle, rig.block_position, rig.bit_angle)),
-        (state.velocity, (rig.top_drive_speed, rig.bit_speed, rig.block_velocity, rig.bit_speed)),
-        (state.effort, (rig.top_drive_torque, rig.bit_force, rig.hookload, rig.bit_torque)),
+        (state.position, (rig.top_drive_angle, rig.bit_angle, rig.block_position, rig.drilled)),
+        (state.velocity, (rig.top_drive_speed, rig.bit_speed, rig.block_velocity, rig.rate_of_penetration)),
+        (state.effort, (rig.top_drive_torque, rig.bit_torque, rig.hookload, rig.bit_force)),
     ):
-        found = [array[state.index(joint)] for joint in ("top_drive", "bit", "block", "bit_torque")]
+        found = [array[state.index(joint)] for joint in ("top_drive", "bit", "block", "bit_axial")]
         assert found == list(expected)
-    assert len(set(rig[:10])) == len(rig[:10])
+    assert len(set(rig[:12])) == len(rig[:12])
 
 
 def test_clock(encoder):
@@ -82,15 +82,15 @@ def test_commands():
 
 
 def test_a_command_in_another_order_is_understood():
-    raw = JointStateTemplate(["top_drive", "extra", "bit"]).fill(0, [0.0] * 3, [1.0, 2.0, 3.0], [4.0, 5.0, 6.0])
+    raw = JointStateTemplate(["top_drive", "extra", "bit_axial"]).fill(0, [0.0] * 3, [1.0, 2.0, 3.0], [4.0, 5.0, 6.0])
     assert read_command(read_joint_state(raw)) == Command(weight_on_bit=6.0, rotation=1.0)
 
 
 @pytest.mark.parametrize(
     ("names", "arrays", "found"),
     [
-        (["bit"], (True, True), "expected a joint 'top_drive'"),
-        (["bit", "top_drive"], (True, False), "velocity and effort"),
+        (["bit_axial"], (True, True), "expected a joint 'top_drive'"),
+        (["bit_axial", "top_drive"], (True, False), "velocity and effort"),
     ],
 )
 def test_half_a_command_is_refused(names, arrays, found):
@@ -103,7 +103,7 @@ def test_half_a_command_is_refused(names, arrays, found):
 
 def test_half_a_rig_state_is_refused():
     raw = JointStateTemplate(["top_drive", "bit", "block"]).fill(0, np.ones(3), np.ones(3), np.ones(3))
-    with pytest.raises(MessageError, match="bit_torque"):
+    with pytest.raises(MessageError, match="bit_axial"):
         read_rig_state(read_joint_state(raw))
 
 
@@ -185,7 +185,7 @@ def test_a_number_that_is_none_reaches_no_topic(encoder, make_frame, bad):
 
 
 def test_what_is_not_known_of_whirl_may_be_nan_but_nothing_is_infinite():
-    one = np.ones(1)
-    assert WhirlStateEncoder(["mark_1"]).encode(0, one, np.array([np.nan]), one, one)
+    values = np.array([[[1.0, np.nan, 1.0, 1.0, 0.0]]])
+    assert WhirlStateEncoder(["mark_1"]).rows([0], values)
     with pytest.raises(MessageError, match="/whirl/state: expected finite numbers, or NaN"):
-        WhirlStateEncoder(["mark_1"]).encode(0, one, np.array([np.inf]), one, one)
+        WhirlStateEncoder(["mark_1"]).rows([0], np.nan_to_num(values, nan=np.inf))

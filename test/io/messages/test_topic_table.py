@@ -19,6 +19,7 @@ def test_the_contract():
         "/rig/command": "JointState",
         "/rig/wob_command": "Float64",
         "/rig/rps_command": "Float64",
+        "/rig/commander": "String",
         "/rig/state": "JointState",
         "/string/poses": "PoseArray",
         "/string/stress": "JointState",
@@ -26,19 +27,21 @@ def test_the_contract():
         "/string/markers": "MarkerArray",
         "/whirl/state": "JointState",
         "/whirl/motion": "DiagnosticArray",
-        "/whirl/onset": "DiagnosticArray",
+        "/whirl/onset": "TimeReference",
         "/measured/rig/state": "JointState",
         "/surface/state": "JointState",
-        "/advice/state": "DiagnosticArray",
+        "/advice/state": "JointState",
         "/advice/map": "String",
-        "/estimate/state": "DiagnosticArray",
+        "/estimate/state": "JointState",
         "/twin/scene": "String",
+        "/twin/summary": "JointState",
         "/twin/realtime_factor": "Float64",
         "/diagnostics": "DiagnosticArray",
         "/clock": "Clock",
     }
-    assert {name for name, topic in TOPICS.items() if topic.latched} == {"/whirl/onset", "/advice/map", "/twin/scene"}
-    assert all(topic.depth == 1 for topic in TOPICS.values() if topic.latched)
+    latched = {name: topic.depth for name, topic in TOPICS.items() if topic.latched}
+    assert latched.pop("/whirl/motion") == 100  # it comes on change too, and a recorder misses none
+    assert latched == dict.fromkeys(("/rig/commander", "/whirl/onset", "/advice/map", "/twin/scene"), 1)
 
 
 def test_every_definition_is_known():

@@ -12,7 +12,6 @@ from rod_scenes import rod_scene
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.effects.random_matrix import MOST_SCATTER, random_matrix
-from drill_twin.runs.monitor.drilling_progress import DrillingProgress
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
 
@@ -97,17 +96,14 @@ def test_the_bit_lifts_off_and_comes_down_again():
     assert np.sum(back) * 0.02 - 60e3 * 2.0 == pytest.approx(momentum() - began, abs=0.01 * 60e3 * 2.0)
 
 
-def test_the_diagnostics_tell_depth_and_rate_of_penetration():
+def test_the_rig_tells_depth_and_rate_of_penetration():
     twin, _ = drill(60e3, at="top", seconds=0.2)
-    told, before = DrillingProgress(twin), twin.drilled
-    twin.advance(Command(60e3, SPEED), 0.5)
-    values = told.values()
-    assert float(values["drilled_m"]) == pytest.approx(twin.drilled, abs=1e-6)
-    rate = (twin.drilled - before) / 0.5
-    assert rate > 0.0
-    assert float(values["rate_of_penetration_m_h"]) == pytest.approx(3600.0 * rate, rel=1e-3)
-    assert float(told.values()["rate_of_penetration_m_h"]) == 0.0  # nothing since
-    assert DrillingProgress(Twin(load_scene("pa6_bench"))).values() == {}
+    before = twin.drilled
+    rig = twin.advance(Command(60e3, SPEED), 0.5).rig
+    assert rig.drilled == twin.drilled > before
+    assert rig.rate_of_penetration == pytest.approx((twin.drilled - before) / 0.5, rel=1e-9)
+    other = Twin(load_scene("pa6_bench")).advance(Command(10.0, SPEED), 0.1).rig
+    assert (other.drilled, other.rate_of_penetration) == (0.0, 0.0)
 
 
 def random_rate(drawn: np.ndarray, weight: float) -> float:

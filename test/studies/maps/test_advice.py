@@ -4,11 +4,13 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from drill_twin.io.messages.decode import read_joint_state
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.studies.maps import OperatingMap, Plane, Regime, Span
-from drill_twin.studies.maps.advice import Adviser, status_of
+from drill_twin.studies.maps.advice import AdviceCode, AdviceEncoder, Adviser
 from drill_twin.studies.maps.advice_tracker import Tracker
 from drill_twin.studies.maps.runs import Key, RunRecord
 
@@ -191,9 +193,20 @@ def test_advice_leads_to_a_set_point_that_is_held():
                     assert some.advise(said.target.weight, said.target.speed, whirls=whirls).target is None
 
 
-def test_its_status_has_the_numbers_of_the_sentence():
+def test_its_message_has_the_numbers_of_the_sentence():
     said = adviser().advise(100.0, 10.0, whirls=False)
-    values = status_of(said, 100.0, 10.0, whirls=False).values
-    assert float(values["target_weight_on_bit_N"]) == said.target.weight
-    assert float(values["target_speed_rev_s"]) * math.tau == pytest.approx(said.target.speed)
-    assert (values["regime"], values["boundary"]) == ("forward whirl", "whirl begins from rest")
+    state = read_joint_state(AdviceEncoder().encode(5, said, 100.0, 10.0, whirls=False))
+    values = dict(zip(state.names, state.position.tolist(), strict=True))
+    assert state.stamp == 5
+    assert (values["advice"], values["weight_on_bit"], values["rotation"]) == (AdviceCode.LEAVE, 100.0, 10.0)
+    assert (values["target"], values["target/weight_on_bit"]) == (1.0, said.target.weight)
+    assert values["target/rotation"] == said.target.speed
+    assert values["regime"] == Regime.FORWARD.code
+
+
+def test_its_message_is_finite_outside_the_map_and_without_advice():
+    for said in (None, adviser().advise(1e4, 10.0, whirls=True)):
+        state = read_joint_state(AdviceEncoder().encode(0, said, math.nan, 10.0, whirls=True))
+        assert np.isfinite(state.position).all()
+        assert (state.position[0] == AdviceCode.NONE) == (said is None)
+        assert state.position[state.index("regime")] == -1.0
