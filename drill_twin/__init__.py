@@ -11,7 +11,7 @@ The names are those of `drill_twin.api`, loaded on first use: a node that needs 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from drill_twin.core.version import __version__ as __version__
+from drill_twin.core import __version__ as __version__
 
 if TYPE_CHECKING:
     from drill_twin.api import *  # noqa: F403 - all its names

@@ -19,9 +19,8 @@ from drill_twin.api.result import Result, read_bag
 from drill_twin.api.scenes import load_scene
 from drill_twin.api.simulation import Simulation
 from drill_twin.api.torque_drag import statics
-from drill_twin.core.arrays import Array
+from drill_twin.core.arrays import Array, number_or_nan
 from drill_twin.core.errors import ArgumentError, RunError, SceneError
-from drill_twin.core.missing import number_or_nan
 from drill_twin.core.table import Column, Table
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads
 from drill_twin.report.load_text import KILO

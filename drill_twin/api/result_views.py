@@ -10,7 +10,7 @@ import numpy as np
 
 from drill_twin.api.whirl import Whirl
 from drill_twin.core.arrays import Array
-from drill_twin.core.extras import import_extra
+from drill_twin.core.errors import import_extra
 from drill_twin.core.rig_channels import channel_of, field_of
 from drill_twin.io.bag.series import CommandSeries, MarkSeries, RigSeries
 

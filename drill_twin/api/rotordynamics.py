@@ -13,7 +13,7 @@ from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError, SceneError
 from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
-from drill_twin.dynamics.discretisation.refinement import LONG
+from drill_twin.dynamics.discretisation.resolution import LONG
 from drill_twin.dynamics.rotordynamics import campbell as _campbell
 from drill_twin.dynamics.rotordynamics import growth_map as _growth_map
 from drill_twin.dynamics.rotordynamics import modes as _modes

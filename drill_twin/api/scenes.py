@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from drill_twin.core.errors import ArgumentError, DrillTwinError, SceneError
-from drill_twin.core.files.whole_file import write_whole
+from drill_twin.core.files.output import write_whole
 from drill_twin.core.units import Dimension, UnitError, parse
 from drill_twin.scene import Scene, load, presets
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from drill_twin.cli import interrupt
 from drill_twin.core.errors import printable, words_cut
-from drill_twin.core.process.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
+from drill_twin.core.process import error_text, open_closed_streams, refuse_too_little_memory
 
 _LONGEST_MESSAGE = 3000
 

@@ -34,8 +34,8 @@ from drill_twin.cli.scenes import check, new, scenes, schema
 from drill_twin.cli.statics import statics
 from drill_twin.cli.watch import watch
 from drill_twin.cli.whirl_states import whirl_states
+from drill_twin.core import __version__
 from drill_twin.core.errors import ArgumentError
-from drill_twin.core.version import __version__
 
 GROUP = "drill_twin.commands"
 """Entry-point group of commands in other packages."""

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from drill_twin.cli.show import out, print_json, remark
 from drill_twin.core.errors import BagError
-from drill_twin.core.files import result_folder
-from drill_twin.core.files.result_folder import make_folder
-from drill_twin.core.files.whole_file import write_whole
+from drill_twin.core.files import output
+from drill_twin.core.files.output import make_folder, write_whole
 from drill_twin.core.table import Table
 from drill_twin.studies.json_io import json_text
 
@@ -97,8 +96,8 @@ def write_files(folder: Path, files: Mapping[str, Any]) -> Sequence[str]:
 
 
 def new_folder(folder: Path, *, replace: bool) -> Path | None:
-    """Make an empty folder, as `result_folder.new_folder`; says on stderr where an older result is now."""
-    moved = result_folder.new_folder(folder, replace=replace)
+    """Make an empty folder, as `output.new_folder`; says on stderr where an older result is now."""
+    moved = output.new_folder(folder, replace=replace)
     if moved:
         from drill_twin.cli.show import remark
 

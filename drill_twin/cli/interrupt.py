@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from drill_twin.core.process.unraisable import is_unraisable
+from drill_twin.core.process import is_unraisable
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _STOPPED = b"drill-twin: stopped\n"

@@ -23,7 +23,7 @@ from drill_twin.cli.options import (
     overrides,
 )
 from drill_twin.cli.show import shown_progress
-from drill_twin.core.files.result_folder import make_folder
+from drill_twin.core.files.output import make_folder
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
@@ -55,8 +55,7 @@ def modes(
     import numpy as np
 
     from drill_twin.api import rotordynamics
-    from drill_twin.dynamics.discretisation.refinement import mesh
-    from drill_twin.dynamics.discretisation.resolution import resolution_of
+    from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
     from drill_twin.studies.modes import (
         campbell_data,
         campbell_figure,

@@ -23,7 +23,7 @@ from drill_twin.cli.options import (
     overrides,
 )
 from drill_twin.cli.show import remark, shown_progress
-from drill_twin.core.files.result_folder import make_folder
+from drill_twin.core.files.output import make_folder
 
 if TYPE_CHECKING:
     from drill_twin.scene import Scene

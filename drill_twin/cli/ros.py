@@ -231,7 +231,7 @@ def gateway_keys(
     try:
         from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, USERS, make_keys
     except ModuleNotFoundError as error:
-        from drill_twin.core.extras import missing
+        from drill_twin.core.errors import missing
 
         raise missing(error, "opcua") from error
     new = make_keys(folder, "urn:drill_twin:gateway", host or socket.gethostname(), {user: password})

@@ -22,7 +22,7 @@ from drill_twin.cli.options import (
     overrides,
 )
 from drill_twin.cli.show import shown_progress
-from drill_twin.core.files.result_folder import make_folder
+from drill_twin.core.files.output import make_folder
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:

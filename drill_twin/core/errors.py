@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Errors for the user: each message names the place, expected, found and remedy; text of unknown origin in them."""
+"""Errors for the user: each message names the place, expected, found and remedy; text of unknown origin in them.
+
+Packages that come with an extra of drill_twin are imported here, with an error that names the extra.
+"""
 
 import re
-from typing import Self
+from importlib import import_module
+from typing import Any, Self
 
 
 def printable(text: str, *, keep: str = "\n") -> str:
@@ -86,7 +90,7 @@ class StoppedError(RunError):
 
     Attributes:
         time: Simulated time of that frame [s].
-        kind: Kind of the violation (`drill_twin.dynamics.twin.violation.Violation`).
+        kind: Kind of the violation (`drill_twin.dynamics.twin.step_guard.Violation`).
         node: Node at which it was largest.
         effect: Key of the effect that caused it; empty if none was identified.
     """
@@ -110,3 +114,31 @@ class ArgumentError(DrillTwinError, ValueError):
 
 class CheckpointError(DrillTwinError):
     """A checkpoint that cannot be written, read or resumed."""
+
+
+_EXTRAS = {"xarray": ("xarray", "to_xarray"), "lasio": ("las", "LAS file"), "distributed": ("dask", "--dask")}
+"""Package -> its extra, and what it is for."""
+
+
+def import_extra(package: str) -> Any:
+    """Import a package.
+
+    Args:
+        package: `xarray`, `lasio` or `distributed`.
+
+    Raises:
+        ArgumentError: It is not installed.
+    """
+    extra, purpose = _EXTRAS[package]
+    try:
+        return import_module(package)
+    except ImportError:
+        raise ArgumentError(
+            f"{purpose}: expected the package {package}, found none; install it: pip install 'drill_twin[{extra}]'"
+        ) from None
+
+
+def missing(error: ModuleNotFoundError, extra: str) -> DrillTwinError:
+    """Error of a part of drill_twin whose extra is not installed, from the failed import."""
+    module = (error.name or "").partition(".")[0]  # a part of the package may be what was asked for first
+    return DrillTwinError(f"expected the Python module {module!r}, found none; pip install 'drill_twin[{extra}]'")

@@ -24,8 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import BagError, MessageError, TableError
-from drill_twin.core.extras import import_extra
+from drill_twin.core.errors import BagError, MessageError, TableError, import_extra
 from drill_twin.gateway.quantities import QUANTITIES, TwinQuantities
 from drill_twin.gateway.signals import ShownSignal, read_signals, signals_path
 from drill_twin.io.bag.reader import Bag

@@ -21,7 +21,7 @@ from drill_twin.core.units.dimension import (
     LENGTH,
     TIME,
 )
-from drill_twin.dynamics.sensors.summaries import SUMMARY
+from drill_twin.dynamics.sensors.subs import SUMMARY
 from drill_twin.io.messages.decode import JointState, PoseArray
 from drill_twin.io.messages.good_samples import GoodSamples
 from drill_twin.io.messages.readers import reader_of

@@ -11,8 +11,8 @@ from datetime import UTC, datetime
 
 import yaml
 
+from drill_twin.core import __version__
 from drill_twin.core.arrays import Array
-from drill_twin.core.version import __version__
 from drill_twin.dynamics.sensors.subs import SubSampler
 from drill_twin.dynamics.sensors.surface import SurfaceSampler, SurfaceValues
 from drill_twin.dynamics.twin.frame import RigState

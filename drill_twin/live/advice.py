@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from drill_twin.core.errors import MessageError
-from drill_twin.core.files.json_reader import read_json
+from drill_twin.core.files.json_files import read_json
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.live.plain import short

@@ -9,8 +9,7 @@ from collections.abc import Collection
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-from drill_twin.core.errors import RunError
-from drill_twin.core.extras import missing
+from drill_twin.core.errors import RunError, missing
 from drill_twin.core.loopback import in_url
 from drill_twin.io.messages.topics import TOPICS
 from drill_twin.io.messages.type_store import definition

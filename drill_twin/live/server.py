@@ -26,7 +26,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 from drill_twin.core.errors import DrillTwinError, RunError
-from drill_twin.core.files.json_reader import JsonError, read_json
+from drill_twin.core.files.json_files import JsonError, read_json
 from drill_twin.core.loopback import is_loopback
 from drill_twin.live.access import WILDCARDS, Access
 from drill_twin.live.page_files import file_response, page_files, response

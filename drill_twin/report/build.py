@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drill_twin.core.errors import BagError
-from drill_twin.core.files.whole_file import write_whole
+from drill_twin.core.files.output import write_whole
 from drill_twin.report.figures import FIGURES, drawing, left_out
 from drill_twin.report.recording import Recording, read_recording
 from drill_twin.report.summary import summarise, to_json

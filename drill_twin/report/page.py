@@ -11,8 +11,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from drill_twin.core import __version__
 from drill_twin.core.table import Column, Table
-from drill_twin.core.version import __version__
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
 from drill_twin.report.charts import plotly_packed, view_data
 from drill_twin.report.figures import CAPTIONS, OVER_TIME, left_out

@@ -12,11 +12,10 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import DrillTwinError
-from drill_twin.dynamics.discretisation.discretise import discretise, tubes_of
-from drill_twin.dynamics.discretisation.initial_state import axial_weight
+from drill_twin.dynamics.discretisation.discretise import axial_weight, discretise, tubes_of
 from drill_twin.dynamics.discretisation.resolution import MOST
 from drill_twin.dynamics.twin import state_judge
-from drill_twin.dynamics.twin.state_bounds import bounds_of
+from drill_twin.dynamics.twin.binding import bounds_of
 from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import build_rod
 from drill_twin.report.recording import Recording

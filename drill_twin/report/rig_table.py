@@ -11,13 +11,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from drill_twin.core import __version__
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import BagError, MessageError
-from drill_twin.core.extras import import_extra
+from drill_twin.core.errors import BagError, MessageError, import_extra
 from drill_twin.core.files.yaml_reader import YamlError, plain_yaml
 from drill_twin.core.rig_channels import RIG_CHANNELS
 from drill_twin.core.units.dimension import ANGULAR_SPEED, FORCE, LENGTH, TORQUE
-from drill_twin.core.version import __version__
 from drill_twin.io.bag.series import RigSeries
 from drill_twin.io.bag.skipped import stray_stamps
 from drill_twin.io.messages.decode import read_string

@@ -14,9 +14,9 @@ import numpy as np
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.dynamics.discretisation.discretise import axis_at, survey_of
 from drill_twin.io.messages.drawing.geometry import default_exaggeration
-from drill_twin.physics.model.frames import transverse_axes
+from drill_twin.physics.model.strain import transverse_axes
 from drill_twin.physics.model.survey import top_frame
-from drill_twin.physics.model.wellbore_coordinates import to_hole_coordinates
+from drill_twin.physics.model.wellbore import to_hole_coordinates
 from drill_twin.scene import Scene
 
 FINEST = 100

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import TableError
-from drill_twin.dynamics.discretisation.discretise import discretise, tubes_of
-from drill_twin.dynamics.discretisation.initial_state import axial_weight, untwisted
-from drill_twin.dynamics.discretisation.refinement import mesh
-from drill_twin.dynamics.twin.bending_stress import bending_stress
+from drill_twin.dynamics.discretisation.discretise import axial_weight, discretise, tubes_of, untwisted
+from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.physics.effects.wall import parameters as wall_parameters
 from drill_twin.physics.model.mesh import SPIN, Rod
-from drill_twin.physics.model.wellbore_coordinates import offsets
+from drill_twin.physics.model.section_stress import bending_stress
+from drill_twin.physics.model.wellbore import offsets
 from drill_twin.report.recording import Recording
 from drill_twin.scene import Scene
 

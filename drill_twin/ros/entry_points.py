@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from drill_twin.core.errors import DrillTwinError, RunError, printable
-from drill_twin.core.process.standard_streams import error_text, open_closed_streams, refuse_too_little_memory
+from drill_twin.core.process import error_text, open_closed_streams, refuse_too_little_memory
 from drill_twin.ros.core.stop_request import Stopped, StopRequest
 
 NODES = {

@@ -3,10 +3,16 @@
 
 numba and LLVM hold a process for seconds at a time, in which it answers no service and no signal. The child leaves the
 process free; loading the machine code from the cache afterwards takes a tenth of a second.
+
+How long it takes depends on the machine and on the effects. The share done follows from the course of the last
+compilation like it, which is kept with the compiled kernels: functions differ by a hundred times, so the number
+compiled is turned into a share of the time by the times at which the last one had as many.
 """
 
 from __future__ import annotations
 
+import json
+import logging
 import os
 import pickle
 import select
@@ -16,19 +22,85 @@ import tempfile
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 
-from drill_twin.core.compile.compile_events import NotCachedError, from_cache_only
-from drill_twin.core.compile.kernel_cache import permanent_folder
+import numpy as np
+
+from drill_twin.core.compile.kernel_cache import NotCachedError, fingerprint, from_cache_only, permanent_folder
+from drill_twin.core.compile.object_cache import read_own
 from drill_twin.core.errors import RunStopped
-from drill_twin.core.process.child_environment import child_environment
+from drill_twin.core.files.json_files import read_json
+from drill_twin.core.files.output import PRIVATE, write_whole
+from drill_twin.core.process import child_environment
 from drill_twin.dynamics.solver.slices import checked
+from drill_twin.dynamics.twin import observation
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.scene_geometry import mark_infos
-from drill_twin.runs.compile_share import CompileShare
-from drill_twin.runs.monitor.run_timing import EffectTiming
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 from drill_twin.whirl import Analyzer
+
+_LOG = logging.getLogger(__name__)
+
+EMPTY, FURTHER = "empty", "further"
+"""Kinds: with an empty cache, which compiles what all scenes share too; with machine code of other effects."""
+FIRST_COURSE = ((0, 0.0), (46, 0.12), (114, 0.4), (160, 0.43), (185, 0.74), (231, 0.81), (285, 1.0))
+"""Functions and share of the time with an empty cache, scene pa6_bench."""
+_POINTS = 24
+_NAME = "compile_course_{}.json"
+
+
+class CompileShare:
+    """Text of the progress of a compilation; `save` keeps its course for the next."""
+
+    def __init__(self, folder: Path) -> None:
+        """Read the course of the last compilation like the one that begins.
+
+        Args:
+            folder: Folder of compiled kernels.
+        """
+        module = observation.__name__
+        shared = f"part_{module}.{observation.observe_nodes.__name__}_{fingerprint(f'import {module}')}.*"
+        kind = FURTHER if next(folder.glob(shared), None) else EMPTY
+        self._path = folder / _NAME.format(kind)
+        self._seen: list[tuple[int, float]] = []
+        self._seconds = 0.0
+        """Wall-clock time of the last compilation [s]; 0 where it is not known."""
+        self._course = np.array(FIRST_COURSE if kind == EMPTY else ())
+        try:
+            course = np.array(read_json(read_own(self._path) or b"[]"), float)
+            if course.ndim == 2 and course.shape[1] == 2 and np.all(np.isfinite(course)) and course[-1, 1] > 0.0:
+                self._seconds = float(course[-1, 1])
+                self._course = course / (1.0, self._seconds)
+        except (ValueError, TypeError, RecursionError):
+            pass  # damaged: as without one; the next is written over it
+
+    @property
+    def before(self) -> str:
+        """Time to expect, before it begins."""
+        if self._seconds:
+            return f"the last such took {self._seconds:.0f} s"
+        return f"{'one' if self._course.size else 'ten seconds'} to two minutes on most machines"
+
+    def text(self, functions: int, seconds: float) -> str:
+        """Progress after a number of functions and a wall-clock time [s]."""
+        if not self._seen or functions > self._seen[-1][0]:
+            self._seen.append((functions, seconds))
+        if not self._course.size or functions >= self._course[-1, 0]:
+            return f"{functions} functions, {seconds:.0f} s"
+        share = float(np.interp(functions, *self._course.T))
+        left = f", about {seconds * (1.0 - share) / share:.0f} s left" if share > 0.02 else ""
+        return f"{functions} of about {self._course[-1, 0]:.0f} functions, {seconds:.0f} s; {share:.0%} done{left}"
+
+    def save(self, seconds: float) -> None:
+        """Keep the course of this compilation, which took a wall-clock time [s]."""
+        if self._seen:
+            chosen = self._seen[:: max(1, len(self._seen) // _POINTS)]
+            try:
+                write_whole(self._path, json.dumps([*chosen, (self._seen[-1][0], seconds)]), PRIVATE)
+            except OSError as error:
+                _LOG.warning("%s: not kept: %s", self._path, error.strerror or error)
+
 
 COMPILING = "compiling the effects of the scene"
 """First words of each text of progress."""
@@ -39,21 +111,13 @@ Progress = Callable[[str], None]
 """Takes the progress in words; may raise, which ends the compilation."""
 
 
-def compile_kernel(
-    scene: Scene,
-    period: float,
-    progress: Progress | None = None,
-    *,
-    time_effects: bool = False,
-    analysis: bool = False,
-) -> None:
+def compile_kernel(scene: Scene, period: float, progress: Progress | None = None, *, analysis: bool = False) -> None:
     """Compile the kernels of a scene, or load them from the cache, by the first frame of a twin that is then dropped.
 
     Args:
         scene: The scene.
         period: Simulated time of a frame [s].
         progress: Called ten times a second while a child process compiles; None: compile in this process.
-        time_effects: Whether the functions that measure the cost of each effect are needed too.
         analysis: Whether the whirl analysis is needed too; a child process always compiles it, for the analyzer node.
 
     Raises:
@@ -62,15 +126,15 @@ def compile_kernel(
     if progress is not None:
         try:
             with from_cache_only():
-                first_frame(scene, period, time_effects=time_effects, analysis=analysis)
+                first_frame(scene, period, analysis=analysis)
         except NotCachedError:
-            _compile_in_child(scene, period, progress, time_effects=time_effects)
+            _compile_in_child(scene, period, progress)
         else:
             return
-    first_frame(scene, period, time_effects=time_effects, analysis=analysis)
+    first_frame(scene, period, analysis=analysis)
 
 
-def first_frame(scene: Scene, period: float, *, time_effects: bool, analysis: bool = False) -> None:
+def first_frame(scene: Scene, period: float, *, analysis: bool = False) -> None:
     """Call everything that a run of the scene calls, once; of a long frame the first slice."""
 
     def end() -> None:
@@ -80,13 +144,11 @@ def first_frame(scene: Scene, period: float, *, time_effects: bool, analysis: bo
     twin.load()
     with checked(end), suppress(RunStopped):
         twin.advance(Command(*scene.rig.first), period)
-    if time_effects:
-        EffectTiming(twin)
     if analysis and scene.string.marks:
         Analyzer(mark_infos(scene))
 
 
-def _compile_in_child(scene: Scene, period: float, progress: Progress, *, time_effects: bool) -> None:
+def _compile_in_child(scene: Scene, period: float, progress: Progress) -> None:
     """Fill the cache in a child process; where that is not possible, report so and return."""
     folder = permanent_folder()
     if folder is None:
@@ -95,7 +157,7 @@ def _compile_in_child(scene: Scene, period: float, progress: Progress, *, time_e
     share, began = CompileShare(folder), time.monotonic()
     progress(f"{COMPILING}, once for this set of effects: {share.before}")
     with tempfile.TemporaryFile() as given:
-        pickle.dump((scene, period, time_effects), given)
+        pickle.dump((scene, period), given)
         given.seek(0)
         child = subprocess.Popen(
             [sys.executable, "-m", "drill_twin.runs.compile_worker", str(given.fileno())],

@@ -23,13 +23,13 @@ def main() -> None:
     progress = os.dup(sys.stdout.fileno())
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what an effect prints must not be counted
     threading.Thread(target=_end_with_input, daemon=True).start()
-    from drill_twin.core.compile.compile_events import before_each_compilation
+    from drill_twin.core.compile.kernel_cache import before_each_compilation
     from drill_twin.runs.compilation import first_frame
 
     with os.fdopen(int(sys.argv[1]), "rb") as given:
-        scene, period, time_effects = pickle.load(given)  # noqa: S301 - written by the parent process
+        scene, period = pickle.load(given)  # noqa: S301 - written by the parent process
     with before_each_compilation(lambda: _write_byte(progress)):
-        first_frame(scene, period, time_effects=time_effects, analysis=True)
+        first_frame(scene, period, analysis=True)
 
 
 def _write_byte(progress: int) -> None:

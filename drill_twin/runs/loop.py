@@ -37,7 +37,7 @@ from drill_twin.io.run_messages import Measurements, describe_run, sensor_topics
 from drill_twin.io.scene_geometry import string_geometry
 from drill_twin.runs.monitor.model_limits import NOTES, SEPARATOR, MissingEffects
 from drill_twin.runs.monitor.rejected_steps import RejectedSteps
-from drill_twin.runs.monitor.run_timing import EffectTiming, RunTiming
+from drill_twin.runs.monitor.run_timing import RunTiming
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
@@ -81,7 +81,6 @@ class RunLoop:
         sink: Sink,
         *,
         pace: str = "fast",
-        time_effects: bool = False,
         frame_prefix: str = "",
     ) -> None:
         """Build the twin; compiles its kernel where `drill_twin.runs.compile_kernel` has not.
@@ -91,14 +90,13 @@ class RunLoop:
             period: Simulated time of a frame [s].
             sink: Takes the messages.
             pace: realtime, fast or lockstep, for the description of the run.
-            time_effects: Whether the cost of each effect is measured for the diagnostics.
             frame_prefix: Put before the names of the frames of messages and tf.
 
         Raises:
             DrillTwinError: The scene cannot be run (as `Twin`).
         """
         self.scene, self.period = scene, period
-        self._sink, self._pace, self._time_effects = sink, pace, time_effects
+        self._sink, self._pace = sink, pace
         self._frame_prefix = frame_prefix
         self.first = Command(*scene.rig.first)
         """Set-points at the start."""
@@ -116,7 +114,6 @@ class RunLoop:
         self.frames = 0
         self.missing_effects = MissingEffects(self.scene)
         self.rejected_steps = RejectedSteps()
-        self._effect_timing = EffectTiming(twin) if self._time_effects else None
         self._measurements = Measurements(twin) if self.scene.sensors is not None else None
 
     @property
@@ -244,14 +241,10 @@ class RunLoop:
     def diagnostics(self) -> dict[str, str]:
         """Named values of the run for `/diagnostics`; sends the real-time factor and begins a new window of it."""
         self._sink(REALTIME_FACTOR, encode_float64(self.timing.recent_realtime_factor))
-        effect_cost = (
-            {} if self._effect_timing is None else self._effect_timing.values(self.timing.seconds_per_iteration)
-        )
         values = {
             "simulated_time": f"{self.twin.time:.6f}",
             "frames": str(self.frames),
             **self.timing.values(),
-            **effect_cost,
             "elements": str(self.twin.elements),
             "step_s": repr(float(self.twin.step_size)),
             **self.missing_effects.values(),

@@ -19,6 +19,7 @@ from pathlib import Path
 
 from drill_twin.core.errors import RunError, RunStopped, StoppedError
 from drill_twin.dynamics.solver.slices import checked
+from drill_twin.dynamics.twin.checkpoint import save_failure
 from drill_twin.io.bag.writer import BagWriter
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.io.messages.topics import (
@@ -26,7 +27,6 @@ from drill_twin.io.messages.topics import (
 )
 from drill_twin.runs.compilation import compile_kernel
 from drill_twin.runs.loop import topics_of
-from drill_twin.runs.monitor.failure_dump import save_failure
 from drill_twin.runs.session_run import SessionRun
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Schedule

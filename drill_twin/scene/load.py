@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 from drill_twin.core.errors import SceneError
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.files.yaml_reader import LARGEST_TEXT
-from drill_twin.core.process.standard_streams import error_text
+from drill_twin.core.process import error_text
 from drill_twin.scene.blocks.effects import Effects
 from drill_twin.scene.blocks.hole import Hole
 from drill_twin.scene.blocks.part import refuse_all

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, TypeVar
 
-from drill_twin.core.process.child_environment import child_environment
+from drill_twin.core.process import child_environment
 
 Key = TypeVar("Key", bound=Hashable)
 Result = TypeVar("Result")

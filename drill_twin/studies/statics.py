@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from drill_twin.core.table import Column, Table
 from drill_twin.core.units.registry import si_factor
 from drill_twin.dynamics.torque_drag.analysis import OperationLoads, Statics
-from drill_twin.dynamics.torque_drag.buckling import CHEN, BucklingState
+from drill_twin.dynamics.torque_drag.soft_string import CHEN, BucklingState
 from drill_twin.report.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, blank, head, styled
 
 

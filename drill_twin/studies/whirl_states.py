@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from drill_twin.dynamics.discretisation.refinement import mesh
+from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.rotordynamics.steady.branches import Branch
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState
 from drill_twin.dynamics.twin.twin import Twin

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import math
 
+from drill_twin.core.arrays import number_or_none
 from drill_twin.core.compile.jit import as_python
-from drill_twin.core.missing import number_or_none
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.stick_slip import StickSlip
 from drill_twin.whirl.sample_bins import DUPLICATE, LATE, TOTAL_ANGLE, TOTAL_REVOLUTIONS, Clock, accept, is_new, rotate

@@ -6,8 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from drill_twin.core.arrays import Array
-from drill_twin.core.missing import number_or_none
+from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.findings import Quality, Summary
 from drill_twin.whirl.motion.states import lasting_motion, whirl_end

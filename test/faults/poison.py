@@ -16,7 +16,7 @@ from typing import Any, ClassVar, NamedTuple
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.point import Point
+from drill_twin.physics.model.strain import Point
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,8 @@ from drill_twin.dynamics.twin import frame_kernel, state_judge
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.frame_kernel import GOOD_FRAMES_BEFORE_GROWTH
 from drill_twin.dynamics.twin.frame_loop import FrameLoop
-from drill_twin.dynamics.twin.step_guard import MAX_RETRIES, StepGuard
+from drill_twin.dynamics.twin.step_guard import MAX_RETRIES, StepGuard, Violation
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.dynamics.twin.violation import Violation
 from drill_twin.io.bag.reader import Bag
 from drill_twin.io.messages import topics
 from drill_twin.io.messages.decode import JointStateReader, read_pose_array

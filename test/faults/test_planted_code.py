@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from drill_twin.core.process.child_environment import child_environment
+from drill_twin.core.process import child_environment
 
 ROOT = Path(__file__).parents[2]
 NAMES = (

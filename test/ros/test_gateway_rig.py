@@ -17,7 +17,7 @@ import pytest
 
 asyncua = pytest.importorskip("asyncua", reason="needs asyncua: pip install 'drill_twin[opcua]'")
 
-from drill_twin.dynamics.sensors.summaries import SUMMARY  # noqa: E402
+from drill_twin.dynamics.sensors.subs import SUMMARY  # noqa: E402
 from drill_twin.gateway.opc_ua.keys import CERTIFICATE, TRUSTED, make_keys  # noqa: E402
 from drill_twin.io.messages.diagnostics import Level  # noqa: E402
 from drill_twin.io.messages.sensor_messages import read_summary  # noqa: E402

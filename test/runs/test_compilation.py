@@ -10,7 +10,7 @@ import tempfile
 
 import pytest
 
-from drill_twin.core.compile.compile_events import NotCachedError, before_each_compilation, from_cache_only
+from drill_twin.core.compile.kernel_cache import NotCachedError, before_each_compilation, from_cache_only
 from drill_twin.runs import compilation
 from drill_twin.runs.compile_worker import STOPPED
 from drill_twin.scene import load_scene
@@ -38,7 +38,7 @@ def test_a_warm_cache_starts_no_child_and_reports_nothing(scene):
 
 def test_with_an_empty_cache_nothing_is_compiled_in_this_process(empty_cache, scene):
     with pytest.raises(NotCachedError), from_cache_only():
-        compilation.first_frame(scene, PERIOD, time_effects=False)
+        compilation.first_frame(scene, PERIOD)
 
 
 def test_a_report_that_raises_ends_the_child(empty_cache, scene, monkeypatch):
@@ -61,7 +61,7 @@ def test_a_report_that_raises_ends_the_child(empty_cache, scene, monkeypatch):
 
 def test_the_child_ends_with_its_parent(empty_cache, scene):
     with tempfile.TemporaryFile() as given:
-        pickle.dump((scene, PERIOD, False), given)
+        pickle.dump((scene, PERIOD), given)
         given.seek(0)
         child = subprocess.Popen(
             [sys.executable, "-m", "drill_twin.runs.compile_worker", str(given.fileno())],
@@ -93,7 +93,7 @@ def _nothing_cached():
 def test_the_child_fills_the_cache_for_this_process(empty_cache, scene):
     texts, here = [], []
     with before_each_compilation(lambda: here.append(1)):
-        compilation.compile_kernel(scene, PERIOD, texts.append, time_effects=True, analysis=True)
+        compilation.compile_kernel(scene, PERIOD, texts.append, analysis=True)
     assert any(" functions, " in text and ": 0 functions" not in text for text in texts)
     # One attempt was refused; the rest came from the cache.
     assert len(here) == 1

@@ -4,7 +4,7 @@
 from pathlib import Path
 
 from drill_twin.core.compile.kernel_cache import fingerprint
-from drill_twin.runs.compile_share import FIRST_COURSE, CompileShare
+from drill_twin.runs.compilation import FIRST_COURSE, CompileShare
 
 
 def test_the_first_goes_by_the_shipped_course(tmp_path: Path) -> None:

@@ -3,7 +3,8 @@
 
 numba's own cache checks one file and does not see edits in the functions that it calls. So a small module is written
 into the cache folder and named by a hash of every source that it reaches, of the versions and of the processor: an
-edit gives another name, and stale code is never run.
+edit gives another name, and stale code is never run. Compilations in this thread are counted, or refused where all is
+expected in the cache.
 """
 
 import hashlib
@@ -13,11 +14,15 @@ import platform
 import stat
 import sys
 import tempfile
-from contextlib import suppress
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from threading import RLock
 from types import ModuleType
+from typing import Any
 
 import llvmlite
 import numba
@@ -26,11 +31,10 @@ from numba.core.dispatcher import Dispatcher
 
 from drill_twin.core.compile.bitcode_cache import keep_parts
 from drill_twin.core.compile.jit import is_inlined
-from drill_twin.core.compile.numba_without_scipy import import_array_functions
 from drill_twin.core.compile.object_cache import is_open, keep_machine_code
 from drill_twin.core.compile.source_hash import modules_reached, source_hash
 from drill_twin.core.errors import RunError
-from drill_twin.core.files.whole_file import PRIVATE, write_whole
+from drill_twin.core.files.output import PRIVATE, write_whole
 
 _LOG = logging.getLogger(__name__)
 
@@ -158,3 +162,75 @@ def _keep_parts(text: str, packages: tuple[str, ...]) -> None:
     if folder is not None:
         modules = [name for name in modules_reached(text, packages) if name in sys.modules]
         keep_parts(modules, folder, lambda name: fingerprint(f"import {name}", packages=packages))
+
+
+@cache
+def import_array_functions() -> None:
+    """Import `numba.np.arraymath` without scipy, which takes a fifth of the start of a short run.
+
+    On import it asks whether scipy's BLAS is there. Only functions that use it need to know, and those ask again when
+    they are compiled.
+    """
+    linalg: Any = import_module("numba.np.linalg")
+    ensure_blas = getattr(linalg, "ensure_blas", _no_question)
+    linalg.ensure_blas = _no_question
+    try:
+        import_module("numba.np.arraymath")
+    finally:
+        linalg.ensure_blas = ensure_blas
+
+
+def _no_question() -> None:
+    """Stands in for `ensure_blas` during the import."""
+
+
+_EVENTS: Any = import_module("numba.core.event")
+_LISTENER: Any = _EVENTS.Listener
+_COMPILE = "numba:compile"
+
+
+class NotCachedError(Exception):
+    """A function is not in the cache of compiled kernels."""
+
+
+class _Listener(_LISTENER):  # type: ignore[misc]
+    """Calls a function before each compilation in the thread that made it."""
+
+    def __init__(self, started: Callable[[], None]) -> None:
+        self._started = started
+        self._thread = threading.get_ident()
+
+    def on_start(self, event: Any) -> None:
+        """Call the function."""
+        del event
+        if threading.get_ident() == self._thread:
+            self._started()
+
+    def on_end(self, event: Any) -> None:
+        """No-op: a compilation is counted when it begins."""
+
+
+@contextmanager
+def before_each_compilation(started: Callable[[], None]) -> Iterator[None]:
+    """Context in which a function is called before each function that numba compiles, inlined ones included."""
+    listener = _Listener(started)
+    _EVENTS.register(_COMPILE, listener)
+    try:
+        yield
+    finally:
+        _EVENTS.unregister(_COMPILE, listener)
+
+
+@contextmanager
+def from_cache_only() -> Iterator[None]:
+    """Context in which nothing is compiled.
+
+    Raises:
+        NotCachedError: A function was called whose machine code is not in the cache.
+    """
+
+    def refuse() -> None:
+        raise NotCachedError
+
+    with before_each_compilation(refuse):
+        yield

@@ -17,7 +17,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from drill_twin.core.files.whole_file import PRIVATE, write_whole
+from drill_twin.core.files.output import PRIVATE, write_whole
 
 _CACHING: Any = import_module("numba.core.caching")
 _HASH = hashlib.sha256().digest_size

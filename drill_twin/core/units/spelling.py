@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Units as records of rigs spell them (WITS, WITSML, LAS, Drillbotics)."""
+"""Units as records and tables of others spell them (WITS, WITSML, LAS, Drillbotics): `WOB [kN]`, `RPM (rpm)`."""
 
 from drill_twin.core.units.dimension import Dimension
 from drill_twin.core.units.parse import factor_of
@@ -51,3 +51,16 @@ def record_factor(unit: str, dimension: Dimension) -> float:
         if not known:
             raise
         return count * factor_of(known, dimension)
+
+
+def name_and_unit(heading: str) -> tuple[str, str]:
+    """Split a heading into name and unit, without blanks around; the unit is empty where there is none.
+
+    No regular expression: those for it take a time that grows with a power of the number of blanks.
+    """
+    text = heading.strip()
+    begin = max(text.rfind("["), text.rfind("("))
+    unit = text[begin + 1 : -1].strip()
+    if begin < 0 or text[-1] not in "])" or not unit or "]" in unit or ")" in unit:
+        return text, ""
+    return text[:begin].strip(), unit

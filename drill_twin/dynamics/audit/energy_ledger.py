@@ -11,11 +11,10 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.dynamics.solver.boundary.rig import RESIDUAL
+from drill_twin.dynamics.solver.boundary import RESIDUAL
 from drill_twin.physics.model.mesh import SPIN, Rod
-from drill_twin.physics.model.point import Point
 from drill_twin.physics.model.section import COUPLE, MX, MY, MZ, RESULTANTS, TORQUE
-from drill_twin.physics.model.strain import Strain
+from drill_twin.physics.model.strain import Point, Strain
 
 # Accounts; those of the effects follow.
 WEIGHT, DRIVE, CLAMP, NEWTON, FIRST_EFFECT = 0, 1, 2, 3, 4

@@ -32,12 +32,9 @@ from drill_twin.dynamics.audit.energy_ledger import (
     WEIGHT,
     WORK,
 )
-from drill_twin.dynamics.solver.boundary.bit_frame import turn_row, turn_row_back
-from drill_twin.dynamics.solver.boundary.rig import BIT, RESIDUAL, TOP
+from drill_twin.dynamics.solver.boundary import BIT, RESIDUAL, TOP, turn_row, turn_row_back
 from drill_twin.dynamics.solver.lateral.formulation import column
-from drill_twin.dynamics.solver.lateral.linear_solver import NODE
-from drill_twin.dynamics.solver.lateral.tangent_reuse import ADDED, HALF_STEP, RENEW, RENEW_STEPS
-from drill_twin.dynamics.solver.lateral.workspace import TORQUE
+from drill_twin.dynamics.solver.lateral.linear_solver import ADDED, HALF_STEP, NODE, RENEW, RENEW_STEPS, TORQUE
 from drill_twin.dynamics.solver.state import State
 from drill_twin.physics.model.mesh import SPIN, Rod
 

@@ -1,15 +1,76 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Arguments of a scene's compiled functions: its formulation, the keys of its effects, their parameters."""
+"""Arguments of the compiled functions of a scene: its formulation, keys and parameters of its effects, its drive."""
 
 from types import ModuleType
 from typing import Any
 
-from drill_twin.dynamics.discretisation.drive import make_drive
-from drill_twin.dynamics.discretisation.initial_state import axial_weight
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.dynamics.discretisation.discretise import axial_weight
+from drill_twin.dynamics.solver.boundary import PLACE, Drive
 from drill_twin.physics.effects import effect_module, with_variant
 from drill_twin.physics.effects import parameters_of as effect_parameters
+from drill_twin.physics.model.bit import make_bit
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
+
+
+def make_drive(scene: Scene, hanging: float) -> Drive:
+    """Make the drive of a scene.
+
+    Args:
+        scene: The scene.
+        hanging: Axial weight of the string [N].
+    """
+    top = scene.rig.top_drive
+    from_top = scene.rig.weight_on_bit.at == "top"
+    block = scene.rig.block
+    lines = 0.0 if block is None else block.stiffness
+    driller = None if block is None else block.auto_driller
+    proportional, integral = top.gains(*_torsion_of_the_string(scene))
+    return Drive(
+        from_top=1.0 if from_top else 0.0,
+        hanging=hanging,
+        driven=0.0 if top.model == "prescribed" else 1.0,
+        proportional=proportional,
+        integral=integral,
+        limit=np.inf if top.torque_limit is None else top.torque_limit,
+        inertia=top.inertia,
+        damping=top.damping,
+        memory=np.zeros(4) if block is None else _memory((hanging - scene.rig.first[0]) / lines),
+        bit=(
+            make_bit(scene.rig.first[0] + (hanging if from_top else 0.0))
+            if block is None
+            else make_bit(scene.rig.first[0], 5, block.off_bottom)
+        ),
+        lines=lines,
+        rate=0.0 if driller is None else driller.rate,
+        feed_gain=0.0 if driller is None else _compliance(scene, lines) / driller.response,
+        feed_integral=0.0 if driller is None else 0.5 * _compliance(scene, lines) / driller.response**2,
+        held_torque=np.inf if driller is None or driller.torque is None else driller.torque,
+    )
+
+
+def _memory(place: float) -> Array:
+    """Memory with the block where its lines carry the string at the start [m]."""
+    memory = np.zeros(11)
+    memory[PLACE] = place
+    return memory
+
+
+def _compliance(scene: Scene, lines: float) -> float:
+    """Compliance of drilling lines and string in series [m/N]."""
+    return 1.0 / lines + sum(part.length / (part.youngs_modulus * part.area) for part in scene.string.sections)
+
+
+def _torsion_of_the_string(scene: Scene) -> tuple[float, float]:
+    """Impedance of the top section to torsional waves [N m s/rad], time of such a wave from top to bit [s]."""
+    top = scene.string.sections[-1]
+    impedance = 2.0 * top.second_moment * np.sqrt(top.shear_modulus * top.density)
+    delay = sum(part.length * np.sqrt(part.density / part.shear_modulus) for part in scene.string.sections)
+    return float(impedance), float(delay)
+
 
 SPATIAL, LATERAL = "spatial", "lateral"
 

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from drill_twin.dynamics.discretisation.discretise import sections_of
-from drill_twin.dynamics.discretisation.refinement import LONG, PER_WAVE
 from drill_twin.dynamics.discretisation.resolution import (
     ELEMENTS_PER_PITCH,
+    LONG,
+    PER_WAVE,
     most_elements,
     resolution_of,
     wanted_elements,

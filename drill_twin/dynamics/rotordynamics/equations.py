@@ -16,21 +16,17 @@ import numpy as np
 
 from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import SceneError
-from drill_twin.dynamics.discretisation.boundary_conditions import BoundaryConditions
-from drill_twin.dynamics.discretisation.discretise import axis_at, discretise
-from drill_twin.dynamics.discretisation.initial_state import set_initial_state
+from drill_twin.dynamics.discretisation.discretise import BoundaryConditions, axis_at, discretise, set_initial_state
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL, form_of, parameters_of, variants_of
-from drill_twin.dynamics.discretisation.refinement import mesh
-from drill_twin.dynamics.discretisation.resolution import resolution_of
+from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
 from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
-from drill_twin.dynamics.rotordynamics.delayed import Delay
+from drill_twin.dynamics.rotordynamics.eigenvalues import Delay
 from drill_twin.dynamics.solver import state
-from drill_twin.dynamics.solver.boundary.bit_frame import bit_frame
-from drill_twin.dynamics.solver.boundary.rig import LAG
+from drill_twin.dynamics.solver.boundary import LAG, bit_frame
 from drill_twin.dynamics.solver.kernel_codegen import build_linearisation, entry_point
-from drill_twin.dynamics.solver.lateral.workspace import make_workspace as make_lateral_workspace
+from drill_twin.dynamics.solver.lateral.linear_solver import make_workspace as make_lateral_workspace
 from drill_twin.dynamics.solver.linearisation import DAMPING, MASS, STIFFNESS
-from drill_twin.dynamics.solver.spatial.workspace import make_workspace
+from drill_twin.dynamics.solver.spatial.linear_solver import make_workspace
 from drill_twin.physics.effects.bit_regenerative import READY, Regeneration, regeneration
 from drill_twin.physics.model.bit import INITIAL, WEIGHT
 from drill_twin.physics.model.mesh import SPIN
@@ -273,7 +269,7 @@ class EquationsOfMotion:
 
     @property
     def bit_frame(self) -> Array:
-        """Frame of the hole at the bit, shape (3, 4) (`drill_twin.dynamics.solver.boundary.bit_frame`)."""
+        """Frame of the hole at the bit, shape (3, 4) (`drill_twin.dynamics.solver.boundary`)."""
         return np.asarray(self._state.bit_frame)
 
     def rows(self, free: Array) -> Array:

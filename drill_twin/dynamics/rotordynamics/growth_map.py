@@ -10,8 +10,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.rotordynamics.delayed import delayed_modes
-from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, eigenvalues, undamped_basis
+from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, delayed_modes, eigenvalues, undamped_basis
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.modes import balance, bit_unknowns, is_vertical
 from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame

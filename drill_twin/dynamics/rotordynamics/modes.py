@@ -18,8 +18,14 @@ from scipy.optimize import linear_sum_assignment
 
 from drill_twin.core.arrays import Array, ComplexArray
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.rotordynamics.delayed import Delay, delayed_modes
-from drill_twin.dynamics.rotordynamics.eigenvalues import MOST_UNKNOWNS, Numbers, Pencil, damped_modes
+from drill_twin.dynamics.rotordynamics.eigenvalues import (
+    MOST_UNKNOWNS,
+    Delay,
+    Numbers,
+    Pencil,
+    damped_modes,
+    delayed_modes,
+)
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, Linearised
 from drill_twin.dynamics.rotordynamics.turning_frame import TurningFrame
 from drill_twin.dynamics.solver.linearisation import STIFFNESS

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
-from drill_twin.physics.model import mesh_places
-from drill_twin.physics.model.frames import transverse_axes
+from drill_twin.physics.model import mesh
 from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.strain import transverse_axes
 
 
 class SubPlaces(NamedTuple):
@@ -60,7 +60,7 @@ def locate(rod: Rod, distance_from_bit: Array, radius: Array, angle: Array) -> S
         radius: Their distances from the axis of the collar [m], shape (s,).
         angle: Their directions from the zero of the spin [rad], shape (s,).
     """
-    element, share, shape = mesh_places.locate(rod, distance_from_bit)
+    element, share, shape = mesh.locate(rod, distance_from_bit)
     return SubPlaces(element, shape[:, :2].copy(), share, np.asarray(radius, float), np.asarray(angle, float))
 
 

@@ -134,7 +134,7 @@ from typing import NamedTuple
 
 from drill_twin.core.compile.jit import entry_kernel, kernel
 from drill_twin.dynamics.solver import {solver}, parameter_records
-from drill_twin.dynamics.solver.boundary.rig import Drive, rig_after_step, rig_end_load
+from drill_twin.dynamics.solver.boundary import Drive, rig_after_step, rig_end_load
 from drill_twin.dynamics.solver.interface import Effects
 from drill_twin.dynamics.solver.{form} import formulation{more}
 {imports}

@@ -20,8 +20,7 @@ from typing import Any
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.dynamics.solver.boundary.bit_frame import from_bit, to_bit, turn_row, turn_row_back
-from drill_twin.dynamics.solver.boundary.rig import BIT, RESIDUAL
+from drill_twin.dynamics.solver.boundary import BIT, RESIDUAL, from_bit, to_bit, turn_row, turn_row_back
 from drill_twin.dynamics.solver.interface import Effects, Formulation
 from drill_twin.dynamics.solver.lateral import formulation as lateral
 from drill_twin.dynamics.solver.lateral.linear_solver import NODE as LATERAL_NODE

@@ -18,8 +18,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.dynamics.solver.boundary.bit_frame import from_bit, to_bit
-from drill_twin.dynamics.solver.boundary.rig import set_points
+from drill_twin.dynamics.solver.boundary import from_bit, set_points, to_bit
 from drill_twin.dynamics.solver.interface import Effects, Formulation
 from drill_twin.dynamics.solver.state import (
     CONVERGED,

@@ -33,7 +33,7 @@ class State(NamedTuple):
     trial: np.ndarray  # (n + 1, 7) mid-step velocity being sought
     place: np.ndarray  # (n + 1, 7) configuration at mid-step
     clock: np.ndarray  # (5,) see TIME
-    bit_frame: np.ndarray  # (3, 4) see drill_twin.dynamics.solver.boundary.bit_frame; the identity in a straight hole
+    bit_frame: np.ndarray  # (3, 4) see drill_twin.dynamics.solver.boundary; the identity in a straight hole
 
 
 class StepControl(NamedTuple):

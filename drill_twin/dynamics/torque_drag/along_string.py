@@ -11,7 +11,7 @@ from drill_twin.core.arrays import Array
 from drill_twin.dynamics.audit.energy import element_unknowns, gauss_positions
 from drill_twin.physics.effects.wall import Parameters as Wall
 from drill_twin.physics.model.discrete_model import DiscreteModel
-from drill_twin.physics.model.wellbore_coordinates import offsets
+from drill_twin.physics.model.wellbore import offsets
 from drill_twin.scene import Scene
 
 

@@ -15,10 +15,16 @@ from drill_twin.dynamics.discretisation.discretise import axis_at, contact_radiu
 from drill_twin.dynamics.discretisation.resolution import MOST, resolution_of
 from drill_twin.dynamics.rotordynamics.equations import TIME_DEPENDENT, EquationsOfMotion
 from drill_twin.dynamics.torque_drag.along_string import AlongString, along_string
-from drill_twin.dynamics.torque_drag.buckling import BucklingLoads, BucklingState
 from drill_twin.dynamics.torque_drag.operations import Operation
 from drill_twin.dynamics.torque_drag.sliding_balance import BalancedString, SlidingBalance
-from drill_twin.dynamics.torque_drag.soft_string import HoleAndString, SoftString, lock_up_weight, soft_string
+from drill_twin.dynamics.torque_drag.soft_string import (
+    BucklingLoads,
+    BucklingState,
+    HoleAndString,
+    SoftString,
+    lock_up_weight,
+    soft_string,
+)
 from drill_twin.physics.effects.bit_torque_stribeck import BitTorqueStribeck
 from drill_twin.physics.effects.gravity import line_weight
 from drill_twin.physics.effects.stretch import Stretch

@@ -6,7 +6,7 @@ scene: rod, wall, mud, friction. The velocity is prescribed, along the axis of t
 has its full size and the direction of the operation; position is the unknown.
 
 Newton's method begins where the soft string lies (`soft_string`): on the side of the hole to which weight and tension
-press it. As in `drill_twin.dynamics.equilibrium.static_equilibrium` the mass over the square of a step holds the first
+press it. As in `drill_twin.dynamics.equilibrium` the mass over the square of a step holds the first
 changes small (Kelley and Keyes 1998); the step grows as the residual falls, until the change is Newton's. The system is
 banded, seven unknowns a node.
 """
@@ -20,9 +20,7 @@ from scipy.interpolate import CubicSpline
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import RunError
-from drill_twin.dynamics.discretisation.boundary_conditions import BIT_ENDS
-from drill_twin.dynamics.discretisation.discretise import axis_at
-from drill_twin.dynamics.discretisation.initial_state import axial_weight
+from drill_twin.dynamics.discretisation.discretise import BIT_ENDS, axial_weight, axis_at
 from drill_twin.dynamics.rotordynamics.block_rows import BlockRows
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.solver.linearisation import MASS, STIFFNESS

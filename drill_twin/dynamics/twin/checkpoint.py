@@ -2,7 +2,8 @@
 """Checkpoint file of a run, from which it is resumed bit for bit.
 
 The file is an `.npz` of plain arrays without pickles: the resolved scene, the version, and all arrays of the twin's
-state. It replaces the previous one atomically.
+state. It replaces the previous one atomically. When a run fails, one is saved of the last good frame, with the last
+second of states and the error.
 """
 
 from __future__ import annotations
@@ -22,13 +23,12 @@ from typing import Any, Self
 
 import numpy as np
 
+from drill_twin.core import __version__
 from drill_twin.core.arrays import Array
-from drill_twin.core.errors import CheckpointError, DrillTwinError
+from drill_twin.core.errors import CheckpointError, DrillTwinError, StoppedError
 from drill_twin.core.files.foreign_file import ForeignFile
-from drill_twin.core.files.json_reader import read_json
-from drill_twin.core.files.whole_file import whole_file
-from drill_twin.core.version import __version__
-from drill_twin.dynamics.twin.dynamics import AXIAL
+from drill_twin.core.files.json_files import read_json
+from drill_twin.core.files.output import whole_file, write_whole
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene, parse_scene
 from drill_twin.scene.set_points.command import Command
@@ -39,10 +39,6 @@ _ZIP = b"PK\x03\x04"
 _LARGEST_HEADER = 2_000_000  # bytes; the scene takes most of it
 _LARGEST_SIZE = 128 * 1024 * 1024  # bytes of all arrays; a string of 10 000 elements needs 3 MB
 _FILE = ForeignFile("a checkpoint", _LARGEST_SIZE, CheckpointError)
-_RENAMED = {f"effects.ledger.{old}": f"effects.ledger.{new}" for old, new in (
-    ("books", "entries"), ("course", "gauss"), ("loose", "constrained"),
-)}  # fmt: skip
-"""Names of arrays in older files -> their names now."""
 _DAMAGED = (
     OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, NotImplementedError, RuntimeError,
     ArithmeticError, MemoryError, struct.error, zlib.error, lzma.LZMAError,
@@ -106,7 +102,6 @@ class Checkpoint:
         try:
             with _FILE.open(path) as stream, zipfile.ZipFile(stream) as archive:
                 members = _members(archive)
-            members = {_RENAMED.get(name, name): array for name, array in members.items()}
             head = read_json(members.pop(_HEADER).tobytes(), largest=_LARGEST_HEADER)
             if head["format"] != _FORMAT or head["version"] != __version__:
                 raise CheckpointError(
@@ -147,7 +142,7 @@ class Checkpoint:
         self._refuse_other(twin.scene)
         expected = {name: array.shape for name, array in twin.checkpoint().items()}
         found = {name: array.shape for name, array in self.arrays.items()}
-        if found != expected and found != {name: shape for name, shape in expected.items() if name != AXIAL}:
+        if found != expected:
             odd = sorted(name for name in {*expected, *found} if expected.get(name) != found.get(name))
             raise CheckpointError(
                 f"expected a checkpoint of this twin, found other arrays: {', '.join(odd)}; start the run afresh"
@@ -207,3 +202,31 @@ _LONGEST_TEXT = 200
 def _error_text(error: BaseException) -> str:
     text = " ".join(str(error).split())[:_LONGEST_TEXT]  # zipfile quotes headers whole
     return text if text and not isinstance(error, KeyError) else f"{type(error).__name__} {text}".strip()
+
+
+CHECKPOINT, LAST_SECOND, REASON = "checkpoint.npz", "last_second.npz", "why.txt"
+
+
+def save_failure(folder: str | Path, twin: Twin, command: Command, error: StoppedError) -> str:
+    """Write `checkpoint.npz`, `last_second.npz` (`time`, `u`, `v`, `distance_from_bit`) and `why.txt`.
+
+    Args:
+        folder: Target folder; created if it is missing.
+        twin: The twin, restored to its last good frame.
+        command: The set-points in force.
+        error: The reason of the stop.
+
+    Returns:
+        A sentence that names the folder, or the error if the files could not be written; it never raises for those, so
+        that the reason of the stop is not hidden.
+    """
+    target = Path(folder)
+    try:
+        Checkpoint.of(twin, command).save(target / CHECKPOINT)
+        time, u, v = twin.last_second()
+        with whole_file(target / LAST_SECOND) as stream:
+            np.savez(stream, time=time, u=u, v=v, distance_from_bit=twin.rod.arc)
+        write_whole(target / REASON, f"{error}\n")
+    except (CheckpointError, OSError) as trouble:
+        return f"the state could not be kept: {trouble}"
+    return f"the last good state and the last second before it are kept in {target}"

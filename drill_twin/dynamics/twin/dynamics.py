@@ -1,18 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dynamics of a scene: its compiled kernel with the arrays of state, parameters and workspace."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.packed_arguments import Packed, pack
-from drill_twin.dynamics.audit.effect_timing import EffectTimer
 from drill_twin.dynamics.audit.energy_ledger import make_energy_ledger
-from drill_twin.dynamics.discretisation.boundary_conditions import BoundaryConditions
-from drill_twin.dynamics.discretisation.discretise import discretise, survey_of
-from drill_twin.dynamics.discretisation.initial_state import set_initial_state
+from drill_twin.dynamics.discretisation.discretise import BoundaryConditions, discretise, set_initial_state, survey_of
 from drill_twin.dynamics.discretisation.kernel_arguments import (
     LATERAL,
     SPATIAL,
@@ -21,25 +18,20 @@ from drill_twin.dynamics.discretisation.kernel_arguments import (
     parameters_of,
     variants_of,
 )
-from drill_twin.dynamics.discretisation.refinement import mesh
-from drill_twin.dynamics.discretisation.resolution import newton_place, resolution_of
-from drill_twin.dynamics.equilibrium.static_start import start_in_equilibrium
+from drill_twin.dynamics.discretisation.resolution import mesh, newton_place, resolution_of
+from drill_twin.dynamics.equilibrium import start_in_equilibrium
 from drill_twin.dynamics.solver import slices, state
 from drill_twin.dynamics.solver.kernel_codegen import build_kernel, entry_point
-from drill_twin.dynamics.solver.lateral.workspace import make_workspace as make_lateral_workspace
-from drill_twin.dynamics.solver.spatial.workspace import make_workspace
-from drill_twin.dynamics.twin.binding import memories, reactions_of
+from drill_twin.dynamics.solver.lateral.linear_solver import make_workspace as make_lateral_workspace
+from drill_twin.dynamics.solver.spatial.linear_solver import make_workspace
+from drill_twin.dynamics.twin.binding import bounds_of, memories, reactions_of
 from drill_twin.dynamics.twin.frame_kernel import BoundTwin
 from drill_twin.dynamics.twin.frame_record import row_type
-from drill_twin.dynamics.twin.packed_arrays import named_arrays, pack_arrays
-from drill_twin.dynamics.twin.state_bounds import bounds_of
+from drill_twin.dynamics.twin.packed_arrays import named_arrays, pack_arrays, replace_numbers
 from drill_twin.physics.effects import effect_module
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points import Command
-
-AXIAL = "work.axial"
-"""Array of the lateral formulation that is missing in checkpoints of drill_twin 0.1.0."""
 
 
 class Dynamics:
@@ -113,12 +105,26 @@ class Dynamics:
         place = newton_place(self.scene.tolerance, self.rod, self.wall, getattr(blades, "stiffness", 0.0))
         self._control = state.StepControl(self.step, place, self.scene.tolerance, 0)
 
+    def change_numbers(self, scene: Scene) -> None:
+        """Take the numbers of another scene, which differs in effects and drive only; the state stays.
+
+        Parameters and memory of an effect share its arrays. What differs between the parameters of both scenes, each
+        fresh, is a number and is replaced; the rest is memory and stays.
+
+        Args:
+            scene: The other scene, with the same kernel and string, and without an audit, whose ledger depends on no
+                number.
+        """
+        before, after = (parameters_of(self.kernel, each, self.model) for each in (self.scene, scene))
+        self.scene = scene
+        self.set_parameters(replace_numbers(self.parameters, before, after))
+
     def _set_initial_state(self) -> None:
         set_initial_state(self._state, self.model, self.scene, float(self.command[0]))
         if self.scene.rig.start == "equilibrium":
             start_in_equilibrium(self, Dynamics)
         elif self.scene.rig.start == "whirl-state":
-            from drill_twin.dynamics.rotordynamics.steady.whirl_start import (
+            from drill_twin.dynamics.rotordynamics.steady.whirl_states import (
                 start_in_whirl,  # here, for its use of scipy
             )
 
@@ -171,7 +177,7 @@ class Dynamics:
         yield from named_arrays("effects", self.parameters)  # some have a state
         yield from (("command", self.command), ("counters", self.counters))
         if self.form == LATERAL:
-            yield AXIAL, self._work.axial
+            yield "work.axial", self._work.axial
 
     @property
     def bound(self) -> BoundTwin:
@@ -257,23 +263,6 @@ class Dynamics:
         u[:] = 0.5 * (before + u) if whole else before
         v[:] = 0.0
         return bool(whole)
-
-    def effect_timer(self) -> Callable[[str], float]:
-        """Make a function that measures an effect's time per Newton iteration in the current state [s], by its key."""
-        timer = EffectTimer(self.variants, self.parameters, self.rod)
-
-        def seconds_of(effect: str) -> float:
-            if effect not in timer.effects:
-                return 0.0
-            return timer.time_per_iteration(effect, *self.unknowns, self.command, 0.5 * self.step)
-
-        return seconds_of
-
-
-def restore_arrays(memory: Iterator[tuple[str, Array]], arrays: Mapping[str, Array]) -> None:
-    """Copy `arrays` into the arrays of `memory` with the same names; `AXIAL` may be missing."""
-    for name, array in memory:
-        array[...] = arrays.get(name, array) if name == AXIAL else arrays[name]
 
 
 def kernel_of(scene: Scene) -> tuple[tuple[str, ...], str, str, bool]:

@@ -1,13 +1,112 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Error message of a stopped run: violation, effect that caused it, remedy."""
+"""Error message of a stopped run: violation, effect that caused it, remedy.
+
+The effect is found by evaluating each separately, at every element. That runs once, when a run is stopped, so nothing
+is compiled for it: the functions of effects run as Python.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import StoppedError
-from drill_twin.dynamics.audit.diagnose import EvaluationPoint, diagnose
+from drill_twin.dynamics.audit.energy import element_unknowns
 from drill_twin.dynamics.twin.dynamics import Dynamics
-from drill_twin.dynamics.twin.violation import REMEDIES, Violation
+from drill_twin.dynamics.twin.step_guard import REMEDIES, Violation
+from drill_twin.physics.effects import effect_module, function_name
+from drill_twin.physics.model.mesh import Rod
+from drill_twin.physics.model.section import RESULTANTS
+from drill_twin.physics.model.strain import Point, Strain, strain_at
+
+
+class EvaluationPoint(NamedTuple):
+    """State and time at which effects are evaluated."""
+
+    u: Array  # node rows (r, r', psi), shape (n + 1, 7)
+    v: Array  # their velocities
+    time: float  # [s]
+    step: float  # [s]
+    command: Array  # weight on bit [N], rotation [rad/s]
+
+
+def diagnose(
+    parameters: Any, rod: Rod, effects: Sequence[str], moments: Sequence[EvaluationPoint], node: int | None = None
+) -> tuple[str, str]:
+    """The effect that most likely caused a failure, and a sentence about it; two empty texts where none acts.
+
+    The first whose load is not a number, else the strongest by force [N], a couple divided by the string's radius and a
+    bending moment by the length of an element.
+
+    Args:
+        parameters: Of all effects, as the kernel takes them.
+        rod: The string.
+        effects: Keys of the effects.
+        moments: States and times to evaluate at.
+        node: The node at which to evaluate; all, where it is None.
+    """
+    strongest, size, place, last = "", 0.0, 0.0, rod.length.size - 1
+    elements = range(last + 1) if node is None else range(max(node - 1, 0), min(node, last) + 1)
+    with np.errstate(all="ignore"):
+        for name in effects:
+            for moment in moments:
+                loads = np.zeros(last + 1)
+                loads[elements] = [_load_on_element(parameters, rod, name, e, moment) for e in elements]
+                loads[[0, -1]] += _load_at_ends(parameters, rod, name, moment) * [0 in elements, last in elements]
+                if not np.isfinite(loads).all():
+                    return (
+                        name,
+                        f"{name} gives no number {rod.arc[int(np.argmin(np.isfinite(loads)))]:.3g} m from the bit",
+                    )
+                if loads.max() > size:
+                    strongest, size, place = name, float(loads.max()), float(rod.arc[int(loads.argmax())])
+    return strongest, f"strongest: {strongest} ({size:.3g} N {place:.3g} m from the bit)" if strongest else ""
+
+
+def _load_on_element(parameters: Any, rod: Rod, name: str, e: int, at: EvaluationPoint) -> float:
+    """Size of an effect's load on an element [N]."""
+    module, total = effect_module(name), 0.0
+    for p in range(2):
+        strain, here = _sample(rod, e, p, at)
+        load, stiff, out = np.zeros(4), np.zeros((4, 4)), np.zeros(RESULTANTS)
+        if function := function_name(name, "distributed_load"):
+            as_python(getattr(module, function))(parameters, rod, here, 0.5 * at.step, load, stiff)
+        if hasattr(module, "section_stress"):
+            as_python(module.section_stress)(parameters, rod, strain, 0.5 * at.step, out)
+        share = 0.5 * rod.length[e]
+        total += share * float(np.linalg.norm(load[:3]) + abs(load[3]) / rod.outer_radius[e])
+        total += float(np.linalg.norm(out[:4])) / rod.length[e]
+    return total
+
+
+def _load_at_ends(parameters: Any, rod: Rod, name: str, at: EvaluationPoint) -> Array:
+    """Size of an effect's loads at the bit and at the top [N], shape (2,)."""
+    module, ends = effect_module(name), np.zeros((2, 7, 8))
+    if hasattr(module, "end_load"):
+        # in the frame of the hole at the top, which is accurate enough to compare effects
+        as_python(module.end_load)(parameters, rod, at.command, at.time, 0.5 * at.step, at.u, at.v, at.v, ends)
+    force: Array = np.linalg.norm(ends[:, :3, 7], axis=1) + np.abs(ends[:, 6, 7]) / rod.outer_radius[[0, -1]]
+    return force
+
+
+def _sample(rod: Rod, e: int, p: int, at: EvaluationPoint) -> tuple[Strain, Point]:
+    """Arguments of the effects at a Gauss point."""
+    u, v = element_unknowns(at.u[e : e + 2])[0], element_unknowns(at.v[e : e + 2])[0]
+    w = rod.shape[e, p]
+    l0, l1 = rod.spin_shape[p]
+    psi, rate = l0 * at.u[e, 6] + l1 * at.u[e + 1, 6], l0 * at.v[e, 6] + l1 * at.v[e + 1, 6]
+    turned = (at.u[e + 1, 6] - at.u[e, 6]) / rod.length[e], (at.v[e + 1, 6] - at.v[e, 6]) / rod.length[e]
+    r, dr = w[0] @ u, w[0] @ v
+    a, b, da, db = (tuple(w[order] @ rows) for rows in (u, v) for order in (1, 2))
+    cos, sin = float(np.cos(psi)), float(np.sin(psi))
+    s = as_python(strain_at)(e, 2 * e + p, a, b, da, db, psi, cos, sin, turned[0], rate, turned[1])
+    here = Point(
+        e, 2 * e + p, at.time, r[0], r[1], r[2], dr[0], dr[1], dr[2], 0.0, 0.0, 0.0, s.tx, s.ty, s.tz, psi, rate, 0.0,
+        cos, sin, True, 0.0,
+    )  # fmt: skip
+    return s, here
 
 
 def failure_report(

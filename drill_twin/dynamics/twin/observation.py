@@ -17,10 +17,8 @@ from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
-from drill_twin.physics.model.frames import rotate_to_tangent
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.mesh_places import locate
-from drill_twin.physics.model.point import Point
+from drill_twin.physics.model.mesh import Rod, locate
+from drill_twin.physics.model.strain import Point, rotate_to_tangent
 from drill_twin.physics.model.wellbore import Axis, Wellbore, axis_offset, distance_along
 
 DEPTH, PLACE = 0, 1  # indices into Observation.deepest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Packing of the arrays of named tuples in one block of memory, saved and restored by a single copy."""
+"""Arrays of nested named tuples: packed in one block of memory, which a single copy saves, named, and replaced."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -32,6 +32,21 @@ def named_arrays(name: str, value: object) -> Iterator[tuple[str, Array]]:
             yield from named_arrays(f"{name}.{field}", item)
 
 
+def replace_numbers(value: Any, before: Any, after: Any) -> Any:
+    """Take from `after` what differs between `before` and `after`, tuples as the value is; arrays change in place."""
+    if isinstance(value, np.ndarray):
+        same = (before == after) | (np.isnan(before) & np.isnan(after))  # NaN is memory too: nothing so far
+        np.copyto(value, after, where=~same)
+        return value
+    if not isinstance(value, tuple):
+        return after
+    return _rebuilt(value, [replace_numbers(*trio) for trio in zip(value, before, after, strict=True)])
+
+
+def _rebuilt(value: Any, items: list[Any]) -> Any:
+    return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
+
+
 def _move(array: Array, room: Bytes) -> Array:
     view: Array = room[: array.nbytes].view(array.dtype).reshape(array.shape)
     view[...] = array
@@ -43,5 +58,4 @@ def _replace_arrays(value: Any, views: Iterator[Array]) -> Any:
         return next(views)
     if not isinstance(value, tuple):
         return value
-    items = [_replace_arrays(item, views) for item in value]
-    return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
+    return _rebuilt(value, [_replace_arrays(item, views) for item in value])

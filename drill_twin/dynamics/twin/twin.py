@@ -2,7 +2,7 @@
 """Twin of a drillstring: advances frame by frame, checked by the step guard."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -10,17 +10,15 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
 from drill_twin.dynamics.solver.state import HALVINGS, PAUSED, REACHED, STEPS
-from drill_twin.dynamics.twin.dynamics import Dynamics, restore_arrays
+from drill_twin.dynamics.twin.binding import read_past
+from drill_twin.dynamics.twin.dynamics import Dynamics
 from drill_twin.dynamics.twin.energy_balance import EnergyAudit
 from drill_twin.dynamics.twin.failure_report import failure_report
 from drill_twin.dynamics.twin.frame import EnergyBalance, Frame, Frames
 from drill_twin.dynamics.twin.frame_kernel import GOOD, HALVED_TOO_OFTEN, IMPLAUSIBLE
 from drill_twin.dynamics.twin.frame_loop import FrameLoop
 from drill_twin.dynamics.twin.frame_record import Record, frame_of, frames_of, make_record
-from drill_twin.dynamics.twin.number_change import change_numbers
-from drill_twin.dynamics.twin.state_history import read_past
-from drill_twin.dynamics.twin.step_guard import StepGuard, max_halvings
-from drill_twin.dynamics.twin.violation import Violation
+from drill_twin.dynamics.twin.step_guard import StepGuard, Violation, max_halvings
 from drill_twin.physics.model.bit import DRILLED
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
@@ -59,8 +57,8 @@ class Twin:
         self._single, self._last = np.zeros((1, 3)), self.record(1)
 
     def change_numbers(self, scene: Scene) -> None:
-        """Take the numbers of another scene in the middle of a run, as `drill_twin.dynamics.twin.number_change`."""
-        change_numbers(self.dynamics, scene)
+        """Take the numbers of another scene in the middle of a run, as `Dynamics.change_numbers`."""
+        self.dynamics.change_numbers(scene)
         self.scene = scene
 
     @property
@@ -108,17 +106,14 @@ class Twin:
         """Node rows (r, r', psi) and their velocities, each shape (n + 1, 7); views, not copies."""
         return self.dynamics.unknowns
 
-    def effect_timer(self) -> Callable[[str], float]:
-        """Make a function that measures an effect's time per Newton iteration in the current state [s], by its key."""
-        return self.dynamics.effect_timer()
-
     def checkpoint(self) -> dict[str, Array]:
         """Copy the arrays of the state, by name, for `restore`."""
         return {name: array.copy() for name, array in self._arrays()}
 
     def restore(self, arrays: Mapping[str, Array]) -> None:
         """Restore the `checkpoint` of a twin of the same scene."""
-        restore_arrays(self._arrays(), arrays)
+        for name, array in self._arrays():
+            array[...] = arrays[name]
         self.dynamics.bound.past.next[0] = 0
 
     def last_second(self) -> tuple[Array, Array, Array]:

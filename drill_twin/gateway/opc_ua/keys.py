@@ -25,7 +25,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from drill_twin.core.errors import DrillTwinError
 from drill_twin.core.files.foreign_file import ForeignFile
-from drill_twin.core.files.whole_file import PRIVATE, write_whole
+from drill_twin.core.files.output import PRIVATE, write_whole
 from drill_twin.core.files.yaml_reader import LARGEST_TEXT, plain_yaml
 
 LEAST_LENGTH: Final = 8

@@ -18,9 +18,9 @@ from typing import Any
 from asyncua import Server, ua
 from asyncua.common.callback import CallbackType
 
+from drill_twin.core import __version__
 from drill_twin.core.errors import RunError
 from drill_twin.core.loopback import in_url
-from drill_twin.core.version import __version__
 from drill_twin.gateway.control import Control
 from drill_twin.gateway.opc_ua.address_space import HOLDER, PERMISSION, AddressSpace
 from drill_twin.gateway.opc_ua.keys import Keys

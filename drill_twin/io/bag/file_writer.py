@@ -11,8 +11,8 @@ from typing import Any, cast
 
 from mcap.writer import CompressionType, Writer
 
+from drill_twin.core import __version__
 from drill_twin.core.errors import BagError
-from drill_twin.core.version import __version__
 from drill_twin.io.bag.mcap_writer import message_appender, pack_indices
 from drill_twin.io.bag.metadata import RecordedTopic, to_yaml
 

@@ -15,9 +15,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from drill_twin.core import __version__
 from drill_twin.core.errors import BagError
-from drill_twin.core.files.whole_file import write_whole
-from drill_twin.core.version import __version__
+from drill_twin.core.files.output import write_whole
 from drill_twin.io.bag.file_writer import FileWriter
 from drill_twin.io.bag.metadata import RecordedTopic, bag_information, contract_topic, to_yaml
 from drill_twin.io.messages.topics import TOPICS

@@ -10,7 +10,7 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import MessageError
 from drill_twin.dynamics.sensors.sampling import Reading
-from drill_twin.dynamics.sensors.summaries import SUMMARY
+from drill_twin.dynamics.sensors.subs import SUMMARY
 from drill_twin.io.messages.cdr import JointStateTemplate, Template, sentinel_header, sentinels
 from drill_twin.io.messages.decode import JointState
 from drill_twin.io.messages.finite import check_finite

@@ -12,7 +12,7 @@ from drill_twin.physics.effects.config import EffectConfig, Flag
 from drill_twin.physics.effects.mud import bore_radius, hole_radius
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.point import Point
+from drill_twin.physics.model.strain import Point
 
 
 class AddedMass(EffectConfig):

@@ -21,8 +21,7 @@ from drill_twin.core.units import (
 )
 from drill_twin.physics.effects.config import EffectConfig, Incompatibility, Seed
 from drill_twin.physics.effects.cutting_law import Parameters, cutting_law, rate_of_penetration, rubbing_share
-from drill_twin.physics.effects.random_field import generator
-from drill_twin.physics.effects.random_matrix import MOST_SCATTER, random_matrix
+from drill_twin.physics.effects.random_draws import MOST_SCATTER, generator, random_matrix
 from drill_twin.physics.model.bit import (
     BIT_TORQUE,
     DRILLED,

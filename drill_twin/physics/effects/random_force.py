@@ -9,10 +9,10 @@ from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.core.units import ForcePerLength, Length, Time, Within
 from drill_twin.physics.effects.config import EffectConfig, Seed
-from drill_twin.physics.effects.random_field import generator, normal_strata, phases
+from drill_twin.physics.effects.random_draws import generator, normal_strata, phases
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.point import Point
+from drill_twin.physics.model.strain import Point
 
 WAVES, HARMONICS = 16, 32  # shapes along the string, and harmonics in time of each
 
@@ -49,7 +49,7 @@ class Parameters(NamedTuple):
 
 
 def parameters(block: RandomForce, model: DiscreteModel) -> Parameters:
-    """Draw wave numbers, frequencies and phases (`drill_twin.physics.effects.random_field`)."""
+    """Draw wave numbers, frequencies and phases (`drill_twin.physics.effects.random_draws`)."""
     random = generator(model, block.seed, "random_force")
     number = WAVES * HARMONICS
     waves = normal_strata(random, WAVES) / block.correlation_length

@@ -13,7 +13,7 @@ from drill_twin.core.units import Dimensionless, HertzStiffness, LinearStiffness
 from drill_twin.physics.effects.config import EffectConfig
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.point import Point
+from drill_twin.physics.model.strain import Point
 from drill_twin.physics.model.wellbore import Wellbore, axis_offset
 
 SMALLEST = 1e-12  # distance from the axis at which a normal still has a direction [m]

@@ -15,7 +15,7 @@ from drill_twin.physics.effects.friction_dual import dual_variable
 from drill_twin.physics.effects.wall import Contact, contact_force
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.point import Point
+from drill_twin.physics.model.strain import Point
 
 Quad = tuple[float, float, float, float]
 Coefficient = Annotated[Dimensionless, Within(at_least="0", at_most="5")]

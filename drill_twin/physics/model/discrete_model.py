@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drill_twin.core.arrays import Array
-from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.shape_functions import gauss_places
+from drill_twin.physics.model.mesh import Rod, gauss_places
 from drill_twin.physics.model.wellbore import Wellbore
 
 
@@ -22,7 +21,7 @@ class DiscreteModel(NamedTuple):
     contact_radius: Array  # radius in contact with the wall, blades included [m], shape (2 n,)
     section: NDArray[np.int64]  # number of the scene's section that each element belongs to, shape (n,)
     seed: int  # of the scene's random numbers
-    bit_frame: Array  # of the hole at the bit (drill_twin.dynamics.solver.boundary.bit_frame)
+    bit_frame: Array  # of the hole at the bit (drill_twin.dynamics.solver.boundary)
     yield_strength: tuple[float | None, ...]  # of the scene's sections, where known [Pa]
     bow: Any  # block of the effect `bow`, if the scene lists it
     fluid_density: float = 0.0  # of the mud around the string [kg/m3]; 0 = none

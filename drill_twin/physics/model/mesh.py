@@ -1,12 +1,55 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mesh of the string: node places and element constants from the tube sections."""
+"""Mesh of the string: node places and element constants from the tube sections, shape functions, places in the mesh.
+
+The shape functions are cubic Hermite polynomials, at the two Gauss points of an element. With unknowns r and r' at the
+nodes the centre line is C1, so curvature exists everywhere, and two points integrate a straight beam's bending energy
+exactly. Stretch is sampled elsewhere (`drill_twin.physics.model.strain`).
+"""
 
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from drill_twin.core.arrays import Array
-from drill_twin.physics.model.shape_functions import POINTS, element_mass, gauss_places, hermite
+from drill_twin.core.arrays import Array, Integers
+
+POINTS = 2
+_XI = np.array([0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0)])
+
+
+def hermite(xi: Array, h: float) -> Array:
+    """Values, first and second derivatives by arc length of the four shape functions.
+
+    Args:
+        xi: Place in the element, 0 to 1, shape (m,).
+        h: Element length [m].
+
+    Returns:
+        Shape (m, 3, 4): derivative order 0, 1, 2 for r_0, r'_0, r_1, r'_1.
+    """
+    x, one = xi, np.ones_like(xi)
+    value = [1 - 3 * x**2 + 2 * x**3, h * (x - 2 * x**2 + x**3), 3 * x**2 - 2 * x**3, h * (x**3 - x**2)]
+    first = [(6 * x**2 - 6 * x) / h, 1 - 4 * x + 3 * x**2, (6 * x - 6 * x**2) / h, 3 * x**2 - 2 * x]
+    second = [(12 * x - 6) / h**2, (6 * x - 4) / h, (6 - 12 * x) / h**2, (6 * x - 2) / h]
+    return np.stack([np.stack([f * one for f in row], -1) for row in (value, first, second)], 1)
+
+
+def gauss_places() -> Array:
+    """Places of the two Gauss points in an element, 0 to 1, shape (2,); each weighs half the element."""
+    return _XI.copy()
+
+
+def element_mass(h: float) -> Array:
+    """Consistent mass of a unit line density for r_0, r'_0, r_1, r'_1, shape (4, 4)."""
+    return (h / 420.0) * np.array(
+        [
+            [156.0, 22.0 * h, 54.0, -13.0 * h],
+            [22.0 * h, 4.0 * h * h, 13.0 * h, -3.0 * h * h],
+            [54.0, 13.0 * h, 156.0, -22.0 * h],
+            [-13.0 * h, -3.0 * h * h, -22.0 * h, 4.0 * h * h],
+        ]
+    )
+
 
 SPIN = 6  # column of psi in a node's row (r, r', psi)
 
@@ -90,7 +133,7 @@ def stretch_samples(stiffness: Array, counts: list[int]) -> tuple[Array, Array]:
     Simpson's rule, but in an element whose one end is a change of axial stiffness: there the strain jumps, and the
     end, which shares r' with the other section, has the weight 1 / 6 n, with n the elements of the piece. The inner
     sample lies where the rule is still exact for a quadratic strain; with n its place goes to that of Radau's rule, 2/3
-    off the other end, and the error of the elongation falls as 1 / n^2 (`drill_twin.physics.model.stretch`).
+    off the other end, and the error of the elongation falls as 1 / n^2 (`drill_twin.physics.model.strain`).
 
     Args:
         stiffness: EA of each uniform piece [N], shape (pieces,).
@@ -153,3 +196,23 @@ def rod_of(tubes: list[Tube], counts: list[int]) -> Rod:
 
 
 __all__ = ["POINTS", "Rod", "Tube", "build_rod", "elements_per_section", "rod_of", "tube_constants"]
+
+
+class MeshPlaces(NamedTuple):
+    """Elements that hold p places, and the shape functions there."""
+
+    element: Integers
+    """Shape (p,)."""
+    xi: Array
+    """Place in the element, 0 to 1, shape (p,)."""
+    shape: Array
+    """Shape functions and their derivatives by arc length, as of `hermite`; shape (p, 3, 4)."""
+
+
+def locate(rod: Rod, arc: ArrayLike) -> MeshPlaces:
+    """Locate arc lengths from the bit [m], shape (p,), in the mesh of a string."""
+    at = np.asarray(arc, dtype=float).reshape(-1)
+    element = np.clip(np.searchsorted(rod.arc, at, side="right") - 1, 0, rod.length.size - 1)
+    xi = (at - rod.arc[element]) / rod.length[element]
+    shape = [hermite(np.array([x]), float(rod.length[e]))[0] for x, e in zip(xi, element, strict=True)]
+    return MeshPlaces(element.astype(np.int64), xi, np.reshape(shape, (-1, 3, 4)))

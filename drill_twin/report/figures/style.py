@@ -17,7 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from drill_twin.core.errors import BagError
-from drill_twin.core.files.whole_file import whole_file
+from drill_twin.core.files.output import whole_file
 from drill_twin.whirl import MarkInfo, MotionState, Onset
 
 INK, GREY, LIGHT = "#222222", "#767676", "#d9d9d9"

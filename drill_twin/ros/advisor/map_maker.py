@@ -12,7 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from drill_twin.core.errors import DrillTwinError, RunError
-from drill_twin.core.process.child_environment import child_environment
+from drill_twin.core.process import child_environment
 from drill_twin.scene import Scene
 from drill_twin.studies.maps import OperatingMap, read_map
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from rclpy.node import Node
 
-from drill_twin.core.version import __version__
+from drill_twin.core import __version__
 from drill_twin.io.messages.diagnostics import Level, Status, encode_diagnostics
 from drill_twin.io.messages.topics import DIAGNOSTICS
 from drill_twin.ros.core.topics.node_topics import NodeTopics

@@ -30,7 +30,7 @@ from rclpy.service import Service
 from std_srvs.srv import Trigger
 
 from drill_twin.core.errors import RunError
-from drill_twin.core.files.json_reader import JsonError, read_json
+from drill_twin.core.files.json_files import JsonError, read_json
 from drill_twin.ros.core.stop_request import StopRequest
 
 if TYPE_CHECKING:

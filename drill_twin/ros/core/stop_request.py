@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
-from drill_twin.core.process.unraisable import is_unraisable
+from drill_twin.core.process import is_unraisable
 
 END_WITH_PARENT = "DRILL_TWIN_END_WITH_PARENT"
 """Variable of the environment that asks a node to end once the process that started it has: the id of that process."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drill_twin.core.errors import RunError
-from drill_twin.core.files.result_folder import RESULTS, make_folder, new_folder
+from drill_twin.core.files.output import RESULTS, make_folder, new_folder
 from drill_twin.ros.core.stop_request import StopRequest
 from drill_twin.ros.demo.processes import Child, processes
 from drill_twin.ros.demo.result import check_bag, draw_report

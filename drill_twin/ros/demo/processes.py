@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from drill_twin.core.errors import RunError
-from drill_twin.core.process.child_environment import child_environment
+from drill_twin.core.process import child_environment
 from drill_twin.ros.core.stop_request import END_WITH_PARENT
 
 _SIGNAL_TIMEOUT = 10.0  # s after each signal, before the next and harsher one

@@ -14,8 +14,8 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from drill_twin.core import __version__
 from drill_twin.core.errors import MessageError
-from drill_twin.core.version import __version__
 from drill_twin.io.bag.reader import ends_of
 from drill_twin.io.messages.decode import read_clock
 from drill_twin.io.messages.diagnostics import Level, Status, decode_diagnostics

@@ -17,9 +17,9 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 
+from drill_twin.core import __version__
 from drill_twin.core.errors import DrillTwinError
-from drill_twin.core.process.child_environment import child_environment
-from drill_twin.core.version import __version__
+from drill_twin.core.process import child_environment
 from drill_twin.ros.doctor.check import Check, Verdict
 
 INSTALLED, ROS, MACHINE = "installed", "ROS 2", "machine"

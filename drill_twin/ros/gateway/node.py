@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from rclpy.context import Context
 from std_srvs.srv import Trigger
 
-from drill_twin.core.errors import DrillTwinError, MessageError
-from drill_twin.core.extras import missing
+from drill_twin.core.errors import DrillTwinError, MessageError, missing
 from drill_twin.core.loopback import is_loopback
 from drill_twin.gateway.control import Control, Permission
 from drill_twin.gateway.quantities import QUANTITIES, TwinQuantities

@@ -14,7 +14,7 @@ import numpy as np
 from drill_twin.core.files.foreign_file import ForeignFile
 from drill_twin.core.loopback import is_loopback
 from drill_twin.core.rig_channels import ARRAYS, RIG_JOINTS
-from drill_twin.dynamics.sensors.summaries import SUMMARY
+from drill_twin.dynamics.sensors.subs import SUMMARY
 from drill_twin.gateway.quantities import MEASURED, downhole
 from drill_twin.gateway.rig_reader import RigReader
 from drill_twin.gateway.signals import Limits, RigSignal, Signals, range_taken

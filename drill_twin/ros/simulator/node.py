@@ -178,7 +178,7 @@ class Simulator(LifecycleNodeMixin, TwinNode):
         scene = resolved(scene_of(settings), settings.duration, self.get_logger().info)
         rate = settings.frame_rate or scene.numerics.frame_rate
         try:
-            compile_kernel(scene, frame_period(rate), self._on_compilation, time_effects=True)
+            compile_kernel(scene, frame_period(rate), self._on_compilation)
         finally:
             if self._compiling:
                 self._compiling = ""

@@ -11,7 +11,7 @@ from rclpy.logging import get_logging_directory
 
 from drill_twin.core.errors import CheckpointError, RunError, StoppedError
 from drill_twin.core.frame_period import frame_period
-from drill_twin.dynamics.twin.checkpoint import Checkpoint
+from drill_twin.dynamics.twin.checkpoint import Checkpoint, save_failure
 from drill_twin.io.messages.encode import encode_string
 from drill_twin.io.messages.stamps import stamp_ns
 from drill_twin.io.messages.topics import CLOCK_TOPIC, COMMANDER
@@ -21,7 +21,6 @@ from drill_twin.ros.simulator.checkpoint_writer import CheckpointWriter
 from drill_twin.ros.simulator.command_subscriptions import CommandSubscriptions
 from drill_twin.ros.simulator.tf_publisher import TfPublisher, tf_message
 from drill_twin.runs.loop import RunLoop, topics_of
-from drill_twin.runs.monitor.failure_dump import save_failure
 from drill_twin.scene import Scene
 from drill_twin.scene.set_points.command import Command
 
@@ -57,7 +56,6 @@ class SimulatorRun:
             period,
             node.topics.publish,
             pace=node.settings.pace,
-            time_effects=True,
             frame_prefix=node.settings.frame_prefix,
         )
         self.commands = CommandSubscriptions(node, scene, self.loop.first, lambda: self.loop.twin.time)

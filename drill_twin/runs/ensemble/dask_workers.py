@@ -22,10 +22,9 @@ import llvmlite
 import numba
 import numpy as np
 
+from drill_twin.core import __version__
 from drill_twin.core.compile.source_hash import source_hash
-from drill_twin.core.errors import DrillTwinError, RunError
-from drill_twin.core.extras import import_extra
-from drill_twin.core.version import __version__
+from drill_twin.core.errors import DrillTwinError, RunError, import_extra
 from drill_twin.dynamics.solver.kernel_codegen import packages_of, source
 from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.runs.compilation import compile_kernel

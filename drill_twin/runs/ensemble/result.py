@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drill_twin.core.errors import ArgumentError
-from drill_twin.core.extras import import_extra
+from drill_twin.core.errors import ArgumentError, import_extra
 from drill_twin.runs.ensemble.members import Members
 from drill_twin.runs.ensemble.run import MemberRun
 from drill_twin.whirl import Summary

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computing time of a run, in total and by effect; for the diagnostics."""
+"""Computing time and drilling progress of a run; for the diagnostics."""
 
 from __future__ import annotations
 
@@ -28,8 +28,7 @@ class RunTiming:
         self._clear_window()
 
     def _clear_window(self) -> None:
-        self._window_simulated = self._window_computing = 0.0
-        self._window_iterations = self._window_frames = 0
+        self._window_simulated, self._window_frames = 0.0, 0
 
     def update(self, simulated: float, publishing: float, stats: StepStats, frames: int = 1) -> None:
         """Count frames with their simulated and publishing time [s] in all, now that they are published.
@@ -47,11 +46,9 @@ class RunTiming:
         for k, seconds in enumerate((simulated, computing, publishing, now - start)):
             self._total[k] += seconds
         self._window_simulated += simulated
-        self._window_computing += computing
         self._window_frames += frames
         self._steps += stats.steps
         self._iterations += stats.iterations
-        self._window_iterations += stats.iterations
         self._cut += stats.cut_steps
         self._loose += stats.loose_steps
         self._slowest = max(self._slowest, computing / frames)
@@ -66,11 +63,6 @@ class RunTiming:
         if self._window_start is not None:
             self._window_start = time.monotonic()
         self._clear_window()
-
-    @property
-    def seconds_per_iteration(self) -> float:
-        """Computing time over Newton iterations in this window [s]; 0 without an iteration."""
-        return self._window_computing / self._window_iterations if self._window_iterations else 0.0
 
     @property
     def simulated(self) -> float:
@@ -121,33 +113,22 @@ def _ratio(part: float, whole: float) -> float:
     return part / whole if whole else 0.0
 
 
-class EffectTiming:
-    """Share of each effect in the computing time of a step.
+_HOUR = 3600.0
 
-    Sampled: each report times the functions of one effect alone, in the present configuration of the string, and
-    relates the times of all to that of a Newton iteration. The remainder is the rod and the solution of its equations.
-    An effect that causes more Newton iterations costs more than its functions do: `drill-twin effects` measures that by
-    leaving it out.
-    """
+
+class DrillingProgress:
+    """Depth and rate of penetration of one twin."""
 
     def __init__(self, twin: Twin) -> None:
-        """Compile the timing functions and time every effect once."""
-        self._measure = twin.effect_timer()
-        self._seconds = {name: self._measure(name) for name in twin.effects}
-        self._next = 0
+        self._twin = twin
+        self._last = (twin.time, twin.drilled)
 
-    def values(self, seconds_per_iteration: float) -> dict[str, str]:
-        """Diagnostics values; times the next effect. Empty if there is no effect, or no iteration to relate to.
-
-        Args:
-            seconds_per_iteration: Present computing time of a Newton iteration [s].
-        """
-        names = list(self._seconds)
-        if not names or not seconds_per_iteration:
+    def values(self) -> dict[str, str]:
+        """Drilled depth [m] and rate of penetration since the last call [m/h]; empty if the bit does not drill."""
+        if not {"bit_cutting", "bit_regenerative"}.intersection(self._twin.effects):
             return {}
-        name = names[self._next % len(names)]
-        self._next += 1
-        self._seconds[name] = self._measure(name)
-        shares = {name: seconds / seconds_per_iteration for name, seconds in self._seconds.items()}
-        values = {f"step_cost_{name}": f"{share:.4f}" for name, share in shares.items()}
-        return {**values, "step_cost_rod_and_solution": f"{max(1.0 - sum(shares.values()), 0.0):.4f}"}
+        (last_time, last_depth), time, depth = self._last, self._twin.time, self._twin.drilled
+        self._last = (time, depth)
+        elapsed = time - last_time
+        rate = (depth - last_depth) / elapsed if elapsed > 0.0 else 0.0
+        return {"drilled_m": f"{depth:.6f}", "rate_of_penetration_m_h": f"{rate * _HOUR:.3f}"}

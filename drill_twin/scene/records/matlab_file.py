@@ -12,8 +12,8 @@ import numpy as np
 
 from drill_twin.core.errors import TableError
 from drill_twin.core.files.foreign_file import ForeignFile
-from drill_twin.core.files.json_reader import read_json
-from drill_twin.core.process.child_environment import child_environment
+from drill_twin.core.files.json_files import read_json
+from drill_twin.core.process import child_environment
 from drill_twin.scene.records.columns import Columns
 from drill_twin.scene.records.rows import LARGEST_FILE
 

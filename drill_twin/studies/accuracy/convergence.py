@@ -177,7 +177,7 @@ def measure(
         SceneError: The scene is invalid, or could not be run at any resolution.
         RunError: The converged run fails.
     """
-    from drill_twin.core.version import __version__
+    from drill_twin.core import __version__
 
     described = load_scene(scene, overrides=dict(overrides))
     exact = converged(resolutions)

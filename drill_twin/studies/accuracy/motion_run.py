@@ -14,12 +14,11 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
+from drill_twin.core import __version__
+from drill_twin.core.arrays import Array, number_or_nan
 from drill_twin.core.errors import DrillTwinError
-from drill_twin.core.files.whole_file import whole_file
-from drill_twin.core.missing import number_or_nan
-from drill_twin.core.version import __version__
-from drill_twin.dynamics.equilibrium.static_equilibrium import random_shape
+from drill_twin.core.files.output import whole_file
+from drill_twin.dynamics.equilibrium import random_shape
 from drill_twin.dynamics.solver.state import ITERATIONS
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.scene_geometry import mark_infos

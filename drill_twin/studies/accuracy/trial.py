@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from scipy import stats
 
-from drill_twin.core.missing import number_or_none
+from drill_twin.core.arrays import number_or_none
 from drill_twin.scene import Scene
 from drill_twin.studies.accuracy.motion_run import run_motion
 

@@ -12,13 +12,13 @@ from drill_twin.core.arrays import Array, Mask
 from drill_twin.core.errors import ArgumentError, DrillTwinError, RunError
 from drill_twin.dynamics.discretisation.discretise import tubes_of
 from drill_twin.dynamics.discretisation.kernel_arguments import SPATIAL
-from drill_twin.dynamics.twin.bending_stress import bending_stress
 from drill_twin.dynamics.twin.dynamics import kernel_of
 from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
+from drill_twin.physics.model.section_stress import bending_stress
 from drill_twin.runs.ensemble.outputs import Request
-from drill_twin.runs.ensemble.outputs.series import Channels
+from drill_twin.runs.ensemble.time_outputs import Channels
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.set_points import Command

@@ -78,7 +78,7 @@ class Prediction:
     """A window of N members.
 
     Attributes:
-        channels: By name, shape (N, S): means over the samples (`drill_twin.runs.ensemble.outputs.series.Channels`).
+        channels: By name, shape (N, S): means over the samples (`drill_twin.runs.ensemble.time_outputs.Channels`).
         sensors: Virtual sensors by name, each of shape (N,).
         whirls: Whether each member whirls, shape (N,).
         readings: Of the subs, shape (N, F, s, 6) (`drill_twin.studies.estimation.subs`).

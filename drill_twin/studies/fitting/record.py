@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _COMPUTED = ("torque", "motor_torque", "top_drive_speed", "bit_speed", "bit_torque", "bit_force", "hookload")
 CHANNELS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name in _COMPUTED}
-"""Channels that a run computes (`drill_twin.runs.ensemble.outputs.series.Channels`), and their dimensions."""
+"""Channels that a run computes (`drill_twin.runs.ensemble.time_outputs.Channels`), and their dimensions."""
 SET_POINTS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name in ("weight_on_bit", "rotation")}
 """Set-points of a rig, as commanded or indicated, and dimensions: inputs of the estimator."""
 _KNOWN = {**CHANNELS, **SET_POINTS}

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from drill_twin.core import __version__
 from drill_twin.core.errors import ArgumentError, SceneError
-from drill_twin.core.version import __version__
 from drill_twin.runs.ensemble import Executor, Threads
 from drill_twin.scene import Scene
 from drill_twin.scene.schema import number_at

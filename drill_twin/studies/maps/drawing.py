@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.ndimage import distance_transform_edt
 
+from drill_twin.core import __version__
 from drill_twin.core.arrays import Array, Mask
-from drill_twin.core.version import __version__
 from drill_twin.scene.load import parse_scene
 from drill_twin.studies.maps.operating_map import OperatingMap
 from drill_twin.studies.maps.plane import on_lattice

@@ -17,7 +17,7 @@ import numpy as np
 from drill_twin.core.arrays import Mask
 from drill_twin.core.errors import ArgumentError, DrillTwinError
 from drill_twin.core.files.foreign_file import ForeignFile
-from drill_twin.core.files.json_reader import ODD_DATA, read_json
+from drill_twin.core.files.json_files import ODD_DATA, read_json
 from drill_twin.core.table import Table
 from drill_twin.scene import Scene
 from drill_twin.studies.maps.fields import MapFields

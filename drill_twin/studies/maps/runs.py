@@ -11,8 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
-from drill_twin.core.missing import number_or_nan
+from drill_twin.core.arrays import Array, number_or_nan
 from drill_twin.io.messages.stamps import NANOSECONDS, seconds
 from drill_twin.runs.ensemble import Executor, expand
 from drill_twin.runs.ensemble.outputs import Request

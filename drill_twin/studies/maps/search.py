@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.core.files.json_lines import JsonLines
+from drill_twin.core.files.json_files import JsonLines
 from drill_twin.studies.maps.growth_hint import expected
 from drill_twin.studies.maps.plane import UNKNOWN, Labels, Node, Plane, nearest_known, wanted
 from drill_twin.studies.maps.regimes import Regime

@@ -21,7 +21,7 @@ import numpy as np
 from typing_extensions import TypedDict
 
 import drill_twin as dt
-from drill_twin.core.files.json_lines import JsonLines
+from drill_twin.core.files.json_files import JsonLines
 from drill_twin.io.messages.diagnostics import Level
 from drill_twin.scene.set_points import Command
 from drill_twin.studies.maps.advice import Adviser

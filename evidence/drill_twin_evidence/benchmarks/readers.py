@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.io import savemat
 
-from drill_twin.core.process.child_environment import child_environment
+from drill_twin.core.process import child_environment
 
 _FEW = 10
 _DATE = np.datetime64("2026-05-14T13:57:00.000")

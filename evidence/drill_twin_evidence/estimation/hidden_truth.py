@@ -11,7 +11,7 @@ import numpy as np
 
 from drill_twin.api.scenes import load_scene
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.sensors.errors import errors_of, with_errors
+from drill_twin.dynamics.sensors.sampling import errors_of, with_errors
 from drill_twin.scene.blocks.sensors import Sub
 from drill_twin.scene.set_points import Schedule
 from drill_twin.studies.estimation import LOAD, EnsembleFilter, Estimate, EstimatorOptions, FilterWindow

@@ -14,7 +14,7 @@ from scipy import stats
 from typing_extensions import TypedDict
 
 import drill_twin as dt
-from drill_twin.core.files.json_lines import JsonLines
+from drill_twin.core.files.json_files import JsonLines
 
 OVERRIDES: dict[str, float | str] = {"wob": 55e3, "numerics.step": "20 ms", "numerics.frame_rate": 10.0}
 RANGES = {"bit_torque_stribeck.sticking": (0.55, 0.95), "bit_torque_stribeck.decay": (0.2, 6.0)}

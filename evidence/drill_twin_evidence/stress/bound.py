@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bound on the penetration of the wall, from the contact law.
 
-Tighter than the bound of the step guard (`drill_twin.dynamics.twin.state_bounds`), and independent of it, so that each
+Tighter than the bound of the step guard (`drill_twin.dynamics.twin.binding`), and independent of it, so that each
 finds an error in the other.
 """
 

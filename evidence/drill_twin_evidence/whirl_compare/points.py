@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from drill_twin.core.files.json_lines import JsonLines
+from drill_twin.core.files.json_files import JsonLines
 from drill_twin.scene import Scene
 from drill_twin_evidence.whirl_compare.motion import STEADY
 

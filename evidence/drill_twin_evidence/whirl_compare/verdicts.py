@@ -8,8 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drill_twin.core.arrays import Array
-from drill_twin.core.missing import number_or_none
+from drill_twin.core.arrays import Array, number_or_none
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.steady.imperfections import modulation
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import TurningEquations

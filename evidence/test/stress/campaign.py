@@ -32,7 +32,7 @@ from random_scenes import scene as drawn  # noqa: E402
 
 import drill_twin  # noqa: E402
 from drill_twin.core.errors import RunError  # noqa: E402
-from drill_twin.core.files.json_lines import JsonLines  # noqa: E402
+from drill_twin.core.files.json_files import JsonLines  # noqa: E402
 from drill_twin.dynamics.twin.twin import Twin  # noqa: E402
 from drill_twin.runs.ensemble.parts import frames_of, planned  # noqa: E402
 from drill_twin.scene import Scene  # noqa: E402
@@ -140,10 +140,11 @@ def physics() -> str:
     rooms = (
         "physics/effects",
         "physics/model",
-        *(f"dynamics/{room}" for room in ("solver/lateral", "solver/spatial", "solver/boundary", "twin")),
+        *(f"dynamics/{room}" for room in ("solver/lateral", "solver/spatial", "twin")),
     )
     files = [path for room in rooms for path in sorted((package / room).glob("*.py"))]
-    files += [package / "dynamics" / "solver" / "midpoint.py", HERE / "random_scenes.py", Path(effect_sets.__file__)]
+    files += [package / "dynamics" / "solver" / name for name in ("boundary.py", "midpoint.py")]
+    files += [HERE / "random_scenes.py", Path(effect_sets.__file__)]
     digest = hashlib.sha256()
     for path in files:
         digest.update(ast.dump(ast.parse(path.read_text("utf-8"))).encode())

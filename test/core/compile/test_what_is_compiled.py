@@ -114,10 +114,10 @@ def test_a_kernel_is_named_by_every_source_that_it_reaches(tmp_path):
     frames = {f"drill_twin.dynamics.twin.{name}" for name in ("frame_kernel", "observation", "state_judge")}
     assert {name for name in told if name.startswith(("drill_twin.scene", "drill_twin.dynamics.twin"))} == frames
     only = {"drill_twin.physics.effects.bow": ["bow"], "drill_twin.physics.effects.drag": ["drag", "bow"]}
-    only["drill_twin.physics.effects.random_field"] = ["bow"]
+    only["drill_twin.physics.effects.random_draws"] = ["bow"]
     shared = ("drill_twin.core", "drill_twin.dynamics.solver", "drill_twin.physics.model")
     # drag takes numbers of its block alone, nothing of the model
-    of_one = {"drill_twin.physics.model.shape_functions", "drill_twin.physics.model.discrete_model"}
+    of_one = {"drill_twin.physics.model.mesh", "drill_twin.physics.model.discrete_model"}
     for module, (by_comment, by_edit) in told.items():
         assert not by_comment, module
         assert by_edit == only.get(module, by_edit), module

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from drill_twin.dynamics.discretisation.discretise import tubes_of
-from drill_twin.dynamics.discretisation.refinement import LONGEST, PER_WAVE, elements_needed, mesh
-from drill_twin.dynamics.discretisation.resolution import resolution_of
+from drill_twin.dynamics.discretisation.resolution import LONGEST, PER_WAVE, elements_needed, mesh, resolution_of
 from drill_twin.dynamics.discretisation.warnings import notes_on
 from drill_twin.physics.model.mesh import build_rod
 from drill_twin.scene import load_scene

@@ -8,9 +8,8 @@ import pytest
 from rod_scenes import EULER_LOAD, FIRST, WALLED, in_equilibrium, quiet_scene
 
 from drill_twin.core.errors import RunError, SceneError
-from drill_twin.dynamics.discretisation.refinement import mesh
-from drill_twin.dynamics.discretisation.resolution import resolution_of
-from drill_twin.dynamics.equilibrium.static_start import static_scene
+from drill_twin.dynamics.discretisation.resolution import mesh, resolution_of
+from drill_twin.dynamics.equilibrium import static_scene
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.set_points import Command, Schedule

@@ -12,10 +12,10 @@ from drill_twin.api import load_scene, override
 from drill_twin.cli.app import app
 from drill_twin.core.errors import RunError, SceneError
 from drill_twin.dynamics.discretisation.discretise import discretise
-from drill_twin.dynamics.discretisation.refinement import mesh
+from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion
 from drill_twin.dynamics.rotordynamics.growth_map import growth_map
-from drill_twin.dynamics.rotordynamics.steady import whirl_start
+from drill_twin.dynamics.rotordynamics.steady import whirl_states as states_module
 from drill_twin.dynamics.rotordynamics.steady.imperfections import imperfect, locked_states, modulation
 from drill_twin.dynamics.rotordynamics.steady.shape_search import ShapeSearch
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
@@ -104,7 +104,7 @@ def test_a_run_that_begins_in_a_whirl_keeps_its_speed_with_bow_and_eccentricity(
 
 
 def test_a_start_in_a_whirl_needs_one(bench, monkeypatch):
-    monkeypatch.setattr(whirl_start, "whirl_states", lambda *_: ())
+    monkeypatch.setattr(states_module, "whirl_states", lambda *_: ())
     scene = override(bench, {"rig.start": "whirl-state", "wob": 0.0, "rps": 1.0})
     with pytest.raises(RunError, match="expected a steady whirl at 0 N and 1 rev/s, found none"):
         Dynamics(scene)

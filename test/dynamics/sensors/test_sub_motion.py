@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from drill_twin.dynamics.discretisation.refinement import mesh
+from drill_twin.dynamics.discretisation.resolution import mesh
 from drill_twin.dynamics.sensors.motion import locate, sub_motion, true_readings
 from drill_twin.physics.model.mesh import Rod
 from drill_twin.scene import load_scene, parse_scene

@@ -15,10 +15,11 @@ from drill_twin.io.messages.topics import MARKER_ARRAY, STRING_POSES, TWIN_SCENE
 from drill_twin.io.messages.type_store import deserialize
 from drill_twin.io.scene_geometry import hole_steps, string_steps
 from drill_twin.live.page_state import PageState
-from drill_twin.physics.model.frames import transverse_axes
+from drill_twin.physics.model.strain import transverse_axes
 from drill_twin.physics.model.survey import survey
-from drill_twin.physics.model.wellbore import axis_offset, distance_along
-from drill_twin.physics.model.wellbore_coordinates import (
+from drill_twin.physics.model.wellbore import (
+    axis_offset,
+    distance_along,
     from_hole_coordinates,
     offsets,
     to_hole_coordinates,

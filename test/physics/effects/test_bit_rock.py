@@ -11,7 +11,7 @@ from rod_scenes import rod_scene
 
 from drill_twin.dynamics.twin.frame import RigState
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.physics.effects.random_matrix import MOST_SCATTER, random_matrix
+from drill_twin.physics.effects.random_draws import MOST_SCATTER, random_matrix
 from drill_twin.scene import load_scene
 from drill_twin.scene.set_points.command import Command
 

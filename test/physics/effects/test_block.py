@@ -11,7 +11,7 @@ from pydantic import ValidationError
 import drill_twin as dt
 from drill_twin.api import Simulation
 from drill_twin.core.errors import ArgumentError
-from drill_twin.dynamics.solver.boundary.rig import FEED
+from drill_twin.dynamics.solver.boundary import FEED
 from drill_twin.dynamics.twin.checkpoint import Checkpoint
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.bag.metadata import contract_topic

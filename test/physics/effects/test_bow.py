@@ -6,7 +6,7 @@ import pytest
 from rod_scenes import AT_REST, LENGTH, quiet_scene
 
 from drill_twin.dynamics.twin.twin import Twin
-from drill_twin.physics.effects.random_field import generator, random_line
+from drill_twin.physics.effects.random_draws import generator, random_line
 
 DAMPING = {"bending_time": 0.02, "stretch_time": 2e-3, "torsion_time": 2e-3}
 AMPLITUDE, ANGLE, DRAG = 4e-3, 0.6, 0.4

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from drill_twin.core.compile.jit import as_python
 from drill_twin.physics.effects import bit_stabiliser, wall
-from drill_twin.physics.model import stretch
-from drill_twin.physics.model.point import Point
+from drill_twin.physics.model import strain
+from drill_twin.physics.model.strain import Point
 from drill_twin.physics.model.wellbore import Wellbore
 
 CLEARANCE, HERTZ, LINEAR, AXIAL = 0.08, 1e7, 1e6, 5e5
@@ -84,8 +84,8 @@ def test_stretch_gives_back_what_it_took(start, rate, half_step):
     a, force, saa = start + half_step * rate, np.zeros(8), np.zeros((3, 3))
     end = start + 2.0 * half_step * rate
     assume(np.linalg.norm(end) > 0.3)
-    s = as_python(stretch.stretching)(tuple(a), tuple(rate), half_step)
-    as_python(stretch.stretch_forces)(AXIAL, 0.0, 0.0, tuple(a), s, half_step, force, saa)
+    s = as_python(strain.stretching)(tuple(a), tuple(rate), half_step)
+    as_python(strain.stretch_forces)(AXIAL, 0.0, 0.0, tuple(a), s, half_step, force, saa)
     before, after = (0.5 * AXIAL * (np.linalg.norm(x) - 1.0) ** 2 for x in (start, end))
     assert 2.0 * half_step * (force[:3] @ rate) == pytest.approx(
         after - before, rel=1e-8, abs=1e-8 * max(before, after, 1e-6)

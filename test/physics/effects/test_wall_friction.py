@@ -16,7 +16,7 @@ from drill_twin.core.compile.jit import as_python
 from drill_twin.core.errors import SceneError
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.effects import function_name, wall, wall_friction, with_variant
-from drill_twin.physics.model.point import Point
+from drill_twin.physics.model.strain import Point
 from drill_twin.scene import Scene, load_scene
 from drill_twin.scene.set_points.command import Command
 

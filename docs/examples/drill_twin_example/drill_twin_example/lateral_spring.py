@@ -9,7 +9,7 @@ from drill_twin.core.units import LinearStiffness, Within
 from drill_twin.physics.effects.config import EffectConfig
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.physics.model.mesh import Rod
-from drill_twin.physics.model.point import Point
+from drill_twin.physics.model.strain import Point
 
 
 class LateralSpring(EffectConfig):

@@ -3,7 +3,7 @@
 
 At a whirl speed omega that is not one of the string's own, an extra force tau M J u along the path keeps the shape in
 whirl. The shape and tau follow by pseudo-transient continuation (Kelley and Keyes 1998), whose short first steps
-descend in energy as in `drill_twin.dynamics.equilibrium.static_equilibrium`, so that it ends on the wall and not on the
+descend in energy as in `drill_twin.dynamics.equilibrium`, so that it ends on the wall and not on the
 axis. Where tau(omega) changes its sign, a steady whirl is near. Each shape is the first guess of the next speed.
 
 Friction with a steep regularisation is entered in stages: its slip is proportional to the regularisation where the
@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array
-from drill_twin.dynamics.equilibrium.static_equilibrium import random_shape
+from drill_twin.dynamics.equilibrium import random_shape
 from drill_twin.dynamics.rotordynamics.eigenvalues import Pencil, undamped_basis
 from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.turning_frame import quarter_turn

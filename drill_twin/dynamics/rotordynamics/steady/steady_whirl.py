@@ -9,11 +9,15 @@ which the shape lies. A small motion w(t) in the turning frame obeys
 ``M w'' + (C + 2 omega M J) w' + (K + omega C J + omega^2 M J J) w = 0``,
 
 whose eigenvalues are constant; one is zero, the turn of the whole shape.
+
+Deflation keeps Newton's method away from the steady whirls that are known (Farrell, Birkisson and Funke 2015): the
+residual F is multiplied by m = prod(1 / d_i^2 + 1), d_i the distance from a known whirl. Newton's step for m F is that
+for F times a number, so that deflation costs two products a step.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -146,3 +150,42 @@ def solve(matrix: Array, right: Array) -> Array:
         return np.asarray(np.linalg.solve(matrix, right), np.float64)
     except np.linalg.LinAlgError:
         return np.full(right.shape, np.nan)
+
+
+LONGEST = 4.0
+"""Largest factor on a step; deflated steps may be of any length and sign."""
+
+
+class Deflation:
+    """Factor on Newton's step, by the distance from known whirls.
+
+    A whirl turned about the axis is the same whirl: the distance is the least over all turns, shapes over the clearance
+    (root mean square) and whirl speeds over the rotation together.
+    """
+
+    def __init__(self, turning: TurningEquations, known: Sequence[SteadyWhirl]) -> None:
+        """Take the known whirls of the same equations."""
+        self._turning, self._known = turning, known
+
+    def factor(self, whirl: SteadyWhirl, step: Array, change: float) -> float:
+        """Factor on a Newton step of the free unknowns, shape (m,), and of omega.
+
+        From m F with step d of F: 1 / (1 - m' d / m) (Sherman and Morrison).
+        """
+        speed, clearance = max(abs(whirl.command.rotation), 1e-3), self._turning.clearance
+        z, moved, slope = _line(whirl.u), _line(self._turning.equations.rows(step)), 0.0
+        for other in self._known:
+            own = _line(other.u)
+            overlap = complex(np.vdot(own, z))
+            away = (z - own * (overlap / max(abs(overlap), 1e-300))) / clearance
+            ahead = (whirl.omega - other.omega) / speed
+            square = max(float(np.mean(np.abs(away) ** 2)) + ahead**2, 1e-24)
+            along = 2.0 * (float(np.mean((away.conj() * moved).real)) / clearance + ahead * change / speed)
+            slope -= along / (square * (1.0 + square))
+        factor = 1.0 / (1.0 - slope) if abs(1.0 - slope) > 1e-12 else LONGEST
+        return float(np.clip(factor, -LONGEST, LONGEST))
+
+
+def _line(u: Array) -> ComplexArray:
+    """Positions x + i y of the nodes."""
+    return np.asarray(u[:, 0] + 1j * u[:, 1], np.complex128)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steady whirl states under one command: all that the search finds, each with its stability."""
+"""Steady whirl states under one command: all that the search finds, each with its stability.
+
+One of them is the initial state of `rig.start: whirl-state`.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +14,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drill_twin.core.errors import SceneError
+from drill_twin.core.arrays import Array
+from drill_twin.core.errors import RunError, SceneError
 from drill_twin.dynamics.discretisation.kernel_arguments import LATERAL
 from drill_twin.dynamics.rotordynamics.equations import EquationsOfMotion, meshed, without
 from drill_twin.dynamics.rotordynamics.modes import is_vertical
-from drill_twin.dynamics.rotordynamics.steady.deflation import Deflation
 from drill_twin.dynamics.rotordynamics.steady.shape_search import SOFT_CREEP, ShapeSearch, set_creep, stiffen_friction
 from drill_twin.dynamics.rotordynamics.steady.slow_whirls import ACROSS, slow_whirls
-from drill_twin.dynamics.rotordynamics.steady.steady_whirl import SteadyWhirl, TurningEquations
+from drill_twin.dynamics.rotordynamics.steady.steady_whirl import Deflation, SteadyWhirl, TurningEquations
 from drill_twin.dynamics.rotordynamics.steady.whirl_state import WhirlState, state_of
 from drill_twin.physics.model.discrete_model import DiscreteModel
 from drill_twin.scene import Scene
@@ -215,3 +218,22 @@ def is_new(whirl: SteadyWhirl, others: Sequence[SteadyWhirl], clearance: float) 
         and float(np.abs(whirl.radius - other.radius).max()) < SAME_SHAPE * clearance
         for other in others
     )
+
+
+def start_in_whirl(scene: Scene) -> tuple[Array, Array, Command]:
+    """Position and velocity of the steady whirl whose disturbances decay fastest, or grow slowest, and its command.
+
+    Raises:
+        SceneError: No steady whirl can exist in the scene.
+        RunError: None was found.
+    """
+    weight, rotation = scene.rig.first
+    states = whirl_states(EquationsOfMotion(scene), Command(weight, rotation))
+    if not states:
+        raise RunError(
+            f"{scene.name}: rig.start: expected a steady whirl at {weight:g} N and {rotation / math.tau:g} rev/s, "
+            "found none; start from the axis instead (rig.start: axis)"
+        )
+    whirl = min(states, key=lambda state: state.growth).whirl
+    u, v, _ = whirl.motion
+    return u, v, whirl.command

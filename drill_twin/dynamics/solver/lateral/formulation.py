@@ -12,21 +12,27 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.dynamics.solver import unknowns
-from drill_twin.dynamics.solver.boundary.rig import BIT, RESIDUAL, ROTATION, TOP
+from drill_twin.dynamics.solver.boundary import BIT, RESIDUAL, ROTATION, TOP
 from drill_twin.dynamics.solver.interface import Effects, Formulation
 from drill_twin.dynamics.solver.lateral import assembly
-from drill_twin.dynamics.solver.lateral.linear_solver import NODE, factor_blocks, solve_blocks
-from drill_twin.dynamics.solver.lateral.tangent_reuse import (
+from drill_twin.dynamics.solver.lateral.linear_solver import (
     ADDED,
+    AT_BIT,
+    AT_TOP,
     CHANGE,
     HALF_STEP,
+    NODE,
     RENEW,
     RENEW_STEPS,
     STEPS_AFTER_CHANGE,
+    TORQUE,
+    WEIGHT,
+    Workspace,
     check_contraction,
+    factor_blocks,
     outdated,
+    solve_blocks,
 )
-from drill_twin.dynamics.solver.lateral.workspace import AT_BIT, AT_TOP, TORQUE, WEIGHT, Workspace
 from drill_twin.dynamics.solver.state import BIT_IMPULSE, FACTOR, HOOK_IMPULSE, TORQUE_IMPULSE, State, StepControl
 from drill_twin.physics.model.mesh import SPIN, Rod
 

@@ -4,10 +4,20 @@
 With D_i the pivot block of node i, L and U its neighbours: keep D_i^-1, D_i^-1 L_i-1 and D_i^-1 U_i. Then a solve is
 ``z_i = D_i^-1 b_i - (D_i^-1 L) z_i-1`` upwards and ``x_i = z_i - (D_i^-1 U) x_i+1`` downwards: two chains of one small
 product per node. Rows of four doubles fill a vector register.
+
+Without contact the tangent changes slowly: its factors serve many steps, as in codes for stiff equations (Hairer and
+Wanner 1996, IV.8). They are renewed where the step changed or Newton's method slows down.
+
+Work arrays are allocated once: no kernel allocates.
 """
+
+from typing import NamedTuple
+
+import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
+from drill_twin.physics.model.section import RESULTANTS
 
 NODE = 4  # unknowns per node: x, y, x', y'
 SMALLEST_PIVOT = 1e-300
@@ -123,3 +133,87 @@ def solve_blocks(lower: Array, upper: Array, inverse: Array, right: Array) -> No
         u, y = upper[i], load(right, i)
         z = y[0] - dot(u, 0, z), y[1] - dot(u, 1, z), y[2] - dot(u, 2, z), y[3] - dot(u, 3, z)
         store(right, i, z)
+
+
+# Indices into Workspace.reuse: half step of the factors [s] (0: there are none, negative: assembled, not yet factored),
+# 1 if they must be renewed, steps for which they are renewed at once, size of the last Newton step, stiffness and
+# damping that the effects had added to them [N s/m].
+HALF_STEP, RENEW, RENEW_STEPS, LAST_SIZE, ADDED = 0, 1, 2, 3, 4
+CONTRACTION = 0.1  # the factors are kept while each Newton step is this much smaller than the last
+CHANGE = 0.1  # and while what the effects add to them, mostly the wall, has changed by less than this share
+SAME_STEP = 1e-9  # steps of one length differ by rounding
+STEPS_AFTER_CHANGE = 8.0  # steps of renewing at once, after factors that were not good enough
+
+
+@kernel
+def outdated(reuse: Array, half_step: float, first_iteration: bool) -> bool:
+    """True if the tangent must be assembled and factored again; `first_iteration`: in the first iteration of a step."""
+    if first_iteration:
+        reuse[LAST_SIZE] = 0.0
+        reuse[RENEW_STEPS] = max(reuse[RENEW_STEPS] - 1.0, 0.0)
+    if reuse[RENEW_STEPS] > 0.0:
+        reuse[RENEW] = 1.0
+    other_step: bool = abs(reuse[HALF_STEP] - half_step) > SAME_STEP * half_step
+    return other_step or reuse[RENEW] > 0.0
+
+
+@kernel
+def check_contraction(reuse: Array, size: float) -> None:
+    """Have the factors renewed if a Newton step of this size is not much smaller than the last."""
+    if reuse[LAST_SIZE] > 0.0 and not size < CONTRACTION * reuse[LAST_SIZE]:
+        reuse[RENEW] = 1.0
+        reuse[RENEW_STEPS] = STEPS_AFTER_CHANGE
+    reuse[LAST_SIZE] = size
+
+
+# Indices into Workspace.axial: force at the bit and at the top [N], load on the string along the axis [N], torque of
+# the top drive [N m].
+AT_BIT, AT_TOP, WEIGHT, TORQUE = 0, 1, 2, 3
+
+
+class Workspace(NamedTuple):
+    """The block system, and the small matrices of the current element."""
+
+    lower: Array  # (n, 4, 4)
+    diagonal: Array  # (n + 1, 4, 4)
+    upper: Array  # (n, 4, 4)
+    inverse: Array  # (n + 1, 4, 4) of the pivot blocks; with it, lower and upper are factors
+    right: Array  # (n + 1, 4)
+    reuse: Array  # (5,) see drill_twin.dynamics.solver.lateral.linear_solver
+    ends: Array  # (2, 7, 8) loads on bit and top, as in space
+    command: Array  # (3,) set-points: weight on bit [N], rotation [rad/s], speed of a block [m/s]
+    lever: Array  # (n + 1, 4) change of the torque below by the unknowns' velocities
+    axial: Array  # (4,) see AT_BIT
+    resultants: Array  # (7,) see drill_twin.physics.model.section
+    load: Array  # (4,)
+    stiff: Array  # (4, 4)
+    ke: Array  # (4, 16) element tangent: component pair xx, xy, yx, yy, then shape pair
+    re: Array  # (2, 4) element residual: component, shape
+    ue: Array  # (2, 4) element unknowns: component, shape
+    ve: Array  # (2, 4) velocities
+    dv: Array  # (2, 4) velocity changes
+
+
+def make_workspace(elements: int) -> Workspace:
+    """Arrays of zeros for a string of so many elements."""
+    n = elements
+    return Workspace(
+        lower=np.zeros((n, 4, 4)),
+        diagonal=np.zeros((n + 1, 4, 4)),
+        upper=np.zeros((n, 4, 4)),
+        inverse=np.zeros((n + 1, 4, 4)),
+        right=np.zeros((n + 1, 4)),
+        reuse=np.zeros(5),
+        ends=np.zeros((2, 7, 8)),
+        command=np.zeros(3),
+        lever=np.zeros((n + 1, 4)),
+        axial=np.zeros(4),
+        resultants=np.zeros(RESULTANTS),
+        load=np.zeros(4),
+        stiff=np.zeros((4, 4)),
+        ke=np.zeros((4, 16)),
+        re=np.zeros((2, 4)),
+        ue=np.zeros((2, 4)),
+        ve=np.zeros((2, 4)),
+        dv=np.zeros((2, 4)),
+    )

@@ -6,7 +6,8 @@ from typing import Any
 from drill_twin.core.arrays import Array
 from drill_twin.core.compile.jit import kernel
 from drill_twin.dynamics.solver import unknowns
-from drill_twin.dynamics.solver.boundary.bit_frame import (
+from drill_twin.dynamics.solver.boundary import (
+    ROTATION,
     from_bit,
     to_bit,
     turn_blocks,
@@ -14,11 +15,9 @@ from drill_twin.dynamics.solver.boundary.bit_frame import (
     turn_row_back,
     turn_step_back,
 )
-from drill_twin.dynamics.solver.boundary.rig import ROTATION
 from drill_twin.dynamics.solver.interface import Effects, Formulation
 from drill_twin.dynamics.solver.spatial import assembly
-from drill_twin.dynamics.solver.spatial.linear_solver import NODE, solve_blocks
-from drill_twin.dynamics.solver.spatial.workspace import Workspace
+from drill_twin.dynamics.solver.spatial.linear_solver import NODE, Workspace, solve_blocks
 from drill_twin.dynamics.solver.state import BIT_IMPULSE, HOOK_IMPULSE, TORQUE_IMPULSE, State, StepControl
 from drill_twin.physics.model.mesh import SPIN, Rod
 

@@ -11,9 +11,8 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.io.messages.topics import FRAME_ID
-from drill_twin.physics.model.frames import transverse_axes
-from drill_twin.physics.model.wellbore import Axis
-from drill_twin.physics.model.wellbore_coordinates import from_hole_coordinates, offsets
+from drill_twin.physics.model.strain import transverse_axes
+from drill_twin.physics.model.wellbore import Axis, from_hole_coordinates, offsets
 
 _RING_SEGMENTS = 32
 

@@ -123,7 +123,7 @@ FAULTS = (
     Fault("dropped term: couple of internal damping on the spin", "physics/effects/internal_damping.py",
           "    resultants[COUPLE] += mx * strain.px + my * strain.py + mz * strain.pz\n", "",
           "evidence/test/verify/test_conservation.py", "damped_conical_swing"),
-    Fault("ignored limit: torque of the motor", "dynamics/solver/boundary/rig.py",
+    Fault("ignored limit: torque of the motor", "dynamics/solver/boundary.py",
           "return max(-drive.limit, min(drive.limit, torque))", "return torque", "physics/effects/test_top_drive.py",
           "keeps_to_its_limit"),
 )  # fmt: skip

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch
 from matplotlib.ticker import MaxNLocator
 
-from drill_twin.core.missing import number_or_nan
+from drill_twin.core.arrays import number_or_nan
 from drill_twin.report.figures.style import (
     BLUE,
     GREEN,

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.core.missing import number_or_nan
+from drill_twin.core.arrays import number_or_nan
 from drill_twin_evidence.paper.runs.cases import LOAD, LOADS, REFERENCE, SPEED, SPEEDS, Case
 from drill_twin_evidence.paper.runs.published import CRITICAL_TIME, DISPLACEMENT, FREQUENCY, RATIO, Number, published
 from drill_twin_evidence.paper.runs.run import Measured, deviation

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from drill_twin.core.files.json_lines import JsonLines
+from drill_twin.core.files.json_files import JsonLines
 from drill_twin_evidence.paper.runs.cases import Case, changed
 from drill_twin_evidence.paper.runs.variants import VARIANTS
 from drill_twin_evidence.paper.search.bench import Bench

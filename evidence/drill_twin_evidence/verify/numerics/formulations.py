@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from drill_twin.core.missing import number_or_nan
+from drill_twin.core.arrays import number_or_nan
 from drill_twin.scene import load_scene
 from drill_twin.studies.accuracy.trial import Trial, run_trial
 from drill_twin_evidence.verify.case import case

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import pytest
 
 from drill_twin.core.errors import ArgumentError, BagError
-from drill_twin.core.files.json_lines import JsonLines
+from drill_twin.core.files.json_files import JsonLines
 from drill_twin.studies.maps.regimes import Regime
 from drill_twin.studies.maps.runs import Key, RunRecord
 from drill_twin.studies.maps.search import Journal
@@ -114,7 +114,7 @@ def test_a_kill_loses_no_result_that_was_added(tmp_path):
     program = textwrap.dedent(f"""
         import sys
         from pathlib import Path
-        from drill_twin.core.files.json_lines import JsonLines
+        from drill_twin.core.files.json_files import JsonLines
         lines = JsonLines(Path({str(tmp_path / "a.jsonl")!r}), "study", {SETUP!r}, print, foreign="", other="")
         for number in range(10**9):
             lines.add({{"result": number}})

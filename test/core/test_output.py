@@ -11,7 +11,7 @@ import textwrap
 import pytest
 
 from drill_twin.core.errors import BagError
-from drill_twin.core.files.whole_file import PRIVATE, whole_file, write_whole
+from drill_twin.core.files.output import PRIVATE, whole_file, write_whole
 from drill_twin.report.figures.style import blank, save
 
 
@@ -63,7 +63,7 @@ def test_a_kill_leaves_the_file_of_before(tmp_path):
     text = f"""
         import os, signal
         from pathlib import Path
-        from drill_twin.core.files.whole_file import whole_file
+        from drill_twin.core.files.output import whole_file
         with whole_file(Path({str(file)!r})) as stream:
             stream.write(b"half")
             stream.flush()

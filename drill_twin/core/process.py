@@ -1,12 +1,50 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Standard streams of a process, and the limit of its memory, as the shell left them."""
+"""The process itself: environment of children, standard streams, lost exceptions."""
 
 import os
 import resource
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from types import FrameType
 
 from drill_twin.core.errors import RunError
+
+_CALLED_BACK = "llvmlite/binding/executionengine.py"
+"""Called from C while machine code is made: ctypes prints an exception and goes on."""
+
+
+def is_unraisable(frame: FrameType | None) -> bool:
+    """Return True during an import, a finalizer or a callback of the compiler.
+
+    An exception in an import can leave the lock of all imports locked for ever; the others print it and go on.
+    """
+    while frame is not None:
+        code = frame.f_code
+        if code.co_filename.startswith("<frozen importlib") or code.co_filename.endswith(_CALLED_BACK):
+            return True
+        if code.co_name == "__del__":
+            return True
+        frame = frame.f_back
+    return False
+
+
+_ROOT = Path(__file__).resolve().parents[2]
+_SITE = {"site-packages", "dist-packages"}
+
+
+def child_environment(environment: Mapping[str, str] | None = None) -> dict[str, str]:
+    """Environment for a child, by default from that of this process.
+
+    `python -c` and `python -m` import from the working folder first, and so does a relative or an empty entry of
+    PYTHONPATH: a `numpy.py` beside a recording would be run. Both are turned off, and the child imports this copy of
+    the package.
+    """
+    given = dict(os.environ if environment is None else environment)
+    entries = [entry for entry in given.get("PYTHONPATH", "").split(os.pathsep) if Path(entry).is_absolute()]
+    own = [] if _SITE.intersection(_ROOT.parts) or str(_ROOT) in entries else [str(_ROOT)]
+    return given | {"PYTHONSAFEPATH": "1", "PYTHONPATH": os.pathsep.join([*own, *entries])}
+
 
 _NEEDED = 1_000_000_000
 """Address space [bytes] below which a run is refused; with all libraries loaded a run takes 0.6 GB, a report more."""

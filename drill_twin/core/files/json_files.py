@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Results that a study writes as it goes: a line of JSON for what they are of, then one for each result."""
+"""JSON of unknown origin in bounded time and memory; results that a study writes as it goes, a line of JSON each."""
 
 from __future__ import annotations
 
@@ -13,8 +13,36 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from drill_twin.core.errors import ArgumentError, BagError
-from drill_twin.core.files.json_reader import ODD_DATA, read_json
+from drill_twin.core.errors import ArgumentError, BagError, DrillTwinError
+
+LARGEST_TEXT = 1_000_000
+"""Bytes or characters of a text."""
+ODD_DATA = (LookupError, TypeError, ValueError, AttributeError, OverflowError)
+"""Errors of a reader whose data are JSON, but not what it expects."""
+_LONGEST_INTEGER = 300  # digits; a longer one is infinite as a float
+
+
+class JsonError(DrillTwinError, ValueError):
+    """A text that is not JSON, or beyond the bounds."""
+
+
+def read_json(text: str | bytes, *, largest: int = LARGEST_TEXT) -> Any:
+    """Plain data of a JSON text; an integer of more than 300 digits is infinite.
+
+    Raises:
+        JsonError: Malformed, too long, or too deep.
+    """
+    if len(text) > largest:
+        raise JsonError(f"expected JSON of at most {largest} characters, found {len(text)}")
+    try:
+        return json.loads(text, parse_int=_integer)
+    except (ValueError, RecursionError) as error:
+        raise JsonError(f"expected JSON, found {text[:40]!r}") from error
+
+
+def _integer(digits: str) -> int | float:
+    return int(digits) if len(digits) <= _LONGEST_INTEGER else float(digits)
+
 
 _LOG = logging.getLogger(__name__)
 LONGEST_LINE = 64_000_000

@@ -5,13 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from drill_twin.runs.ensemble.outputs.collector import Collector, Request, Variable
-from drill_twin.runs.ensemble.outputs.findings import Findings
-from drill_twin.runs.ensemble.outputs.series import Channels, Marks
-from drill_twin.runs.ensemble.outputs.settling import Settling
-from drill_twin.runs.ensemble.outputs.severity import Contact, Extremes, LastHalf
-from drill_twin.runs.ensemble.outputs.spectra import Spectra
-from drill_twin.runs.ensemble.outputs.totals import Energy, Fatigue
+from drill_twin.runs.ensemble.collector import Collector, Request, Variable
+from drill_twin.runs.ensemble.run_outputs import Contact, Energy, Extremes, Fatigue, LastHalf, Settling
+from drill_twin.runs.ensemble.time_outputs import Channels, Findings, Marks, Spectra
 
 __all__ = ["OUTPUTS", "Collector", "Request", "Variable"]
 

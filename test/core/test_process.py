@@ -6,7 +6,7 @@ import sys
 import llvmlite.binding.executionengine as engine
 import pytest
 
-from drill_twin.core.process.unraisable import is_unraisable
+from drill_twin.core.process import is_unraisable
 
 ASK = "def {name}():\n    import sys\n    return ask(sys._getframe())\n"
 

@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: Apache-2.0
-"""The process itself: environment of children, standard streams, lost exceptions."""
