@@ -9,7 +9,12 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "drill_twin"
-PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md")))
+PAGES = (
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    ROOT / "QUALITY_DECLARATION.md",
+    *sorted((ROOT / "docs").rglob("*.md")),
+)
 NAMED = re.compile(r"\b(?<!/)((?:drill_twin|test|config|evidence)/[\w/.-]*\w)")
 LINKED = re.compile(r"\]\(([^)#\s:]*)(?:#([^)\s]*))?\)")
 

@@ -57,21 +57,25 @@ def test_every_node_has_a_flag_a_name_and_the_namespace(bench):
     """All of them at once, in a namespace, from a parameter file that addresses single nodes too."""
     folder = bench.folder / "bag_0"
     given = {
-        "/**": {"ros__parameters": {**dict.fromkeys(NAMES.values(), True), "pace": "fast", "bag": str(folder)}},
+        "/**": {"ros__parameters": {**dict.fromkeys(NAMES.values(), True), "bag": str(folder)}},
         "/rig2/gateway": {"ros__parameters": {"port": FREE_PORT + bench.domain, "rate": 5.0}},
         "/rig2/estimator": {"ros__parameters": {"members": 4}},
         "/rig2/advisor": {"ros__parameters": {"runs": 4}},
     }
     file = bench.folder / "twin.yaml"
     file.write_text(yaml.safe_dump(given))
-    process = bench.start("twin", "-r", "__ns:=/rig2", "--params-file", str(file), duration=3.0)
+    process = bench.start("twin", "-r", "__ns:=/rig2", "--params-file", str(file), duration=5.0)
     wanted = {("simulator", "/rig2"), *((name, "/rig2") for name in NAMES)}
     bench.until(lambda: wanted <= set(bench.node.get_node_names_and_namespaces()), what="all nodes")
+    bench.until(lambda: bench.node.count_publishers("/rig2/whirl/state") > 0, what="the topics")
+    listed = [*bench.node.get_topic_names_and_types(), *bench.node.get_service_names_and_types()]
+    outside = {name for name, _ in listed if not name.startswith(("/rig2/", "/test/"))}
+    assert outside == {DIAGNOSTICS, "/rosout", "/parameter_events"}
     bench.until(lambda: process.code is not None, what="the run to end")
     assert process.code == 0, process.text
     assert "Traceback" not in process.text
     assert f"127.0.0.1:{FREE_PORT + bench.domain}" in process.text
-    assert Bag(folder).topics[RIG_STATE].count == 300
+    assert Bag(folder).topics[RIG_STATE].count == 500
     assert {name for part in Bag(folder)._files for name in part.topics} >= {"/rig2/rig/state", "/rig2/whirl/state"}
 
 
