@@ -28,7 +28,7 @@ from drill_twin.ros.entry_points import load
 
 
 class ComposedTwin:
-    """What the process has beside the parameters of its nodes: a flag for each node but the simulator."""
+    """Name of the process, and its own parameters: a flag for each node but the simulator."""
 
     NAME: ClassVar = "twin"
     PURPOSE: ClassVar = "Nodes in one process, with a flag for each; a parameter reaches all that have it."

@@ -64,13 +64,14 @@ def test_scene_keys_are_those_of_the_models(printed):
 def test_commands_and_parameters(printed):
     from drill_twin.cli.app import app
     from drill_twin.ros import entry_points
+    from drill_twin.ros.composed_twin import ComposedTwin
 
     names = get_command(app).list_commands(None)
     assert _headings(printed("commands")) == [f"drill-twin {name}" for name in names]
     text = printed("nodes")
     assert _headings(text) == [*entry_points.NODES, "twin"]
     wanted = {item.name for name in entry_points.NODES for item in entry_points.load(name).PARAMETERS}
-    assert _keys(text) == wanted | {"record"}
+    assert _keys(text) == wanted | {item.name for item in ComposedTwin.PARAMETERS}
 
 
 def test_names_of_the_python_api(printed):
