@@ -17,8 +17,8 @@ ROS := $(if $(AMENT_PREFIX_PATH),$(shell python3 -c 'import rclpy; print("source
 ifeq ($(ROS),sourced)
   CANDIDATES := python3
   VENV_FLAGS := --system-site-packages
-  # Its numpy (1.26 on Ubuntu 24.04) stays, and so does everything ROS.
-  NOT_PINNED := -e '^numpy==' -e '^setuptools==' -e '^ros-'
+  # Its numpy (1.26 on Ubuntu 24.04) stays, and so does everything ROS; the pandas of constraints.txt needs numpy 2.
+  NOT_PINNED := -e '^numpy==' -e '^pandas==' -e '^setuptools==' -e '^ros-'
   INSTEAD_OF_ROS := 'numpy<2'
   KIND := sourced-ros
 else

@@ -38,20 +38,20 @@ setup(
         "numpy>=1.26,<2.6",  # 1.26: what Ubuntu 24.04 gives ROS Jazzy; 2.6: what numba does not take yet
         "pint>=0.24.4",
         "plotly>=5.20",
-        "pydantic>=2.7",
+        "pydantic>=2.12",  # 2.7 to 2.11 take a scene without a name
         "pyyaml",
         "rich>=13",
-        "rosbags>=0.11",
-        "scipy>=1.11",
+        "rosbags>=0.11.6",  # 0.11.0 to 0.11.5 refuse messages that Fast DDS pads at the end
+        "scipy>=1.11",  # 1.11: what Ubuntu 24.04 has
         "setuptools",
         "typer>=0.19",
-        "websockets>=13",
+        "websockets>=14",  # 13 has no bound of the messages that wait for a client
         "zstandard",
     ],
     extras_require={
         "docs": ["furo", "myst-parser", "sphinx"],
         "test": [
-            "asyncua>=1.1",
+            "asyncua>=1.1.8",
             "colcon-common-extensions",
             "distributed>=2024.5",
             "filterpy>=2",
@@ -73,7 +73,7 @@ setup(
         "dask": ["distributed>=2024.5"],
         "foxglove": ["foxglove-sdk>=0.14"],
         "las": ["lasio>=0.31"],
-        "opcua": ["asyncua>=1.1", "cryptography"],
+        "opcua": ["asyncua>=1.1.8", "cryptography"],
         "xarray": ["xarray"],
     },
     zip_safe=False,

@@ -137,11 +137,13 @@ def append(history: History, full: Bin, vector: ComplexArray, contact: Array, ra
         gap = full.numbers[REVOLUTIONS] - clock[last, REVOLUTIONS] > LARGEST_STEP or elapsed > LONGEST_PAUSE
     for row in range(2):
         for k in range(contact.size):
-            step, expected = vector[row, k], 0.0
+            step, before, expected = vector[row, k], parts[last, row, k], 0.0
             if abs(step) <= NEGLIGIBLE * abs(full.position[k]):
                 step = 0j
+            elif counts[APPENDED] and abs(before) <= NEGLIGIBLE * abs(parts[last, POSITION, k]):
+                step = 0j  # from a vector that is round-off any angle would be as good
             elif counts[APPENDED]:
-                step *= parts[last, row, k].conjugate()
+                step *= before.conjugate()
                 if rate[k] != 0.0 and abs(vector[0, k]) > LEADING * abs(vector[row, k]):
                     expected = rate[k] * elapsed
                     step *= complex(math.cos(expected), -math.sin(expected))

@@ -18,6 +18,14 @@ def test_findings_are_what_they_were(name):
     assert difference(KNOWN[name], values(marks, samples())) == ""
 
 
+def test_round_off_of_the_samples_moves_findings_by_no_more():
+    """The first bins are those of the run-out exactly: what is left of them has no direction that may count."""
+    marks, samples = cases()["forward"]
+    random = np.random.default_rng(1)
+    moved = ((stamp, at * (1.0 + 1e-15 * random.normal(size=at.shape)), *rest) for stamp, at, *rest in samples())
+    assert difference(KNOWN["forward"], values(marks, moved)) == ""
+
+
 @pytest.mark.parametrize("name", ["passing", "without spin", "rolling, forces"])
 def test_a_block_of_samples_is_as_its_samples(name):
     marks, samples = cases()[name]

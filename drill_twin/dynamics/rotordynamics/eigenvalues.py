@@ -101,7 +101,7 @@ def damped_modes(pencil: Pencil) -> tuple[ComplexArray, ComplexArray]:
     size = pencil.mass.shape[0]
     if size <= MOST_UNKNOWNS:
         return eigenvalues(Pencil(*(as_dense(matrix) for matrix in pencil)))
-    unit = scipy.sparse.eye_array(size)
+    unit = scipy.sparse.diags_array(np.ones(size))
     left = scipy.sparse.block_array([[None, unit], [-_sparse(pencil.stiffness), -_sparse(pencil.damping)]])
     values, vectors = nearest_to_zero(left, scipy.sparse.block_diag([unit, _sparse(pencil.mass)]))
     return values, vectors[:size]
@@ -182,7 +182,7 @@ def delayed_modes(pencil: Pencil, delay: Delay, points: int = POINTS) -> tuple[C
     """
     m = pencil.mass.shape[0]
     transport = 2.0 / delay.time * differentiation(points)[1:]
-    unit, force, arm = sp.eye_array(m), np.zeros((m, points)), np.zeros((points, m))
+    unit, force, arm = sp.diags_array(np.ones(m)), np.zeros((m, points)), np.zeros((points, m))
     force[:, -1] = delay.force
     arm[:] = np.outer(transport[:, 0], delay.arm)
     left = sp.block_array([
@@ -190,7 +190,7 @@ def delayed_modes(pencil: Pencil, delay: Delay, points: int = POINTS) -> tuple[C
         [sp.csc_array(-pencil.stiffness), sp.csc_array(-pencil.damping), sp.csc_array(force)],
         [sp.csc_array(arm), None, sp.csc_array(transport[:, 1:])],
     ])  # fmt: skip
-    right = sp.block_diag([unit, sp.csc_array(pencil.mass), sp.eye_array(points)])
+    right = sp.block_diag([unit, sp.csc_array(pencil.mass), sp.diags_array(np.ones(points))])
     if m <= MOST_UNKNOWNS:
         values, vectors = np.linalg.eig(np.linalg.solve(as_dense(right), as_dense(left)))
     else:

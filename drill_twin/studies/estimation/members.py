@@ -85,7 +85,7 @@ class EstimatorMembers:
         self._full = {key: full_key(key, scene) for key in self.keys if key != LOAD}
         self._seeds = [seed + number + 1 for number in range(count)]
         self._check()
-        drawn = stats.qmc.Sobol(len(ranges), rng=np.random.default_rng(seed)).random(count)
+        drawn = stats.qmc.Sobol(len(ranges), seed=np.random.default_rng(seed)).random(count)
         self.normal: Array = special.ndtri(np.clip(drawn, 1e-4, 1.0 - 1e-4))
         self.twins = [Twin(self._scene(number)) for number in range(count)]
         self.lateral, self._reader = LateralMotion(scene, self.twins[0]), SubReader(scene, self.twins[0], self.subs)

@@ -105,7 +105,7 @@ def sample(
 def _draws(proposal: tuple[Array, Array] | None, count: int, dimensions: int, generator: np.random.Generator) -> Array:
     """Draws in the space where the prior is standard normal: quasi-random (Sobol) from it, else from a proposal."""
     exponent = (count - 1).bit_length()  # Sobol's points are balanced in powers of two
-    uniform = stats.qmc.Sobol(dimensions, rng=generator).random_base2(exponent)[:count]
+    uniform = stats.qmc.Sobol(dimensions, seed=generator).random_base2(exponent)[:count]
     prior: Array = special.ndtri(np.clip(uniform, 1e-9, 1.0 - 1e-9))
     if proposal is None:
         return prior

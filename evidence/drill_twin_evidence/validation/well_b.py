@@ -146,7 +146,7 @@ def search(folder: Path, scene: Scene) -> dict[str, float]:
         return np.array([misfit(folder, run) for run in runs_of(folder, scene, vary)])
 
     best = optimize.differential_evolution(
-        misfits, list(FREE.values()), x0=own, rng=1, maxiter=GENERATIONS,
+        misfits, list(FREE.values()), x0=own, seed=1, maxiter=GENERATIONS,
         popsize=-(-POPULATION // len(FREE)), vectorized=True, updating="deferred", polish=False,
     )  # fmt: skip
     return dict(zip(FREE, best.x.tolist(), strict=True))

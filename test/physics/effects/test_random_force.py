@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 from rod_scenes import AT_REST, FIRST, FORMS, LENGTH, LINE_MASS, first_mode, quiet_scene
+from scipy.integrate import trapezoid
 
 from drill_twin.dynamics.twin.twin import Twin
 
@@ -40,13 +41,13 @@ def test_how_a_mode_answers() -> None:
     rms, time, length, drag = 0.02, 0.15, 0.8, 0.4 * LINE_MASS * FIRST
     arc = np.linspace(0.0, LENGTH, 501)
     shape = first_mode(arc)[0]
-    norm = np.trapezoid(shape**2, arc)
+    norm = trapezoid(shape**2, arc)
     correlation = np.exp(-(((arc[:, None] - arc) / length) ** 2) / 2.0)
     share = shape @ correlation @ shape * (arc[1] / norm) ** 2
     w = np.linspace(-60.0, 60.0, 20001)
     spectrum = time / np.sqrt(2.0 * np.pi) * np.exp(-((w * time) ** 2) / 2.0)
     response = np.abs(LINE_MASS * (FIRST**2 - w**2) + 1j * drag * w) ** -2
-    exact = rms**2 * share * np.trapezoid(spectrum * response, w)
+    exact = rms**2 * share * trapezoid(spectrum * response, w)
     squares = []
     for seed in range(1, 13):
         force = {"rms": rms, "correlation_time": time, "correlation_length": length, "seed": seed}
