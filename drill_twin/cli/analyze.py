@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -82,8 +83,6 @@ def analyze(
     The analysis is that of the analyzer node; findings that the node recorded live are compared byte for byte. A bag
     whose recorder was killed is read up to its last complete message.
     """
-    from itertools import chain
-
     from drill_twin.report.summary import summarise, to_json
 
     if out is not None:
@@ -168,9 +167,9 @@ def _selection(
     """The part of a bag that the options name.
 
     Raises:
-        BagError: The value of an option is invalid.
+        ArgumentError, BagError: The value of an option is invalid.
     """
-    from drill_twin.core.units import UnitError, parse
+    from drill_twin.api.scenes import in_si
     from drill_twin.core.units.dimension import LENGTH
     from drill_twin.io.bag.reader import parse_remappings
     from drill_twin.report.selection import Selection
@@ -182,11 +181,8 @@ def _selection(
     if sub and marks:
         raise BagError(f"--marks: expected none beside --sub, which is analysed instead of marks, found {marks[0]}")
     names = parse_remappings(topics, "--map")
-    lengths = []
-    for option, text in (("--clearance", clearance), ("--rim", rim)):
-        try:
-            lengths.append(parse(text, LENGTH) if text else None)
-        except UnitError as error:
-            raise BagError(f"{option}: {error}") from error
+    lengths = [
+        in_si(option, text, LENGTH) if text else None for option, text in (("--clearance", clearance), ("--rim", rim))
+    ]
     chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
     return Selection(chosen, begin, end, names, namespace or None, lengths[0], lengths[1] or 0.0, sub or "")

@@ -14,6 +14,7 @@ from drill_twin.cli.emit import emit
 from drill_twin.cli.fit import range_option
 from drill_twin.cli.options import JsonOption, SetOption, folder_option, overrides
 from drill_twin.cli.show import remark
+from drill_twin.core.errors import ArgumentError, RunError
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
@@ -58,7 +59,6 @@ def estimate(
 ) -> None:
     """Follow a record as the node `estimator` follows a rig: numbers, virtual sensors, chance of whirl, alarms."""
     import drill_twin as dt
-    from drill_twin.core.errors import ArgumentError, RunError
     from drill_twin.studies.estimation import CHANNELS, SET_POINTS
     from drill_twin.studies.estimation.figure import estimate_figure
     from drill_twin.studies.estimation.prediction import held_text

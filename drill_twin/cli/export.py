@@ -82,17 +82,14 @@ def drillbotics(
 
     Needs the extra `las`. Exit code 1 where a rule is broken.
     """
+    from drill_twin.api.scenes import in_si
     from drill_twin.cli.analyze import default_folder
     from drill_twin.core.files.yaml_reader import plain_yaml
-    from drill_twin.core.units import UnitError, parse
     from drill_twin.core.units.dimension import FREQUENCY
     from drill_twin.gateway.drillbotics import LOWEST_RATE, TIMESERIES, check_log, check_timeseries, read_log
     from drill_twin.report.selection import Selection, open_bag
 
-    try:
-        rows = parse(rate, FREQUENCY)
-    except UnitError as error:
-        raise ArgumentError(f"--rate: {error}") from None
+    rows = in_si("--rate", rate, FREQUENCY)
     if not LOWEST_RATE <= rows <= 1000.0:
         raise ArgumentError(f"--rate: expected {LOWEST_RATE:g} Hz, which the rules ask for, to 1000 Hz, found {rate}")
     folder = out or default_folder(bag)

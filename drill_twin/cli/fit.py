@@ -12,6 +12,7 @@ import typer
 from drill_twin.cli.emit import emit
 from drill_twin.cli.options import JsonOption, SetOption, folder_option, overrides
 from drill_twin.cli.show import remark
+from drill_twin.core.errors import SceneError
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
@@ -51,7 +52,6 @@ def fit(
 ) -> None:
     """Numbers of a scene from a record, with intervals, correlations, and what the record does not determine."""
     import drill_twin as dt
-    from drill_twin.core.errors import SceneError
     from drill_twin.studies.fitting.posterior import fit_figure
 
     ranges = dict(range_option(text) for text in free)
@@ -82,8 +82,6 @@ def range_option(text: str) -> tuple[str, str]:
     Raises:
         SceneError: Another form.
     """
-    from drill_twin.core.errors import SceneError
-
     key, equals, ends = text.partition("=")
     if not equals or ".." not in ends:
         raise SceneError(f'--free: expected KEY=LO..HI, found "{text}"')

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drill_twin.cli.emit import emit, folder_name
+from drill_twin.cli.interrupt import Interrupted
 from drill_twin.cli.options import (
     JsonOption,
     ReplaceOption,
@@ -23,6 +25,7 @@ from drill_twin.cli.options import (
     overrides,
 )
 from drill_twin.cli.show import remark, shown_progress
+from drill_twin.core.errors import SceneError
 from drill_twin.core.files.output import make_folder
 
 if TYPE_CHECKING:
@@ -88,7 +91,6 @@ def operating_map(
     time asked check the windows. Writes map.json, map.csv, map.html and map.png.
     """
     from drill_twin.api.maps import operating_map as make
-    from drill_twin.core.errors import SceneError
     from drill_twin.scene import load_scene
     from drill_twin.studies.maps.drawing import build_page, map_figure
 
@@ -125,8 +127,6 @@ def operating_map(
 @contextmanager
 def _shown_runs(runs: int, folder: Path) -> Iterator[Callable[[str, int, int], None]]:
     """Progress with the time that all runs allowed would take, and what to do after Ctrl-C."""
-    from drill_twin.cli.interrupt import Interrupted
-
     began, first = time.monotonic(), -1
 
     def left(done: int) -> str:
@@ -159,7 +159,6 @@ def said_time(seconds: float) -> str:
 def _shown(found: OperatingMap, scene: Scene) -> Iterator[str]:
     """Runs, shares of the regimes, window, and margin of the scene's own set-point."""
     import math
-    from collections import Counter
 
     from drill_twin.studies.maps.regimes import REGIMES
 

@@ -24,6 +24,7 @@ from drill_twin.cli.options import (
     overrides,
 )
 from drill_twin.cli.show import findings_shown, remark, shown_progress
+from drill_twin.core.errors import RunStopped
 
 if TYPE_CHECKING:
     from drill_twin.report.recording import Recording
@@ -159,7 +160,6 @@ def _drill(session: Session, bag: Path) -> tuple[Outcome, int]:
     Returns:
         The outcome, and the number of the signal; 0 without one.
     """
-    from drill_twin.core.errors import RunStopped
     from drill_twin.runs import Progress as State
 
     announced = False

@@ -182,7 +182,6 @@ def new(
     replace: ReplaceOption = False,
 ) -> None:
     """Make a scene from a well plan; in a terminal, what is not given is asked for."""
-    from drill_twin.core.errors import SceneError
     from drill_twin.scene.lines import yaml_text
     from drill_twin.scene.well_plan.plan import WellPlan
 
@@ -205,8 +204,6 @@ def new(
 
 
 def _ask(option: str) -> str:
-    from drill_twin.core.errors import SceneError
-
     if not sys.stdin.isatty():
         raise SceneError(f"{option}: expected it, found nothing. {ASKED[option]}")
     answer: str = typer.prompt(ASKED[option], err=True)

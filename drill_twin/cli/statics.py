@@ -22,6 +22,7 @@ from drill_twin.cli.options import (
     overrides,
 )
 from drill_twin.cli.show import shown_progress
+from drill_twin.core.errors import SceneError
 from drill_twin.core.files.output import make_folder
 from drill_twin.core.table import Table
 
@@ -77,14 +78,10 @@ def statics(
 
 
 def _speed(option: str, text: str) -> float:
-    from drill_twin.core.errors import SceneError
-    from drill_twin.core.units import parse
+    from drill_twin.api.scenes import in_si
     from drill_twin.core.units.dimension import SPEED
 
-    try:
-        value = parse(text, SPEED)
-    except SceneError as error:
-        raise SceneError(f"{option}: {error}") from None
+    value = in_si(option, text, SPEED)
     if value <= 0.0:
         raise SceneError(f'{option}: expected a speed above 0, found "{text}"; the operation says the direction')
     return value

@@ -22,6 +22,7 @@ from drill_twin.cli.options import (
     overrides,
 )
 from drill_twin.cli.show import shown_progress
+from drill_twin.core.errors import SceneError
 from drill_twin.core.table import Table
 
 if TYPE_CHECKING:
@@ -177,7 +178,6 @@ def _shown_branches(
 
 def _simulated(scene: Scene, key: str, low: float, high: float, count: int) -> list[tuple[float, SimulatedWhirl]]:
     """Runs in time at values inside the range, ends left out."""
-    from drill_twin.core.errors import SceneError
     from drill_twin.studies.whirl_states import simulated_whirl, with_command
 
     if count and key not in {"load", "speed"}:
@@ -192,8 +192,6 @@ def _simulated(scene: Scene, key: str, low: float, high: float, count: int) -> l
 
 
 def _range(over: str) -> tuple[str, float, float]:
-    from drill_twin.core.errors import SceneError
-
     key, _, span = over.partition("=")
     low, _, high = span.partition(":")
     try:

@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from drill_twin.core import __version__
 from drill_twin.core.errors import RunError, SceneError
 from drill_twin.dynamics.discretisation.resolution import resolution_of
 from drill_twin.dynamics.twin.twin import Twin
@@ -177,8 +178,6 @@ def measure(
         SceneError: The scene is invalid, or could not be run at any resolution.
         RunError: The converged run fails.
     """
-    from drill_twin.core import __version__
-
     described = load_scene(scene, overrides=dict(overrides))
     exact = converged(resolutions)
     keys: list[tuple[Resolution, int | None]] = [(exact, None), *((exact, seed) for seed in range(replicas))]
@@ -228,5 +227,5 @@ def _with_front(measured: list[MeasuredRun]) -> list[MeasuredRun]:
     for one in sorted(measured, key=lambda run: (run.cost, run.errors.controlled)):
         on_front = one.resolution.tolerance is None and one.errors.controlled < best
         best = one.errors.controlled if on_front else best
-        result.append(MeasuredRun(**{**one.__dict__, "on_front": on_front}))
+        result.append(replace(one, on_front=on_front))
     return result

@@ -12,6 +12,7 @@ from scipy import stats
 
 from drill_twin.core.arrays import number_or_none
 from drill_twin.scene import Scene
+from drill_twin.studies.accuracy.errors import statistics
 from drill_twin.studies.accuracy.motion_run import run_motion
 
 
@@ -48,13 +49,10 @@ def run_trial(scene: Scene, seed: int | None = None) -> Trial:
         RunError: The motion could not be followed.
     """
     motion = run_motion(scene, seed)
-    late = 2 * np.arange(1, motion.time.size + 1) > motion.time.size
-    radius = np.hypot(motion.centre[late, :, 0], motion.centre[late, :, 1]) / motion.clearance
     return Trial(
         number_or_none(motion.onset),
         number_or_none(motion.frequency),
-        float(radius.mean(axis=1).mean()),
-        float(motion.contact[late].mean()),
+        *statistics(motion),
         motion.cost,
         motion.cost / (max(motion.iteration_rate, 1.0) * motion.elements),
     )
