@@ -61,7 +61,7 @@ def analyze(
             "--clearance", metavar="LENGTH", help='Clearance of the marks, for a bag without a scene: "36 mm".'
         ),
     ] = "",
-    rim: Annotated[
+    outer_radius: Annotated[
         str,
         typer.Option(
             "--rim", metavar="LENGTH", help="Outer radius of the string at these marks, if they are on its surface."
@@ -88,7 +88,7 @@ def analyze(
     if out is not None:
         check_new(out, replace=replace)
     with shown_progress("analysing the bag"):
-        selection = _selection(marks, begin, end, topics, clearance, rim, namespace, sub)
+        selection = _selection(marks, begin, end, topics, clearance, outer_radius, namespace, sub)
         recording = _recording(bag, scene, selection)
         summary = summarise(recording)
         if states:
@@ -160,7 +160,7 @@ def _selection(
     end: float,
     topics: list[str],
     clearance: str,
-    rim: str,
+    outer_radius: str,
     namespace: str,
     sub: str | None = None,
 ) -> Selection:
@@ -182,7 +182,8 @@ def _selection(
         raise BagError(f"--marks: expected none beside --sub, which is analysed instead of marks, found {marks[0]}")
     names = parse_remappings(topics, "--map")
     lengths = [
-        in_si(option, text, LENGTH) if text else None for option, text in (("--clearance", clearance), ("--rim", rim))
+        in_si(option, text, LENGTH) if text else None
+        for option, text in (("--clearance", clearance), ("--rim", outer_radius))
     ]
     chosen = tuple(name.strip() for text in marks for name in text.split(",") if name.strip())
     return Selection(chosen, begin, end, names, namespace or None, lengths[0], lengths[1] or 0.0, sub or "")

@@ -73,7 +73,7 @@ def modes(
     with shown_progress("computing"):
         table = rotordynamics.modes(own, count=count)
         fastest, heaviest = 2.0 * (abs(command.rotation) or 10.0), 2.0 * (abs(command.weight_on_bit) or 1.0)
-        diagram = grown = None
+        diagram = growth_rates = None
         if campbell:
             speeds = np.linspace(0.0, fastest, campbell + 1)[1:]
             if command.rotation:  # one of the speeds, since there the modes have the numbers of the table
@@ -81,16 +81,16 @@ def modes(
             diagram = rotordynamics.campbell(own, speeds=speeds, count=count, numbered_at=abs(command.rotation))
         if growth:
             speeds, loads = np.linspace(0.0, fastest, growth + 1)[1:], np.linspace(0.0, heaviest, growth)
-            grown = rotordynamics.growth_map(own, weights=loads, speeds=speeds)
+            growth_rates = rotordynamics.growth_map(own, weights=loads, speeds=speeds)
     result, named = modes_data(table), own.name
     arc = mesh(own, resolution_of(own)[0]).arc
     figures = {"modes.png": lambda: shapes_figure(table, arc, named)}
     if diagram is not None:
         result["campbell"] = campbell_data(diagram)
         figures["campbell.png"] = lambda: campbell_figure(diagram, named)
-    if grown is not None:
-        result["growth"] = growth_data(grown)
-        figures["growth.png"] = lambda: growth_figure(grown, named)
+    if growth_rates is not None:
+        result["growth"] = growth_data(growth_rates)
+        figures["growth.png"] = lambda: growth_figure(growth_rates, named)
     emit(result, _shown(table, diagram, named), json=json, folder=out, files={"modes.json": result, **figures})
 
 

@@ -52,7 +52,7 @@ class Selection:
     """Namespace of the twin; None: the only one in the bag."""
     clearance: float | None = None
     """Clearance of the marks [m], for a bag without a scene."""
-    rim: float = 0.0
+    outer_radius: float = 0.0
     """Outer radius of the string at the marks [m], for a bag without a scene; 0 for marks on the centre line."""
     sub: str = ""
     """Downhole sub whose readings are analysed instead of the marks; empty: the one with most readings in a bag without
@@ -109,7 +109,7 @@ def marks_without_scene(bag: Bag, selection: Selection) -> Sequence[MarkInfo]:
     """Marks of a bag without a scene, from the names of the joints in most messages; empty without a clearance.
 
     Raises:
-        AnalysisError: The clearance or the rim is not a valid length.
+        AnalysisError: The clearance or the outer radius is not a valid length.
     """
     if selection.clearance is None:
         return ()
@@ -119,9 +119,9 @@ def marks_without_scene(bag: Bag, selection: Selection) -> Sequence[MarkInfo]:
             layouts[reader.read(raw).names] += 1
     names = layouts.most_common(1)[0][0] if layouts else ()
     marks = [name.removesuffix("/x") for name in names if name.endswith("/x")]
-    on = "wall" if selection.rim else "centre"
+    on = "wall" if selection.outer_radius else "centre"
     return [
-        MarkInfo(mark, float(k), on, selection.rim, selection.clearance)  # type: ignore[arg-type]
+        MarkInfo(mark, float(k), on, selection.outer_radius, selection.clearance)  # type: ignore[arg-type]
         for k, mark in enumerate(marks)
     ]
 

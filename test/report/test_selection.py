@@ -95,7 +95,7 @@ def test_bag_without_a_scene_needs_the_clearance(foreign, write):
     bag = write(foreign)
     with pytest.raises(BagError, match=r"expected the scene .* --scene, or give --clearance"):
         summarise(bag)
-    found = chosen(bag, clearance=0.08175, rim=0.00825)
+    found = chosen(bag, clearance=0.08175, outer_radius=0.00825)
     assert found["scene"] is None
     assert found["onset_s"] == pytest.approx(3.1, abs=0.3)
     assert found["precession_ratio"] == pytest.approx(-0.3, abs=0.02)
@@ -126,7 +126,7 @@ def test_mapped_onto_one_that_is_there(known_bag):
 def test_neither_rig_states_nor_spin(foreign, write):
     bag = write([row for row in foreign if row[0] != RIG_STATE])
     with pytest.raises(BagError, match=r"expected the rotation, .* found neither"):
-        chosen(bag, clearance=0.08175, rim=0.00825)
+        chosen(bag, clearance=0.08175, outer_radius=0.00825)
 
 
 def test_marks_alone_are_drawn(messages, write, tmp_path):
