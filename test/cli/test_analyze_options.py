@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drill_twin.cli.app import app
-from drill_twin.core.errors import BagError
+from drill_twin.core.errors import ArgumentError, BagError
 
 
 def ran(*arguments):
@@ -43,5 +43,5 @@ def test_every_mark_has_its_timeline(bench_run):
 def test_options_that_are_none(bench_run, options, words):
     result = ran(bench_run.bag, *options)
     assert result.exit_code != 0
-    assert isinstance(result.exception, BagError)
+    assert isinstance(result.exception, (ArgumentError, BagError))
     assert words in str(result.exception)
