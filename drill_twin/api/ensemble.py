@@ -78,8 +78,8 @@ class Ensemble:
 
         Args:
             duration: Simulated time [s]; left out: to the end of the base scene.
-            outputs: Of "findings", "extremes", "contact", "marks", "channels", "spectra" and "energy".
-            mark_rate: Samples of "marks" and "channels" per simulated second [Hz], at most the frame rate.
+            outputs: Of "findings", "extremes", "contact", "marks", "channels", "instants", "spectra" and "energy".
+            mark_rate: Samples of "marks", "channels" and "instants" per simulated second [Hz], at most the frame rate.
             workers: Threads; by default one for each processor core.
             dask: Address of a Dask scheduler, on whose workers the members are run instead.
             progress: Called with the number of members that have ended and of all.

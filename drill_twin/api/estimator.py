@@ -17,6 +17,7 @@ from drill_twin.api.parameter_fit import range_of
 from drill_twin.api.scenes import Overrides, as_scene
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, SceneError
+from drill_twin.core.rig_channels import INSTANT
 from drill_twin.scene import Scene
 from drill_twin.scene.problems import nearest
 from drill_twin.studies.estimation import CHANNELS, LOAD, SET_POINTS, EnsembleFilter, Estimate, EstimatorOptions, Intake
@@ -59,7 +60,8 @@ class Estimator:
             free: Range of each free number by key, as of `fit`: numbers of effects and of `rig.top_drive`, and
                 `load_factor`, weight on bit over the one that is commanded or indicated.
             channels: Channels that correct: torque, motor_torque (with inertia and bearings of the drive), hookload,
-                top_drive_speed, bit_speed.
+                top_drive_speed, bit_speed. Samples are means since the last one; those of "torque@instant" are
+                values at their times.
             subs: Downhole subs whose readings correct, by their names in the scene's `sensors`; those of a real rig may
                 be `measured/NAME`.
             overrides: Values that replace those of the scene.
@@ -70,12 +72,14 @@ class Estimator:
             SceneError: A range does not fit the scene.
         """
         self.scene = as_scene(scene, overrides)
+        instant = _instant(channels)
+        channels = [str(name).removesuffix(INSTANT) for name in channels] if instant else channels
         _check(channels, free)
         self.channels = tuple(channels)
         ranges = {key: _ends(given) if key == LOAD else _range(self.scene, key, given) for key, given in free.items()}
         subs = (subs,) if isinstance(subs, str) else tuple(subs)
-        self.filter = EnsembleFilter(self.scene, ranges, channels, options or EstimatorOptions(), subs)
-        self.intake = Intake(self.filter.pace, self.scene, channels, self.filter.members.subs)
+        self.filter = EnsembleFilter(self.scene, ranges, channels, options or EstimatorOptions(), subs, instant)
+        self.intake = Intake(self.filter.pace, self.scene, channels, self.filter.members.subs, instant)
         self._subs = {name: number for number, name in enumerate(subs)}
 
     def take(self, stamp: float, values: Mapping[str, float] = _NOTHING) -> bool:
@@ -192,6 +196,12 @@ def _numbers(scene: Scene) -> Iterator[str]:
     content = scene.model_dump(mode="json", exclude_none=True)
     for place, block in {**content["effects"], "rig.top_drive": content["rig"].get("top_drive", {})}.items():
         yield from (f"{place}.{name}" for name, value in block.items() if type(value) in {int, float})
+
+
+def _instant(channels: Sequence[str]) -> frozenset[str]:
+    """Channels whose samples are values at their times, without the ending of their names."""
+    names = () if isinstance(channels, str) else map(str, channels)
+    return frozenset(name.removesuffix(INSTANT) for name in names if name.endswith(INSTANT))
 
 
 def _ends(given: str | tuple[float, float]) -> tuple[float, float]:

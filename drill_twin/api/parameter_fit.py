@@ -14,6 +14,7 @@ from drill_twin.api.ensemble import Ensemble
 from drill_twin.api.scenes import Overrides, Quantity, as_scene, in_si, override
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, RunError
+from drill_twin.core.rig_channels import INSTANT
 from drill_twin.core.units.dimension import FREQUENCY, TIME
 from drill_twin.scene import Scene
 from drill_twin.studies.fitting import (
@@ -60,7 +61,7 @@ def fit(
         free: Range of each number by key: "0.05..0.5", with units where they are needed ("1 s/m..1e3 s/m"), or SI.
             The prior is uniform, in the logarithm if the ends are positive and differ by a factor of 20 or more.
         channels: Columns of a file, as `drill_twin.studies.fitting.record.channel_column` parses them; names of those
-            of a bag.
+            of a bag. Samples are means since the last one; those of "torque@instant" are values at their times.
         overrides: Values that replace those of the scene.
         likelihood: "series", or "features" of windows, where the phase of the motion is not determined.
         start: Time from which record and runs are compared [s].
@@ -105,17 +106,17 @@ def fit(
         nonlocal time, measured, failed
         drawn = in_ranges(cube, ranges)
         vary = {key: drawn[:, place].tolist() for place, key in enumerate(ranges)}
-        runs = Ensemble(base, vary, zipped=True).run(
-            length, outputs=("channels",), mark_rate=frequency, workers=workers
-        )
+        outputs = ("channels", "instants") if found.instant else ("channels",)
+        runs = Ensemble(base, vary, zipped=True).run(length, outputs=outputs, mark_rate=frequency, workers=workers)
         failed += len(runs.failed)
         if not measured:
             time = runs["time"][runs["time"] >= first]
             measured = {channel: found.at(channel, time) for channel in found.series}
-        batches.append({channel: runs[channel][:, -time.size :] for channel in measured})
+        computed = {name: f"{name}{INSTANT}" if name in found.instant else name for name in measured}
+        batches.append({name: runs[of][:, -time.size :] for name, of in computed.items()})
         merged = {channel: np.concatenate([batch[channel] for batch in batches]) for channel in measured}
         period = float(time[1] - time[0])
-        result = LIKELIHOODS[likelihood](measured, merged, period, in_si("window", window, TIME))
+        result = LIKELIHOODS[likelihood](measured, merged, period, in_si("window", window, TIME), len(ranges))
         if not np.isfinite(result).any():
             raise RunError(
                 f"fit: no run of {failed} could be followed to {length:g} s: {next(iter(runs.failed.values()))}"

@@ -100,12 +100,17 @@ def estimate(
 
 
 def _shown(found: Estimate, name: str, held: str, troubles: dict[str, int]) -> Iterator[Table | str]:
+    from drill_twin.studies.goodness import table as goodness_table
+
+    if found.alarm:
+        yield found.alarm
     rows = [
         (name, f"{band.mean:.4g}", f"{band.deviation:.2g}", f"{band.low:.4g}", f"{band.high:.4g}")
         for name, band in {**found.numbers, **found.sensors}.items()
     ]
     title = f"{name} at {found.time:g} s"
     yield Table(("SI", "mean", "deviation", "low", "high"), rows, title=title, right=(1, 2, 3, 4))
+    yield goodness_table(found.goodness)
     yield held
     yield _line(found)
     if troubles:
@@ -120,4 +125,4 @@ def _line(found: Estimate) -> str:
 def _plain(found: Estimate) -> dict[str, Any]:
     plain = asdict(found)
     del plain["frames"]
-    return plain | {"alarm": found.alarm}
+    return plain | {"alarm": found.alarm, "goodness": {name: of.to_dict() for name, of in found.goodness.items()}}

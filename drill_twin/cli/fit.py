@@ -91,6 +91,10 @@ def range_option(text: str) -> tuple[str, str]:
 def _shown(found: Posterior) -> Iterator[Table | Text | str]:
     from rich.text import Text
 
+    from drill_twin.studies.goodness import table as goodness_table
+
+    if found.unexplained:
+        yield Text(f"{found.unexplained}; intervals count with what is left, not with what is hidden in it", "bold red")
     rows = []
     for key in found.ranges:
         inside = [f"{found.quantile(key, share):.4g}" for share in (0.05, 0.5, 0.95)]
@@ -101,3 +105,4 @@ def _shown(found: Posterior) -> Iterator[Table | Text | str]:
         yield Text("the draws are still wider than the record allows; more --rounds narrow the intervals", "yellow")
     for line in found.undetermined:
         yield f"not determined: {line}"
+    yield goodness_table(found.goodness)

@@ -12,6 +12,8 @@ RIG_JOINTS = ("top_drive", "bit", "block", "bit_axial")
 """Joints of `/rig/state`; in each, effort times velocity is a power: `bit` turns, `bit_axial` goes down."""
 ARRAYS = ("position", "velocity", "effort")
 """Arrays of a JointState."""
+INSTANT = "@instant"
+"""Ending of a channel's name: its samples are values at their times, and not means since the last ones."""
 
 
 class RigChannel(NamedTuple):

@@ -115,7 +115,7 @@ def test_a_rig_that_parts_from_the_model_is_a_warning(bench, estimator):
     rig.measure(400)
     status = rig.until_told(lambda status: status.level != Level.OK, hookload=3000.0)
     assert status.level == Level.WARN
-    assert status.text.startswith("misfit far above the usual: hookload since ")
+    assert status.text.startswith("misfit far above the predicted: hookload since ")
     last = decode_diagnostics(found[-1])[1]
     assert last[0].level == Level.ERROR
     assert last[0].values["estimates"] == "doubtful"

@@ -68,6 +68,9 @@ def verdict_of(found: Estimate) -> tuple[Level, str]:
 def values_for_diagnostics(found: Estimate) -> dict[str, str]:
     """Misfit of each channel, and counts of what was left out or replaced."""
     values = {f"misfit_{name}": exact(value) for name, value in found.misfit.items()}
+    for name, of in found.goodness.items():
+        values |= {f"residual_over_noise_{name}": exact(of.ratio), f"chi_square_{name}": exact(of.chi_square)}
+        values |= {f"autocorrelation_{name}": exact(of.correlation), f"in_band_{name}": exact(of.inside)}
     return values | {"absurd_beside_the_model": str(found.absurd), "members_replaced": str(found.replaced)}
 
 

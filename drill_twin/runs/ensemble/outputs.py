@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from drill_twin.runs.ensemble.collector import Collector, Request, Variable
 from drill_twin.runs.ensemble.run_outputs import Contact, Energy, Extremes, Fatigue, LastHalf, Settling
-from drill_twin.runs.ensemble.time_outputs import Channels, Findings, Marks, Spectra
+from drill_twin.runs.ensemble.time_outputs import Channels, Findings, Instants, Marks, Spectra
 
 __all__ = ["OUTPUTS", "Collector", "Request", "Variable"]
 
@@ -19,6 +19,7 @@ OUTPUTS: Mapping[str, type[Collector]] = {
     "settling": Settling,
     "marks": Marks,
     "channels": Channels,
+    "instants": Instants,
     "spectra": Spectra,
     "energy": Energy,
     "fatigue": Fatigue,

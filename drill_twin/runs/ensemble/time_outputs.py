@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from drill_twin.core.arrays import Array, number_or_nan
+from drill_twin.core.rig_channels import INSTANT
 from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.io.messages.encode import wall_push
@@ -18,7 +19,7 @@ from drill_twin.physics.model.mesh import SPIN
 from drill_twin.runs.ensemble.collector import Collector, Request, Variable
 from drill_twin.whirl import Analyzer, BitOnlyAnalyzer, Summary
 
-_CHANNEL_UNITS = {"top_drive_torque": "N m", "motor_torque": "N m", "bit_torque": "N m", "top_drive_speed": "rad/s",
+_CHANNEL_UNITS = {"torque": "N m", "motor_torque": "N m", "bit_torque": "N m", "top_drive_speed": "rad/s",
                   "bit_speed": "rad/s"}  # fmt: skip
 
 
@@ -52,6 +53,9 @@ class Marks(Collector):
 class Channels(Collector):
     """Channels that a rig measures, each the mean since the last sample; `motor_torque` is with the drive's inertia."""
 
+    suffix = ""
+    """Ending of the names of the channels."""
+
     def __init__(self, twin: Twin, request: Request) -> None:
         super().__init__(twin, request)
         self._rows: list[Array] = []
@@ -64,8 +68,7 @@ class Channels(Collector):
         top, bit = 0.5 * (speeds[:, 1:] + speeds[:, :-1])
         motor = rig.top_drive_torque + drive.inertia * np.diff(speeds[0]) / self.request.period + drive.damping * top
         self._speeds = speeds[:, -1]
-        means = rig._replace(top_drive_speed=top, bit_speed=bit)
-        self._rows.append(np.array((rows.time, *means, motor)))
+        self._rows.append(np.array((rows.time, *self._of_frames(rig, top, bit), motor)))
 
     def close(self) -> Mapping[str, Variable]:
         """Times of the ends of the samples, and values by channel."""
@@ -74,14 +77,39 @@ class Channels(Collector):
         frames = np.concatenate(self._rows, axis=1)
         count = frames.shape[1] // every
         parts = frames[:, : count * every].reshape(len(table), count, every)
-        table[:, :count] = parts.mean(axis=2)
+        table[:, :count] = self._of_samples(parts)
         table[0, :count] = parts[0, :, -1]
         time, *values = table
-        names = (*RigSeries._fields, "motor_torque")
+        names = [name.replace("top_drive_torque", "torque") for name in (*RigSeries._fields, "motor_torque")]
         return {"time": Variable(np.round(time, 9), ("sample",), "s")} | {
-            name.replace("top_drive_torque", "torque"): Variable(value, ("sample",), _CHANNEL_UNITS.get(name, "N"))
+            f"{name}{self.suffix}": Variable(value, ("sample",), _CHANNEL_UNITS.get(name, "N"))
             for name, value in zip(names, values, strict=True)
         }
+
+    def _of_frames(self, rig: RigSeries, top: Array, bit: Array) -> RigSeries:
+        """Values of the frames, from those at their ends and the means of the speeds."""
+        return rig._replace(top_drive_speed=top, bit_speed=bit)
+
+    def _of_samples(self, parts: Array) -> Array:
+        """Values of the samples, shape (C, S), of the frames in them, shape (C, S, every)."""
+        means: Array = parts.mean(axis=2)
+        return means
+
+
+class Instants(Channels):
+    """The same channels at the ends of the samples, named CHANNEL@instant; forces and torques over the last frame."""
+
+    suffix = INSTANT
+
+    def _of_frames(self, rig: RigSeries, top: Array, bit: Array) -> RigSeries:
+        """Speeds at the ends of the frames."""
+        del top, bit
+        return rig
+
+    def _of_samples(self, parts: Array) -> Array:
+        """Values of the last frame of each sample."""
+        last: Array = parts[:, :, -1]
+        return last
 
 
 SEGMENT = 1024

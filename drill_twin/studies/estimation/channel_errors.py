@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -39,9 +38,14 @@ class ChannelErrors:
         self.absurd = 0
 
     @property
+    def stated(self) -> Array:
+        """Standard deviation that is stated for the error of a sample of each channel, shape (C,)."""
+        return np.maximum(self._share * self.scale, self._least)
+
+    @property
     def deviation(self) -> Array:
-        """Standard deviation of a sample of each channel, shape (C,)."""
-        return np.maximum(np.sqrt(self._raised), np.maximum(self._share * self.scale, self._least))
+        """The same with what innovations have shown, shape (C,)."""
+        return np.maximum(np.sqrt(self._raised), self.stated)
 
     def screen(self, predicted: Array, measured: Array) -> Array:
         """Measured samples, NaN for those that are absurd beside the others of their channel.
@@ -75,22 +79,19 @@ class ChannelErrors:
 
 _BEGIN = 10
 """Windows before the first alarm: numbers are still being found."""
-_PAST = 60
-"""Windows of which the usual misfit is the median."""
-_RATIO = 4.0
-"""Misfit over the usual one, from which a window is not explained."""
-_LEAST = 0.05
-"""Least misfit of a window that is not explained, over the scale of the channel."""
+_LIMIT = 3.0
+"""Rms innovation of a window over the predicted one, from which the window is not explained. Its samples may err alike:
+then it is the size of one normal value, which is larger in 0.3 % of the windows of a model that is right."""
 _WINDOWS = 3
 """Windows in a row that raise the alarm, or end it."""
 
 
 class ModelMismatchAlarm:
-    """Misfit of C channels over the windows."""
+    """Misfit of C channels over the windows, against what is predicted for it and not against its own past."""
 
     def __init__(self, channels: Sequence[str]) -> None:
         self._channels = list(channels)
-        self._usual: list[deque[float]] = [deque(maxlen=_PAST) for _ in channels]
+        self._seen = np.zeros(len(channels), dtype=int)
         self._odd = np.zeros(len(channels), dtype=int)
         self._good = np.zeros(len(channels), dtype=int)
         self._first = np.full(len(channels), np.nan)
@@ -106,20 +107,19 @@ class ModelMismatchAlarm:
 
         Args:
             start: Its first time [s].
-            misfit: Rms of measured less predicted mean, over the channel's scale, shape (C,); NaN where nothing was
-                measured.
+            misfit: Rms of measured less predicted mean over what members and stated errors predict, shape (C,); NaN
+                where nothing was measured.
         """
         for channel, value in enumerate(misfit):
             if not np.isfinite(value):
                 continue
-            usual = self._usual[channel]
-            if len(usual) >= _BEGIN and value > max(_RATIO * float(np.median(usual)), _LEAST):
+            self._seen[channel] += 1
+            if self._seen[channel] > _BEGIN and value > _LIMIT:
                 if self._odd[channel] == 0 and not self._raised[channel]:
                     self._first[channel] = start
                 self._odd[channel] += 1
                 self._good[channel] = 0
             else:
-                usual.append(float(value))
                 self._good[channel] += 1
                 self._odd[channel] = 0
             if self._odd[channel] >= _WINDOWS:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Integral, Real
 
@@ -12,9 +12,11 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError
+from drill_twin.core.rig_channels import INSTANT
 from drill_twin.dynamics.twin.frame import Frame
 from drill_twin.scene import Scene
 from drill_twin.studies.estimation.channel_errors import ChannelErrors, ModelMismatchAlarm
+from drill_twin.studies.estimation.innovations import Innovations, widening
 from drill_twin.studies.estimation.members import EstimatorMembers
 from drill_twin.studies.estimation.phase import PhaseCorrection
 from drill_twin.studies.estimation.prediction import Band, Prediction, WindowTiming
@@ -22,6 +24,7 @@ from drill_twin.studies.estimation.regime_resampling import RegimeResampling
 from drill_twin.studies.estimation.square_root_filter import Correction, applied, corrections
 from drill_twin.studies.estimation.subs import VALUES, speed
 from drill_twin.studies.fitting.sampling import Ranges
+from drill_twin.studies.goodness import Goodness, sentence
 
 CHANNELS = ("torque", "motor_torque", "hookload", "top_drive_speed", "bit_speed")
 """Channels that can correct: those of the surface, and the speed of a downhole tool."""
@@ -102,8 +105,9 @@ class Estimate:
             places of the centre line at the marks at the end of the window [m], MARK/x and MARK/y.
         whirls: Share of the members that whirl.
         chance: Share of those that whirl within the horizon; NaN if it is not computed.
-        unexplained: Time since which the misfit of a channel is far above its usual one [s], by name.
+        unexplained: Time since which the misfit of a channel is far above the predicted [s], by name.
         misfit: Rms of measured less predicted over the scale, by channel; NaN where nothing was measured.
+        goodness: How well the members explain each channel over the last windows, against the stated errors, by name.
         absurd: Samples left out so far.
         replaced: Members that took the state of others so far, as they were on another branch of motion.
         unmeasured: Time for which nothing sound has been measured [s]: the ensemble runs alone.
@@ -117,6 +121,7 @@ class Estimate:
     chance: float
     unexplained: Mapping[str, float]
     misfit: Mapping[str, float]
+    goodness: Mapping[str, Goodness]
     absurd: int
     replaced: int
     unmeasured: float
@@ -124,10 +129,12 @@ class Estimate:
 
     @property
     def alarm(self) -> str:
-        """Sentence while measurement and twin part; empty while they do not."""
+        """Sentences while the members do not explain what is measured; empty while they do."""
         parts = [f"{name} since {time:.1f} s" for name, time in self.unexplained.items()]
+        told = [f"misfit far above the predicted: {', '.join(parts)}"] if parts else []
+        told += [text] if (text := sentence(self.goodness)) else []
         causes = "the motion has changed, the numbers are not found yet, or the rig differs from the model"
-        return f"misfit far above the usual: {', '.join(parts)}; {causes}" if parts else ""
+        return f"{'; '.join(told)}; {causes}" if told else ""
 
 
 class EnsembleFilter:
@@ -147,6 +154,7 @@ class EnsembleFilter:
         channels: Sequence[str],
         options: EstimatorOptions,
         subs: Sequence[str] = (),
+        instant: Collection[str] = (),
     ) -> None:
         """Make the ensemble.
 
@@ -157,6 +165,7 @@ class EnsembleFilter:
             channels: Channels that correct, of `CHANNELS`.
             options: How it runs.
             subs: Subs of the scene whose readings correct.
+            instant: Channels whose samples are values at their times, and not means since the last ones.
 
         Raises:
             ArgumentError: A number that cannot be changed in the middle of a run, or a sub that the scene has not.
@@ -168,11 +177,12 @@ class EnsembleFilter:
         samples = max(1, round(options.window * frame_rate / every))
         self.pace = WindowTiming(scene.numerics.frame_period, every * samples, samples)
         self.members = EstimatorMembers(scene, ranges, options.members, self.pace, options.seed, subs)
+        self._computed = [f"{name}{INSTANT}" if name in instant else name for name in channels]
         self.channels = [*channels, *(f"{sub.name}/speed" for sub in self.members.subs)]
         self.time = 0.0
         self._errors = ChannelErrors(self.channels, options.error)
         self._resampling = RegimeResampling(options.members, options.seed)
-        self._alarm = ModelMismatchAlarm(self.channels)
+        self._innovations, self._alarm = Innovations(self.channels), ModelMismatchAlarm(self.channels)
         self._phase = PhaseCorrection(self.members, options.error)
         self._replaced, self._unmeasured = 0, 0.0
         self._distance: Array = np.zeros(options.members)
@@ -190,26 +200,30 @@ class EnsembleFilter:
         found = corrections(predicted, measured, self._errors.deviation)
         lateral = self._phase(self.members, prediction.readings, readings, found) if self.members.subs else []
         corrected = applied(found, predicted)
-        misfit = self._misfit(measured, predicted.mean(axis=0))
+        self._innovations.take(predicted, measured, self._errors.scale, self._errors.stated)
+        misfit = self._innovations.misfit
         self._errors.learn(measured, predicted.mean(axis=0), corrected.mean(axis=0))
         self.members.correct([*found, *lateral])
         self._forget()
         sensors = self._sensors(prediction, found, lateral)
-        self._alarm.take(start, misfit)
+        self._alarm.take(start, self._innovations.normalised)
         self._unmeasured = 0.0 if np.isfinite(misfit).any() else self._unmeasured + self.pace.window
         predicted = np.concatenate((predicted, self._phase.predicted), axis=1)
         measured = np.concatenate((measured, self._phase.measured))
         deviation = np.concatenate((self._errors.deviation, self._phase.errors.deviation))
         self._resample(predicted, measured, deviation)
         self._weigh_distance(applied([*found, *lateral], predicted), measured, deviation)
+        goodness = self._innovations.goodness
+        factor = widening(goodness)
         return Estimate(
             time=self.time,
-            numbers=self.members.bands,
-            sensors={name: Band.of(values) for name, values in sensors.items()},
+            numbers=self.members.bands(factor),
+            sensors={name: Band.of(values, factor) for name, values in sensors.items()},
             whirls=float(prediction.whirls.mean()),
             chance=self._chance(window.commands, float(prediction.whirls.mean())),
             unexplained=self._alarm.since,
             misfit=dict(zip(self.channels, misfit.tolist(), strict=True)),
+            goodness=goodness,
             absurd=self._errors.absurd + self._phase.errors.absurd,
             replaced=self._replaced,
             unmeasured=self._unmeasured,
@@ -226,7 +240,7 @@ class EnsembleFilter:
         pace, subs = self.pace, self.members.subs
         missing = np.full(pace.samples, np.nan)
         readings = np.full((len(subs), pace.frames, VALUES), np.nan) if window.readings is None else window.readings
-        predicted = np.stack([prediction.channels[name] for name in self._surface], axis=1)
+        predicted = np.stack([prediction.channels[name] for name in self._computed], axis=1)
         measured = np.stack([window.measured.get(name, missing) for name in self._surface])
         speeds = speed(prediction.readings.swapaxes(1, 2), pace.samples)
         return (
@@ -244,14 +258,6 @@ class EnsembleFilter:
             name: applied([*found, *lateral], values) if name in changed else values
             for name, values in prediction.sensors.items()
         } | self.members.places
-
-    def _misfit(self, measured: Array, mean: Array) -> Array:
-        """Rms of measured less predicted over the scale of each channel, shape (C,); NaN where nothing was measured."""
-        known = np.isfinite(measured)
-        square = np.where(known, (measured - mean) ** 2, 0.0).sum(axis=1)
-        count = known.sum(axis=1)
-        scale = np.maximum(self._errors.scale, np.finfo(float).tiny)
-        return np.where(count > 0, np.sqrt(square / np.maximum(count, 1)) / scale, np.nan)
 
     def _forget(self) -> None:
         """Let the spread of the numbers grow, up to that of the prior."""

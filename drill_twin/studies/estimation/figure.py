@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def estimate_figure(found: Sequence[Estimate], record: Record) -> Figure:
-    """Mean and band of each number and virtual sensor over time; below, the rms of measured less predicted.
+    """Mean and band of each number and virtual sensor over time; below, measured less predicted: rms and chi-square.
 
     A sensor that is 0 throughout, as the wall force of a string that never touches, has no panel.
 
@@ -32,8 +32,8 @@ def estimate_figure(found: Sequence[Estimate], record: Record) -> Figure:
     names += [(name, unit_of(name)) for name in found[0].sensors if any(one.sensors[name].high for one in found)]
     channels = sorted({name for one in found for name in one.misfit})
     with styled():
-        figure = laid_out(1.0 + 1.7 * (len(names) + 1), "Estimates over the record")
-        panels = figure.subplots(len(names) + 1, sharex=True, squeeze=False)[:, 0]
+        figure = laid_out(1.0 + 1.7 * (len(names) + 2), "Estimates over the record")
+        panels = figure.subplots(len(names) + 2, sharex=True, squeeze=False)[:, 0]
         for axes, (name, unit) in zip(panels, names, strict=False):
             bands = [one.numbers.get(name) or one.sensors[name] for one in found]
             low, mean, high = (np.array([getattr(band, of) for band in bands]) for of in ("low", "mean", "high"))
@@ -43,11 +43,16 @@ def estimate_figure(found: Sequence[Estimate], record: Record) -> Figure:
                 axes.plot(*record.series[name], color=BLUE, linewidth=0.8, label="record")
             axes.set_ylabel(f"{name.rpartition('.')[2].replace('_', ' ')}{f' [{unit}]' if unit else ' [SI]'}")
         for name in channels:
-            panels[-1].plot(time, [one.misfit.get(name, np.nan) for one in found], label=name.replace("_", " "))
-        panels[-1].set_ylabel("misfit [-]")
-        panels[-1].set_title("rms of measured less predicted, over the largest value", fontsize=9.5)
+            panels[-2].plot(time, [one.misfit.get(name, np.nan) for one in found], label=name.replace("_", " "))
+            of = [one.goodness[name] for one in found]
+            panels[-1].semilogy(time, [one.chi_square for one in of], label=name.replace("_", " "))
+        panels[-1].semilogy(time, [one.limit for one in of], color=VERMILION, linestyle="--", label="limit of chance")
+        panels[-2].set_ylabel("misfit [-]")
+        panels[-2].set_title("rms of measured less predicted, over the largest value", fontsize=9.5)
+        panels[-1].set_ylabel("chi-square [-]")
+        panels[-1].set_title("square of measured less predicted, over the predicted one; last 20 windows", fontsize=9.5)
         panels[-1].set_xlabel("time [s]")
-        for axes in (panels[0], panels[-1]):
+        for axes in (panels[0], panels[-2], panels[-1]):
             if axes.get_legend_handles_labels()[0]:
                 axes.legend(loc="upper right", ncols=3)
     return figure

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields
 
 import numpy as np
@@ -45,10 +45,17 @@ class Intake:
         frozen: Channels that are frozen.
     """
 
-    def __init__(self, pace: WindowTiming, scene: Scene, channels: Sequence[str], subs: Sequence[Sub] = ()) -> None:
+    def __init__(
+        self,
+        pace: WindowTiming,
+        scene: Scene,
+        channels: Sequence[str],
+        subs: Sequence[Sub] = (),
+        instant: Collection[str] = (),
+    ) -> None:
         self.troubles: Counter[str] = Counter()
         self.frozen: set[str] = set()
-        self._pace, self._channels = pace, list(channels)
+        self._pace, self._channels, self._instant = pace, list(channels), instant
         self._schedule = Schedule.from_scene(scene)
         self._origin: float | None = None  # stamp of time zero
         self._start = 0.0  # of the open window
@@ -149,13 +156,21 @@ class Intake:
         return held
 
     def _means(self, name: str, samples: Sequence[tuple[float, Mapping[str, float]]], ends: Array) -> Array:
-        """Mean of a channel over each sample of the window; NaN where nothing sound was measured."""
+        """Mean of a channel over each sample of the window; NaN where nothing sound was measured.
+
+        Of a channel whose samples are instants: the value at the end of each, linear between those in the window.
+        """
         found = np.array([(time, values.get(name, math.nan)) for time, values in samples]).reshape(-1, 2)
         found = found[np.isfinite(found[:, 1])]
         found = found[self._sound(name, found[:, 1])]
         if self._is_frozen(name, found):
             found = found[:0]
         edges = ends[:: self._pace.frames // self._pace.samples] - self._pace.period
+        spacing = float(edges[1] - edges[0]) if edges.size > 1 else self._pace.window
+        if name in self._instant and found.size:
+            at = edges + spacing
+            near = np.abs(at[:, None] - found[:, 0]).min(axis=1) < spacing - _ROUND_OFF
+            return np.where(near, np.interp(at, found[:, 0], found[:, 1]), np.nan)
         place = np.maximum(np.searchsorted(edges, found[:, 0] - _ROUND_OFF, side="right") - 1, 0)
         count = np.bincount(place, minlength=self._pace.samples)
         total = np.bincount(place, found[:, 1], minlength=self._pace.samples)

@@ -18,7 +18,7 @@ from drill_twin.dynamics.twin.frame_record import FrameSeries, RigSeries
 from drill_twin.dynamics.twin.twin import Twin
 from drill_twin.physics.model.section_stress import bending_stress
 from drill_twin.runs.ensemble.outputs import Request
-from drill_twin.runs.ensemble.time_outputs import Channels
+from drill_twin.runs.ensemble.time_outputs import Channels, Instants
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.set_points import Command
@@ -103,16 +103,15 @@ class EstimatorMembers:
         """Free numbers [SI], shape (N, d)."""
         return self._in_ranges(self.normal)
 
-    @property
-    def bands(self) -> dict[str, Band]:
-        """Bands of the free numbers [SI] by key.
+    def bands(self, factor: float = 1.0) -> dict[str, Band]:
+        """Bands of the free numbers [SI] by key, their deviations times a factor.
 
         A filter for near-linear motion knows a mean and a variance, in the space of `normal`; single members, which
         are mixed by it, have no more to say.
         """
-        ends = special.ndtri(0.5 + 0.5 * SHARE * np.array([[-1.0], [1.0]]))
+        ends = factor * special.ndtri(0.5 + 0.5 * SHARE * np.array([[-1.0], [1.0]]))
         low, high = self._in_ranges(self.normal.mean(axis=0) + ends * self.normal.std(axis=0, ddof=1))
-        of = zip(self.values.mean(axis=0), self.values.std(axis=0, ddof=1), low, high, strict=True)
+        of = zip(self.values.mean(axis=0), factor * self.values.std(axis=0, ddof=1), low, high, strict=True)
         return {key: Band(*map(float, each)) for key, each in zip(self.keys, of, strict=True)}
 
     def advance(self, commands: Array, shown: int = -1) -> tuple[list[Frame], Prediction]:
@@ -226,11 +225,13 @@ class EstimatorMembers:
         """Channels, virtual sensors, whether it whirls, and readings of the subs, of one member."""
         twin, record, pace = self.twins[number], self._record, self.pace
         commands = commands * np.array([self._load(number), 1.0, 1.0])
-        channels = Channels(twin, Request((), pace.period, pace.frames, pace.frames // pace.samples))
+        request = Request((), pace.period, pace.frames, pace.frames // pace.samples)
+        collectors = Channels(twin, request), Instants(twin, request)
         before = self._reader.start(twin)
         twin.advance_frames(commands, pace.period, record)
         rows, rig = record.frames, RigSeries.of(record.frames)
-        channels.add(rows, rig)
+        for collector in collectors:
+            collector.add(rows, rig)
         sensors = {
             "weight_on_bit": float(rig.bit_force[-1]),
             "bit_speed": float(rig.bit_speed[-1]),
@@ -239,7 +240,8 @@ class EstimatorMembers:
             "wall_force": float(rows.string[:, 0].max()),
             "bending_stress": float(bending_stress(twin.rod, self._tubes, twin.unknowns[0]).max()),
         }
-        values = {name: variable.value for name, variable in channels.close().items() if name != "time"}
+        variables = {name: value for collector in collectors for name, value in collector.close().items()}
+        values = {name: variable.value for name, variable in variables.items() if name != "time"}
         readings = np.empty((pace.frames, 0, VALUES))
         if record.nodes is not None:
             readings = self._reader.read(before, record.nodes, pace.period)

@@ -30,10 +30,12 @@ class Band:
     high: float
 
     @classmethod
-    def of(cls, values: Array) -> Band:
-        """Band of the values of the members, shape (N,)."""
-        low, high = np.quantile(values, (0.5 - 0.5 * SHARE, 0.5 + 0.5 * SHARE))
-        return cls(float(values.mean()), float(values.std(ddof=1)), float(low), float(high))
+    def of(cls, values: Array, factor: float = 1.0) -> Band:
+        """Band of the values of the members, shape (N,), widened about their mean by a factor."""
+        mean = values.mean()
+        low, high = mean + factor * (np.quantile(values, (0.5 - 0.5 * SHARE, 0.5 + 0.5 * SHARE)) - mean)
+        low = max(low, 0.0) if values.min() >= 0.0 else low
+        return cls(float(mean), factor * float(values.std(ddof=1)), float(low), float(high))
 
 
 SENSORS: Mapping[str, str] = {

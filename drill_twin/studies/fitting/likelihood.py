@@ -3,47 +3,80 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from drill_twin.core.arrays import Array
+from drill_twin.studies.goodness import SCATTER, noise_of
 
 FEATURES = ("mean", "deviation", "low", "high", "rate")
 """Features of a window: mean, logarithm of the standard deviation, 5 and 95 % quantiles, crossings of the mean."""
 FLOOR = 0.01
 """Least error of model and sensor together, over the standard deviation of the record."""
+_LEAST = 1e-77
+"""Least error of a sample, of a record that is constant; its square is not 0."""
 _SHRINKAGE = 0.3
 
 Channels = Mapping[str, Array]
 """Values by channel: of the record of shape (T,), of M runs of shape (M, T)."""
 
 
-def of_series(record: Channels, runs: Channels, period: float, window: float) -> Array:
-    """Logarithm of the likelihood of the time series of each run, shape (M,); Gaussian errors of unknown size.
+def of_series(record: Channels, runs: Channels, period: float, window: float, free: int = 1) -> Array:
+    """Logarithm of the likelihood of the time series of each run, shape (M,); Gaussian errors of `error_variance`.
 
-    The size of the error of each channel is integrated out (Jeffreys' prior: -n/2 log of the sum of squares; Gelman and
-    others 2013, section 3.2). n is the number of independent samples, from the autocorrelation of the errors of
-    the best run: an error of the model lasts longer than a sample. An error below `FLOOR` counts as that.
+    Samples that are missing in the record (NaN) are left out. The run that fits best tells what the model leaves.
 
     Args:
         record: The record.
         runs: The runs.
         period: Time from sample to sample [s]; unused.
         window: Unused.
+        free: Number of free numbers.
     """
     del period, window
-    total = np.zeros(len(next(iter(runs.values()))))
+    squares: dict[str, tuple[Array, float, int]] = {}
+    result: Array = np.zeros(len(next(iter(runs.values()))))
     for channel, values in runs.items():
-        error = values - record[channel]
-        square = np.mean(error**2, axis=1) + (FLOOR * np.std(record[channel])) ** 2
-        square = np.where(np.isfinite(square), square, np.inf)
-        independent = independent_samples(error[np.argmin(square)])
-        total -= 0.5 * independent * np.log(np.maximum(square, np.finfo(float).tiny))  # a constant record: no floor
-    return total
+        known = np.isfinite(record[channel])
+        if known.any():
+            square = np.mean((values[:, known] - record[channel][known]) ** 2, axis=1)
+            squares[channel] = square, noise_in(record[channel]) ** 2, int(known.sum())
+    total = sum((square / noise for square, noise, _ in squares.values()), result)
+    best = int(np.argmin(np.where(np.isfinite(total), total, np.inf)))
+    for square, noise, count in squares.values():
+        result -= 0.5 * count * square / error_variance(float(square[best]), noise, count, free)
+    return result
 
 
-def of_features(record: Channels, runs: Channels, period: float, window: float) -> Array:
+def noise_in(record: Array) -> float:
+    """Standard deviation of the errors of the samples of a record: its noise, and `FLOOR` for the model's rounding."""
+    known = record[np.isfinite(record)]
+    floor = FLOOR * float(np.std(known)) if known.size else 0.0
+    return max(math.hypot(noise_of(record), floor), _LEAST)
+
+
+def error_variance(square: float, noise: float, count: int, free: int) -> float:
+    """Variance of the error of a sample: of its noise, and of what the model may leave unexplained.
+
+    What is left of the mean square, noise taken away, is the model's error as far as it shows. A part of it does not,
+    as the free numbers have taken it up; it is assumed to be as large as the one that shows, and to be shared by
+    them: so the error of the model counts as `free` independent samples and not as `count`. Noise hides an error of the
+    model up to one standard deviation of the ratio of mean square to noise; so much is always counted with.
+
+    Args:
+        square: Mean square of the residual of the best run.
+        noise: Variance of the noise.
+        count: Number of samples.
+        free: Number of free numbers.
+    """
+    ratio = square / noise
+    left = max(ratio - 1.0, 0.0) + math.sqrt(SCATTER / count)
+    return min(noise, square) * (1.0 + left * max(1.0, count / free)) if square > 0.0 else noise
+
+
+def of_features(record: Channels, runs: Channels, period: float, window: float, free: int = 1) -> Array:
     """Logarithm of the likelihood of the mean features of windows of each run, shape (M,).
 
     For motion whose phase is not determined. Windows scatter; the covariance of a mean is that of the windows of
@@ -54,8 +87,11 @@ def of_features(record: Channels, runs: Channels, period: float, window: float) 
         runs: The runs.
         period: Time from sample to sample [s].
         window: Length of a window [s].
+        free: Unused.
     """
+    del free
     seen = np.concatenate([features(values[None], period, window) for values in record.values()], axis=2)[0]
+    seen = seen[np.isfinite(seen).all(axis=1)]  # windows with a gap
     computed = np.concatenate([features(runs[channel], period, window) for channel in record], axis=2)
     result = np.full(len(computed), -np.inf)
     for m, of_run in enumerate(computed):
@@ -68,7 +104,7 @@ def of_features(record: Channels, runs: Channels, period: float, window: float) 
     return result
 
 
-LIKELIHOODS: Mapping[str, Callable[[Channels, Channels, float, float], Array]] = {
+LIKELIHOODS: Mapping[str, Callable[[Channels, Channels, float, float, int], Array]] = {
     "series": of_series,
     "features": of_features,
 }
@@ -85,24 +121,6 @@ def features(values: Array, period: float, window: float) -> Array:
     low, high = np.quantile(parts, (0.05, 0.95), axis=2)
     deviation = np.log(parts.std(axis=2) + 1e-12)
     return np.stack((parts.mean(axis=2), deviation, low, high, crossings), axis=2)
-
-
-def independent_samples(error: Array) -> float:
-    """Number of independent samples of a series: its length over its correlation time in samples.
-
-    The sum of the autocorrelation ends at the first pair of lags that is not positive (Geyer 1992, initial positive
-    sequence).
-    """
-    count = error.size
-    centred = error - error.mean()
-    spectrum = np.abs(np.fft.rfft(centred, 2 * count)) ** 2
-    correlation = np.fft.irfft(spectrum)[:count]
-    if correlation[0] <= 0.0:
-        return float(count)
-    correlation /= correlation[0]
-    pairs = correlation[1 : 2 * ((count - 1) // 2) + 1].reshape(-1, 2).sum(axis=1)
-    last = int(np.argmax(pairs <= 0.0)) if np.any(pairs <= 0.0) else pairs.size
-    return float(np.clip(count / (1.0 + 2.0 * pairs[:last].sum()), 2.0, count))
 
 
 def _covariance(windows: Array) -> Array:

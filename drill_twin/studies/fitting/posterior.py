@@ -14,14 +14,19 @@ from drill_twin.core.arrays import Array
 from drill_twin.scene import Scene
 from drill_twin.scene.load import build_scene
 from drill_twin.scene.overrides import SHORTHANDS
+from drill_twin.studies.fitting.likelihood import noise_in
 from drill_twin.studies.fitting.record import Record
 from drill_twin.studies.fitting.sampling import Sampling
+from drill_twin.studies.goodness import HALF_WIDTH, Goodness, goodness, limit_of_samples, sentence
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 UNDETERMINED = 0.6
 """Width of a 90 % interval over that of the range, above which the record does not determine a number."""
+END, AT_AN_END = 0.05, 0.25
+"""Part of a range at each of its ends, and probability in it from which a number is at the end of its range: five
+times that of the prior."""
 CORRELATED = 0.9
 """Correlation above which only a combination of two numbers is determined."""
 
@@ -89,6 +94,10 @@ class Posterior:
         for key, share in zip(self.keys, high - low, strict=True):
             if share > UNDETERMINED:
                 told.append(f"{key}: the 90 % interval covers {share:.0%} of its range")
+        for key, low_end, high_end in zip(self.keys, *self._at_ends, strict=True):
+            if max(low_end, high_end) > AT_AN_END:
+                end = "lower" if low_end > high_end else "upper"
+                told.append(f"{key}: at the {end} end of its range; if the truth lies beyond, other numbers err too")
         for i, first in enumerate(self.keys):
             for j, second in enumerate(self.keys[:i]):
                 if abs(self.correlation[i, j]) > CORRELATED:
@@ -97,10 +106,41 @@ class Posterior:
                     )
         return told
 
+    @property
+    def _at_ends(self) -> tuple[Array, Array]:
+        """Probability in the lowest and in the highest `END` of each range, shape (d,) each."""
+        cube, weights = self.sampling.cube, self.sampling.weights
+        low: Array = weights @ (cube < END)
+        high: Array = weights @ (cube > 1.0 - END)
+        return low, high
+
+    def residual(self, channel: str) -> Array:
+        """Measured less computed by the best run, shape (T,); NaN where the record has no sample."""
+        found: Array = self.measured[channel] - self.runs[channel][self.best_run]
+        return found
+
+    @cached_property
+    def goodness(self) -> dict[str, Goodness]:
+        """Goodness of the best run by channel; the predicted band is of the draws and the noise."""
+        found = {}
+        for channel, values in self.runs.items():
+            alive = self.sampling.weights > 0.0
+            weights, mean = self.sampling.weights[alive], self.sampling.weights[alive] @ values[alive]
+            spread = np.sqrt(weights @ (values[alive] - mean) ** 2)
+            measured, best = self.measured[channel], values[self.best_run]
+            noise, limit = noise_in(measured), limit_of_samples(int(np.isfinite(measured).sum()))
+            found[channel] = goodness(measured, best, spread, noise, noise, limit)
+        return found
+
+    @property
+    def unexplained(self) -> str:
+        """Sentence on the channels that the model does not explain; empty if it explains all."""
+        return sentence(self.goodness)
+
     def band(self, channel: str, share: float = 0.9) -> tuple[Array, Array]:
         """Band of a channel that holds a share of the draws, error of the model included, each of shape (T,)."""
-        error = self.runs[channel][self.best_run] - self.measured[channel]
-        return predictive_band(self.runs[channel], self.sampling.weights, float(np.std(error)), share)
+        error = float(np.nanstd(self.residual(channel)))
+        return predictive_band(self.runs[channel], self.sampling.weights, error, share)
 
     def scene_text(self, base: str | None = None) -> str:
         """YAML of the fitted scene: the differences from a scene, by default that of the fit by its name."""
@@ -145,6 +185,8 @@ class Posterior:
             },
             "correlation": self.correlation.round(3).tolist(),
             "undetermined": self.undetermined,
+            "unexplained": self.unexplained,
+            "goodness": {channel: one.to_dict() for channel, one in self.goodness.items()},
         }  # fmt: skip
 
 
@@ -175,20 +217,26 @@ def full_key(key: str, scene: Scene) -> str:
 
 
 def fit_figure(found: Posterior) -> Figure:
-    """Record, 90 % band and best run over time, a panel for each channel."""
+    """Record, 90 % band and best run over time, a panel for each channel; below it, its residual over the noise."""
     from drill_twin.report.figures.style import BLUE, LIGHT, VERMILION, laid_out, styled
     from drill_twin.studies.fitting.record import CHANNELS
 
     channels = list(found.measured)
     with styled():
-        figure = laid_out(1.0 + 2.4 * len(channels), f"{found.scene.name}: the record and the draws")
-        panels = figure.subplots(len(channels), sharex=True, squeeze=False)[:, 0]
-        for axes, channel in zip(panels, channels, strict=True):
+        figure = laid_out(1.0 + 3.4 * len(channels), f"{found.scene.name}: the record and the draws")
+        heights = {"height_ratios": [2.4, 1.0] * len(channels)}
+        panels = figure.subplots(2 * len(channels), sharex=True, squeeze=False, gridspec_kw=heights)[:, 0]
+        for axes, below, channel in zip(panels[::2], panels[1::2], channels, strict=True):
             low, high = found.band(channel)
             axes.fill_between(found.time, low, high, color=LIGHT, label="90 % band")
             axes.plot(found.time, found.measured[channel], color=BLUE, linewidth=1.0, label="record")
             axes.plot(found.time, found.runs[channel][found.best_run], color=VERMILION, linewidth=1.0, label="best run")
             axes.set_ylabel(f"{channel} [{CHANNELS[channel].unit}]")
+            of = found.goodness[channel]
+            below.plot(found.time, found.residual(channel) / of.noise, color=BLUE, linewidth=0.8)
+            below.axhspan(-HALF_WIDTH, HALF_WIDTH, color=LIGHT)
+            below.set_ylabel("residual / noise")
+            below.set_title(f"rms {of.ratio:.3g}, from sample to sample {of.correlation:+.2f}", fontsize=9.5)
         panels[-1].set_xlabel("time [s]")
         panels[0].legend(loc="upper right", ncols=3)
     return figure

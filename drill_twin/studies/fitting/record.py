@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from drill_twin.core.arrays import Array
 from drill_twin.core.errors import ArgumentError, TableError
-from drill_twin.core.rig_channels import RECORDED, channel_of, field_of
+from drill_twin.core.rig_channels import INSTANT, RECORDED, channel_of, field_of
 from drill_twin.core.units import Dimension
 from drill_twin.core.units.dimension import ANGULAR_SPEED, TIME
 from drill_twin.scene.problems import nearest
@@ -28,13 +28,15 @@ CHANNELS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name i
 SET_POINTS: Mapping[str, Dimension] = {name: channel_of(name).dimension for name in ("weight_on_bit", "rotation")}
 """Set-points of a rig, as commanded or indicated, and dimensions: inputs of the estimator."""
 _KNOWN = {**CHANNELS, **SET_POINTS}
+GAP = 2.5
+"""Distance of two samples over the usual one, from which there is a gap between them."""
 _OF_BAG = {name: field_of(name) for name in _KNOWN if name != "motor_torque"}
 _MNEMONICS = {name: record for name in _KNOWN for record, field in RECORDED.items() if field == field_of(name)}
 """Channels, and the names of their columns in records."""
 
 
 class ChannelColumn(NamedTuple):
-    """Column of a record."""
+    """Column of a record; the name of a channel ends with `@instant` if its samples are no means."""
 
     channel: str
     column: str
@@ -52,14 +54,21 @@ class Record:
         series: Time [s] and values [SI] by channel, each of shape (rows,).
         subs: Time [s] and readings (force, rates) by downhole sub, `measured/NAME` for those of a real rig, shapes
             (rows,) and (rows, 6); of a bag only, if asked for.
+        instant: Channels whose samples are values at their times; those of the others are means since the last sample.
     """
 
     source: str
     series: Mapping[str, tuple[Array, Array]]
     subs: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
+    instant: frozenset[str] = frozenset()
 
     def at(self, channel: str, time: Array) -> Array:
         """Means over the spacing before each of equally spaced times [s], as of a run; linear in a coarser record.
+
+        Of a channel whose samples are instants: its values at these times.
+
+        NaN in a gap: where the samples beside the middle of the mean lie `GAP` times their usual distance apart, and
+        farther than the times.
 
         Raises:
             ArgumentError: The record has no values over a part of the times.
@@ -71,22 +80,27 @@ class Record:
                 f"{self.source}: expected {channel} from {time[0]:g} s to {time[-1]:g} s, "
                 f"found {stamps[0]:g} s to {stamps[-1]:g} s; choose another window"
             )
-        if np.median(np.diff(stamps)) > 0.5 * spacing:
-            return np.interp(time - 0.5 * spacing, stamps, values)
+        usual, middle = float(np.median(np.diff(stamps))), time - (0.0 if channel in self.instant else 0.5 * spacing)
+        after = np.clip(np.searchsorted(stamps, middle), 1, stamps.size - 1)
+        missing = stamps[after] - stamps[after - 1] > max(GAP * usual, spacing)
+        if usual > 0.5 * spacing or channel in self.instant:
+            return np.where(missing, np.nan, np.interp(middle, stamps, values))
         edges = np.clip(np.append(time - spacing, time[-1]), stamps[0], stamps[-1])
         total = np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(stamps))))
         means: Array = np.diff(np.interp(edges, stamps, total)) / np.diff(edges)
-        return means
+        return np.where(missing, np.nan, means)
 
 
 def channel_column(text: str) -> ChannelColumn:
     """Parse `CHANNEL=COLUMN:UNIT`, `CHANNEL=COLUMN` where the file gives the unit, or `CHANNEL` for a known mnemonic.
 
+    `CHANNEL@instant` is a channel whose samples are values at their times, and not means since the last ones.
+
     Raises:
         ArgumentError: An unknown channel.
     """
     channel, _, rest = text.partition("=")
-    if channel not in _KNOWN and channel != "time":
+    if channel.removesuffix(INSTANT) not in _KNOWN and channel != "time":
         raise ArgumentError(
             f'channel: expected NAME=COLUMN:UNIT with one of {", ".join(_KNOWN)}, found "{text}"'
             + nearest(channel, [*_KNOWN])
@@ -115,6 +129,8 @@ def read_record(
     """
     file = Path(path)
     items = [channel_column(item) if isinstance(item, str) else item for item in columns]
+    instant = frozenset(item.channel.removesuffix(INSTANT) for item in items if item.channel.endswith(INSTANT))
+    items = [item._replace(channel=item.channel.removesuffix(INSTANT)) for item in items]
     names = [item.channel for item in items]
     if not {*names} - {"time"}:
         raise ArgumentError(
@@ -123,7 +139,7 @@ def read_record(
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ArgumentError(f"channel: expected each one once, found {', '.join(twice)} again; give it one column")
     if file.is_dir() or file.suffix in {".mcap", ".db3"}:
-        return _of_bag(file, items, start, subs)
+        return replace(_of_bag(file, items, start, subs), instant=instant)
     if subs and file.exists():
         raise ArgumentError(
             f"{file}: expected a bag, which alone has readings of subs, found a file; leave out {', '.join(subs)}"
@@ -133,7 +149,8 @@ def read_record(
     wanted.setdefault("time", ChannelColumn("time", "", ""))
     values = {channel: _si(found, item) for channel, item in wanted.items()}
     time = values.pop("time") - start
-    return Record(str(file), {channel: _present(file, channel, time, column) for channel, column in values.items()})
+    series = {channel: _present(file, channel, time, column) for channel, column in values.items()}
+    return Record(str(file), series, instant=instant)
 
 
 def _of_bag(path: Path, items: Sequence[ChannelColumn], start: float, subs: Sequence[str]) -> Record:

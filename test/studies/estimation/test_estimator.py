@@ -93,7 +93,7 @@ def test_alarm_when_the_rig_does_what_the_model_cannot(record):
     other["hookload"][300:] *= 0.5  # half of the load has gone elsewhere
     alarms = [each.alarm for each in feed(estimator, other)]
     assert not any(alarms[:15])
-    assert any("misfit far above the usual: hookload since 30.0 s" in alarm for alarm in alarms)
+    assert any("misfit far above the predicted: hookload since 30.0 s" in alarm for alarm in alarms)
 
 
 def test_numbers_changed_at_the_start_are_those_of_another_twin():
@@ -179,7 +179,7 @@ def test_divergence_begins_with_its_first_window_and_ends():
     divergence = ModelMismatchAlarm(["torque"])
     seen = []
     for window in range(40):
-        divergence.take(float(window), np.array([0.3 if 20 <= window < 30 else 0.02]))
+        divergence.take(float(window), np.array([3.3 if 20 <= window < 30 else 0.9]))
         seen.append(dict(divergence.since))
     assert seen[21] == {}
     assert seen[22] == {"torque": 20.0}

@@ -40,6 +40,17 @@ def test_samples_become_means_over_the_time_before_each_end(intake):
     assert first.commands[-1] == pytest.approx(of_scene)  # none were given
 
 
+def test_samples_that_are_instants_are_those_at_the_ends():
+    intake = Intake(PACE, dt.load_scene("pa6_bench"), ["torque", "hookload"], instant={"torque"})
+    times = np.delete(np.arange(0, 76) * 0.04, slice(40, 50))  # none from 1.6 to 2.0 s
+    first, second = feed(intake, times)[:2]
+    ends = np.arange(1, 11) * 0.1
+    np.testing.assert_allclose(first.measured["torque"], np.sin(ends), atol=1e-3)
+    np.testing.assert_allclose(second.measured["torque"][:5], np.sin(1.0 + ends[:5]), atol=1e-3)
+    assert np.isnan(second.measured["torque"][6:9]).all()
+    assert np.isfinite(second.measured["hookload"][:5]).all()
+
+
 def test_set_points_are_interpolated_and_held(intake):
     given = lambda time: {"weight_on_bit": 20.0 * time, "rotation": 3.0} | wave(time)  # noqa: E731
     windows = feed(intake, np.arange(0, 101) * 0.02, given)

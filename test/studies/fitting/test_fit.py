@@ -111,6 +111,56 @@ def test_a_record_that_is_dense_is_averaged_over_the_spacing():
     assert record.at("torque", time) == pytest.approx((time**3 - (time - 0.5) ** 3) / 1.5, rel=1e-5)
 
 
+def test_what_a_record_lacks_is_missing_and_not_a_straight_line():
+    stamps = np.concatenate((np.arange(0.0, 3.0, 0.1), np.arange(6.0, 9.0, 0.1)))
+    record = dt.Record("made up", {"torque": (stamps, np.sin(stamps))})
+    time = np.arange(0.5, 8.5, 0.1)
+    found = record.at("torque", time)
+    middle = time - 0.05
+    assert np.isnan(found).tolist() == ((middle > 2.9) & (middle < 6.0)).tolist()
+    assert found[np.isfinite(found)] == pytest.approx(np.sin(middle[np.isfinite(found)]), abs=2e-3)
+
+
+def test_samples_may_be_values_at_their_times(tmp_path):
+    stamps = np.arange(0.1, 4.05, 0.1)
+    record = dt.Record("made up", {"torque": (stamps, np.sin(stamps))}, instant=frozenset({"torque"}))
+    time = np.arange(0.5, 3.5, 0.1)
+    assert record.at("torque", time) == pytest.approx(np.sin(time), abs=1e-9)
+    over = OVER | {"numerics.frame_rate": 50.0}
+    ensemble = dt.Ensemble("two_mass", {"wob": [55e3]}, overrides=over)
+    run = ensemble.run(4.0, outputs=("channels", "instants"), mark_rate=10.0)
+    fine = ensemble.run(4.0, outputs=("instants",), mark_rate=50.0)
+    for name in ("bit_speed", "torque", "top_drive_speed"):
+        assert run[f"{name}@instant"][0] == pytest.approx(fine[f"{name}@instant"][0][4::5])
+    assert run["torque"][0] == pytest.approx(fine["torque@instant"][0].reshape(-1, 5).mean(axis=1))
+    rows = np.column_stack((run["time"], run["torque@instant"][0] / 1e3))
+    np.savetxt(tmp_path / "rig.csv", rows, delimiter=",", header="time [s],TQ", comments="")
+    read = dt.read_record(tmp_path / "rig.csv", ["torque@instant=TQ:kN m"])
+    assert read.instant == {"torque"}
+    free = {"rig.top_drive.damping": (400.0, 450.0)}
+    told = {}
+    for name, of in (("instant", read), ("mean", dt.Record("mean", read.series))):
+        told[name] = dt.fit(of, "two_mass", free, overrides=over, start=0.5, end=3.8, rate=10.0, members=16, rounds=2)
+    assert told["instant"].goodness["torque"].residual < 0.1 * told["mean"].goodness["torque"].residual
+
+
+def test_a_fit_says_what_the_model_does_not_explain(record):
+    read = dt.read_record(record, ["bit_speed=bit speed [rpm]"])
+    time, speed = read.series["bit_speed"]
+    free = {"bit_torque_stribeck.sticking": (0.69, 0.73)}
+    told = {}
+    for name, scale in (("own", 1.0), ("scaled", 1.3)):
+        other = dt.Record(name, {"bit_speed": (time, scale * speed)})
+        over = OVER | {"effects.bit_torque_stribeck.decay": 1.3}
+        told[name] = dt.fit(
+            other, "two_mass", free, overrides=over, start=1.0, end=20.0, rate=10.0, members=16, rounds=3
+        )
+    assert told["own"].unexplained == ""
+    assert told["own"].goodness["bit_speed"].ratio < 1.2
+    assert told["scaled"].unexplained.startswith("the model does not explain bit speed (residual ")
+    assert told["scaled"].to_dict()["goodness"]["bit_speed"]["explained"] is False
+
+
 def test_a_channel_needs_a_name_of_the_contract_and_a_unit(tmp_path):
     assert channel_column("torque=T:kN m") == ("torque", "T", "kN m")
     with pytest.raises(ArgumentError, match=r'channel: expected NAME=COLUMN:UNIT .* did you mean "bit_torque"'):

@@ -6,7 +6,7 @@ import pytest
 from scipy import special
 
 from drill_twin.studies.fitting import sample
-from drill_twin.studies.fitting.likelihood import features, independent_samples, of_features, of_series
+from drill_twin.studies.fitting.likelihood import error_variance, features, of_features, of_series
 from drill_twin.studies.fitting.posterior import predictive_band, weighted_quantile
 
 
@@ -47,19 +47,30 @@ def test_runs_that_failed_have_no_weight():
     assert result.weights[result.cube[:, 0] < 0.5].max() == 0.0
 
 
-def test_correlated_errors_count_as_few_samples():
-    white = np.random.default_rng(1).standard_normal(4000)
-    slow = np.convolve(white, np.ones(40) / 40, "valid")
-    assert independent_samples(white) == pytest.approx(4000, rel=0.15)
-    assert independent_samples(slow) == pytest.approx(slow.size / 40, rel=0.35)
-    assert independent_samples(np.ones(50)) == 50
+def test_a_series_prefers_the_run_with_the_smaller_error_by_the_variance_of_an_error():
+    draw = np.random.default_rng(2).standard_normal(1000)
+    runs = {"torque": np.array([np.zeros(1000), np.full(1000, 0.3)])}
+    found = of_series({"torque": draw}, runs, 0.1, 1.0, 4)
+    squares = np.mean((runs["torque"] - draw) ** 2, axis=1)
+    assert found[0] > found[1]
+    noise = np.mean(np.convolve(draw, [1.0, -3.0, 3.0, -1.0], "valid") ** 2) / 20.0 + (0.01 * draw.std()) ** 2
+    wanted = 500.0 * (squares[1] - squares[0]) / error_variance(squares[0], noise, 1000, 4)
+    assert found[0] - found[1] == pytest.approx(wanted, rel=1e-9)
 
 
-def test_a_series_prefers_the_run_with_the_smaller_error_by_its_number_of_samples():
-    error = np.random.default_rng(2).standard_normal(1000)
-    runs = {"torque": np.array([error, 2.0 * error])}
-    found = of_series({"torque": np.zeros(1000)}, runs, 0.1, 1.0)
-    assert found[0] - found[1] == pytest.approx(independent_samples(error) * np.log(2.0), rel=1e-9)
+def test_samples_that_are_missing_are_left_out():
+    draw = np.random.default_rng(3).standard_normal(200)
+    runs = {"torque": np.random.default_rng(4).standard_normal((3, 200))}
+    gap = np.where(np.arange(200) < 150, draw, np.nan)
+    found = of_series({"torque": gap}, runs, 0.1, 1.0, 2)
+    assert found == pytest.approx(of_series({"torque": draw[:150]}, {"torque": runs["torque"][:, :150]}, 0.1, 1.0, 2))
+
+
+def test_what_the_model_leaves_counts_as_one_sample_a_free_number():
+    assert error_variance(1.0, 1.0, 10**8, 4) == pytest.approx(1.0 + np.sqrt(2.62 / 10**8) * 10**8 / 4, rel=1e-9)
+    told, twice = error_variance(5.0, 1.0, 400, 4), error_variance(9.0, 1.0, 400, 4)
+    assert twice - told == pytest.approx(4.0 * 400 / 4)
+    assert error_variance(0.5, 1.0, 4, 4) == pytest.approx(0.5 * (1.0 + np.sqrt(2.62 / 4)))  # noise told too large
 
 
 def test_features_of_a_sine_do_not_depend_on_its_phase():

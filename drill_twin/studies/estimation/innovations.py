@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Innovations, measured less predicted, of the last windows: how well the model explains what is measured."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from drill_twin.core.arrays import Array
+from drill_twin.studies.goodness import Goodness, goodness, limit_of_windows, noise_of
+
+WINDOWS = 20
+"""Windows that are judged together."""
+
+
+class _Window(NamedTuple):
+    """Measured, predicted mean and spread of a window, shape (C, S) each."""
+
+    measured: Array
+    mean: Array
+    spread: Array
+
+
+class Innovations:
+    """Innovations of C channels over the last `WINDOWS`.
+
+    Attributes:
+        misfit: Rms innovation of the last window over the channel's scale, shape (C,); NaN where nothing was measured.
+        normalised: The same over what members and stated errors predict for it, shape (C,).
+    """
+
+    def __init__(self, channels: Sequence[str]) -> None:
+        self._channels = list(channels)
+        self._windows: deque[_Window] = deque(maxlen=WINDOWS)
+        self._stated: Array = np.zeros(len(channels))
+        self.misfit: Array = np.full(len(channels), np.nan)
+        self.normalised: Array = np.full(len(channels), np.nan)
+
+    def take(self, predicted: Array, measured: Array, scale: Array, stated: Array) -> None:
+        """Take a window.
+
+        Args:
+            predicted: Channels of the members before the correction, shape (N, C, S).
+            measured: Channels, shape (C, S); NaN where missing.
+            scale: Largest size of each channel [SI], shape (C,).
+            stated: Standard deviation that is stated for the error of a sample [SI], shape (C,).
+        """
+        window = _Window(measured, predicted.mean(axis=0), predicted.std(axis=0, ddof=1))
+        self._windows.append(window)
+        self._stated = stated
+        square = (measured - window.mean) ** 2
+        self.misfit = _rms(square / np.maximum(scale, np.finfo(float).tiny)[:, None] ** 2)
+        self.normalised = _rms(square / (window.spread**2 + stated[:, None] ** 2))
+
+    @property
+    def goodness(self) -> Mapping[str, Goodness]:
+        """Goodness of each channel over the last windows, against the stated errors."""
+        measured, mean, spread = (np.concatenate(parts, axis=1) for parts in zip(*self._windows, strict=True))
+        limit = limit_of_windows(len(self._windows))
+        return {
+            name: goodness(measured[k], mean[k], spread[k], noise_of(measured[k]), float(self._stated[k]), limit)
+            for k, name in enumerate(self._channels)
+        }
+
+
+def widening(found: Mapping[str, Goodness]) -> float:
+    """Factor of the bands: root of the largest chi-square of a channel where that exceeds 1.
+
+    What is not measured is taken to err as the measured channels do. What is told is widened, not the ensemble as by
+    the inflation of Anderson (2009).
+    """
+    return math.sqrt(max([1.0, *(one.chi_square for one in found.values() if one.samples)]))
+
+
+def _rms(squares: Array) -> Array:
+    """Root of the mean of the finite squares, shape (C,), of shape (C, S); NaN where there is none."""
+    known = np.isfinite(squares)
+    count = known.sum(axis=1)
+    total = np.where(known, squares, 0.0).sum(axis=1)
+    return np.where(count > 0, np.sqrt(total / np.maximum(count, 1)), np.nan)

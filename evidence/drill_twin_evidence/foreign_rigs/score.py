@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Score of `fit` and estimator on foreign rigs: `python -m drill_twin_evidence.foreign_rigs.score SEEDS FILE`.
+
+A line of JSON for each rig, seed and way; a campaign that was broken off goes on from there.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from typing_extensions import TypedDict
+
+import drill_twin as dt
+from drill_twin.core.files.json_files import JsonLines
+from drill_twin.core.proportions import proportion_text
+from drill_twin.core.table import Table
+from drill_twin_evidence.foreign_rigs.own_law import own_widths
+from drill_twin_evidence.foreign_rigs.rigs import INDICATED, LOAD, LOADS, OVERRIDES, RANGES, RIGS, SCENE, SECONDS, trial
+
+FOREIGN, OTHER = "expected results of foreign rigs, found another file", "expected the same {}; give another file"
+BIT = "bit_speed"
+_SETTLED = 8.0
+"""Time from which the bit's speed is counted [s]."""
+_MARGIN = 0.01
+"""Of the largest speed: a bit at rest has no band."""
+
+
+class Row(TypedDict):
+    """One rig, one seed, fitted or followed."""
+
+    rig: str
+    seed: int
+    way: str
+    held: dict[str, bool]
+    wide: dict[str, float]
+    told: str
+
+
+def fitted(name: str, seed: int) -> Row:
+    """Fit of the scene to a rig; widths are over those of a fit with the rig's own law."""
+    of = trial(name, seed)
+    ranges = dict(RANGES) | {"wob": (LOADS[0] * INDICATED, LOADS[1] * INDICATED)}
+    over = OVERRIDES if RIGS[name].averaged else dict(OVERRIDES) | {"numerics.frame_rate": 50.0}
+    found = dt.fit(
+        of.record, SCENE, ranges, overrides=over, start=1.0, end=SECONDS - 0.2, rate=10.0, members=32, rounds=20,
+        seed=seed,
+    )  # fmt: skip
+    bands = {key: (found.quantile(key, 0.05), found.quantile(key, 0.95)) for key in ranges}
+    low, high = bands.pop("wob")
+    bands[LOAD] = low / INDICATED, high / INDICATED
+    own = own_widths(RIGS[name], of)
+    return Row(
+        rig=name,
+        seed=seed,
+        way="fit",
+        held={key: bands[key][0] <= value <= bands[key][1] for key, value in of.truth.items()},
+        wide={key: (bands[key][1] - bands[key][0]) / own[key] for key in of.truth},
+        told="; ".join(filter(None, (found.unexplained, *found.undetermined))),
+    )
+
+
+def followed(name: str, seed: int) -> Row:
+    """Estimates over the record of a rig; widths are shares of the ranges."""
+    of = trial(name, seed)
+    ranges = dict(RANGES) | {LOAD: LOADS}
+    options = dt.EstimatorOptions(members=32, horizon=0.0, seed=seed)
+    estimator = dt.Estimator(SCENE, ranges, overrides=OVERRIDES, options=options)
+    found = list(estimator.follow(of.record))
+    bands = {key: (band.low, band.high) for key, band in found[-1].numbers.items()}
+    late = [one for one in found if one.time > _SETTLED]
+    true = np.interp([one.time for one in late], *of.bit)
+    low, high = (np.array([getattr(one.sensors[BIT], end) for one in late]) for end in ("low", "high"))
+    margin = _MARGIN * float(np.abs(of.bit[1]).max())
+    held = {key: bands[key][0] <= value <= bands[key][1] for key, value in of.truth.items()}
+    held[BIT] = bool(np.mean((low - margin <= true) & (true <= high + margin)) >= 0.8)
+    wide = {key: (bands[key][1] - bands[key][0]) / (ranges[key][1] - ranges[key][0]) for key in of.truth}
+    return Row(rig=name, seed=seed, way="estimate", held=held, wide=wide, told=found[-1].alarm)
+
+
+def lines(rows: Iterable[Row]) -> list[str]:
+    """Tables in Markdown, one for each way, and the shares."""
+    shown = []
+    for way in ("fit", "estimate"):
+        of_way = [row for row in rows if row["way"] == way]
+        cells = [
+            (f"{row['rig']}, {row['seed']}", "yes" if row["told"] else "no",
+             *(_cell(row, key) for key in ({key: 0 for each in of_way for key in each["held"]})))
+            for row in of_way
+        ]  # fmt: skip
+        keys = [key.rpartition(".")[2] for key in {key: 0 for each in of_way for key in each["held"]}]
+        shown += [f"{way}:", "", Table(("rig, seed", "told", *keys), cells).markdown(), ""]
+        for what, kept in (("rigs by which it was made", False), ("rigs kept back", True)):
+            part = [row for row in of_way if RIGS[row["rig"]].kept is kept]
+            pairs = [(held, bool(row["told"])) for row in part for held in row["held"].values()]
+            if pairs:
+                shown.append(
+                    f"{what}: bands hold {proportion_text(sum(held for held, _ in pairs), len(pairs))}; held or told "
+                    f"{proportion_text(sum(held or told for held, told in pairs), len(pairs))}; rigs told "
+                    f"{sum(bool(row['told']) for row in part)} of {len(part)}"
+                )
+        shown.append("")
+    return shown
+
+
+def _cell(row: Mapping[str, Any], key: str) -> str:
+    if key not in row["held"]:
+        return ""
+    wide = f", {row['wide'][key]:.2g}" if key in row["wide"] else ""
+    return ("held" if row["held"][key] else "missed") + wide
+
+
+def main(seeds: list[int], journal: Path) -> None:
+    """Do what the journal lacks, and print the tables."""
+    rows: list[Row] = []
+    file = JsonLines(journal, "foreign rigs", {"ranges": RANGES}, rows.append, foreign=FOREIGN, other=OTHER, of=Row)
+    done = {(row["rig"], row["seed"], row["way"]) for row in rows}
+    for way, of in (("estimate", followed), ("fit", fitted)):
+        for seed in seeds:
+            for name in RIGS:
+                if (name, seed, way) not in done:
+                    rows.append(of(name, seed))
+                    file.add(dict(rows[-1]))
+    print("\n".join(lines(rows)))
+
+
+if __name__ == "__main__":
+    main([int(seed) for seed in sys.argv[1].split(",")], Path(sys.argv[2]))
