@@ -12,7 +12,7 @@ from drill_twin.cli.options import JsonOption, ReplaceOption, WorkersOption
 
 BENCH = "pa6_calibrated"
 RESULT = ("paper.json", "paper.md")
-CALIBRATION, TRADE_OFF = "calibration.json", "paper_trade_off.png"
+CALIBRATION = "calibration.json"
 
 
 def paper(
@@ -61,22 +61,16 @@ def calibrate(
     """Calibrate the parameters that the paper does not give (ramps, imperfections, damping, friction).
 
     Prints values, bounds and residuals. The fit starts from the scene and uses a part of the table; the rest
-    validates it (`drill-twin paper`). A figure shows which numbers contradict each other. The search is differential
-    evolution; the same seed gives the same result.
+    validates it (`drill-twin paper`). The search is differential evolution; the same seed gives the same result.
     """
     from drill_twin.cli.emit import check_new, emit
     from drill_twin.cli.show import shown_progress
-    from drill_twin.report.figures.style import styled
     from drill_twin_evidence.paper.runs.reproduction import bench
     from drill_twin_evidence.paper.search import calibrate as search
-    from drill_twin_evidence.paper.search.trade_off import draw_trade_off
 
     described = bench(scene)
-    for name in (CALIBRATION, TRADE_OFF):
-        check_new(out / name, replace=replace)
+    check_new(out / CALIBRATION, replace=replace)
     with shown_progress("calibration", unit="runs") as bar:
         on = search.fit_bench(described, workers, ended=lambda: bar.step("calibration"))
         done = search.calibrate(on, seed=seed, population=population, generations=generations)
-    with styled():
-        files = {CALIBRATION: done.to_dict(), TRADE_OFF: draw_trade_off(done.tried, done.best)}
-        emit(done.to_dict(), done.shown(), json=json, folder=out, files=files)
+    emit(done.to_dict(), done.shown(), json=json, folder=out, files={CALIBRATION: done.to_dict()})

@@ -7,7 +7,6 @@ import pytest
 from drill_twin.scene import load_scene
 from drill_twin_evidence.paper.search import calibrate as module
 from drill_twin_evidence.paper.search.calibrate import (
-    FITTED,
     LARGEST,
     VARIED,
     Loss,
@@ -17,7 +16,6 @@ from drill_twin_evidence.paper.search.calibrate import (
     loss,
 )
 from drill_twin_evidence.paper.search.space import FREE, set_of
-from drill_twin_evidence.paper.search.trade_off import draw_trade_off, front, groups, point
 
 WANTED = np.array((0.3, 0.7, 0.5, 0.4, 0.6, 0.2, 0.8, 0.45, 0.55, 0.35))
 
@@ -67,21 +65,3 @@ def test_a_run_without_findings_costs_most_but_not_everything(quick_bench):
     nothing = loss({})
     assert set(nothing.deviations.values()) == {LARGEST}
     assert found.total < nothing.total
-
-
-def test_what_excludes_what_is_what_nothing_beats():
-    assert front([(3.0, 1.0), (1.0, 3.0), (2.0, 2.0), (2.5, 2.5), (1.0, 4.0), (3.0, 3.0)]) == [
-        (1.0, 3.0),
-        (2.0, 2.0),
-        (3.0, 1.0),
-    ]
-    fast, slow = groups()
-    assert {number.q for number in fast} == {"Q11", "Q12", "Q15"}
-    assert {number.q for number in slow} == {"Q16", "Q17"}
-    deviations = {number.name: 3.0 if number in slow else 0.5 for number in FITTED}
-    loss = Loss(1.0, deviations)
-    assert point(loss) == pytest.approx((0.5, 3.0))
-    labels = draw_trade_off([loss, Loss(1.0, dict.fromkeys(deviations, 1.0))], loss).axes[0]
-    assert labels.get_xticklabels()[-1].get_text() == labels.get_yticklabels()[-1].get_text() == "≥ 8"
-    assert all(number.name in labels.get_xlabel() for number in fast)
-    assert all(number.name in labels.get_ylabel() for number in slow)

@@ -17,7 +17,7 @@ from drill_twin_evidence.paper.runs.cases import Case
 from drill_twin_evidence.paper.search import search as module
 from drill_twin_evidence.paper.search import space
 from drill_twin_evidence.paper.search.bench import Bench
-from drill_twin_evidence.paper.search.exclusion import exclusion_of, finalists_of, score, short_spectra, tables
+from drill_twin_evidence.paper.search.exclusion import exclusion_of, finalists_of, score, tables
 from drill_twin_evidence.paper.search.goals import ASSUMPTIONS, LOOSE, PAIRS, STRICT, Evaluated, pair_misfits
 from drill_twin_evidence.paper.search.habits import CASES, HABITS, habit_table, habits
 from drill_twin_evidence.paper.search.readings import BASE, NUMBERS, Motion, failed, misfits, read
@@ -52,17 +52,6 @@ def evaluated(bench: Bench) -> Evaluated:
     """The bench as calibrated, with all its runs."""
     one = set_of(bench.scene)
     return Evaluated(list(one.fractions), list(one.choices), bench.run([(one, case) for case in module.ORDER]))
-
-
-def test_a_short_plain_spectrum_has_its_lowest_line_at_the_inverse_of_its_length(monkeypatch):
-    """Whirls of 8/7 and 2/7 Hz; over 10 s the line nearest to 2/7 Hz is the third."""
-    rates = {20.0: 8.0 / 7.0, 150.0: 2.0 / 7.0, 300.0: 2.0 / 7.0}
-    bench = moving(monkeypatch, lambda case: whirling(rates[case.weight_on_bit], radius=0.07))
-    found = short_spectra(bench, set_of(bench.scene))
-    lowest, third = (found[f"x of mark_2, {length} after the onset"] for length in ("3.5 s", "10 s"))
-    assert lowest == pytest.approx((8.0 / 7.0, 2.0 / 7.0, 2.0 / 7.0), rel=0.01)
-    assert third == pytest.approx((1.1, 0.3, 0.3), rel=0.01)
-    assert "x of mark_2, 2.5 s after the onset" not in found
 
 
 def test_an_interval_stands_in_place_of_an_irregular_whirl(monkeypatch):

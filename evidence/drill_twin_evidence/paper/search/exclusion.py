@@ -7,7 +7,6 @@ import csv
 from collections.abc import Iterator
 from dataclasses import dataclass
 from io import StringIO
-from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,18 +14,15 @@ import numpy as np
 from drill_twin.core.arrays import Array
 from drill_twin.core.table import Table
 from drill_twin_evidence.paper.runs.cases import Case
-from drill_twin_evidence.paper.runs.published import FREQUENCY, RATIO, Number
+from drill_twin_evidence.paper.runs.published import RATIO, Number
 from drill_twin_evidence.paper.search.bench import Bench
 from drill_twin_evidence.paper.search.goals import ASSUMPTIONS, LOOSE, PAIRS, STRICT, Archive, Evaluated
 from drill_twin_evidence.paper.search.readings import (
     BASE,
-    FRAME_RATE,
     IRREGULAR,
     KINDS,
-    MARKS,
     NEAR,
     NUMBERS,
-    Motion,
     Results,
     misfit,
     misfits,
@@ -36,9 +32,6 @@ from drill_twin_evidence.paper.search.space import CHOICES, ParameterSet
 
 SHOWN = 3
 """Sets that are shown of those that meet most numbers."""
-WINDOWS = (2.5, 3.5, 5.0, 10.0)
-"""Lengths of short plain spectra, from the onset on [s]: their lines are at whole multiples of 1 / T."""
-FREQUENCIES = tuple(number for number in NUMBERS if number.what == FREQUENCY)
 
 
 class Value(NamedTuple):
@@ -65,7 +58,6 @@ class Finalist:
         steady: How many of them are no line of an irregular whirl.
         readings: The reading of each kind of number in which that is so.
         values: Each number.
-        short: Lines at 20, 150 and 300 N [Hz] by each reading of a short spectrum that meets the two at high load.
     """
 
     parameters: ParameterSet
@@ -74,7 +66,6 @@ class Finalist:
     steady: int
     readings: dict[str, str]
     values: tuple[Value, ...]
-    short: dict[str, tuple[float, ...]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +136,7 @@ def finalists_of(bench: Bench, evaluated: list[Evaluated], under: int) -> list[F
     return [
         Finalist(
             one.parameters, ASSUMPTIONS[under].name, met, steady, readings,
-            tuple(_with_interval(bench, one, value) for value in values), short_spectra(bench, one.parameters),
+            tuple(_with_interval(bench, one, value) for value in values),
         )
         for met, steady, one, readings, values in best
     ]  # fmt: skip
@@ -192,28 +183,6 @@ def _with_interval(bench: Bench, one: Evaluated, value: Value) -> Value:
     return value._replace(low=float(rates.min()), high=float(rates.max()))
 
 
-def short_spectra(bench: Bench, one: ParameterSet) -> dict[str, tuple[float, ...]]:
-    """Readings of short plain spectra of a set that give 0.28 and 0.29 Hz, by the length of the window alone."""
-    motions = [motion for motion in bench.motions([(one, _case(number)) for number in FREQUENCIES]) if motion]
-    found = {}
-    for mark, signal, seconds in product(MARKS, ("x", "radius", "speed"), WINDOWS):
-        lines = tuple(_short_line(motion, mark, signal, seconds) for motion in motions)
-        off = [misfit(number, np.array(line)) for number, line in zip(FREQUENCIES, lines, strict=False)]
-        if len(lines) == len(FREQUENCIES) and max(off[1:]) <= NEAR:
-            found[f"{signal} of {mark}, {seconds:g} s after the onset"] = lines
-    return found
-
-
-def _short_line(motion: Motion, mark: str, signal: str, seconds: float) -> float:
-    onset, point = motion.crossings()[BASE["time"]], motion.paths(mark)["wall, 30 s"]
-    if not np.isfinite(onset):
-        return float("nan")
-    since = int(onset * FRAME_RATE)
-    series = {"x": point.real, "radius": np.abs(point), "speed": np.abs(np.gradient(point))}[signal]
-    x = series[since : since + round(seconds * FRAME_RATE)]
-    return float((1 + np.argmax(np.abs(np.fft.rfft(x - x.mean()))[1:])) * FRAME_RATE / x.size)
-
-
 def lead(found: Exclusion) -> str:
     """Size of the search and its result."""
     best = max((one.met for one in found.finalists), default=0)
@@ -242,7 +211,7 @@ def tables(found: Exclusion) -> Iterator[Table]:
         opened,
         title="Pairs excluded with all assumptions kept",
     )
-    best, short = [], []
+    best = []
     for k, one in enumerate(found.finalists, 1):
         differing = [
             f"{choice.name} {choice.options[option]}"
@@ -252,7 +221,6 @@ def tables(found: Exclusion) -> Iterator[Table]:
         best.append(
             (str(k), str(one.met), str(one.steady), one.under, "; ".join(one.readings.values()), "; ".join(differing))
         )
-        short += [(str(k), reading, *(f"{line:.3g} Hz" for line in lines)) for reading, lines in one.short.items()]
     yield Table(
         ("set", "met of 15", "in steady whirl", "assumptions", "readings", "choices that differ"),
         best,
@@ -264,6 +232,3 @@ def tables(found: Exclusion) -> Iterator[Table]:
         for number, ours, off, low, high in (found.finalists[0].values if found.finalists else ())
     ]  # fmt: skip
     yield Table(("number", "published", "set 1", "off by, in 20 %", ""), values, title="Numbers of set 1")
-    yield Table(
-        ("set", "reading", "20 N", "150 N", "300 N"), short, title="Short plain spectra that give 0.28 and 0.29 Hz"
-    )
