@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from drill_twin.core.arrays import Array
 from drill_twin.io.messages.stamps import NANOSECONDS
 from drill_twin.io.messages.topics import FRAME_ID, TWIN_SUMMARY, WHIRL_MOTION, WHIRL_ONSET, WHIRL_STATE
 from drill_twin.io.messages.whirl_encode import (
     STRING_LEVEL,
+    WHIRL_SCALARS,
     OnsetMessage,
     SubjectMotion,
     WhirlStateEncoder,
@@ -36,6 +39,7 @@ class FindingsEncoder:
         self.summary = TwinSummary(marks)
         """Messages on `/twin/summary`."""
         self._state, self._frame_id = WhirlStateEncoder(self._names), FRAME_ID
+        self._values = np.empty((len(marks), len(WHIRL_SCALARS)))
         self._motion: tuple[object, ...] = ()
         self._motion_due = -1
         self.onset_announced = False
@@ -56,7 +60,18 @@ class FindingsEncoder:
         self, findings: Findings, frame_id: str = FRAME_ID, rig: RigSample | None = None
     ) -> list[tuple[str, bytes]]:
         """Topics and bytes of the messages for these findings, in the frame of the samples, and the rig's state."""
-        return self.rows(FoundRows.of(findings), frame_id, [rig or UNKNOWN_RIG])[0]
+        self._set_frame(frame_id)
+        stamp, columns = findings.stamp_ns, self._values.T
+        columns[0], columns[1] = findings.orbit_radius, math.tau * findings.precession
+        columns[2], columns[3], columns[4] = findings.ratio, findings.confidence, findings.codes
+        messages = [(WHIRL_STATE, self._state.encode(stamp, self._values)), *self._on_change(stamp, findings)]
+        if self.summary.add(stamp, rig or UNKNOWN_RIG):
+            messages.append(self._summary(stamp, findings, findings.orbit_radius, findings.bit_index))
+        return messages
+
+    def _summary(self, stamp: int, findings: Findings, radius: Array, bit_index: float) -> tuple[str, bytes]:
+        motion = Motion(findings.motion, radius, findings.bit, bit_index, findings.onset)
+        return TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id)
 
     def bit_summary(self, stamp: int, bit: StickSlip, rig: RigSample) -> list[tuple[str, bytes]]:
         """Topic and bytes of `/twin/summary` for a stream without marks, if it is due."""
@@ -78,8 +93,7 @@ class FindingsEncoder:
                 messages[row] += self._on_change(stamp, present)
             if rigs is not None and self.summary.add(stamp, rigs[row]):
                 radius, index = found.values[row, :, 0], float(found.bit_index[row])
-                motion = Motion(present.motion, radius, present.bit, index, present.onset)
-                messages[row].append((TWIN_SUMMARY, self.summary.encode(stamp, motion, self._frame_id)))
+                messages[row].append(self._summary(stamp, present, radius, index))
         return messages
 
     def _set_frame(self, frame_id: str) -> None:

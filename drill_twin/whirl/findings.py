@@ -6,7 +6,8 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 from enum import Enum
-from typing import Any, Literal, NamedTuple, Self
+from functools import cached_property
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -155,9 +156,9 @@ class Findings:
     bit_index: float = math.nan
     """Stick-slip index of the bit; nan while it is not known."""
 
-    @property
+    @cached_property
     def codes(self) -> list[int]:
-        """Codes of the motion states of the marks (`MotionCode`)."""
+        """Codes of the motion states of the marks (`MotionCode`); kept by `with_sample`."""
         return [MotionCode.of(state) for state in self.state]
 
     def with_sample(
@@ -197,12 +198,6 @@ class FoundRows(NamedTuple):
     """Stick-slip index of the bit, shape (n,); nan while it is not known."""
     changes: dict[int, Findings]
     """Findings by the number of a sample after which a state, a text or the onset may be another."""
-
-    @classmethod
-    def of(cls, found: Findings) -> Self:
-        """Findings after one sample."""
-        values = np.column_stack((found.orbit_radius, found.precession, found.ratio, found.confidence))
-        return cls(found, [found.stamp_ns], values[None], np.array([found.bit_index]), {0: found})
 
     def states(self) -> Array:
         """Values of `/whirl/state`: as `values`, precession in [rad/s], and the `MotionCode`, shape (n, m, 5)."""
