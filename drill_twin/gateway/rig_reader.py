@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reader of a rig's signals, in a thread of its own: connects, judges what it reads, and connects again by itself.
 
-There is one class a protocol. Value, stamp and unit of a signal are judged at each reading.
+There is one class a protocol. Value, stamp and unit of a signal are checked at each reading.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _AHEAD = 2.0  # s by which a stamp may be later than the clock of this machine
 
 
 @dataclass(frozen=True)
-class CheckedValue:
+class SignalReading:
     """Reading of a node."""
 
     value: object
@@ -36,7 +36,7 @@ class CheckedValue:
 
 
 @dataclass(frozen=True)
-class Judged:
+class CheckedValue:
     """Value with the verdict on it."""
 
     value: float = math.nan
@@ -47,7 +47,7 @@ class Judged:
     """Reason why it is not used; empty if it is sound."""
 
 
-class SoundnessCheck:
+class QualityCheck:
     """Judges one signal."""
 
     def __init__(self, signal: RigSignal) -> None:
@@ -55,15 +55,15 @@ class SoundnessCheck:
         self._last: float | None = None
         self._changed = 0.0
 
-    def judge(self, reading: CheckedValue, now: float) -> Judged:
+    def check(self, reading: SignalReading, now: float) -> CheckedValue:
         """Judge a reading at a time [s since 1970]."""
         fault = self._fault(reading, now)
         if fault or not isinstance(reading.value, int | float):
-            return Judged(fault=fault)
+            return CheckedValue(fault=fault)
         stamp = reading.stamp if math.isfinite(reading.stamp) else now
-        return Judged(float(reading.value) * self._signal.factor, stamp, "")
+        return CheckedValue(float(reading.value) * self._signal.factor, stamp, "")
 
-    def _fault(self, reading: CheckedValue, now: float) -> str:
+    def _fault(self, reading: SignalReading, now: float) -> str:
         signal, value = self._signal, reading.value
         if reading.status:
             return f"status {reading.status}"
@@ -151,7 +151,7 @@ class RefusedError(Exception):
 
 
 class RigReader(ABC):
-    """Reads signals in a thread of its own; `judged` may be called from another."""
+    """Reads signals in a thread of its own; `checked` may be called from another."""
 
     def __init__(self, signals: Sequence[RigSignal], period: float) -> None:
         """Begin to read.
@@ -161,8 +161,8 @@ class RigReader(ABC):
             period: Time between two readings [s].
         """
         self._signals, self._period = signals, period
-        self._checks = [SoundnessCheck(signal) for signal in signals]
-        self._judged: Sequence[Judged] = [Judged() for _ in signals]
+        self._checks = [QualityCheck(signal) for signal in signals]
+        self._checked: Sequence[CheckedValue] = [CheckedValue() for _ in signals]
         self._read_time = -math.inf
         self.fault = "not connected yet"
         """Reason why there is no connection; empty while there is one."""
@@ -180,11 +180,13 @@ class RigReader(ABC):
         del index
         return ""
 
-    def judged(self) -> Mapping[RigSignal, Judged]:
+    def checked(self) -> Mapping[RigSignal, CheckedValue]:
         """Latest value of each signal, with the verdict on it."""
         if time.monotonic() - self._read_time > PATIENCE + self._period:
-            return {signal: Judged(fault=f"no connection: {self.fault or 'no answer'}") for signal in self._signals}
-        return dict(zip(self._signals, self._judged, strict=True))
+            return {
+                signal: CheckedValue(fault=f"no connection: {self.fault or 'no answer'}") for signal in self._signals
+            }
+        return dict(zip(self._signals, self._checked, strict=True))
 
     def close(self) -> None:
         """Disconnect, and end the thread."""
@@ -206,11 +208,11 @@ class RigReader(ABC):
     def _connected(self) -> None:
         self.connections, self.fault = self.connections + 1, ""
 
-    def _take(self, readings: Iterable[CheckedValue]) -> None:
+    def _take(self, readings: Iterable[SignalReading]) -> None:
         """Judge a reading of each signal."""
         now = time.time()
-        self._judged = [
-            Judged(fault=fault) if (fault := self.fault_of(index)) else self._checks[index].judge(one, now)
+        self._checked = [
+            CheckedValue(fault=fault) if (fault := self.fault_of(index)) else self._checks[index].check(one, now)
             for index, one in enumerate(readings)
         ]
         self._read_time = time.monotonic()

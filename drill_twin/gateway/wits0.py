@@ -14,7 +14,7 @@ import time
 from collections.abc import Iterator, Sequence
 from urllib.parse import urlsplit
 
-from drill_twin.gateway.rig_reader import PATIENCE, CheckedValue, RefusedError, RigReader
+from drill_twin.gateway.rig_reader import PATIENCE, RefusedError, RigReader, SignalReading
 from drill_twin.gateway.signals import RigSignal
 
 BEGIN, END = "&&", "!!"
@@ -84,10 +84,10 @@ class WitsReader(RigReader):
         except ValueError as error:
             raise RefusedError(f"expected lines of WITS, found one of more than {_LONGEST_LINE} bytes") from error
 
-    def _readings(self) -> Iterator[CheckedValue]:
+    def _readings(self) -> Iterator[SignalReading]:
         for item in self._items:
             text, stamp = self._found.get(item, ("", math.nan))
-            yield CheckedValue(_number(text), "" if text else f"item {item} has not come", stamp)
+            yield SignalReading(_number(text), "" if text else f"item {item} has not come", stamp)
 
 
 def _number(text: str) -> float | str:

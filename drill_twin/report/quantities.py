@@ -143,7 +143,7 @@ def precession(recording: Recording) -> dict[str, Any]:
 
 SOFT = 0.1
 """Penetration over the clearance above which the motion depends on the stiffness of the wall."""
-SHARES = np.array([0.0, 0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)])
+FRACTIONS = np.array([0.0, 0.5 - np.sqrt(1.0 / 12.0), 0.5 + np.sqrt(1.0 / 12.0)])
 """Node and Gauss points of an element; the wall acts at the latter."""
 
 
@@ -156,7 +156,7 @@ def wall_depth(bag: Recording) -> dict[str, Any] | None:
     if not bag.scene_known or bag.scene.effects.wall is None or bag.nodes < 2:
         return None
     scene, poses = bag.scene, bag.poses
-    curves = along_hole(scene, refined(poses.position, poses.tangent, SHARES))
+    curves = along_hole(scene, refined(poses.position, poses.tangent, FRACTIONS))
     steps = np.linalg.norm(np.diff(curves[0], axis=0), axis=1)
     up = np.concatenate(([0.0], np.cumsum(steps)))
     if not (np.isfinite(curves).all() and up[-1] > 0.0):  # poses that no run of this scene publishes
@@ -164,7 +164,7 @@ def wall_depth(bag: Recording) -> dict[str, Any] | None:
     up *= scene.length / up[-1]
     clearance = np.array([scene.clearance_at(float(place)) for place in up])
     depth = np.hypot(curves[..., 0], curves[..., 1]) - clearance
-    depth[:, :: SHARES.size] = -np.inf  # nodes, which the wall does not act on
+    depth[:, :: FRACTIONS.size] = -np.inf  # nodes, which the wall does not act on
     instant, place = np.unravel_index(np.argmax(depth), depth.shape)
     return {
         "deepest_m": max(float(depth[instant, place]), 0.0),

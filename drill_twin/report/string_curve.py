@@ -78,18 +78,18 @@ def smooth(position: Array, tangent: Array) -> Array:
     return position if pieces == 1 or elements < 1 else refined(position, tangent, np.arange(pieces) / pieces)
 
 
-def refined(position: Array, tangent: Array, shares: Array) -> Array:
-    """Points of the same curve at given shares of each element.
+def refined(position: Array, tangent: Array, fractions: Array) -> Array:
+    """Points of the same curve at given fractions of each element.
 
     Args:
         position: Node positions [m], shape (T, n + 1, 3).
         tangent: Unit tangents, shape (T, n + 1, 3).
-        shares: From 0, with it, up to 1, without it, shape (p,).
+        fractions: From 0, with it, up to 1, without it, shape (p,).
 
     Returns:
         Points [m], and the last node, shape (T, n p + 1, 3).
     """
-    u = shares[:, None]
+    u = fractions[:, None]
     begin, end = position[:, :-1, None], position[:, 1:, None]
     chord = np.linalg.norm(end - begin, axis=-1, keepdims=True)
     leave, arrive = chord * tangent[:, :-1, None], chord * tangent[:, 1:, None]

@@ -11,25 +11,26 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from drill_twin.core.arrays import Integers
+from drill_twin.core.arrays import Array, Integers
 from drill_twin.core.compile.jit import strict_kernel
 from drill_twin.core.compile.kernel_cache import load_generated
 from drill_twin.core.compile.packed_arguments import field
-from drill_twin.whirl.analyzer_kernel import (
+from drill_twin.whirl.analyzer_state import (
     ADD,
     BIN,
     BIN_FULL,
     BIT_OUTCOME,
     CHANGED,
     CHECK,
+    COUNT,
     CROSSED,
     DECIDE,
-    DECIDE_FIRST,
     DECIDED,
     DESCRIBE,
     DONE,
+    GAPS,
     NEW,
-    NOT_DUE,
+    NEXT,
     NOTE,
     ONSET,
     ORBIT,
@@ -40,15 +41,92 @@ from drill_twin.whirl.analyzer_kernel import (
     STEP,
     UNDECIDED,
     add_sample,
-    close_bin,
-    estimate_orbit,
-    estimate_state,
     note_findings,
     take_sample,
 )
-from drill_twin.whirl.analyzer_state import COUNT, NEXT
-from drill_twin.whirl.history import LENGTH
-from drill_twin.whirl.run_statistics import add_bin
+from drill_twin.whirl.criteria import Criteria
+from drill_twin.whirl.history import APPENDED, LENGTH, History, append
+from drill_twin.whirl.motion.classifier import MotionClassifier, classify
+from drill_twin.whirl.onset.asynchronous_onset import (
+    AveragedRadius,
+    Onsets,
+    average_radius,
+    drop_candidates,
+    ends,
+    watch,
+)
+from drill_twin.whirl.onset.synchronous_onset import SynchronousOnsets, watch_synchronous
+from drill_twin.whirl.orbit.carrier import Carrier, judge, restore
+from drill_twin.whirl.orbit.orbit import ROTATION, Orbit, StringShape, find_precession, find_shape, fit_orbit
+from drill_twin.whirl.orbit.runout_separation import RunoutSeparation, hold, separate
+from drill_twin.whirl.run_statistics import ESTIMATED, add_bin
+from drill_twin.whirl.sample_bins import BINS, FORCES, REVOLUTIONS, TIME, Bin, SampleBins, close
+
+INTERVAL_REV = 4.0 / BINS
+"""Interval of the estimates of orbit and motion state [rev]; the onset is checked with every bin."""
+INTERVAL_S = 0.5
+"""Longest interval of these estimates [s]."""
+FEWEST = 4
+"""Fewest bins for the onset."""
+NOT_DUE, ESTIMATE, DECIDE_FIRST = range(3)
+"""Outcome of `estimate_orbit`."""
+
+
+@strict_kernel
+def close_bin(
+    full: Bin, bins: SampleBins, carrier: Carrier, separation: RunoutSeparation, history: History,
+    averaged: AveragedRadius, onsets: Onsets, criteria: Criteria, clearance: Array, rate: Array, quality: Integers,
+) -> int:  # fmt: skip
+    """Separate the parts of the motion in the full bin; return whether a mark may begin to whirl."""
+    contact = full.contact
+    close(bins, full)
+    restore(carrier, full, criteria)
+    separate(separation, full, carrier.left, carrier.shift)
+    if not full.counts[FORCES]:
+        for k in range(contact.size):
+            near = separation.distance[k] > criteria.contact_radius * clearance[k]
+            contact[k] = 1.0 if near else 0.0
+    quality[GAPS] += append(history, full, separation.vector, contact, carrier.carried)
+    if history.counts[LENGTH] < FEWEST:
+        drop_candidates(onsets)
+        return 0
+    average_radius(averaged, history, criteria, rate[0], carrier.carried, onsets.active)
+    return 1 if watch(onsets, averaged, history, criteria) else 0
+
+
+@strict_kernel
+def estimate_orbit(
+    orbit: Orbit, history: History, separation: RunoutSeparation, averaged: AveragedRadius, onsets: Onsets,
+    synchronous: SynchronousOnsets, criteria: Criteria, numbers: Array, due: Array, flags: Integers,
+    carrier: Carrier, rolling_ratio: Array,
+) -> int:  # fmt: skip
+    """Estimate the orbit where that is due; return whether it was, and whether there is something to decide."""
+    hold(separation, criteria, onsets.time, onsets.active)
+    revolutions, time = numbers[REVOLUTIONS], numbers[TIME]
+    flags[ESTIMATED] = 0
+    if history.counts[APPENDED] < 2 or (revolutions < due[0] and time < due[1]):
+        return NOT_DUE
+    flags[ESTIMATED] = 1
+    due[0], due[1] = revolutions + INTERVAL_REV - 0.25 / BINS, time + INTERVAL_S
+    fit_orbit(orbit, history, criteria, averaged.noise.level)
+    judge(carrier, orbit.seen, orbit.numbers[ROTATION], rolling_ratio, criteria)
+    crossed = watch_synchronous(synchronous, history, orbit, criteria)
+    ended = ends(onsets, averaged, orbit, history, criteria)
+    return DECIDE_FIRST if crossed or ended else ESTIMATE
+
+
+@strict_kernel
+def estimate_state(
+    orbit: Orbit, shape: StringShape, history: History, motion: MotionClassifier, onsets: Onsets,
+    synchronous: SynchronousOnsets, criteria: Criteria, noise: Array, rolling_ratio: Array, numbers: Array,
+    definite: Array,
+) -> int:  # fmt: skip
+    """Estimate precession, shape and motion states; return whether a state must be described."""
+    find_precession(orbit, criteria, onsets.active, noise)
+    for k in range(definite.size):
+        orbit.confidence[k] *= definite[k]
+    find_shape(shape, history, criteria)
+    return 1 if classify(motion, orbit, shape, onsets, synchronous, criteria, rolling_ratio, numbers) else 0
 
 
 @strict_kernel

@@ -19,8 +19,17 @@ from numpy.typing import NDArray
 from drill_twin.core.arrays import Integers
 from drill_twin.core.compile.packed_arguments import bind, pack
 from drill_twin.whirl.analysis_loop import compiled
-from drill_twin.whirl.analyzer_kernel import CHANGED, DECIDED, NEW
-from drill_twin.whirl.analyzer_state import BLOCK, COUNT, HAS_FORCE, HAS_SPIN, NEXT, AnalyzerState
+from drill_twin.whirl.analyzer_state import (
+    BLOCK,
+    CHANGED,
+    COUNT,
+    DECIDED,
+    HAS_FORCE,
+    HAS_SPIN,
+    NEW,
+    NEXT,
+    AnalyzerState,
+)
 from drill_twin.whirl.criteria import Criteria
 from drill_twin.whirl.findings import Findings, FoundRows, Onset, Quality, Summary
 from drill_twin.whirl.marks import AnalysisError, MarkArrays, MarkInfo, check_marks

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drill_twin.core.arrays import Array, ComplexArray, Integers
-from drill_twin.core.compile.jit import copy, strict_kernel
+from drill_twin.core.compile.jit import as_python, copy, strict_kernel
 from drill_twin.whirl.sample_bins import ANGLE, BINS, REVOLUTIONS, TIME, Bin
 
 CAPACITY = 32 * BINS
@@ -97,9 +97,7 @@ class History(NamedTuple):
 
     def bins_in(self, revolutions: float) -> int:
         """Number of bins since the last gap within the newest `revolutions` [rev]; at most 4 for each 1/16."""
-        bins = min(self.length, int(4 * BINS * revolutions))
-        elapsed = self.revolutions[self.newest(bins)]
-        return bins - int(np.searchsorted(elapsed, elapsed[-1] - revolutions + 0.5 / BINS))
+        return int(as_python(bins_in)(self, revolutions))
 
 
 @strict_kernel

@@ -10,8 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drill_twin.whirl.analyzer_kernel import CHECK, CROSSED, DECIDE, DESCRIBE, NEW, UNDECIDED
-from drill_twin.whirl.analyzer_state import AnalyzerState
+from drill_twin.whirl.analyzer_state import CHECK, CROSSED, DECIDE, DESCRIBE, NEW, UNDECIDED, AnalyzerState
 from drill_twin.whirl.criteria import Criteria, MotionState
 from drill_twin.whirl.findings import Onset
 from drill_twin.whirl.motion.states import CHANGED, KEPT, STATES, Timeline

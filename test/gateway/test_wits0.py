@@ -82,21 +82,21 @@ def test_sentences(lines, items):
 
 def test_a_rig_is_read_in_si_and_read_again_after_it_was_gone(rig, reader):
     rig.send("&&\r\n01163.25\r\n011812.5\r\n!!\r\n")
-    _until(lambda: not reader.judged()[WOB].fault)
-    assert reader.judged()[WOB].value == pytest.approx(32500.0)
-    assert reader.judged()[TORQUE].value == pytest.approx(12500.0)
+    _until(lambda: not reader.checked()[WOB].fault)
+    assert reader.checked()[WOB].value == pytest.approx(32500.0)
+    assert reader.checked()[TORQUE].value == pytest.approx(12500.0)
     rig.send("&&\r\n0116-999.25\r\n0118x\r\n!!\r\n")
-    _until(lambda: reader.judged()[TORQUE].fault)
-    assert reader.judged()[WOB].fault == "expected a finite number, found nan"
-    assert reader.judged()[TORQUE].fault == "expected a number, found str"
+    _until(lambda: reader.checked()[TORQUE].fault)
+    assert reader.checked()[WOB].fault == "expected a finite number, found nan"
+    assert reader.checked()[TORQUE].fault == "expected a number, found str"
     rig.drop()
     _until(lambda: reader.connections == 2)
     rig.send("&&\r\n01165.0\r\n!!\r\n")
-    _until(lambda: not reader.judged()[WOB].fault)
-    assert reader.judged()[WOB].value == pytest.approx(50000.0)
+    _until(lambda: not reader.checked()[WOB].fault)
+    assert reader.checked()[WOB].value == pytest.approx(50000.0)
 
 
 def test_what_is_no_wits_is_told(rig, reader):
     rig.send("x" * 2000)
     _until(lambda: "expected lines of WITS" in reader.fault)
-    assert reader.judged()[WOB].fault.startswith("no connection: expected lines of WITS")
+    assert reader.checked()[WOB].fault.startswith("no connection: expected lines of WITS")

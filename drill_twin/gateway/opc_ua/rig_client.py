@@ -18,7 +18,7 @@ from asyncua import Client, ua
 from asyncua.crypto.security_policies import SecurityPolicyBasic256Sha256
 
 from drill_twin.gateway.opc_ua.keys import CERTIFICATE, Keys
-from drill_twin.gateway.rig_reader import PATIENCE, CheckedValue, RefusedError, RigReader, unit_fault
+from drill_twin.gateway.rig_reader import PATIENCE, RefusedError, RigReader, SignalReading, unit_fault
 from drill_twin.gateway.signals import RigSignal
 
 
@@ -105,13 +105,13 @@ class RigClient(RigReader):
         return self._units[index]
 
 
-def _reading(found: Any) -> CheckedValue:
+def _reading(found: Any) -> SignalReading:
     stamp = found.SourceTimestamp
     if stamp is not None and stamp.tzinfo is None:
         stamp = stamp.replace(tzinfo=UTC)
     status = "" if found.StatusCode is None or found.StatusCode.is_good() else found.StatusCode.name
     value = found.Value.Value if found.Value is not None else None
-    return CheckedValue(value, status, stamp.timestamp() if stamp is not None else math.nan)
+    return SignalReading(value, status, stamp.timestamp() if stamp is not None else math.nan)
 
 
 def _node_id(text: str, uris: Sequence[str]) -> Any:

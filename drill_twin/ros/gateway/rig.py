@@ -29,7 +29,7 @@ from drill_twin.ros.gateway.commands import CommandOutput
 
 if TYPE_CHECKING:
     from drill_twin.gateway.opc_ua.keys import Keys
-    from drill_twin.gateway.rig_reader import Judged
+    from drill_twin.gateway.rig_reader import CheckedValue
 
 
 class RigLink:
@@ -54,7 +54,7 @@ class RigLink:
         self._client: RigReader = (
             WitsReader(settings.rig_url, read) if wits else _opc_ua_client(settings, read, keys if secure else None)
         )
-        self._judged = self._client.judged()
+        self._checked = self._client.checked()
         self.limits: Limits = {}
         """Limits of the scene for the set-points that are followed."""
         self._published, self._withdrawn = dict[str, int](), False
@@ -73,19 +73,19 @@ class RigLink:
 
     def work(self) -> None:
         """Publish what has come, and send the set-points; the safe one when they are not sound any more."""
-        self._judged = self._client.judged()
+        self._checked = self._client.checked()
         self._publish()
         if self._signals.follow and not self._withdrawn:
             self._follow()
 
     def _publish(self) -> None:
         """Publish the measured values of surface and subs, those of which one is newer than the last."""
-        sound = {one.quantity: self._judged[one] for one in self._signals.measure if not self._judged[one].fault}
-        surface = {MEASURED[quantity]: judged for quantity, judged in sound.items() if quantity in MEASURED}
+        sound = {one.quantity: self._checked[one] for one in self._signals.measure if not self._checked[one].fault}
+        surface = {MEASURED[quantity]: checked for quantity, checked in sound.items() if quantity in MEASURED}
         if stamp := self._newer(MEASURED_RIG_STATE, surface.values()):
             values = np.full((len(ARRAYS), len(self._joints)), np.nan)
-            for (joint, array), judged in surface.items():
-                values[ARRAYS.index(array), self._joints.index(joint)] = judged.value
+            for (joint, array), checked in surface.items():
+                values[ARRAYS.index(array), self._joints.index(joint)] = checked.value
             self._node.topics.publish(MEASURED_RIG_STATE, self._template.fill(stamp, *values))
         for sub, template in self._summaries.items():
             found = {name: sound[f"{sub}.{name}"] for name in SUMMARY if f"{sub}.{name}" in sound}
@@ -94,7 +94,7 @@ class RigLink:
                 row = [found[name].value if name in found else math.nan for name in SUMMARY]
                 self._node.topics.publish(topic, template.fill(stamp, row))
 
-    def _newer(self, topic: str, sound: Collection[Judged]) -> int:
+    def _newer(self, topic: str, sound: Collection[CheckedValue]) -> int:
         """Stamp of the newest value [ns]; 0 unless it is newer than the last one on the topic."""
         stamp = max((stamp_ns(one.stamp) for one in sound if math.isfinite(one.stamp)), default=0)
         if stamp <= self._published.get(topic, 0):
@@ -109,7 +109,7 @@ class RigLink:
             if not self.follows:
                 self._output.begin()
             self.follows, self.lost = True, ""
-            self._output.send({one.quantity: self._judged[one].value for one in self._signals.follow})
+            self._output.send({one.quantity: self._checked[one].value for one in self._signals.follow})
         elif fault and self.follows:
             self.follows, self.lost = False, fault
             self._output.go_safe()
@@ -121,8 +121,8 @@ class RigLink:
 
     def _fault_of(self, signals: Sequence[RigSignal]) -> str:
         """First fault of some signals, with its quantity; empty if all are sound."""
-        found = ((one, self._judged[one]) for one in signals)
-        return next((f"{one.quantity} of the rig: {judged.fault}" for one, judged in found if judged.fault), "")
+        found = ((one, self._checked[one]) for one in signals)
+        return next((f"{one.quantity} of the rig: {checked.fault}" for one, checked in found if checked.fault), "")
 
     def _beyond_limits(self) -> str:
         """First set-point of the rig that the scene does not admit, in a sentence; empty if all are admitted."""
@@ -130,7 +130,7 @@ class RigLink:
             low, high = range_taken(one, self.limits)
             if not (math.isfinite(low) and math.isfinite(high)):
                 return f"{one.quantity} of the rig: expected a scene of the twin, which limits it, found none so far"
-            if not low <= (value := self._judged[one].value / one.factor) <= high:
+            if not low <= (value := self._checked[one].value / one.factor) <= high:
                 return f"{one.quantity} of the rig: expected {low:g} to {high:g} {one.unit}, found {value:g}"
         return ""
 
@@ -145,7 +145,7 @@ class RigLink:
         return {
             "rig_connections": str(self._client.connections),
             "rig_follows": str(self.follows).lower(),
-            **{f"measured_{one.quantity}": _text(self._judged[one]) for one in self._signals.measure},
+            **{f"measured_{one.quantity}": _text(self._checked[one]) for one in self._signals.measure},
         }
 
     def close(self) -> None:
@@ -195,5 +195,5 @@ def _opc_ua_client(settings: Any, signals: Sequence[RigSignal], keys: Keys | Non
     return RigClient(access, signals, 1.0 / settings.rig_rate)
 
 
-def _text(judged: Judged) -> str:
-    return judged.fault or f"{judged.value:g}"
+def _text(checked: CheckedValue) -> str:
+    return checked.fault or f"{checked.value:g}"

@@ -188,6 +188,6 @@ def _first_crossing(radius: Array, revolutions: Array) -> float | None:
         if end == radius.size - 1 or revolutions[end] - revolutions[begin] >= Criteria().sustain:
             before = max(begin - 1, 0)
             low, high = float(radius[before]), float(radius[begin])
-            share = (1.0 - low) / (high - low) if high > 1.0 > low else 1.0
-            return float(revolutions[begin] - (1.0 - share) * (revolutions[begin] - revolutions[before]))
+            fraction = (1.0 - low) / (high - low) if high > 1.0 > low else 1.0
+            return float(revolutions[begin] - (1.0 - fraction) * (revolutions[begin] - revolutions[before]))
     return None

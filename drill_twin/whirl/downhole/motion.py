@@ -149,9 +149,9 @@ class SubMotion:
             return []
         found = []
         for k in range(1, missing + 1):
-            share = k / (missing + 1)
-            between = [one + share * (other - one) for one, other in zip(before, values, strict=True)]
-            found += self._add(last + round(share * step), between)
+            fraction = k / (missing + 1)
+            between = [one + fraction * (other - one) for one, other in zip(before, values, strict=True)]
+            found += self._add(last + round(fraction * step), between)
         return found + self._add(stamp, values)
 
     def _add(self, stamp: int, values: list[float]) -> list[Place]:

@@ -19,9 +19,7 @@ from drill_twin.core.arrays import Array, Integers
 from drill_twin.core.compile.jit import as_python, copy, strict_kernel
 from drill_twin.whirl.criteria import BitMotion
 from drill_twin.whirl.findings import StickSlipPeriod
-from drill_twin.whirl.motion.stick_slip_index import (
-    CYCLES as WINDOW_CYCLES,
-)
+from drill_twin.whirl.motion.stick_slip_index import CYCLES as WINDOW_CYCLES
 from drill_twin.whirl.motion.stick_slip_index import (
     CYCLES_SEEN,
     FULL,

@@ -185,9 +185,9 @@ def _crossing_time(time: Array, radius: Array, detection: Detection, half: int) 
     if first == 0 or not below[first - 1]:
         return float(time[first])
     low, high = float(radius[first - 1]), float(radius[first])
-    share = (threshold - low) / (high - low) if high > low else 1.0
-    share = min(max(share, 0.0), 1.0)
-    return math.fsum((float(time[first - 1]) * (1.0 - share), float(time[first]) * share))
+    fraction = (threshold - low) / (high - low) if high > low else 1.0
+    fraction = min(max(fraction, 0.0), 1.0)
+    return math.fsum((float(time[first - 1]) * (1.0 - fraction), float(time[first]) * fraction))
 
 
 def _significance(detection: Detection) -> float:

@@ -101,7 +101,7 @@ FAULTS = (
     Fault("ignored limit: a heartbeat that stands still keeps control", "gateway/control.py",
           "if value != self._beat[0]:", "if self.user is user:", "gateway/test_control.py"),
     Fault("missing factor: a value of the rig is passed on in its own unit", "gateway/rig_reader.py",
-          "float(reading.value) * self._signal.factor", "float(reading.value)", "gateway/test_soundness.py"),
+          "float(reading.value) * self._signal.factor", "float(reading.value)", "gateway/test_signal_quality.py"),
     Fault("sign: gravity by the tilt of a downhole tool", "whirl/downhole/motion.py",
           "kept.acceleration + self._axial * kept.tilt", "kept.acceleration - self._axial * kept.tilt",
           "whirl/test_downhole.py", "tilted_section or sense_ratio"),

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from drill_twin.gateway.rig_reader import CheckedValue, SoundnessCheck, unit_fault
+from drill_twin.gateway.rig_reader import QualityCheck, SignalReading, unit_fault
 from drill_twin.gateway.signals import RigSignal
 
 SIGNAL = RigSignal("weight_on_bit", "ns=2;s=WOB", "kN", 1000.0, 0.0, 500.0, stale_after=2.0, frozen_after=5.0)
@@ -14,13 +14,13 @@ NOW = 1.8e9
 
 @pytest.fixture
 def judge():
-    check = SoundnessCheck(SIGNAL)
-    return lambda value, status="", age=0.0, now=NOW: check.judge(CheckedValue(value, status, now - age), now)
+    check = QualityCheck(SIGNAL)
+    return lambda value, status="", age=0.0, now=NOW: check.check(SignalReading(value, status, now - age), now)
 
 
 def test_a_sound_value_is_in_si(judge):
-    judged = judge(12)
-    assert (judged.value, judged.fault) == (12000.0, "")
+    checked = judge(12)
+    assert (checked.value, checked.fault) == (12000.0, "")
 
 
 @pytest.mark.parametrize(
@@ -39,9 +39,9 @@ def test_a_sound_value_is_in_si(judge):
     ],
 )
 def test_a_fault_has_its_sentence_and_no_value(judge, given, fault):
-    judged = judge(*given)
-    assert judged.fault == fault
-    assert math.isnan(judged.value)
+    checked = judge(*given)
+    assert checked.fault == fault
+    assert math.isnan(checked.value)
 
 
 def test_a_value_that_never_changes_is_frozen_until_it_does(judge):
