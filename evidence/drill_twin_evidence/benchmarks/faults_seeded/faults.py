@@ -68,7 +68,7 @@ FAULTS = (
     Fault("sign: left-hand rotation counted as right-hand", "whirl/sample_bins.py",
           "rotation[TOTAL_ANGLE] += increment", "rotation[TOTAL_ANGLE] += abs(increment)", "whirl/test_precession.py"),
     # Run
-    Fault("formula: slope at the ends of the STEP set-point", "scene/set_points/shapes.py",
+    Fault("formula: slope at the ends of the STEP set-point", "scene/set_points/schedule.py",
           "x * x * (3.0 - 2.0 * x)", "x * x * (2.0 - x)", "scene/set_points/test_schedule_shapes.py"),
     Fault("real-time factor over computing time instead of wall time", "runs/monitor/run_timing.py",
           "return _ratio(self._total[0], self._total[3])", "return _ratio(self._total[0], self._total[1])",
