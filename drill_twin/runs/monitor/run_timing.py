@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Computing time and drilling progress of a run; for the diagnostics."""
+"""Computing time of a run, for the diagnostics."""
 
 from __future__ import annotations
 
 import time
 
 from drill_twin.dynamics.twin.frame import StepStats
-from drill_twin.dynamics.twin.twin import Twin
 
 _FRAMES, _SHORTEST = 10, 0.2  # a window of fewer frames and less time [s] has no rate
 
@@ -111,24 +110,3 @@ class RunTiming:
 
 def _ratio(part: float, whole: float) -> float:
     return part / whole if whole else 0.0
-
-
-_HOUR = 3600.0
-
-
-class DrillingProgress:
-    """Depth and rate of penetration of one twin."""
-
-    def __init__(self, twin: Twin) -> None:
-        self._twin = twin
-        self._last = (twin.time, twin.drilled)
-
-    def values(self) -> dict[str, str]:
-        """Drilled depth [m] and rate of penetration since the last call [m/h]; empty if the bit does not drill."""
-        if not {"bit_cutting", "bit_regenerative"}.intersection(self._twin.effects):
-            return {}
-        (last_time, last_depth), time, depth = self._last, self._twin.time, self._twin.drilled
-        self._last = (time, depth)
-        elapsed = time - last_time
-        rate = (depth - last_depth) / elapsed if elapsed > 0.0 else 0.0
-        return {"drilled_m": f"{depth:.6f}", "rate_of_penetration_m_h": f"{rate * _HOUR:.3f}"}
